@@ -334,7 +334,7 @@ fn a_replaced_texture_loads_the_scene_again() {
 fn a_texture_that_is_missing_mends_the_scene_when_it_is_created() {
     let place = Place::new();
     let wrong = place.begin(TEXTURED).value.unwrap_err();
-    assert!(wrong.contains("there is no picture `a.png`"), "{wrong}");
+    assert!(wrong.contains("there is no image `a.png`"), "{wrong}");
     place.write("a.png", png(6));
     assert_eq!(place.result().value, Ok((1.0, vec![6])));
 }

@@ -132,7 +132,7 @@ fn shipped_scenes_and_formulas_read_shipped_pictures() {
     assert!(*formula.textures(&scene).unwrap()[0] == asset("mallard.png"));
     let formula = SceneSource::Formula(text(&["Cargo.toml"]));
     let wrong = formula.textures(&formula.compile().unwrap().scene.unwrap()).unwrap_err();
-    assert_eq!(wrong[0].message, "there is no shipped picture `Cargo.toml`");
+    assert_eq!(wrong[0].message, "there is no shipped image `Cargo.toml`");
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn a_copy_of_a_shipped_scene_finds_shipped_pictures_unless_its_folder_has_its_ow
     assert_eq!(place.textures(&["wood.png"]).unwrap()[0].dimensions(), (2, 2));
     // One's own that is broken is not passed over in silence.
     place.write("wood.png", "none");
-    assert_eq!(place.refused("wood.png").1, "`wood.png` is not a picture in a known format");
+    assert_eq!(place.refused("wood.png").1, "`wood.png` is not an image in a known format");
 }
 
 #[test]
@@ -154,11 +154,11 @@ fn a_missing_picture_is_told_with_what_may_be_meant() {
     place.write("notes.txt", "");
     let (fault, message, hint) = place.refused("tigre.jpeg");
     assert_eq!(fault, Fault::Malformed);
-    assert_eq!(message, "there is no picture `tigre.jpeg` in the scene's folder");
+    assert_eq!(message, "there is no image `tigre.jpeg` in the scene's folder");
     assert_eq!(hint, "did you mean `tiger.jpeg`?");
     assert_eq!(place.refused("sub/leav.png").2, "did you mean `sub/leaf.png`?");
     assert_eq!(place.refused("wod.png").2, "did you mean `wood.png`?");
-    let advice = "put it there, or use one that is shipped: mallard.png, wood.png";
+    let advice = "put it there, or use a shipped image: mallard.png, wood.png";
     assert_eq!(place.refused("note.txt").2, advice);
     assert_eq!(place.refused("nowhere/at/all.png").2, advice);
 }
@@ -178,7 +178,7 @@ fn every_refusal_has_its_own_sentence() {
     let none = |name: &str| {
         (
             Fault::Malformed,
-            format!("`{name}` is not a picture in a known format"),
+            format!("`{name}` is not an image in a known format"),
             "name a PNG or JPEG file".to_owned(),
         )
     };
@@ -190,13 +190,13 @@ fn every_refusal_has_its_own_sentence() {
     for name in ["half.png", "half.jpg"] {
         let (fault, message, hint) = reported(name);
         assert_eq!(fault, Fault::Malformed);
-        assert!(message.starts_with(&format!("the picture `{name}` is damaged: ")), "{message}");
+        assert!(message.starts_with(&format!("the image `{name}` is damaged: ")), "{message}");
         assert_eq!(hint, "save it again");
     }
     let (fault, message, _) = reported("bytes.png");
     assert_eq!(fault, Fault::OverLimit);
-    assert_eq!(message, "the picture `bytes.png` cannot be read: it is larger than 33554432 bytes");
-    assert_eq!(reported("sub").1, "the picture `sub` cannot be read: it is not a file");
+    assert_eq!(message, "the image `bytes.png` cannot be read: it is larger than 33554432 bytes");
+    assert_eq!(reported("sub").1, "the image `sub` cannot be read: it is not a file");
 }
 
 #[test]
@@ -211,7 +211,7 @@ fn a_picture_that_is_too_large_is_refused_by_its_header() {
         place.write("wide.png", bytes);
         let (fault, message, hint) = place.refused("wide.png");
         assert_eq!(fault, Fault::OverLimit);
-        assert_eq!(message, format!("the picture `wide.png` is too large: {} x 1 pixels", side + 1));
+        assert_eq!(message, format!("the image `wide.png` is too large: {} x 1 pixels", side + 1));
         assert!(hint.contains(&side.to_string()), "{hint}");
     }
     let rows = u32::try_from(LIMITS.texture_pixels_max / u64::from(side)).unwrap() + 1;
@@ -237,9 +237,9 @@ fn nothing_outside_of_the_folder_is_read() {
         assert_eq!(fault, Fault::Malformed);
         assert_eq!(
             message,
-            format!("the picture `{name}` cannot be read: it is a link that leads out of the scene's folder")
+            format!("the image `{name}` cannot be read: it is a link that leads out of the scene's folder")
         );
-        assert_eq!(hint, "put the picture itself into the scene's folder");
+        assert_eq!(hint, "copy the image into the scene's folder");
     }
     assert_eq!(place.textures(&["alias.png"]).unwrap()[0].dimensions(), (4, 4));
     for name in ["../outside.png", "/etc/passwd"] {

@@ -1,12 +1,11 @@
-//! Output files that are either complete or absent: they are written beside their place and renamed into it at the
-//! end, so that a failure never costs the file that was there before.
+//! Output files that are either complete or absent. The content goes to a temporary file in the same folder, which
+//! replaces the target at the end, so a failure never costs the previous file.
 //!
-//! The content is on the disk before the file is renamed, so that after a power failure there is the old file or the
-//! new one. An unfinished file is removed when it is dropped, and by a signal that ends the process
-//! ([`crate::ending::begin`]). After a sudden death the next run that writes into the folder removes it: a
-//! writer holds a lock on its file for as long as the process lives, so a file that can be locked is abandoned. (A
-//! process id in the name would not show that: containers and machines that share a folder have process ids of their
-//! own.)
+//! The content is synced to the disk before the rename: after a power failure the folder has either the old file or
+//! the new one. A temporary file is removed when it is dropped and by a signal that ends the process
+//! ([`crate::ending::begin`]). After a crash, the next run that writes into the folder removes it. The writer locks
+//! its temporary file as long as the process lives, so a file that can be locked is abandoned. A process id in the
+//! name would not show that: containers and machines that share a folder have separate process ids.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
@@ -18,43 +17,45 @@ use tempfile::{Builder, NamedTempFile};
 
 use crate::ending::{self, Undo};
 
-/// What the names of unfinished files begin with.
+/// Prefix of the names of temporary files.
 const PREFIX: &str = ".mariana-unfinished-";
 
-/// How often a new file is tried if another run takes it for an abandoned one in the moment before it is locked.
+/// Attempts to create a temporary file: another run may remove it in the moment before it is locked.
 const ATTEMPTS: usize = 8;
 
-/// A file that cannot be written.
+/// Error: a file cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{} cannot be written ({reason})", path.display())]
 pub struct Unwritable {
-    /// The file that was wanted.
+    /// The target file.
     pub path: PathBuf,
-    /// What the system said.
+    /// The error from the system.
     pub reason: String,
 }
 
-/// A file that is removed when it is dropped, when a signal ends the process, or by the next run after a sudden
-/// death.
+/// A temporary file. It is removed when it is dropped, when a signal ends the process, or by the next run after a
+/// crash.
 #[derive(Debug)]
 pub struct Unfinished {
-    // Open and locked for as long as it lives.
+    // Open and locked while it exists.
     file: NamedTempFile,
     undo: Undo,
 }
 
 impl Unfinished {
-    /// A new file in `folder` whose name ends in `suffix`. What other runs left there is removed first.
+    /// Creates a temporary file in `folder` whose name ends in `suffix`. First removes the abandoned files of
+    /// other runs.
     ///
     /// # Errors
-    /// What the system says.
+    /// The error from the system if the file cannot be created.
     pub fn create(folder: &Path, suffix: &OsStr) -> io::Result<Self> {
         remove_abandoned_once(folder);
         let mut builder = Builder::new();
         builder.prefix(PREFIX).suffix(suffix);
         #[cfg(unix)]
         {
-            // Like any new file: the user's umask decides, not the privacy of temporary files.
+            // The user's umask decides the permissions, as for any new file. Temporary files are private
+            // by default.
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
@@ -63,7 +64,7 @@ impl Unfinished {
                 let file = builder.tempfile_in(folder).map_err(without_path)?;
                 let path = file.path().to_owned();
                 let remove = move || {
-                    // If it is gone already, nothing is lost.
+                    // It may be gone already.
                     let _ = std::fs::remove_file(path);
                 };
                 io::Result::Ok((file, remove))
@@ -72,42 +73,43 @@ impl Unfinished {
                 return Ok(Self { file, undo });
             }
         }
-        Err(io::Error::other("other runs remove what is begun there"))
+        Err(io::Error::other("another program keeps removing the temporary file: try again"))
     }
 
-    /// Its path, for programs that write or read it by name.
+    /// Path of the temporary file, for programs that write or read it by name.
     pub fn path(&self) -> &Path {
         self.file.path()
     }
 
-    /// Writes `bytes` at its end.
+    /// Appends `bytes`.
     ///
     /// # Errors
-    /// What the system says.
+    /// The error from the system if the write fails.
     pub fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        // Not through the named file: its errors contain the temporary name, which means nothing to the user.
+        // Not through the `NamedTempFile`: its errors contain the temporary name, which means nothing to the
+        // user.
         self.file.as_file_mut().write_all(bytes)
     }
 
-    /// Renames it to `place` once its content is on the disk.
+    /// Syncs the content to the disk and renames the file to `place`.
     fn put(self, place: &Path) -> io::Result<()> {
-        // Through its name: another program may have written it.
+        // Opened by name because another program may have written the file.
         synced(File::options().write(true).open(self.path())?.sync_all())?;
         let Self { file, undo } = self;
         undo.settle(|| file.persist(place)).map_err(|error| error.error)?;
-        // The name is synced too, if folders can be synced.
+        // Sync the folder as well; some file systems cannot.
         let _ = File::open(folder_of(place)).and_then(|folder| folder.sync_all());
         Ok(())
     }
 }
 
-/// The error of a temporary file, without its name.
+/// Returns the error of a temporary file without the file's name.
 pub fn without_path(error: io::Error) -> io::Error {
     let text = error.to_string();
     io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default().to_owned())
 }
 
-/// A file system that cannot sync has done all that it can.
+/// Ignores the error of a file system that cannot sync.
 fn synced(result: io::Result<()>) -> io::Result<()> {
     match result {
         Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
@@ -115,22 +117,23 @@ fn synced(result: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// Locks a file that was made a moment ago; false if it was removed in between.
+/// Locks a newly created file. Returns false if another run has removed it already.
 #[cfg(unix)]
 fn is_held(file: &File) -> bool {
     use std::os::unix::fs::MetadataExt;
-    // Without locks nobody can take it for abandoned.
+    // Without locks no other run can see the file as abandoned.
     file.lock().is_err() || file.metadata().is_ok_and(|file| file.nlink() > 0)
 }
 
-/// On these systems a lock keeps other programs from writing, so none is taken and no file counts as abandoned.
+/// On these systems a lock would keep other programs from writing, so no lock is taken and no file counts as
+/// abandoned.
 #[cfg(not(unix))]
 fn is_held(_file: &File) -> bool {
     true
 }
 
-/// Removes abandoned files in `folder`, unless that is the folder in which it was last done: a thousand stills go
-/// into the same one.
+/// Removes abandoned files in `folder`, unless the previous call was for the same folder: a thousand stills go into
+/// one folder.
 fn remove_abandoned_once(folder: &Path) {
     static LAST: Mutex<Option<PathBuf>> = Mutex::new(None);
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
@@ -140,13 +143,13 @@ fn remove_abandoned_once(folder: &Path) {
     }
 }
 
-/// Removes the unfinished files in `folder` that no process holds. A file that cannot be checked stays.
+/// Removes the temporary files in `folder` that no process has locked. Keeps files that cannot be checked.
 fn remove_abandoned(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let ours = entry.file_name().as_encoded_bytes().starts_with(PREFIX.as_bytes())
             && entry.file_type().is_ok_and(|kind| kind.is_file());
-        // The lock is held during the removal, so that a run that has just made the file does not go on with it.
+        // The lock is held during the removal, so that a run that has just created the file notices.
         let file = ours.then(|| File::options().read(true).write(true).open(entry.path()));
         if let Some(Ok(file)) = file
             && cfg!(unix)
@@ -164,23 +167,23 @@ fn folder_of(place: &Path) -> &Path {
     }
 }
 
-/// A file that is being written beside its place.
+/// A file that is being written under a temporary name.
 #[derive(Debug)]
 pub struct AtomicFile {
-    /// As it was asked for.
+    /// The path that was asked for.
     path: PathBuf,
-    /// Where it goes, with links followed.
+    /// The target, with links resolved.
     place: PathBuf,
     unfinished: Unfinished,
 }
 
 impl AtomicFile {
-    /// Opens a file beside `path`, with `path`'s extension. A link is followed: the file that it points to is
-    /// replaced.
+    /// Opens a temporary file beside `path`, with the extension of `path`. If `path` is a link, the file it
+    /// points to is replaced.
     ///
     /// # Errors
-    /// [`Unwritable`] if `path` is a folder, a device or a pipe (renaming would destroy those), or if its folder
-    /// takes no files.
+    /// [`Unwritable`] if `path` is a folder, a device or a pipe (a rename would destroy those), or if no file can
+    /// be created in its folder.
     pub fn create(path: &Path) -> Result<Self, Unwritable> {
         match path.metadata() {
             Ok(found) if found.is_dir() => return Err(unwritable(path, "it is a folder")),
@@ -201,24 +204,24 @@ impl AtomicFile {
         Ok(Self { path: path.to_owned(), place, unfinished })
     }
 
-    /// Where the content goes for now, for programs that write it by name.
+    /// Path of the temporary file, for programs that write it by name.
     pub fn temporary(&self) -> &Path {
         self.unfinished.path()
     }
 
-    /// Writes `bytes` and puts the file in its place.
+    /// Writes `bytes` and replaces the target.
     ///
     /// # Errors
-    /// [`Unwritable`]; the place then is as it was.
+    /// [`Unwritable`]; the target is then unchanged.
     pub fn write(mut self, bytes: &[u8]) -> Result<(), Unwritable> {
         self.unfinished.write_all(bytes).map_err(|error| unwritable(&self.path, error))?;
         self.commit()
     }
 
-    /// Puts what was written into its place.
+    /// Replaces the target with the content written so far.
     ///
     /// # Errors
-    /// [`Unwritable`]; the place then is as it was.
+    /// [`Unwritable`]; the target is then unchanged.
     pub fn commit(self) -> Result<(), Unwritable> {
         let Self { path, place, unfinished } = self;
         unfinished.put(&place).map_err(|error| unwritable(&path, error))
@@ -234,7 +237,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_there_stays_until_the_new_content_is_whole() {
+    fn the_old_file_stays_until_the_new_content_is_complete() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("frame.png");
         std::fs::write(&path, "old").unwrap();
@@ -247,7 +250,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn devices_stay_and_links_are_followed() {
+    fn devices_are_refused_and_links_are_followed() {
         let message = AtomicFile::create(Path::new("/dev/zero")).err().unwrap().to_string();
         assert!(message.contains("/dev/zero"), "{message}");
 
@@ -271,7 +274,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_a_killed_run_left_is_removed_and_what_is_written_or_not_ours_stays() {
+    fn abandoned_files_are_removed_and_locked_or_foreign_ones_stay() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str| std::fs::write(folder.path().join(name), "half").unwrap();
         let others = [".mariana-notes.txt", "mariana-unfinished-1.mp4", ".mariana-unfinishe"];
@@ -293,7 +296,7 @@ mod tests {
         let mut kept = [&others[..], &[&a_folder, &a_link, living_name]].concat();
         kept.sort();
         assert_eq!(names, kept);
-        // Another program may write it by name, as ffmpeg does.
+        // Another program may write the file by name, as ffmpeg does.
         std::fs::write(living.path(), "by name").unwrap();
         remove_abandoned(folder.path());
         assert_eq!(std::fs::read_to_string(living.path()).unwrap(), "by name");
@@ -301,7 +304,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_another_program_wrote_by_the_name_takes_the_place() {
+    fn content_that_another_program_wrote_by_name_replaces_the_target() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("video.mp4");
         std::fs::write(&path, "old").unwrap();
@@ -309,7 +312,7 @@ mod tests {
         std::fs::write(file.temporary(), "new").unwrap();
         file.commit().unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
-        // A file that is gone cannot.
+        // A temporary file that was deleted is an error.
         let file = AtomicFile::create(&path).unwrap();
         std::fs::remove_file(file.temporary()).unwrap();
         let message = file.commit().unwrap_err().to_string();

@@ -1,14 +1,13 @@
-//! How the process ends: what happens at a signal that asks for the end, what is undone before it, and the last step.
+//! The end of the process: signals, clean-up and the final exit.
 //!
-//! A job that writes files ends wherever it is, be it in a draw that takes a minute or in a write to a program that
-//! does not read: the thread that waits for signals removes unfinished files ([`begin`]) and ends the process.
-//! A show ends by itself: it asks [`asked_to_end`] when it is woken.
+//! Jobs that write files end at once, because drawing a frame may take a minute and a pipe may never be read. A
+//! thread waits for SIGINT, SIGTERM and SIGHUP. It removes temporary files and ends ffmpeg ([`begin`] registers such
+//! steps), prints a message and exits with `_exit` ([`end_now`]). A show ends in its own event loop instead, which
+//! asks [`asked_to_end`] when it is woken.
 //!
-//! **A job ends where it is.** A thread waits for SIGINT, SIGTERM and SIGHUP. It removes the unfinished files, ends
-//! ffmpeg, says so and leaves with `_exit`, because a draw may take a minute and a pipe may never be read. ffmpeg has
-//! a process group of its own, so that Ctrl-C reaches Mariana alone. The writer of an unfinished file holds a lock on
-//! it, which the kernel releases when the process is killed: the next run that writes into the folder removes the
-//! files that it can lock.
+//! ffmpeg runs in a separate process group, so that Ctrl-C reaches Mariana alone. The writer of a temporary file
+//! holds a lock on it, which the kernel releases if the process is killed: the next run that writes into the folder
+//! removes the files that it can lock.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -17,15 +16,15 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// A signal that asks the program to end, with its number, which is the same on every Unix.
+/// A signal that asks the program to end. Its number is the same on every Unix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Signal {
-    /// The terminal is gone.
+    /// The terminal was closed.
     HangUp = 1,
     /// Ctrl-C.
     Interrupt = 2,
-    /// A polite kill.
+    /// The default signal of `kill`.
     Terminate = 15,
 }
 
@@ -52,23 +51,24 @@ impl fmt::Display for Signal {
     }
 }
 
-/// How long after the first signal others count as the same request: `timeout` and service managers send several.
+/// Signals within this time after the first one count as the same request: `timeout` and service managers send
+/// several.
 const ONE_REQUEST: Duration = Duration::from_secs(1);
 
-/// The number of the first signal that asked for the end; 0 if none did.
+/// The number of the first signal received; 0 if none was.
 static ASKED: AtomicU8 = AtomicU8::new(0);
 
-/// The signal that asked for the end, if one did. [`watch`] must have been called.
+/// Returns the signal that asked the program to end, if any. Requires a call of [`watch`].
 pub fn asked_to_end() -> Option<Signal> {
     Signal::of(ASKED.load(Ordering::Acquire))
 }
 
-/// From now on the first signal that asks for the end calls `answer`, on a thread of its own, instead of ending the
-/// process as signals do. A signal that comes a second later or more ends the process by [`end_now`]. If whoever
-/// started the program had it ignore a signal, as `nohup` does, it stays ignored. To be called once.
+/// Handles signals that ask the program to end. The first signal calls `answer` on a separate thread. A signal that
+/// comes a second later or more ends the process with [`end_now`]. A signal that is ignored at the start, as under
+/// `nohup`, stays ignored. Call this once.
 ///
 /// # Errors
-/// What the system says about threads and signals; then signals end the process as usual.
+/// The error from the system if the thread or the handlers cannot be created; signals then end the process as usual.
 #[cfg(unix)]
 pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     let ignored = ignored_signals();
@@ -93,16 +93,16 @@ pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     Ok(())
 }
 
-/// On these systems there are no such signals.
+/// Does nothing: these systems have no such signals.
 ///
 /// # Errors
-/// None.
+/// Never.
 #[cfg(not(unix))]
 pub fn watch(_answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     Ok(())
 }
 
-/// The ignored signals, as bits, on systems that report them without a call to C.
+/// Returns the ignored signals as bits, on systems that report them without a call to C.
 #[cfg(unix)]
 fn ignored_signals() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -110,39 +110,39 @@ fn ignored_signals() -> u64 {
     bits.and_then(|bits| u64::from_str_radix(bits.trim(), 16).ok()).unwrap_or(0)
 }
 
-/// Makes a file that would grow beyond the user's limit an error, as on a full disk, instead of a sudden death.
+/// Turns a write beyond the user's file size limit into an error, as on a full disk. By default the signal SIGXFSZ
+/// would end the process.
 pub fn outlive_file_limits() {
     #[cfg(unix)]
     {
-        /// Read by nobody: because the signal is handled, the write fails instead.
+        /// Never read. A handled signal makes the write fail instead of ending the process.
         static TAKEN: AtomicBool = AtomicBool::new(false);
-        // If that is not possible, the system does as usual.
+        // If that fails, the default action stays.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &TAKEN);
     }
 }
 
 type Step = Box<dyn FnOnce() + Send>;
 
-/// What has to be undone if the process ended now, by number. Whoever ends the process keeps the lock for ever, so
-/// that nothing is begun or finished after that.
+/// The steps to run if the process ends now, by number. Code that ends the process never releases the lock, so that
+/// no job starts or finishes after that.
 static UNDO: Mutex<BTreeMap<u64, Step>> = Mutex::new(BTreeMap::new());
 
 fn undo_list() -> MutexGuard<'static, BTreeMap<u64, Step>> {
     UNDO.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Something that is undone if the process is ended in the middle of it. Dropping it forgets it.
+/// A registered step that runs if the process ends early. Dropping it unregisters the step.
 #[must_use]
 #[derive(Debug)]
 pub struct Undo(u64);
 
-/// Begins something that has to be undone if the process is ended before the returned [`Undo`] is dropped or settled:
-/// `start` begins it and says how it is undone. The process is ended before `start` or after it, never in between,
-/// where something would have begun that nobody undoes. Neither `start` nor the step may wait for long, nor begin or
-/// forget such things themselves.
+/// Starts a job that must be undone if the process ends before the returned [`Undo`] is dropped or settled. `start`
+/// starts the job and returns the step that undoes it. The process can end before `start` or after it, but not during
+/// it, so no job lacks its step. Neither `start` nor the step may block for long or call `begin` or drop an [`Undo`].
 ///
 /// # Errors
-/// What `start` says.
+/// The error from `start`.
 pub fn begin<T, S, E>(start: impl FnOnce() -> Result<(T, S), E>) -> Result<(T, Undo), E>
 where
     S: FnOnce() + Send + 'static,
@@ -156,8 +156,7 @@ where
 }
 
 impl Undo {
-    /// Runs `last`, after which there is nothing to undo. The process is ended before it or after it, never in
-    /// between.
+    /// Runs `last` and unregisters the step. The process can end before or after that, but not in between.
     pub fn settle<T>(self, last: impl FnOnce() -> T) -> T {
         let mut list = undo_list();
         let done = last();
@@ -170,13 +169,12 @@ impl Undo {
 impl Drop for Undo {
     fn drop(&mut self) {
         let step = undo_list().remove(&self.0);
-        // After the lock is released.
+        // The lock is released here.
         drop(step);
     }
 }
 
-/// Undoes everything that is unfinished, the latest first, lets `say` report it, and ends the process with the
-/// signal's code.
+/// Runs all registered steps, the latest first, then `say`, and ends the process with the signal's exit code.
 pub fn end_now(signal: Signal, say: impl FnOnce()) -> ! {
     let mut list = undo_list();
     undo_all(&mut list);
@@ -184,29 +182,29 @@ pub fn end_now(signal: Signal, say: impl FnOnce()) -> ! {
     leave_at_once(signal.exit_code())
 }
 
-/// The latest first.
 fn undo_all(list: &mut BTreeMap<u64, Step>) {
     while let Some((_, step)) = list.pop_last() {
         step();
     }
 }
 
-/// The end of `main`. From here on no signal interferes.
+/// The end of `main`. Signals have no effect while this exists.
 pub struct Leaving {
     list: MutexGuard<'static, BTreeMap<u64, Step>>,
 }
 
-/// Begins to leave. Does not return if a signal is already ending the process.
+/// Starts to leave. Does not return if a signal is already ending the process.
 pub fn begin_to_leave() -> Leaving {
     Leaving { list: undo_list() }
 }
 
 impl Leaving {
-    /// Undoes what threads have not finished and ends the process with `code`, without the exit handlers of drivers and libraries: they would take away what
-    /// their threads, which may still be at work, need. Mesa 22.3 compiles for AMD on such threads, and crashes.
+    /// Runs all registered steps and ends the process with `code`, without the exit handlers of drivers and
+    /// libraries. Those would free data that driver threads may still use: Mesa 22.3 compiles for AMD on such
+    /// threads and crashes.
     pub fn leave(mut self, code: u8) -> ! {
         undo_all(&mut self.list);
-        // If nobody reads standard output, there is nobody to tell.
+        // A closed standard output is no reason to fail.
         let _ = io::stdout().flush();
         let _ = io::stderr().flush();
         leave_at_once(code)
@@ -232,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_neither_settled_nor_forgotten_is_to_be_undone() {
+    fn settled_and_dropped_steps_are_unregistered() {
         let listed = |undo: &Undo| undo_list().contains_key(&undo.0);
         let begun = || begin(|| Ok::<_, ()>(((), || ()))).unwrap().1;
         let (kept, settled, forgotten) = (begun(), begun(), begun());
@@ -244,9 +242,9 @@ mod tests {
     }
 
     #[test]
-    fn what_had_just_begun_when_a_signal_came_was_left_behind() {
+    fn the_process_cannot_end_before_the_step_is_registered() {
         let start = || Ok::<_, ()>((UNDO.try_lock().is_err(), || ()));
-        assert!(begin(start).unwrap().0, "the process could be ended before the step is known");
+        assert!(begin(start).unwrap().0, "the process could end before the step is registered");
         let failed = begin(|| Err::<((), fn()), _>(7)).unwrap_err();
         assert_eq!(failed, 7);
     }

@@ -1,28 +1,28 @@
-//! Paths of the user's folders, and of the program.
 
 use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 
-/// See the module. `None` where the system has no such place: then nothing is kept there.
+/// Paths of the user's folders and of the program. A path is `None` if the system has no such folder; nothing is
+/// stored there then.
 #[derive(Debug, Clone, Default)]
 pub struct Folders {
     /// Settings and mappings.
     pub config: Option<PathBuf>,
-    /// What can be made again.
+    /// Files that can be made again.
     pub cache: Option<PathBuf>,
-    /// What the user has made.
+    /// Files that the user has made.
     pub data: Option<PathBuf>,
-    /// What was not saved.
+    /// Backups of unsaved texts.
     pub state: Option<PathBuf>,
-    /// In builds for tests, a folder that stands for the ports of MIDI devices; the system's ports otherwise.
+    /// In test builds, a folder that replaces the MIDI ports; `None` for the system's ports.
     pub midi_ports: Option<PathBuf>,
-    /// The program that draws thumbnails; `None` for the one that runs.
+    /// The program that draws thumbnails; `None` for the running one.
     pub program: Option<PathBuf>,
 }
 
 impl Folders {
-    /// Those of the user who runs the program. `MARIANA_MIDI_FOLDER` names the folder for ports.
+    /// Folders of the user who runs the program. `MARIANA_MIDI_FOLDER` sets [`Self::midi_ports`].
     pub fn of_user() -> Self {
         let Some(places) = ProjectDirs::from("", "", "mariana") else { return Self::default() };
         Self {
@@ -35,7 +35,7 @@ impl Folders {
         }
     }
 
-    /// Folders within another one. The ports are the system's.
+    /// Subfolders of `folder`, with the system's MIDI ports.
     pub fn within(folder: &Path) -> Self {
         let part = |name: &str| Some(folder.join(name));
         Self {

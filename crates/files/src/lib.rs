@@ -1,5 +1,5 @@
-//! Safe file access: output files are written completely or not at all, and a signal removes unfinished ones. Unsaved texts
-//! survive a crash.
+//! Safe file access. Output files are complete or absent, a signal removes unfinished ones, and unsaved texts survive
+//! a crash.
 //!
 //! ```
 //! use mariana_files::atomic_file::AtomicFile;
@@ -14,8 +14,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`documents`] reads, watches and saves an editor's texts on a background thread, with backups of unsaved ones. [`Folders`]
-//! has the paths of the user's folders.
+//! [`documents`] reads, watches and saves the editor's texts on a background thread. [`Folders`] has the paths of the
+//! user's folders.
 
 pub mod atomic_file;
 pub mod documents;

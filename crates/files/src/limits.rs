@@ -1,11 +1,9 @@
-//! Every limit on the files of a user.
-//!
-//! Code, error messages and tests all read the limits from here.
+//! The limits on user files. Code, error messages and tests read them from here.
 
-/// Limits on what is read.
+/// Limits on the size of files.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most bytes of a text that is edited or kept unsaved, with what is said of it.
+    /// Most bytes of a text in the editor or in a backup, including the backup's first line.
     pub kept_text_bytes_max: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Scenes on the way into other scenes.
+//! Blends of two scenes: the source, and how it is loaded.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -7,25 +7,25 @@ use super::{DraftTexts, NumberEdits, ReadyScene, SceneError, SceneSource, Textur
 use mariana_field::graph::FrameInputs;
 use mariana_field::world::{Alignment, BlendKind, World};
 
-/// A scene as one of its cameras sees it.
+/// A scene seen by one of its cameras.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SeenScene {
     /// The scene.
     pub source: SceneSource,
-    /// One of its cameras; none, or one that it does not have, is its own.
+    /// Name of a camera. `None` or an unknown name selects the scene's default camera.
     pub camera: Option<String>,
 }
 
-/// One scene on its way into another.
+/// A transition from one scene to another.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneBlend {
-    /// The scene that goes.
+    /// The outgoing scene.
     pub from: SeenScene,
-    /// The scene that comes.
+    /// The incoming scene.
     pub to: SeenScene,
-    /// How.
+    /// The kind of the blend.
     pub kind: BlendKind,
-    /// The moment at which both cameras see from one place, in milliseconds of the song.
+    /// The time at which both cameras are aligned, in milliseconds of the song.
     pub aligned_at: u64,
 }
 
@@ -39,13 +39,13 @@ impl SeenScene {
 }
 
 impl SceneBlend {
-    /// The blend of the two scenes as they were read. Its last parameter is the share of the second one.
+    /// Blends the two loaded scenes. The last parameter of the result is the fraction of the second scene.
     ///
     /// # Errors
-    /// Together they exceed a limit.
+    /// The two scenes together exceed a limit.
     pub fn of(&self, from: ReadyScene, to: ReadyScene) -> Result<ReadyScene, SceneError> {
         let (from, to) = (self.from.seen(from)?, self.to.seen(to)?);
-        // As they are in silence, so that the same show has the same worlds wherever one enters it.
+        // Use the values in silence, so that a show gives the same worlds from any start position.
         let camera = |scene: &ReadyScene| {
             let params = scene.world.scene.params.iter().map(|param| param.default).collect();
             let time = self.aligned_at as f32 / 1000.0;
@@ -55,7 +55,7 @@ impl SceneBlend {
         Ok(from.blended(&to, self.kind, &alignment, 0.0)?)
     }
 
-    /// Reads both scenes and blends them, and tells on which files the blend depends.
+    /// Loads and blends both scenes. Also returns the files that the blend depends on.
     pub(super) fn ready_with(
         &self,
         textures: &mut TextureCache,
@@ -69,7 +69,7 @@ impl SceneBlend {
     }
 }
 
-/// The number of the camera of that name among those of a world.
+/// Returns the index of the camera with that name in a world.
 pub fn camera_number(world: &World, camera: Option<&str>) -> Option<usize> {
     let wanted = camera?;
     world.scene.cameras.iter().position(|(name, _)| name == wanted)

@@ -1,4 +1,4 @@
-//! What a file contained when it was looked at, to decide whether it really changed.
+//! The content of a file at one time, for deciding if it really changed.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -11,26 +11,25 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use super::folder::read_at_most;
 use crate::limits::LIMITS;
 
-/// A file as it was at one time.
+/// The state of a file at one time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Look {
     pub content: Content,
     pub stamp: Stamp,
 }
 
-/// Its content.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Content {
-    /// There is no such file.
+    /// The file does not exist.
     Missing,
-    /// A file of this many bytes; if that is more than any scene reads, only the beginning is known.
+    /// Length and hash of a file. If the file is larger than any scene may read, `hash` is 0.
     Bytes { length: u64, hash: u64 },
-    /// A folder, a pipe, or something that the system refuses to read.
+    /// A folder, a pipe, or a file that the system refuses to read.
     Unreadable(String),
 }
 
-/// What the system reports without reading the file: length and time of the last change. Alone it proves nothing,
-/// because two saves within one tick of the file system's clock look the same.
+/// Length and modification time, known without reading the file. They are not enough to prove that a file is
+/// unchanged: two saves within one tick of the file system's clock look the same.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Stamp(Option<(u64, Option<SystemTime>)>);
 
@@ -40,7 +39,7 @@ impl Stamp {
         Self(metadata.map(|metadata| (metadata.len(), metadata.modified().ok())))
     }
 
-    /// Whether the file may have changed at `time` or later.
+    /// True if the file may have changed at `time` or later.
     pub(super) fn is_since(&self, time: SystemTime) -> bool {
         matches!(self.0, Some((_, Some(modified))) if modified >= time)
     }
@@ -48,7 +47,7 @@ impl Stamp {
 
 impl Look {
     pub(super) fn at(path: &Path) -> Self {
-        // The stamp comes first: if the file changes meanwhile, the next look finds another one.
+        // Take the stamp first: if the file changes in between, the next check finds a different stamp.
         let stamp = Stamp::of(path);
         let content = match hash(path) {
             Ok((length, hash)) => Content::Bytes { length, hash },
@@ -60,7 +59,8 @@ impl Look {
 }
 
 impl Content {
-    /// Whether the file is missing or empty now and was not before: a save that empties or deletes the file first.
+    /// True if the file is missing or empty now and was not before, as in a save that first empties or deletes
+    /// the file.
     pub(super) fn is_gone_since(&self, before: &Self) -> bool {
         let nothing = |content: &Self| matches!(content, Self::Missing | Self::Bytes { length: 0, .. });
         nothing(self) && !nothing(before)
@@ -70,7 +70,7 @@ impl Content {
 fn hash(path: &Path) -> io::Result<(u64, u64)> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() {
-        return Err(io::Error::other("no file"));
+        return Err(io::Error::other("not a regular file"));
     }
     let max = LIMITS.texture_bytes_max.max(FIELD_LIMITS.scene_bytes_max);
     let Some(bytes) = read_at_most(path, max)? else { return Ok((metadata.len(), 0)) };
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_content_counts_and_not_the_time() {
+    fn content_decides_and_not_the_time() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
         assert_eq!(Look::at(&path).content, Content::Missing);

@@ -1,31 +1,32 @@
-//! Decides when files that are being saved are worth reading. Pure: the time is passed in.
+//! Decides when changed files should be read: after writers have finished. Pure: callers pass the time.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// What is known about a change.
+/// The kind of a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A program writes into the file and has not closed it yet.
+    /// A program has opened the file for writing and not closed it yet.
     Writing,
-    /// It was closed after writing, another file took its place, or its place is empty.
+    /// The file was closed after writing, replaced or removed.
     Written,
-    /// Something happened that shows neither.
+    /// Any other event.
     Touched,
 }
 
-/// How long to wait in each case.
+/// Delays before files are read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Waits {
-    /// For how long nothing must happen before the files are read.
+    /// Time without events before the files are read.
     pub quiet: Duration,
-    /// How long a change waits at most: for quiet, for a writer to close the file, for a missing file to return.
+    /// Longest delay of a change: while events continue, while a writer has the file open, or while a file is
+    /// missing.
     pub patience: Duration,
-    /// How often the files are checked although the system reports nothing, because a folder may have been replaced
-    /// or a network be in between.
+    /// Interval of checks without events, which may be lost if a parent folder was replaced or the file is on a
+    /// network.
     pub look: Duration,
-    /// The same where the system reports nothing at all.
+    /// The same interval on systems without events.
     pub look_blind: Duration,
 }
 
@@ -38,7 +39,7 @@ impl Waits {
     };
 }
 
-/// The changes that have not been handled yet.
+/// The pending changes.
 #[derive(Debug, Default)]
 pub(super) struct Changes {
     touched: BTreeSet<PathBuf>,
@@ -63,7 +64,7 @@ impl Changes {
         self.last = Some(now);
     }
 
-    /// When to read the files; none while nothing has changed.
+    /// Time to read the files; `None` if nothing has changed.
     pub(super) fn due(&self, waits: &Waits) -> Option<Instant> {
         let latest = self.first? + waits.patience;
         if !self.writing.is_empty() {
@@ -72,7 +73,7 @@ impl Changes {
         Some(latest.min(self.last? + waits.quiet))
     }
 
-    /// The files that changed; they count as handled from now on.
+    /// Returns the changed files and clears the list.
     pub(super) fn take(&mut self) -> BTreeSet<PathBuf> {
         std::mem::take(self).touched
     }
@@ -102,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_being_written_is_waited_for_but_not_for_ever() {
+    fn open_writers_delay_reading_but_not_for_ever() {
         assert_eq!(after(&[(0, Kind::Writing)]), Some(WAITS.patience));
         assert_eq!(after(&[(0, Kind::Writing), (10, Kind::Touched)]), Some(WAITS.patience));
         let hundred = Duration::from_millis(100);
@@ -112,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn taken_changes_are_gone() {
+    fn taken_changes_are_cleared() {
         let mut list = Changes::default();
         list.note("a".into(), Kind::Writing, Instant::now());
         list.note("b".into(), Kind::Touched, Instant::now());

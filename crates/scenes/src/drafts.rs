@@ -1,5 +1,5 @@
-//! Texts of files as somebody has them in an editor, before they are saved: they stand in the place of what the files
-//! hold. And what the loader found in them, for that editor.
+//! Unsaved texts from the editor, which the loader uses instead of the files. The loader returns its [`Findings`] on
+//! the same channel.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -12,76 +12,77 @@ use super::folder::Folder;
 use super::world::ReadyScene;
 use super::{SceneError, SceneSource};
 
-/// Texts that are edited, shared by an editor and the threads that load scenes. A lock is held for as long as a pointer
-/// takes to be copied.
+/// Unsaved texts, shared between the editor and the threads that load scenes. The lock is held only to copy a
+/// pointer.
 #[derive(Debug, Clone, Default)]
 pub struct Drafts(Arc<Mutex<Shared>>);
 
-/// Most scenes of which is told what was found: those that are loaded, and those ahead of them.
+/// Most scenes with findings: the loaded ones and the preloaded ones.
 const FINDINGS_MAX: usize = 8;
 
 #[derive(Debug, Default)]
 struct Shared {
     texts: DraftTexts,
-    /// One of each scene.
+    /// At most one for each scene.
     findings: Vec<Findings>,
 }
 
-/// What the loader found in a scene, for whoever edits its text.
+/// Results of loading a scene, for the editor of its text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Findings {
     /// The scene.
     pub source: SceneSource,
     /// The version of the texts that were read.
     pub version: u64,
-    /// What is wrong; empty if the scene can be drawn.
+    /// Empty if the scene can be drawn.
     pub mistakes: Vec<Mistake>,
-    /// The files of its texts: its own first, then those that it includes.
+    /// The files of the scene: its main file, then its includes.
     pub texts: Vec<PathBuf>,
-    /// Where numbers of its own text begin that a frame may set.
+    /// Byte positions of the numbers in the main file that are parameters and can be set each frame.
     pub numbers: Vec<usize>,
 }
 
-/// A mistake at its place.
+/// A mistake with its position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mistake {
-    /// The file's place in the texts of its [`Findings`].
+    /// Index into [`Findings::texts`].
     pub text: usize,
-    /// The bytes that it is about; empty if it is about the whole.
+    /// Byte range of the mistake; empty for the whole text.
     pub range: Range<usize>,
-    /// What is wrong, in one sentence without its full stop.
+    /// The message, one sentence without a full stop.
     pub message: String,
-    /// What to do about it; may be empty.
+    /// Advice; may be empty.
     pub hint: String,
 }
 
 impl Drafts {
-    /// Puts a text in the place of what a file holds, and gives its version.
+    /// Uses `text` instead of the file's content. Returns the new version.
     pub fn set(&self, file: &Path, text: Arc<[u8]>) -> u64 {
         self.change(|texts| Arc::make_mut(&mut texts.texts).insert(file.to_owned(), text))
     }
 
-    /// The file's own content counts again.
+    /// Uses the file's own content again. Returns the new version.
     pub fn remove(&self, file: &Path) -> u64 {
         self.change(|texts| Arc::make_mut(&mut texts.texts).remove(file))
     }
 
-    /// Numbers of a file's text are turned from now on: they get ranges; or none is any more.
+    /// Sets the numbers of a file that are being turned, with their ranges. `None` ends it. Returns the new
+    /// version.
     pub fn turn(&self, turning: Option<(&Path, &[Turning])>) -> u64 {
         self.change(|texts| texts.turning = turning.map(|(file, turning)| (file.into(), turning.into())))
     }
 
-    /// The texts as they are now.
+    /// Returns a snapshot of the texts.
     pub fn texts(&self) -> DraftTexts {
         self.lock().texts.clone()
     }
 
-    /// What the loaders found since the last call, of each scene the newest.
+    /// Returns the findings since the last call, the latest of each scene.
     pub fn take_findings(&self) -> Vec<Findings> {
         std::mem::take(&mut self.lock().findings)
     }
 
-    /// Hands over what was found.
+    /// Publishes findings, replacing older ones of the same scene.
     pub fn tell(&self, findings: Findings) {
         let mut shared = self.lock();
         shared.findings.retain(|other| other.source != findings.source);
@@ -105,7 +106,7 @@ impl Drafts {
 }
 
 impl Findings {
-    /// What was found when `source` was loaded from these texts.
+    /// Findings of loading `source` from these texts.
     pub fn of(source: &SceneSource, drafts: &DraftTexts, result: &Result<ReadyScene, SceneError>) -> Self {
         let mut texts: Vec<PathBuf> = source.file().map(Path::to_owned).into_iter().collect();
         let mut numbers = Vec::new();
@@ -133,7 +134,7 @@ impl Findings {
                     text: 0,
                     range: *position..position + 1,
                     message: "this byte is not UTF-8".to_owned(),
-                    hint: "delete it, or save the text as UTF-8 elsewhere".to_owned(),
+                    hint: "delete it, or save the text as UTF-8 with another editor".to_owned(),
                 }]
             }
             Err(other) => vec![whole(other)],
@@ -142,13 +143,13 @@ impl Findings {
     }
 }
 
-/// Where the files are that a scene includes.
+/// Paths of the files that a scene includes.
 fn included<'a>(source: &SceneSource, names: impl Iterator<Item = &'a str>) -> impl Iterator<Item = PathBuf> {
     let folder = source.file().map(Folder::of);
     names.filter_map(move |name| Some(folder.as_ref()?.path(name)))
 }
 
-/// A mistake at its place in one of the texts.
+/// Converts a diagnostic to a [`Mistake`] with its file and range.
 fn placed(one: &Diagnostic, sources: &Sources) -> Option<Mistake> {
     let (text, range) = sources.place_in_file(one.span)?;
     let label = if one.label.is_empty() { String::new() } else { format!(" ({})", one.label) };
@@ -170,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_draft_stands_in_the_place_of_a_file_and_of_what_it_includes() {
+    fn drafts_replace_a_file_and_its_includes() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         std::fs::write(path("main.scene"), "include \"part.scene\"\nobject o { shape = ball(p) }").unwrap();
@@ -182,7 +183,7 @@ mod tests {
         assert!(clauses(&drafts) > before);
         let (_, findings) = load(&source, &drafts);
         assert_eq!(findings.texts, [path("main.scene"), path("part.scene")]);
-        // A mistake in the included text stands there.
+        // A mistake in an included text is reported with the position there.
         let version = drafts.set(&path("part.scene"), b"fn ball(p) = length(p) - one".as_slice().into());
         let (result, findings) = load(&source, &drafts);
         assert!(result.is_err());
@@ -190,7 +191,7 @@ mod tests {
         assert_eq!((findings.mistakes[0].text, findings.mistakes[0].range.clone()), (1, 25..28));
         drafts.remove(&path("part.scene"));
         assert_eq!(clauses(&drafts), before);
-        // A file that is not there yet, and one that is no text.
+        // A file that does not exist yet, and a text that is not UTF-8.
         let new = SceneSource::File(path("new.scene"));
         drafts.set(&path("new.scene"), b"length(p) - 1".as_slice().into());
         assert!(load(&new, &drafts).0.is_ok());
@@ -199,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_turned_is_told_with_its_place() {
+    fn a_turned_number_is_reported_with_its_position() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("main.scene");
         std::fs::write(&file, "length(p) - 0.5").unwrap();

@@ -1,20 +1,20 @@
-//! Why a scene cannot be read. Mistakes in its text are diagnostics of [`mariana_field::lang`].
+//! Errors of loading a scene. Mistakes in its text are diagnostics of [`mariana_field::lang`].
 
 use std::path::PathBuf;
 
 use mariana_field::lang::{Diagnostic, Sources};
 use mariana_field::world::{BlendError, WorldError};
 
-/// Mistakes and the texts in which they stand.
+/// Mistakes together with the texts that contain them.
 #[derive(Debug)]
 pub struct FoundMistakes {
-    /// What is wrong.
+    /// The diagnostics.
     pub diagnostics: Vec<Diagnostic>,
-    /// The texts.
+    /// The texts of all files.
     pub sources: Sources,
 }
 
-/// A scene that cannot be read. Each message says what, where and what to do.
+/// A scene that cannot be loaded. Each message has the problem, its position and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// A word that is not a scene's name.
@@ -32,7 +32,7 @@ pub enum SceneError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error from the system.
         reason: String,
     },
     /// A folder, a pipe or a device.
@@ -42,7 +42,7 @@ pub enum SceneError {
         path: PathBuf,
     },
     /// The file is larger than [`mariana_field::limits::Limits::scene_bytes_max`].
-    #[error("the scene {} is larger than {max} bytes: split it, or let functions and loops repeat what is alike", .path.display())]
+    #[error("the scene {} is larger than {max} bytes: split it, or use functions and loops", .path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,

@@ -1,13 +1,13 @@
-//! A scene's folder: the files that a scene names are read from there and from nowhere else.
+//! Access to a scene's folder. A scene can read files from that folder and no others.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// Why a scene does not get a file that it names. As text it continues "`name` cannot be ...: ".
+/// The reason why a scene cannot read a file. The text continues "`name` cannot be ...: ".
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Refusal {
-    #[error("it would lead out of the scene's folder")]
+    #[error("the path leaves the scene's folder")]
     Leaves,
     #[error("it is a link that leads out of the scene's folder")]
     LinkOut,
@@ -15,7 +15,7 @@ pub(super) enum Refusal {
     Missing,
     #[error("it is not a file")]
     NoFile,
-    #[error("the system refuses it: {0}")]
+    #[error("the system reports: {0}")]
     Unreadable(String),
     #[error("it is larger than {0} bytes")]
     TooLarge(usize),
@@ -23,11 +23,11 @@ pub(super) enum Refusal {
     NotText(usize),
 }
 
-/// The folder that a scene file lies in.
+/// The folder of a scene file.
 #[derive(Debug, Clone)]
 pub(super) struct Folder(PathBuf);
 
-/// Most entries of a folder that are looked through for a suggestion.
+/// Most folder entries to search for a suggestion.
 const ENTRIES_MAX: usize = 10_000;
 
 impl Folder {
@@ -35,33 +35,32 @@ impl Folder {
         Self(scene.parent().map_or_else(PathBuf::new, Path::to_owned))
     }
 
-    /// Where `name` is, as long as no link is in the way.
+    /// Joins `name` to the folder, without resolving links.
     pub(super) fn path(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
 
-    /// The bytes of `name`, at most `max`.
+    /// Reads `name`, at most `max` bytes.
     pub(super) fn bytes(&self, name: &str, max: usize) -> Result<Vec<u8>, Refusal> {
         let path = self.inside(name)?;
         let refused = |error: io::Error| Refusal::Unreadable(error.to_string());
-        // Checked before it is opened, because opening a pipe waits for somebody who writes.
+        // Check before opening: opening a pipe blocks until another program writes to it.
         if !fs::metadata(&path).map_err(refused)?.is_file() {
             return Err(Refusal::NoFile);
         }
         read_at_most(&path, max).map_err(refused)?.ok_or(Refusal::TooLarge(max))
     }
 
-    /// The text of `name`, at most `max` bytes.
+    /// Reads `name` as text, at most `max` bytes.
     pub(super) fn text(&self, name: &str, max: usize) -> Result<String, Refusal> {
         Self::text_of(self.bytes(name, max)?)
     }
 
-    /// Bytes as text.
     pub(super) fn text_of(bytes: Vec<u8>) -> Result<String, Refusal> {
         String::from_utf8(bytes).map_err(|error| Refusal::NotText(error.utf8_error().valid_up_to()))
     }
 
-    /// The names, written as `name` is, of the files in the same folder; those that are not UTF-8 are left out.
+    /// Returns the files in the same folder as `name`, with the same prefix. Skips names that are not UTF-8.
     pub(super) fn beside(&self, name: &str) -> Vec<String> {
         let (prefix, folder) = match name.rsplit_once('/') {
             Some((folder, _)) => (format!("{folder}/"), self.inside(folder)),
@@ -72,7 +71,7 @@ impl Folder {
         names.take(ENTRIES_MAX).map(|found| format!("{prefix}{found}")).collect()
     }
 
-    /// Where `name` really is; refused if that is outside of the folder.
+    /// Resolves links in `name`. Fails if the result is outside the folder.
     fn inside(&self, name: &str) -> Result<PathBuf, Refusal> {
         if !Path::new(name).components().all(|part| matches!(part, Component::Normal(_))) {
             return Err(Refusal::Leaves);
@@ -86,13 +85,13 @@ impl Folder {
         if path.starts_with(&folder) { Ok(path) } else { Err(Refusal::LinkOut) }
     }
 
-    /// The folder as the system knows it: an empty path does not name the current one.
+    /// The folder's path for the system: an empty path means the current folder.
     fn opened(&self) -> &Path {
         if self.0.as_os_str().is_empty() { Path::new(".") } else { &self.0 }
     }
 }
 
-/// A file's bytes; none if there are more than `max`. Never reads more than that, whatever the file claims to be.
+/// Reads a file; `None` if it has more than `max` bytes. Never reads more than that, whatever size the file claims.
 pub fn read_at_most(path: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     File::open(path)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;
@@ -113,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_are_reported_apart() {
+    fn each_refusal_has_its_own_reason() {
         let (place, folder) = folder();
         assert_eq!(folder.bytes("sub/part", 4), Ok(b"part".to_vec()));
         assert_eq!(folder.bytes("sub/part", 3), Err(Refusal::TooLarge(3)));
@@ -128,7 +127,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_lead_around_in_the_folder_but_not_out_of_it() {
+    fn links_may_point_within_the_folder_but_not_out_of_it() {
         use std::os::unix::fs::symlink;
         let (place, folder) = folder();
         let link = |from: &str, to: &str| symlink(to, place.path().join("in").join(from)).unwrap();
@@ -147,7 +146,7 @@ mod tests {
 
     /// Tests run in the package's folder.
     #[test]
-    fn a_bare_name_lies_in_the_current_folder() {
+    fn a_bare_name_is_in_the_current_folder() {
         let folder = Folder::of(Path::new("bare.scene"));
         assert_eq!(folder.path("Cargo.toml"), Path::new("Cargo.toml"));
         assert!(folder.bytes("Cargo.toml", 1 << 20).is_ok());
@@ -157,7 +156,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn a_pipe_is_not_waited_for() {
+    fn a_pipe_is_refused_without_waiting() {
         let (place, folder) = folder();
         let pipe = place.path().join("in/pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());

@@ -1,4 +1,4 @@
-//! Where scenes come from: the shipped ones, files, and formulas given instead.
+//! Sources of scenes: shipped scenes, scene files, and formulas from the command line.
 //!
 //! ```
 //! use mariana_scenes::SceneSource;
@@ -8,11 +8,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`Loader`] compiles scenes on a thread, and again whenever their files or [`Drafts`] change. [`probing`] finds the object
-//! at a point of a picture. [`thumbnails`] draws small pictures in separate processes.
+//! A [`Loader`] compiles scenes on a thread, and again when their files or [`Drafts`] change. [`probing`] finds the
+//! object at a point of an image. [`thumbnails`] draws previews in separate processes.
 //!
-//! **A scene reads its own folder.** Includes and pictures come from there; pictures that are missing there come from
-//! the shipped ones. The system is asked where a path really leads, so that links do not lead out of the folder.
+//! A scene can read only its own folder: includes and textures come from there, and missing textures from the shipped
+//! ones. Links are resolved first, so that they cannot lead out of the folder.
 
 mod blend;
 mod content;
@@ -58,22 +58,22 @@ static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/sc
 /// The extension of scene files.
 const ENDING: &str = "scene";
 
-/// A scene that can be compiled any number of times.
+/// The source of a scene, which can be compiled repeatedly.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SceneSource {
-    /// One of the shipped scenes, by its name.
+    /// Name of a shipped scene.
     Shipped(String),
-    /// A file.
+    /// A scene file.
     File(PathBuf),
-    /// A formula in `x`, `y`, `z`, or a whole scene, as text.
+    /// The text of a formula in `x`, `y`, `z`, or of a whole scene.
     Formula(String),
-    /// A scene on its way into another; its text is that of the other.
+    /// A transition between two scenes. Its text is that of the incoming scene.
     Blend(Arc<SceneBlend>),
 }
 
 impl SceneSource {
-    /// What a user means by `argument`: a file that is there or that ends in `.scene`, the name of a shipped scene,
-    /// or else a formula.
+    /// Interprets a command line argument: an existing file or a path that ends in `.scene`, the name of a
+    /// shipped scene, or otherwise a formula.
     ///
     /// # Errors
     /// [`SceneError::Unknown`] for a single word that is none of these.
@@ -82,7 +82,7 @@ impl SceneSource {
         if path.exists() || is_scene_file(path) {
             return Ok(Self::File(path.to_owned()));
         }
-        // Names and formulas are text; an argument that is not text can only be a missing file.
+        // Names and formulas are UTF-8; any other argument can only be a missing file.
         let Some(argument) = path.to_str() else { return Ok(Self::File(path.to_owned())) };
         if shipped(argument).is_some() {
             return Ok(Self::Shipped(argument.to_owned()));
@@ -99,7 +99,7 @@ impl SceneSource {
         Ok(Self::Formula(argument.to_owned()))
     }
 
-    /// What messages call it.
+    /// The name in messages.
     pub fn name(&self) -> String {
         match self {
             Self::Shipped(name) => format!("{name}.{ENDING}"),
@@ -109,7 +109,7 @@ impl SceneSource {
         }
     }
 
-    /// The file that it is read from, if it is one.
+    /// The scene's main file, if it has one.
     pub fn file(&self) -> Option<&Path> {
         match self {
             Self::File(path) => Some(path),
@@ -118,9 +118,8 @@ impl SceneSource {
         }
     }
 
-    /// Every file whose change can change the scene: its own, those that it includes and its textures, including
-    /// those that could not be read. Empty if the scene is not a file. `compiled` is none if its own file could not
-    /// be read.
+    /// Returns every file that the scene depends on: its main file, includes and textures, also those that could
+    /// not be read. Empty if the scene is not a file. `compiled` is `None` if the main file could not be read.
     pub fn files(&self, compiled: Option<&Compiled>) -> Vec<PathBuf> {
         let Self::File(path) = self else { return Vec::new() };
         let folder = Folder::of(path);
@@ -133,13 +132,13 @@ impl SceneSource {
         files
     }
 
-    /// What titles call it: a file's name without its folder and extension.
+    /// The title: a file's name without folder and extension.
     pub fn title(&self) -> String {
         match self {
             Self::Shipped(name) => name.clone(),
             Self::File(path) => {
                 let name = path.file_stem().unwrap_or(path.as_os_str());
-                // One line, whatever the file is called.
+                // Titles must fit on one line.
                 name.to_string_lossy().replace(char::is_control, " ")
             }
             Self::Formula(_) => "formula".to_owned(),
@@ -147,16 +146,16 @@ impl SceneSource {
         }
     }
 
-    /// Reads and compiles it. Mistakes in the text are part of the result.
+    /// Reads and compiles the scene. Mistakes in the text are part of the result.
     ///
     /// # Errors
-    /// A file that cannot be read, is too large, or is not text.
+    /// A file that cannot be read, is too large, or is not UTF-8.
     pub fn compile(&self) -> Result<Compiled, SceneError> {
         self.compile_following(&mut NumberEdits::default(), &DraftTexts::default())
     }
 
-    /// The same for a source of which earlier versions may have been compiled: numbers that are being changed are read
-    /// as inputs. `drafts` stand in the place of what files hold.
+    /// Compiles the scene, using `drafts` instead of the files that have one. Numbers that `edits` finds changed
+    /// since the last version become inputs.
     ///
     /// # Errors
     /// As [`SceneSource::compile`].
@@ -171,7 +170,7 @@ impl SceneSource {
         })
     }
 
-    /// Its text.
+    /// Reads the scene's text.
     ///
     /// # Errors
     /// As [`SceneSource::compile`].
@@ -187,11 +186,11 @@ impl SceneSource {
         }
     }
 
-    /// Compiles `text` as if it were its own, with what that includes.
+    /// Compiles `text` as the scene's text, with its includes.
     fn compile_as(&self, text: &str, edits: &mut NumberEdits, drafts: &DraftTexts) -> Compiled {
         let name = self.name();
         match self {
-            // It stands where the program was started.
+            // Includes are relative to the working directory.
             Self::Formula(_) => lang::compile(&name, text, &mut including(Folder::of(Path::new("")), drafts)),
             Self::Shipped(_) => {
                 let mut include = |path: &str| {
@@ -211,7 +210,7 @@ impl SceneSource {
     }
 }
 
-/// What reads the files that a scene of `folder` includes, or the drafts that stand in their place.
+/// Returns a function that reads the includes of a scene in `folder`, or their drafts.
 fn including(folder: Folder, drafts: &DraftTexts) -> impl FnMut(&str) -> Result<String, String> {
     move |path| {
         let text = match drafts.of(&folder.path(path)) {
@@ -222,18 +221,18 @@ fn including(folder: Folder, drafts: &DraftTexts) -> impl FnMut(&str) -> Result<
     }
 }
 
-/// A draft of a file as text.
+/// Returns a draft as text.
 fn text_of<'a>(file: &Path, draft: &'a [u8]) -> Result<&'a str, SceneError> {
     std::str::from_utf8(draft)
         .map_err(|error| SceneError::NotText { path: file.to_owned(), position: error.valid_up_to() })
 }
 
-/// Whether a path is that of a scene, by its ending.
+/// True if the path has the extension of scene files.
 pub fn is_scene_file(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == ENDING)
 }
 
-/// The comment with which a scene's text begins, line by line; what it says about the scene.
+/// Returns the lines of the comment at the start of a scene's text: its description.
 pub fn first_comment(text: &str) -> impl Iterator<Item = &str> {
     let lines = text.lines().map(|line| line.trim().strip_prefix('#').map(str::trim));
     lines.take_while(Option::is_some).flatten().take_while(|line| !line.is_empty())
@@ -253,11 +252,11 @@ fn shipped(name: &str) -> Option<&'static str> {
     SHIPPED.get_file(format!("{name}.{ENDING}"))?.contents_utf8()
 }
 
-/// The text of a file, no longer than the limit.
+/// Reads a scene file up to the size limit.
 fn read(path: &Path) -> Result<String, SceneError> {
     let unreadable =
         |error: std::io::Error| SceneError::Unreadable { path: path.to_owned(), reason: error.to_string() };
-    // Checked before it is opened, because opening a pipe waits for somebody who writes.
+    // Check before opening: opening a pipe blocks until another program writes to it.
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
         return Err(SceneError::NoFile { path: path.to_owned() });
     }
@@ -275,7 +274,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_shipped_scene_compiles_without_a_word() {
+    fn every_shipped_scene_compiles() {
         assert!(shipped_names().contains(&"speakers".to_owned()));
         for name in shipped_names() {
             let compiled = SceneSource::Shipped(name.clone()).compile().unwrap();
@@ -299,12 +298,12 @@ mod tests {
     }
 
     #[test]
-    fn a_scenes_name_of_two_lines_made_a_title_of_two_lines() {
+    fn a_title_is_always_one_line() {
         assert_eq!(SceneSource::File("two\nlines.scene".into()).title(), "two lines");
     }
 
     #[test]
-    fn files_that_are_missing_too_large_or_no_text_are_told_apart() {
+    fn missing_too_large_and_binary_files_have_separate_errors() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         std::fs::write(path("large.scene"), vec![b' '; FIELD_LIMITS.scene_bytes_max + 1]).unwrap();
@@ -316,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn includes_are_read_from_the_scenes_folder_and_from_nowhere_else() {
+    fn includes_are_read_only_from_the_scenes_folder() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir(folder.path().join("in")).unwrap();
         std::fs::write(folder.path().join("outside.scene"), "fn ball(p) { length(p) - 1 }").unwrap();
@@ -342,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn the_files_of_a_scene_are_those_that_it_asked_for() {
+    fn the_files_of_a_scene_include_missing_ones() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let source = SceneSource::File(path("main.scene"));

@@ -1,19 +1,17 @@
-//! Every limit on scenes as files.
-//!
-//! Code, error messages and tests all read the limits from here.
+//! The limits on scene files. Code, error messages and tests read them from here.
 
-/// Limits on what comes from outside and on what is kept for it.
+/// Limits on files that scenes use, and on thumbnails.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most bytes of a texture's file.
+    /// Most bytes of a texture file.
     pub texture_bytes_max: usize,
     /// Largest width and height of a texture, in texels.
     pub texture_side_max: u32,
-    /// Most texels of a texture (16 Mi: 64 MiB, and a third more with its mip levels).
+    /// Most texels of a texture (16 Mi: 64 MiB, and a third more with mip levels).
     pub texture_pixels_max: u64,
-    /// Longest time in seconds that drawing a small picture of a scene for the list may take.
+    /// Longest time for drawing a thumbnail, in seconds.
     pub thumbnail_seconds_max: f64,
-    /// Most small pictures that are kept from run to run (some 60 KiB each); the oldest go first.
+    /// Most thumbnails in the cache (about 60 KiB each). The oldest are deleted first.
     pub thumbnails_kept_max: usize,
 }
 

@@ -1,16 +1,13 @@
-//! Loads scenes on a thread of its own, and loads them again when their files change.
+//! Loads scenes on a background thread, and again when their files change.
 //!
-//! A file counts as changed when its bytes differ from those that were loaded, so touching it does nothing, nor does
-//! a second event for one save. Files are read when nothing has happened for a short time and nobody is writing. A
-//! missing file is waited for, because editors delete a file before they write it.
+//! The loader passes finished values to the show, so a large or broken scene delays no frame. It watches folders
+//! instead of files, because most editors save by replacing the file.
 //!
-//! **Scenes are loaded in parallel with the picture.** `scenes::Loader` compiles on a thread of its own and hands
-//! over finished values, so a large or broken scene costs no frame. It watches folders, not files, because most
-//! editors save by putting another file in the place of the old one, and it compares bytes: a file that was saved
-//! unchanged is not loaded. A file is read 20 ms after its last event, but not while its writer has it open; a
-//! missing one is waited for, 400 ms at most. Every two seconds the loader looks for changes without events: folders
-//! replaced further up, files across a network. If the system has no watches left, it looks five times a second
-//! instead.
+//! A file counts as changed when its bytes differ from the loaded ones: a save without changes does not reload the
+//! scene, and two events of one save reload it once. A file is read 20 ms after its last event, but not while its
+//! writer has it open. A missing file is awaited for at most 400 ms, because some editors delete a file before they
+//! write it. Every two seconds the loader also looks for changes without events: replaced parent folders, and files
+//! on a network. If the system has no watches left, it looks five times a second.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -27,21 +24,21 @@ use super::content::{Look, Stamp};
 use super::debounce::{Changes, Kind, Waits};
 use super::watch::{Tell, Watch};
 
-/// The result of loading one source.
+/// The result of loading a source.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Loaded<T> {
-    /// What was loaded.
+    /// The loaded source.
     pub source: SceneSource,
-    /// What the loader's function made of it.
+    /// The value that the load function returned.
     pub value: T,
-    /// The files that cause it to be loaded again when they change.
+    /// The files that are watched for this source.
     pub files: Vec<PathBuf>,
-    /// How long that function took.
+    /// Duration of the load function.
     pub took: Duration,
 }
 
-/// A thread that loads one source at a time and watches its files. Dropping it ends the thread as soon as that is not
-/// loading, without waiting for it; no result comes after that.
+/// A thread that loads one source at a time and watches its files. Dropping this ends the thread after the current
+/// load, without waiting. No result is published after that.
 #[derive(Debug)]
 pub struct Loader<T> {
     requests: Sender<Message>,
@@ -62,12 +59,12 @@ enum Message {
 }
 
 impl<T: Send + 'static> Loader<T> {
-    /// Starts the thread, which has nothing to do yet. It runs `load`, which gives a value and the files that it came
-    /// from, or would have come from if they were there ([`SceneSource::files`]). It calls `wake` after each result.
-    /// A panic in `load` is logged and gives no result; the files are watched all the same.
+    /// Starts the thread, which waits for the first request. `load` returns a value and the files it depends on,
+    /// including missing ones ([`SceneSource::files`]). The thread calls `wake` after each result. A panic in
+    /// `load` is logged and gives no result; the files are still watched.
     ///
     /// # Errors
-    /// The system has no thread left.
+    /// The system cannot start a thread.
     pub fn start(
         load: impl FnMut(&SceneSource) -> (T, Vec<PathBuf>) + Send + 'static,
         wake: impl Fn() + Send + 'static,
@@ -86,12 +83,12 @@ impl<T: Send + 'static> Loader<T> {
         let (changes, results) = (requests.clone(), Arc::clone(&shared));
         Builder::new().name("scene loader".into()).spawn(move || {
             let watch = watch(Box::new(move |file, kind| {
-                // After the end nobody listens.
+                // The receiver may be gone at exit.
                 let _ = changes.send(Message::Changed(file, kind));
             }));
             let publish = move |loaded| {
                 if !results.ended.load(Ordering::Acquire) {
-                    // The old one is dropped after the lock is released, because it may be large.
+                    // Drop the old value outside the lock, because it may be large.
                     let old = {
                         let mut newest = results.newest.lock().unwrap_or_else(PoisonError::into_inner);
                         newest.replace(loaded)
@@ -106,27 +103,27 @@ impl<T: Send + 'static> Loader<T> {
         Ok(Self { requests, shared })
     }
 
-    /// Requests `source`, which is watched from then on in place of the one before. Replaces a request that was not
-    /// begun yet; requesting the same source again loads it again.
+    /// Requests `source` and watches it instead of the previous one. Replaces a request that has not started. A
+    /// request of the same source loads it again.
     pub fn request(&self, source: SceneSource) {
         if self.requests.send(Message::Load(source)).is_err() {
-            tracing::error!("the thread that loads scenes has ended");
+            tracing::error!("the thread that loads scenes has ended: this is a bug in Mariana");
         }
     }
 
-    /// Loads what is on the screen again, because something else than its files has changed that it is made of.
+    /// Loads the current source again, because a dependency other than its files has changed.
     pub fn load_again(&self) {
         if self.requests.send(Message::Again).is_err() {
-            tracing::error!("the thread that loads scenes has ended");
+            tracing::error!("the thread that loads scenes has ended: this is a bug in Mariana");
         }
     }
 
-    /// The newest result, once. Never blocks.
+    /// Returns the newest result once. Never blocks.
     pub fn poll(&self) -> Option<Loaded<T>> {
         match self.shared.newest.try_lock() {
             Ok(mut newest) => newest.take(),
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner().take(),
-            // The result is being put there: `wake` follows.
+            // The result is being stored: `wake` follows.
             Err(TryLockError::WouldBlock) => None,
         }
     }
@@ -139,14 +136,14 @@ impl<T> Drop for Loader<T> {
     }
 }
 
-/// What is to be loaded next.
+/// The next load.
 enum Asked {
     Source(SceneSource),
     Again,
 }
 
-/// The source that is on the screen or will be, and its files as they were before it was loaded. None for a file that
-/// may have been loaded in another state than was seen.
+/// The current source, and the state of its files before it was loaded. `None` for a file that may have changed
+/// during the load.
 struct Current {
     source: SceneSource,
     seen: BTreeMap<PathBuf, Option<Look>>,
@@ -165,12 +162,11 @@ struct Worker<Load, Publish> {
     waits: Waits,
     changes: Changes,
     current: Option<Current>,
-    /// Since when a file is missing that was there.
+    /// The time since which a known file is missing.
     gone_since: Option<Instant>,
 }
 
-/// How much earlier than the clock the time of a file's change may be: file systems take it from the system's last
-/// tick.
+/// Largest lag of file times behind the clock: file systems use the time of the last kernel tick.
 const FILE_CLOCK_STEP: Duration = Duration::from_millis(12);
 
 impl<T, Load, Publish> Worker<Load, Publish>
@@ -187,7 +183,7 @@ where
             let look = watching.then_some(looked + every);
             let given_up = self.gone_since.map(|since| since + self.waits.patience);
             let due = [self.changes.due(&self.waits), given_up, look].into_iter().flatten().min();
-            // Everything that was sent is handled before what is due, so that the last of several requests counts.
+            // Handle all messages before due work, so that the last of several requests wins.
             let message = match (&asked, due) {
                 (Some(_), _) => inbox.recv_timeout(Duration::ZERO),
                 (None, Some(due)) => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
@@ -200,7 +196,7 @@ where
                 Ok(Message::End) | Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => match asked.take() {
                     Some(Asked::Source(source)) => self.begin(source),
-                    // Nobody looks at the files for that: what is watched stays watched.
+                    // The set of watched files does not change.
                     Some(Asked::Again) => {
                         if let Some(current) = self.current.take() {
                             self.load(current);
@@ -229,7 +225,7 @@ where
         self.load(Current { source, seen });
     }
 
-    /// Notes files that look changed although no event came.
+    /// Records files that look changed although no event arrived.
     fn look(&mut self) {
         let Some(current) = &self.current else { return };
         self.watch.set(&current.files());
@@ -240,7 +236,7 @@ where
         }
     }
 
-    /// Loads again if it is time and a file has changed.
+    /// Loads the source again if a changed file is due.
     fn check(&mut self) {
         let now = Instant::now();
         let given_up = self.gone_since.is_some_and(|since| since + self.waits.patience <= now);
@@ -250,10 +246,10 @@ where
         }
         let mut touched: BTreeSet<PathBuf> = self.changes.take();
         let Some(mut current) = self.current.take() else { return };
-        // The watch comes before the look, so that a change in between is reported.
+        // Watch before reading, so that a change in between is reported.
         self.watch.set(&current.files());
         if self.gone_since.is_some() {
-            // Other changes were put off.
+            // Other changes were postponed.
             touched.extend(current.seen.keys().cloned());
         }
         let mut changed = BTreeMap::new();
@@ -282,7 +278,7 @@ where
         }
     }
 
-    /// Loads `current`; its known files are watched and have been looked at.
+    /// Loads `current`. Its known files are watched and have been read.
     fn load(&mut self, current: Current) {
         self.gone_since = None;
         let Current { source, mut seen } = current;
@@ -299,7 +295,8 @@ where
         let mut looks = BTreeMap::new();
         for file in &files {
             let look = seen.remove(file).unwrap_or_else(|| {
-                // The file is known only now. If it changed since the load began, nobody knows what was loaded.
+                // This dependency was unknown until now. If it changed during the load, the loaded
+                // version is uncertain.
                 let look = Look::at(file);
                 let doubtful = look.stamp.is_since(began);
                 if doubtful {

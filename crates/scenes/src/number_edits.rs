@@ -1,15 +1,15 @@
-//! Which numbers of a scene's text somebody is changing, found by comparing its versions.
+//! Finds the numbers in a scene's text that are being edited, by comparing versions of the text.
 //!
-//! A program that is compiled for a text reads such numbers as inputs ([`lang::compile_while_changing`]): the first
-//! change of a number makes another program, all further ones need none. A text that is loaded again as it was has
-//! come to rest, and its numbers are constants again, because a driver makes the best of those.
+//! A program compiled with [`lang::compile_while_changing`] reads these numbers as inputs. The first edit of a number
+//! compiles a new program; further edits need no compilation. When the same text is loaded twice, editing has ended
+//! and the numbers become constants again, because drivers optimize constants best.
 
 use std::collections::BTreeSet;
 
 use super::SceneSource;
 use mariana_field::lang;
 
-/// The last version of a text, and the places of the numbers in which its versions differ.
+/// The last version of a text, and the indices of the numbers that differ between versions.
 #[derive(Debug, Default)]
 pub struct NumberEdits {
     last: Option<(SceneSource, String)>,
@@ -18,8 +18,8 @@ pub struct NumberEdits {
 }
 
 impl NumberEdits {
-    /// Takes the text of a source as it is now and returns the places of the numbers that are being changed. While one
-    /// of them `is_turned`, a text that is as it was has not come to rest.
+    /// Compares `text` with the previous version and returns the indices of the numbers being edited. An
+    /// unchanged text ends the edit unless `is_turned`: a controller is turning one of the numbers.
     pub(super) fn follow(&mut self, source: &SceneSource, text: &str, is_turned: bool) -> &BTreeSet<usize> {
         let before = self.last.take().filter(|(of, _)| of == source).map(|(_, text)| text);
         let is_as_it_was = before.as_deref() == Some(text);
@@ -36,7 +36,7 @@ impl NumberEdits {
         &self.changing
     }
 
-    /// Whether the text has just come to rest.
+    /// True if the last text was unchanged and ended an edit.
     pub(super) fn has_settled(&self) -> bool {
         self.settled
     }
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_change_until_the_text_rests_or_becomes_another_one() {
+    fn numbers_are_inputs_until_the_text_repeats_or_changes_otherwise() {
         let (one, other) = (SceneSource::Formula("one".into()), SceneSource::Formula("other".into()));
         let mut edits = NumberEdits::default();
         let mut follow = |source: &SceneSource, text: &str| {
@@ -57,7 +57,7 @@ mod tests {
         assert_eq!(follow(&one, "sphere(p, 1) - 0.5"), (vec![], false));
         assert_eq!(follow(&one, "sphere(p, 2) - 0.5"), (vec![0], false));
         assert_eq!(follow(&one, "sphere(p, 2) - 0.25"), (vec![0, 1], false));
-        // A comment changes no number, and the others are still being changed.
+        // An edited comment changes no number and does not end the edit.
         assert_eq!(follow(&one, "sphere(p, 2) - 0.25 # thin"), (vec![0, 1], false));
         assert_eq!(follow(&one, "sphere(p, 2) - 0.25 # thin"), (vec![], true));
         assert_eq!(follow(&one, "sphere(p, 2) - 0.25 # thin"), (vec![], false));

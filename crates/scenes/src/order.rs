@@ -1,4 +1,4 @@
-//! The cycle of scenes that the keys for the next and the previous scene go through.
+//! The cycle of scenes for the commands "next scene" and "previous scene".
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -6,52 +6,52 @@ use std::path::{Path, PathBuf};
 use super::folder::Folder;
 use super::{ENDING, SceneSource, shipped_names};
 
-/// The scene where the cycle started: that scene and its folder stay in the cycle.
+/// The cycle around a start scene. The start scene and the files in its folder stay in the cycle.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneList {
     start: SceneSource,
 }
 
 impl SceneList {
-    /// The cycle that contains `start`: `start` itself if it is a formula, or the scene files of its folder if it is
-    /// a file; then the shipped scenes, each group sorted by name; then from the beginning again.
+    /// The cycle that contains `start`. First comes `start` if it is a formula, or the scene files of its folder
+    /// if it is a file. The shipped scenes follow. Each group is sorted by name.
     pub fn around(start: &SceneSource) -> Self {
         Self { start: start.clone() }
     }
 
-    /// The scene after `current`. Reads the folder again. If the current scene is gone, or was never in the cycle,
-    /// its place is where it would be.
+    /// Returns the scene after `current`. Reads the folder again. A current scene that is not in the cycle is
+    /// sorted into it.
     pub fn next(&self, current: &SceneSource) -> SceneSource {
         let (mut round, at) = self.round(current);
         let next = (at + 1) % round.len();
         round.swap_remove(next)
     }
 
-    /// The scene before `current`; otherwise as [`Self::next`].
+    /// Returns the scene before `current`, like [`Self::next`].
     pub fn previous(&self, current: &SceneSource) -> SceneSource {
         let (mut round, at) = self.round(current);
         let previous = (at + round.len() - 1) % round.len();
         round.swap_remove(previous)
     }
 
-    /// All scenes of the cycle, which contains at least `current`. Reads the folder again.
+    /// Returns all scenes of the cycle, including `current`. Reads the folder again.
     pub fn all(&self, current: &SceneSource) -> Vec<SceneSource> {
         self.round(current).0
     }
 
-    /// The place of `current` in the cycle, from 0, and the length of the cycle. Reads the folder again.
+    /// Returns the index of `current` in the cycle and the length of the cycle. Reads the folder again.
     pub fn place(&self, current: &SceneSource) -> (usize, usize) {
         let (round, at) = self.round(current);
         (at, round.len())
     }
 
-    /// The cycle, which contains at least `current`, and the index of `current`.
+    /// Returns the cycle, including `current`, and the index of `current`.
     fn round(&self, current: &SceneSource) -> (Vec<SceneSource>, usize) {
         let mut round: Vec<SceneSource> = shipped_names().into_iter().map(SceneSource::Shipped).collect();
         if let Some(file) = current.file().or(self.start.file()) {
             round.extend(scene_files(file).into_iter().map(SceneSource::File));
         }
-        // A start without the extension of scenes is in no listing.
+        // The folder listing lacks a start scene with another extension.
         round.push(self.start.clone());
         if self.start.file().is_some_and(|file| !file.is_file()) {
             round.pop();
@@ -64,7 +64,7 @@ impl SceneList {
     }
 }
 
-/// The key by which the cycle is sorted.
+/// Sort key of the cycle.
 fn rank(scene: &SceneSource) -> (u8, &OsStr, &OsStr) {
     match scene {
         SceneSource::Formula(text) => (0, OsStr::new(text), OsStr::new("")),
@@ -74,7 +74,7 @@ fn rank(scene: &SceneSource) -> (u8, &OsStr, &OsStr) {
     }
 }
 
-/// The scene files beside `file`, hidden ones left out; none if the folder cannot be read.
+/// Returns the scene files in the folder of `file`, without hidden ones. Empty if the folder cannot be read.
 fn scene_files(file: &Path) -> Vec<PathBuf> {
     let folder = Folder::of(file);
     let shown = folder.beside("").into_iter().filter(|name| !name.starts_with('.'));
@@ -88,7 +88,7 @@ mod tests {
 
     use super::*;
 
-    /// A folder with these files, and the source of a file in it.
+    /// Creates a folder with these files. Returns it and a function that makes sources of its files.
     fn folder(names: &[&str]) -> (tempfile::TempDir, impl Fn(&str) -> SceneSource) {
         let folder = tempfile::tempdir().unwrap();
         for name in names {
@@ -102,7 +102,8 @@ mod tests {
         shipped_names().into_iter().map(SceneSource::Shipped).collect()
     }
 
-    /// Goes around from `start`, checks that the way back is the same, and returns the scenes that were passed.
+    /// Walks the cycle from `start`, checks that `previous` is the inverse of `next`, and returns the visited
+    /// scenes.
     #[track_caller]
     fn round(start: &SceneSource) -> Vec<SceneSource> {
         let list = SceneList::around(start);
@@ -115,12 +116,12 @@ mod tests {
                 return met;
             }
             met.push(next);
-            assert!(met.len() < 100, "never comes back: {met:?}");
+            assert!(met.len() < 100, "the cycle does not return to its start: {met:?}");
         }
     }
 
     #[test]
-    fn files_of_the_folder_and_shipped_scenes_go_round() {
+    fn files_of_the_folder_and_shipped_scenes_form_the_cycle() {
         let (_kept, file) = folder(&["b.scene", "a.scene", ".hidden.scene", "note.txt", "c.scene"]);
         let mut expected = vec![file("b.scene"), file("c.scene")];
         expected.extend(shipped());
@@ -129,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_folder_only_shipped_scenes_go_round() {
+    fn without_a_folder_the_cycle_has_only_shipped_scenes() {
         assert_eq!(round(&shipped()[0]), shipped());
         let formula = SceneSource::Formula("y".into());
         let mut expected = vec![formula.clone()];
@@ -138,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn new_files_appear_and_one_that_is_gone_keeps_its_place() {
+    fn new_files_appear_and_a_deleted_one_keeps_its_place() {
         let (kept, file) = folder(&["a.scene", "b.scene", "c.scene"]);
         let list = SceneList::around(&file("b.scene"));
         fs::write(kept.path().join("bb.scene"), "y").unwrap();
@@ -153,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn a_start_of_another_ending_stays_in_the_round() {
+    fn a_start_with_another_extension_stays_in_the_cycle() {
         let (_kept, file) = folder(&["a.scene", "b.txt", "c.txt"]);
         let mut expected = vec![file("b.txt")];
         expected.extend(shipped());
@@ -162,14 +163,14 @@ mod tests {
     }
 
     #[test]
-    fn every_scene_has_its_place() {
+    fn every_scene_has_an_index() {
         let list = SceneList::around(&shipped()[0]);
         let places: Vec<_> = shipped().iter().map(|scene| list.place(scene)).collect();
         assert_eq!(places, (0..shipped().len()).map(|at| (at, shipped().len())).collect::<Vec<_>>());
     }
 
     #[test]
-    fn a_folder_is_no_scene() {
+    fn a_folder_is_not_a_scene() {
         let (kept, file) = folder(&["a.scene"]);
         fs::create_dir(kept.path().join("b.scene")).unwrap();
         assert_eq!(SceneList::around(&file("a.scene")).next(&file("a.scene")), shipped()[0]);

@@ -1,6 +1,6 @@
-//! Looks into the picture for the editor: what is at a point, and which part of the scene each place of a coarse grid
-//! shows. Rays are followed on a thread of their own, with the numbers of the picture that was asked about; of each kind
-//! of question only the latest counts.
+//! Answers questions of the editor about a frame: the surface at a point, and ray statistics for a coarse grid. A
+//! background thread traces the rays with the inputs of the frame in question. A new question replaces a waiting one
+//! of the same kind.
 
 use std::io;
 use std::ops::Range;
@@ -15,23 +15,23 @@ use mariana_field::world::World;
 use mariana_render::frame::Frame;
 use mariana_render::gpu::scene_resources::{RegionMaker, RegionRequest};
 
-/// A picture that can be asked about.
+/// A frame with all data needed to trace rays in it.
 #[derive(Clone)]
 pub struct Scenery {
     /// The scene.
     pub source: SceneSource,
     /// Its world.
     pub world: Arc<World>,
-    /// The numbers of the picture, and its camera.
+    /// The frame's inputs and camera.
     pub frame: Frame,
-    /// What builds its tree.
+    /// Builds the frame's region tree.
     pub maker: RegionMaker,
-    /// What the tree is built for.
+    /// The view for which the tree is built.
     pub request: RegionRequest,
 }
 
 impl Scenery {
-    /// A picture of a scene for which nothing was built before.
+    /// A frame of a scene for which no tree was built before.
     pub fn new(source: SceneSource, scene: ReadyScene, frame: Frame) -> Self {
         let maker = RegionMaker { plan: scene.plan, buffers: scene.buffers, last: None };
         let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
@@ -39,23 +39,24 @@ impl Scenery {
     }
 }
 
-/// How long an answer may take: then the scene is too large for it.
+/// Longest time for an answer. A scene that takes longer is too large for probing.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Between surveys the processors are the show's for as long as one took, but for no longer than this.
+/// Longest pause between two grids. The thread pauses as long as the last grid took, to leave the processors to the
+/// show.
 const REST_MAX: Duration = Duration::from_secs(1);
-/// Rays of a survey side by side.
+/// Columns of a grid.
 const COLUMNS: usize = 160;
-/// Share of a pixel that the ray of a probe is wide.
+/// Width of a probe's ray, as a fraction of a pixel.
 const PROBE_WIDTH: f64 = 0.05;
 
-/// What is at a point of the picture.
+/// The result of probing a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probed {
     /// The scene.
     pub source: SceneSource,
-    /// The point, as shares of the picture to the right and down.
+    /// The point as fractions of the frame's width and height, from the top left.
     pub at: [f64; 2],
-    /// The surface; none where the sky is.
+    /// The surface; `None` for the sky.
     pub surface: Option<Surface>,
 }
 
@@ -64,26 +65,26 @@ pub struct Probed {
 pub struct Surface {
     /// The object's name.
     pub object: String,
-    /// The material's.
+    /// The name of the material.
     pub material: String,
-    /// Way from the eye.
+    /// Distance from the camera.
     pub distance: f32,
-    /// The point in the scene.
+    /// Position in the scene.
     pub position: [f32; 3],
-    /// Away from the surface, of length 1.
+    /// Surface normal of length 1.
     pub normal: [f32; 3],
-    /// The file by its number among the scene's texts, and the bytes of what made it.
+    /// The formula that made the surface: index of its file among the scene's texts, and byte range.
     pub written: Option<(usize, Range<usize>)>,
 }
 
-/// An answer.
+/// An answer from the [`Prober`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Answer {
-    /// What is at a point.
+    /// The surface at a point.
     Point(Probed),
-    /// What a grid shows.
+    /// The ray statistics of a scene's frame.
     RayStatistics(SceneSource, Arc<RayStatistics>),
-    /// It would have taken too long.
+    /// The answer would have taken too long.
     TooLong,
 }
 
@@ -92,7 +93,7 @@ struct State {
     point: Option<(Scenery, [f64; 2])>,
     ray_statistics: Option<Scenery>,
     answers: Vec<Answer>,
-    /// Whether a survey is being made, or was a moment ago.
+    /// True while ray statistics are computed, and during the pause after that.
     surveys: bool,
     over: bool,
 }
@@ -109,14 +110,14 @@ impl Shared {
     }
 }
 
-/// The thread, which ends by itself when this is dropped.
+/// The probing thread. It ends by itself when this is dropped.
 pub struct Prober(Arc<Shared>);
 
 impl Prober {
     /// Starts the thread, which calls `wake` after each answer.
     ///
     /// # Errors
-    /// What the system says about threads.
+    /// The error from the system if no thread can be started.
     pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let theirs = shared.clone();
@@ -124,25 +125,25 @@ impl Prober {
         Ok(Self(shared))
     }
 
-    /// Asks what is at a point, as shares of the picture to the right and down.
+    /// Asks for the surface at a point, given as fractions of the frame's width and height.
     pub fn ask_point(&self, scenery: Scenery, at: [f64; 2]) {
         self.0.lock().point = Some((scenery, at));
         self.0.changed.notify_one();
     }
 
-    /// Asks for a survey.
+    /// Asks for ray statistics.
     pub fn ask_ray_statistics(&self, scenery: Scenery) {
         self.0.lock().ray_statistics = Some(scenery);
         self.0.changed.notify_one();
     }
 
-    /// Whether a survey is on its way, or its thread rests.
+    /// True while ray statistics are computed or wait, and during the pause after that.
     pub fn surveys(&self) -> bool {
         let state = self.0.lock();
         state.surveys || state.ray_statistics.is_some()
     }
 
-    /// The answers since the last call.
+    /// Returns the answers since the last call.
     pub fn answers(&self) -> Vec<Answer> {
         std::mem::take(&mut self.0.lock().answers)
     }
@@ -171,7 +172,7 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
         state.surveys = ray_statistics.is_some();
         drop(state);
         let begun = Instant::now();
-        // A survey waits while somebody asks for a point.
+        // A question about a point interrupts a grid.
         let is_asked = point.is_some();
         let is_wanted = || {
             let state = shared.lock();
@@ -186,13 +187,13 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
             (None, None) => None,
         }));
         let what = if is_asked { "a point" } else { "a grid" };
-        tracing::debug!("looked at {what} of the picture in {:.1} ms", 1e3 * begun.elapsed().as_secs_f64());
+        tracing::debug!("probed {what} of the frame in {:.1} ms", 1e3 * begun.elapsed().as_secs_f64());
         let mut state = shared.lock();
         match answer {
             Ok(Some(answer)) => state.answers.push(answer),
             Ok(None) if begun.elapsed() >= PATIENCE => state.answers.push(Answer::TooLong),
             Ok(None) => {}
-            Err(_) => tracing::error!("probing ended with a panic"),
+            Err(_) => tracing::error!("probing the scene failed: this is a bug in Mariana"),
         }
         let surveyed = state.surveys;
         drop(state);
@@ -207,7 +208,8 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
     }
 }
 
-/// The ray through a point of a picture, as shares to the right and down, of which a pixel's cone has this share.
+/// Returns the ray through a point, given as fractions of the frame's width and height. `width` is the ray's width as
+/// a fraction of a pixel.
 fn ray_at(frame: &Frame, [x, y]: [f64; 2], width: f64) -> Ray {
     let camera = &frame.camera;
     let (right, up) = ((2.0 * x - 1.0) * camera.tan_half.0, (1.0 - 2.0 * y) * camera.tan_half.1);
@@ -220,7 +222,7 @@ fn ray_at(frame: &Frame, [x, y]: [f64; 2], width: f64) -> Ray {
     }
 }
 
-/// Looks at a picture; none if its tree takes too long.
+/// Builds the frame's tree and passes it to `look`. Returns `None` once `is_wanted` is false.
 fn look<T>(
     scenery: &Scenery,
     is_wanted: &(dyn Fn() -> bool + Sync),
@@ -231,7 +233,7 @@ fn look<T>(
     is_wanted().then(|| look(&RayProbe::new(world, &built.regions, &frame.inputs, &frame.values.planes)))
 }
 
-/// Looks at a point of the picture, 0..1 to the right and down. Returns `None` once `is_wanted` is false.
+/// Probes a point, given as fractions of the frame's width and height. Returns `None` once `is_wanted` is false.
 pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<Probed> {
     let ray = ray_at(&scenery.frame, at, PROBE_WIDTH);
     let scene = &scenery.world.scene;
@@ -257,7 +259,7 @@ pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sy
     Some(Probed { source: scenery.source.clone(), at, surface })
 }
 
-/// Looks at a grid of points over the picture. Returns `None` once `is_wanted` is false.
+/// Computes ray statistics of a grid over the frame. Returns `None` once `is_wanted` is false.
 pub fn ray_statistics_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Option<RayStatistics> {
     let (width, height) = scenery.frame.camera.tan_half;
     let rows = (COLUMNS as f64 * height / width).round().clamp(8.0, COLUMNS as f64 * 2.0) as usize;
@@ -281,7 +283,7 @@ object near {
 object floor { shape = y + 1 }
 camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
 
-    /// A picture of a scene after a second of silence, twice as wide as it is high.
+    /// A frame of a scene after a second of silence, twice as wide as high.
     fn scenery(text: &str) -> Scenery {
         let source = SceneSource::Formula(text.to_owned());
         let ready = source.ready().unwrap();
@@ -298,7 +300,7 @@ camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
     }
 
     #[test]
-    fn a_point_of_the_picture_is_told_with_its_object_its_place_and_its_line() {
+    fn a_probed_point_has_an_object_a_position_and_a_source_range() {
         let scenery = scenery(BALLS);
         let surface = |at: [f64; 2]| match asked(&scenery, |prober, scenery| prober.ask_point(scenery, at)) {
             Answer::Point(probed) => probed.surface,
@@ -310,23 +312,23 @@ camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
         assert!(ball.normal[2] < -0.999, "{ball:?}");
         let (file, bytes) = ball.written.unwrap();
         assert_eq!((file, &BALLS[bytes]), (0, "sphere(p - vec3(0, 0, 5), 1)"));
-        // Half way down the field of view the floor is at 45 / 2 degrees.
+        // Half way down the field of view, the floor is seen at 45 / 2 degrees.
         let floor = surface([0.5, 0.9]).unwrap();
         assert!((floor.position[2] - 1.0 / 0.8).abs() < 1e-3, "{floor:?}");
         let (_, bytes) = floor.written.unwrap();
         assert_eq!(&BALLS[bytes], "y + 1");
         assert_eq!(surface([0.5, 0.1]), None);
-        // To the right in the picture is to the right in the scene.
+        // Right in the frame is right in the scene.
         assert!(surface([0.75, 0.9]).unwrap().position[0] > 0.1);
     }
 
     #[test]
-    fn a_survey_has_the_shape_of_the_picture_and_all_objects() {
+    fn ray_statistics_have_the_aspect_of_the_frame_and_all_objects() {
         let scenery = scenery(BALLS);
         let Answer::RayStatistics(source, ray_statistics) =
             asked(&scenery, |prober, scenery| prober.ask_ray_statistics(scenery))
         else {
-            panic!("no survey came");
+            panic!("no ray statistics arrived");
         };
         assert_eq!(source, scenery.source);
         assert_eq!((ray_statistics.columns, ray_statistics.cells.len()), (COLUMNS, COLUMNS * COLUMNS / 2));

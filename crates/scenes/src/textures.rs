@@ -1,8 +1,8 @@
-//! The pictures that scenes read.
+//! Textures of scenes.
 //!
-//! A scene that is a file gets PNG and JPEG pictures from its own folder, never from outside of it. If the folder has
-//! no picture of that name, a shipped one of the same name is used, so that a copy of a shipped scene works anywhere.
-//! Shipped scenes and formulas get shipped pictures only.
+//! A scene file can use PNG and JPEG images from its own folder, never from outside. If the folder has no image of
+//! that name, a shipped one is used, so that a copy of a shipped scene works anywhere. Shipped scenes and formulas
+//! can use only shipped images.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -21,31 +21,32 @@ use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
 
 static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/textures");
 
-/// The extensions of pictures.
+/// Extensions of image files.
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
-/// Reads textures, and keeps those of the last scene decoded: loading a scene again decodes only what has changed,
-/// and gives the same [`Arc`] for what has not.
+/// Loads textures and caches the decoded ones of the last scene. Loading a scene again decodes only changed images
+/// and returns the same [`Arc`] for the others.
 #[derive(Debug, Default)]
 pub struct TextureCache {
     pictures: HashMap<u64, Arc<RgbaImage>>,
 }
 
 impl SceneSource {
-    /// The pictures of [`Scene::textures`], in their order: sRGB with alpha that is not premultiplied, top row first.
+    /// Loads the images of [`Scene::textures`] in their order: sRGB, straight alpha, top row first.
     ///
     /// # Errors
-    /// What is wrong with each picture that cannot be read, with the place in the text that asks for it.
+    /// A diagnostic for each image that cannot be read, with its position in the text.
     pub fn textures(&self, scene: &Scene) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
         TextureCache::default().load(self, scene)
     }
 }
 
 impl TextureCache {
-    /// The same as [`SceneSource::textures`]. Pictures that this scene does not read are forgotten.
+    /// Loads textures like [`SceneSource::textures`], with the cache. Images that this scene does not use are
+    /// dropped.
     ///
     /// # Errors
-    /// See there; pictures that could be read are kept.
+    /// As [`SceneSource::textures`]; the cache keeps the readable images.
     pub fn load(
         &mut self,
         source: &SceneSource,
@@ -80,7 +81,7 @@ impl TextureCache {
                 Cow::Owned(bytes)
             }
             (None | Some(Err(Refusal::Missing)), Some(bytes)) => {
-                // Shipped pictures never change: their name is enough.
+                // Shipped images never change: the name is enough.
                 texture.name.hash(&mut hasher);
                 Cow::Borrowed(bytes)
             }
@@ -98,7 +99,7 @@ impl TextureCache {
     }
 }
 
-/// The file from the scene's folder; none if the scene has no folder.
+/// Reads a file from the scene's folder; `None` if the scene has no folder.
 fn own_bytes(source: &SceneSource, name: &str) -> Option<Result<Vec<u8>, Refusal>> {
     Some(Folder::of(source.file()?).bytes(name, LIMITS.texture_bytes_max))
 }
@@ -119,13 +120,13 @@ fn missing(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
     let shipped = shipped_names();
     let (message, advice) = match source {
         SceneSource::File(_) => (
-            format!("there is no picture `{name}` in the scene's folder"),
-            format!("put it there, or use one that is shipped: {}", shipped.join(", ")),
+            format!("there is no image `{name}` in the scene's folder"),
+            format!("put it there, or use a shipped image: {}", shipped.join(", ")),
         ),
         SceneSource::Blend(blend) => return missing(&blend.to.source, texture),
         SceneSource::Shipped(_) | SceneSource::Formula(_) => (
-            format!("there is no shipped picture `{name}`"),
-            format!("use one of {}, or save the scene as a file next to your pictures", shipped.join(", ")),
+            format!("there is no shipped image `{name}`"),
+            format!("use one of {}, or save the scene as a file next to your images", shipped.join(", ")),
         ),
     };
     let mut names = source.file().map_or_else(Vec::new, |file| Folder::of(file).beside(name));
@@ -142,20 +143,20 @@ fn refused(source: &SceneSource, texture: &TextureRef, refusal: &Refusal) -> Dia
     if *refusal == Refusal::Missing {
         return missing(source, texture);
     }
-    let message = format!("the picture `{}` cannot be read: {refusal}", texture.name);
+    let message = format!("the image `{}` cannot be read: {refusal}", texture.name);
     let (over_limit, hint) = match refusal {
         Refusal::Leaves | Refusal::LinkOut | Refusal::Missing => {
-            (false, "put the picture itself into the scene's folder")
+            (false, "copy the image into the scene's folder")
         }
         Refusal::NoFile => (false, "name a PNG or JPEG file"),
-        Refusal::Unreadable(_) | Refusal::NotText(_) => (false, "check that you may read it"),
+        Refusal::Unreadable(_) | Refusal::NotText(_) => (false, "check the file's permissions"),
         Refusal::TooLarge(_) => (true, "scale it down, or save it with stronger compression"),
     };
     let kind = if over_limit { Diagnostic::over_limit } else { Diagnostic::new };
     kind(texture.span, message).hint(hint)
 }
 
-/// Decodes a PNG or JPEG, after checking in its header that its size is allowed.
+/// Decodes a PNG or JPEG after checking the size in its header.
 fn decode(texture: &TextureRef, bytes: &[u8], limits: &Limits) -> Result<RgbaImage, Box<Diagnostic>> {
     let TextureRef { name, span } = texture;
     let diagnostic = |kind: fn(Span, String) -> Diagnostic, message: String, hint: &str| {
@@ -164,26 +165,26 @@ fn decode(texture: &TextureRef, bytes: &[u8], limits: &Limits) -> Result<RgbaIma
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
         Ok(other) => {
-            let message = format!("`{name}` is a picture in the format {other:?}, which is not supported");
+            let message = format!("`{name}` is an image in the unsupported format {other:?}");
             return Err(diagnostic(Diagnostic::unsupported, message, "save it as PNG or JPEG"));
         }
         Err(_) => {
-            let message = format!("`{name}` is not a picture in a known format");
+            let message = format!("`{name}` is not an image in a known format");
             return Err(diagnostic(Diagnostic::new, message, "name a PNG or JPEG file"));
         }
     };
     let damaged = |error: image::ImageError| {
-        diagnostic(Diagnostic::new, format!("the picture `{name}` is damaged: {error}"), "save it again")
+        diagnostic(Diagnostic::new, format!("the image `{name}` is damaged: {error}"), "save it again")
     };
     let mut decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     let (side, pixels) = (limits.texture_side_max, limits.texture_pixels_max);
     if width > side || height > side || u64::from(width) * u64::from(height) > pixels {
-        let message = format!("the picture `{name}` is too large: {width} x {height} pixels");
-        let hint = format!("scale it down to no more than {side} pixels a side and {pixels} in all");
+        let message = format!("the image `{name}` is too large: {width} x {height} pixels");
+        let hint = format!("scale it down to at most {side} pixels a side and {pixels} in total");
         return Err(diagnostic(Diagnostic::over_limit, message, &hint));
     }
-    // How the camera was held is stored beside the pixels.
+    // Apply the orientation from the metadata.
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     picture.apply_orientation(orientation);

@@ -1,9 +1,9 @@
-//! Reports changes of some files.
+//! Watches a set of files for changes.
 //!
-//! Editors save in many ways: into the file, by a rename over it, by moving it aside and writing another, by deleting
-//! it first. A watch on the file itself would stay with the old file, so the folders are watched, and only the events
-//! that concern the files are reported. If a folder is missing, the one above it is watched; if a file is a link, the
-//! folder that the link leads to is watched too.
+//! Editors save in several ways: in place, by renaming another file over it, by moving or deleting the old file
+//! first. A watch on the file itself would stay with the old file, so this watches the folders and reports only
+//! events of the wanted files. If a folder is missing, its nearest existing parent is watched. For a link, the folder
+//! of its target is watched as well.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ffi::OsString;
@@ -16,40 +16,40 @@ use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 
 use super::debounce::Kind;
 
-/// What the thread that receives the events needs to know, and what it found out.
+/// State shared with the thread that receives the events.
 #[derive(Debug, Default)]
 struct Wanted {
-    /// From the path that an event names to the files that it concerns.
+    /// The files affected by an event, by the path in the event.
     files: HashMap<PathBuf, BTreeSet<PathBuf>>,
-    /// Paths that were deleted or moved: no folder there is watched any more, even if there is one of the same
-    /// identity (the inode numbers of deleted folders are used again).
+    /// Paths that were deleted or moved. Their watches are gone even if a folder with the same identity exists
+    /// there now: the system reuses the inode numbers of deleted folders.
     lost: BTreeSet<PathBuf>,
 }
 
 /// A watch on some files.
 pub(super) struct Watch {
     watcher: Option<RecommendedWatcher>,
-    /// Folders that are watched, with their identities: another folder may have taken the place since.
+    /// Watched folders with their identities, to detect a replaced folder.
     folders: BTreeMap<PathBuf, Identity>,
     wanted: Arc<Mutex<Wanted>>,
-    /// Whether every relevant folder is watched.
+    /// True if every relevant folder is watched.
     complete: bool,
-    /// Whether the log already says that they are not.
+    /// True if the log already has a warning about missing watches.
     reported: bool,
 }
 
-/// Receives a file that may have changed, and what is known about the change.
+/// Receives a file that may have changed, and the kind of the change.
 pub(super) type Tell = Box<dyn Fn(PathBuf, Kind) + Send>;
 
-/// What distinguishes folders of the same path, if the system has such a thing.
+/// Device and inode number of a folder; `None` on systems without them.
 type Identity = Option<(u64, u64)>;
 
-/// Most links that are followed from one file.
+/// Longest chain of links to follow.
 const LINKS_MAX: usize = 16;
 
 impl Watch {
-    /// Watches nothing yet. `tell` is called on a thread of the watch with a file that may have changed, named as it
-    /// was given to [`Self::set`].
+    /// Creates a watch without files. The watch calls `tell` on its own thread with a file that may have changed,
+    /// under the name passed to [`Self::set`].
     pub(super) fn new(tell: Tell) -> Self {
         let mut watch = Self::blind();
         let known = Arc::clone(&watch.wanted);
@@ -60,14 +60,14 @@ impl Watch {
         watch
     }
 
-    /// A watch that reports nothing, as when the system has no watches left.
+    /// A watch without events, as when the system has no watches left.
     pub(super) fn blind() -> Self {
         let wanted = Arc::new(Mutex::new(Wanted::default()));
         Self { watcher: None, folders: BTreeMap::new(), wanted, complete: false, reported: false }
     }
 
-    /// Watches these files and no others. To be called again after each reported change, because folders may have
-    /// come, gone, or been replaced.
+    /// Watches these files and no others. Call this again after each reported change, because folders may have
+    /// been created, removed or replaced.
     pub(super) fn set(&mut self, files: &[PathBuf]) {
         let mut wanted: HashMap<PathBuf, BTreeSet<PathBuf>> = HashMap::new();
         let mut folders = BTreeSet::new();
@@ -79,7 +79,7 @@ impl Watch {
                 folders.insert(folder);
             }
         }
-        // Before the folders, so that nothing that they report is thrown away.
+        // Set this before the folders, so that no event of theirs is discarded.
         let lost = {
             let mut shared = lock(&self.wanted);
             shared.files = wanted;
@@ -90,7 +90,7 @@ impl Watch {
             let same = !lost.contains(folder) && *identity == self::identity(folder);
             let kept = same && folders.contains(folder);
             if !kept {
-                // A folder that was deleted is not watched any more, which is no error.
+                // Fails for a deleted folder, whose watch is gone already.
                 let _ = watcher.unwatch(folder);
             }
             kept
@@ -117,7 +117,7 @@ impl Watch {
         }
     }
 
-    /// Whether the system reports every change; if not, the caller has to look.
+    /// True if the system reports every change; if false, the caller has to poll.
     pub(super) fn is_complete(&self) -> bool {
         self.complete
     }
@@ -125,7 +125,7 @@ impl Watch {
     fn tell_blindness(&mut self, reason: &str) {
         if !std::mem::replace(&mut self.reported, true) {
             tracing::warn!(
-                "the system does not report changed scenes ({reason}): they are checked repeatedly instead"
+                "the system does not report changed scenes ({reason}): Mariana checks the files repeatedly instead"
             );
         }
     }
@@ -135,7 +135,7 @@ fn lock(wanted: &Mutex<Wanted>) -> MutexGuard<'_, Wanted> {
     wanted.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Reports what an event means for the wanted files.
+/// Reports the wanted files that an event affects.
 fn sort(event: notify::Result<Event>, wanted: &Mutex<Wanted>, tell: &Tell) {
     let files = match &event {
         Ok(event) if !event.need_rescan() => {
@@ -149,7 +149,7 @@ fn sort(event: notify::Result<Event>, wanted: &Mutex<Wanted>, tell: &Tell) {
             let concerned = event.paths.iter().filter_map(|path| wanted.files.get(path)).flatten();
             concerned.map(|file| (file.clone(), kind)).collect()
         }
-        // Events were lost: any file may have changed.
+        // Events were lost, so any file may have changed.
         _ => {
             let all: BTreeSet<PathBuf> = lock(wanted).files.values().flatten().cloned().collect();
             all.into_iter().map(|file| (file, Kind::Touched)).collect::<Vec<_>>()
@@ -160,12 +160,12 @@ fn sort(event: notify::Result<Event>, wanted: &Mutex<Wanted>, tell: &Tell) {
     }
 }
 
-/// What an event says about its file; none if it is only being read.
+/// Returns the kind of change; `None` for read accesses.
 fn kind(event: &EventKind) -> Option<Kind> {
     match event {
         EventKind::Access(AccessKind::Close(AccessMode::Write)) => Some(Kind::Written),
         EventKind::Access(_) => None,
-        // Other systems do not report when the file is closed.
+        // Other systems do not report the closing of a file.
         EventKind::Modify(ModifyKind::Data(_)) if cfg!(target_os = "linux") => Some(Kind::Writing),
         EventKind::Modify(ModifyKind::Name(_))
         | EventKind::Create(CreateKind::File)
@@ -174,8 +174,7 @@ fn kind(event: &EventKind) -> Option<Kind> {
     }
 }
 
-/// Where a change of `file` shows: existing folders, each with the relevant entry. More than one if the file is a
-/// link.
+/// Returns the folders in which changes of `file` appear, each with the relevant entry. A link has several.
 fn places(file: &Path) -> Vec<(PathBuf, OsString)> {
     let mut found = Vec::new();
     let Ok(mut path) = std::path::absolute(file) else { return found };
@@ -188,7 +187,7 @@ fn places(file: &Path) -> Vec<(PathBuf, OsString)> {
     found
 }
 
-/// The nearest folder above `path` that exists, with links resolved, and the entry of it that `path` passes through.
+/// Returns the nearest existing folder above `path`, with links resolved, and the entry in it that leads to `path`.
 fn place(path: &Path) -> Option<(PathBuf, OsString)> {
     path.ancestors().find_map(|entry| {
         let folder = entry.parent()?.canonicalize().ok().filter(|folder| folder.is_dir())?;
@@ -215,9 +214,9 @@ mod tests {
 
     use super::*;
 
-    /// No event reports that a folder further up was replaced; the next call must find out.
+    /// The system sends no event when a parent folder is replaced; the next call must notice it.
     #[test]
-    fn setting_the_files_again_watches_a_folder_that_took_the_place_of_another() {
+    fn setting_the_files_again_watches_a_replaced_folder() {
         let place = tempfile::tempdir().unwrap();
         let path = |name: &str| place.path().join(name);
         for folder in ["a/b", "next/b"] {
@@ -236,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_looked_for_where_links_lead_and_where_it_would_be() {
+    fn link_targets_and_missing_files_have_watchable_folders() {
         let place = tempfile::tempdir().unwrap();
         let real = place.path().canonicalize().unwrap();
         let places = |name: &str| super::places(&place.path().join(name));

@@ -1,4 +1,4 @@
-//! From a source to a world that is ready to be drawn.
+//! Prepares a scene for drawing: reads, compiles and checks it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,35 +9,35 @@ use mariana_field::lang::{Compiled, Diagnostic, Scene, render_all};
 use mariana_field::region::RegionPlan;
 use mariana_field::world::{Alignment, BlendError, BlendKind, TapeBuffers, World, WorldError};
 
-/// A world with the programs of its tape.
+/// A compiled scene with its tape programs.
 #[derive(Debug, Clone)]
 pub struct ReadyScene {
     /// The world.
     pub world: Arc<World>,
-    /// Its programs.
+    /// The tape programs.
     pub buffers: Arc<TapeBuffers>,
-    /// What builds its regions.
+    /// The plan for building region trees.
     pub plan: Arc<RegionPlan>,
-    /// Whether this is the text that is shown already, in which numbers are constants again after they were changed.
+    /// True if this is the displayed text again, now with constants instead of inputs for edited numbers.
     pub settles: bool,
 }
 
 impl ReadyScene {
-    /// What builds and draws a world.
+    /// Prepares a world.
     ///
     /// # Errors
-    /// A world over the limits.
+    /// The world exceeds a limit.
     fn of(world: World) -> Result<Self, WorldError> {
         let buffers = Arc::new(world.tape_buffers()?);
         let plan = Arc::new(RegionPlan::new(&world));
         Ok(Self { world: Arc::new(world), buffers, plan, settles: false })
     }
 
-    /// A scene between this one and another, which stands where `alignment` puts it and of which a share is shown, 0..1,
-    /// unless a frame says otherwise.
+    /// Blends this scene with another, which is moved to `alignment`. `fraction` is the default fraction of the
+    /// second scene, 0..1; each frame can override it.
     ///
     /// # Errors
-    /// Together they exceed a limit.
+    /// The two scenes together exceed a limit.
     pub fn blended(
         &self,
         to: &Self,
@@ -53,13 +53,13 @@ impl SceneSource {
     /// Reads, compiles and prepares a scene.
     ///
     /// # Errors
-    /// A file that cannot be read, mistakes in the text (with all diagnostics), missing pictures, a scene over the
+    /// A file that cannot be read, mistakes in the text (with all diagnostics), missing images, a scene over the
     /// limits.
     pub fn ready(&self) -> Result<ReadyScene, SceneError> {
         self.ready_with(&mut TextureCache::default(), &mut NumberEdits::default(), &DraftTexts::default()).0
     }
 
-    /// The same as if `text` were its own.
+    /// Prepares `text` as if it were the scene's text.
     ///
     /// # Errors
     /// As [`SceneSource::ready`].
@@ -68,9 +68,8 @@ impl SceneSource {
         self.prepare(compiled, &mut TextureCache::default())
     }
 
-    /// The same with pictures from a cache, and the files that cause it to be repeated when they change, whether it
-    /// worked or not. `edits` tells which numbers of its text are being changed, and `drafts` stand in the place of
-    /// what files hold.
+    /// Prepares a scene with cached textures. Numbers that `edits` finds changed become inputs, and `drafts`
+    /// replace files. Also returns the files that the scene depends on, even if it failed.
     pub fn ready_with(
         &self,
         textures: &mut TextureCache,
@@ -90,7 +89,7 @@ impl SceneSource {
         }
     }
 
-    /// Reads and compiles it; a text with mistakes is an error.
+    /// Reads and compiles a scene. A text with mistakes is an error.
     ///
     /// # Errors
     /// As [`SceneSource::ready`].

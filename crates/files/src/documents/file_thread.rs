@@ -1,4 +1,4 @@
-//! The thread that reads, saves and keeps texts, and looks whether their files change.
+//! The thread that reads, saves and backs up texts, and watches their files for changes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,14 +14,14 @@ use crate::Folders;
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
 
-/// How often files are looked at for changes by others.
+/// Interval at which files are checked for changes by other programs.
 const LOOK: Duration = Duration::from_millis(400);
-/// Least time between two keepings of one text.
+/// Shortest time between two backups of one text.
 const KEEP: Duration = Duration::from_millis(300);
-/// How many names are tried for a new file.
+/// Most names tried for a new file.
 const NAMES_MAX: usize = 1_000;
 
-/// Does what has to do with files, on a thread of its own that ends when this is dropped and everything is done.
+/// A thread for file access. It ends when this is dropped and all requests are done.
 #[derive(Debug)]
 pub struct FileThread {
     orders: Sender<Order>,
@@ -38,17 +38,17 @@ enum Order {
 }
 
 impl FileThread {
-    /// Starts the thread; texts of the user's own lie in these folders. `wake` is called after each piece of news.
+    /// Starts the thread. Backups and new scenes go into `folders`. The thread calls `wake` after each event.
     ///
     /// # Errors
-    /// The system has no thread left.
+    /// The system cannot start a thread.
     pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let kept = KeptTexts::among(folders);
         let own_scenes = folders.data.as_ref().map(|data| data.join("scenes"));
         let ((orders, inbox), (tell, file_events)) = (channel(), channel());
         Builder::new().name("documents".into()).spawn(move || {
             let tell = move |file_events| {
-                // After the end nobody listens.
+                // The receiver may be gone at exit.
                 let _ = tell.send(file_events);
                 wake();
             };
@@ -57,64 +57,64 @@ impl FileThread {
         Ok(Self { orders, file_events, own_scenes })
     }
 
-    /// The folder for scenes of the user's own that begin as copies; none if the system has no place for it.
+    /// The folder for the user's copies of scenes; `None` if the system has no data folder.
     pub fn own_scenes(&self) -> Option<&Path> {
         self.own_scenes.as_deref()
     }
 
-    /// Reads a file, which is watched from then on.
+    /// Reads a file and watches it from now on.
     pub fn open(&self, file: &Path) {
         self.order(Order::Open(file.to_owned()));
     }
 
-    /// Saves a text, if the file holds what it is `believed` to hold; without a belief in any case.
+    /// Saves a text if the file has the content that is `believed`. `None` overwrites any content.
     pub fn save(&self, file: &Path, text: Bytes, believed: Option<OnDisk>) {
         self.order(Order::Save { file: file.to_owned(), text, believed });
     }
 
-    /// Makes a new scene in a folder, with a name like this one.
+    /// Creates a new scene file in `folder` with a name like `name`.
     pub fn create(&self, folder: &Path, name: &str, text: Bytes) {
         self.order(Order::Create { folder: folder.to_owned(), name: name.to_owned(), text });
     }
 
-    /// Keeps a text that is not saved, or keeps it no longer.
+    /// Backs up an unsaved text; `None` removes the backup.
     pub fn keep(&self, file: &Path, text: Option<Bytes>) {
         self.order(Order::Keep { file: file.to_owned(), text });
     }
 
-    /// What there is to tell next. Never blocks.
+    /// Returns the next event. Never blocks.
     pub fn file_events(&self) -> Option<FileEvent> {
         self.file_events.try_recv().ok()
     }
 
-    /// Waits until everything is done that was ordered, and at most for `limit`.
+    /// Waits until all requests are done, for at most `limit`.
     pub fn finish(&self, limit: Duration) {
         let (done, finished) = channel();
         self.order(Order::Finish(done));
         if finished.recv_timeout(limit).is_err() {
-            tracing::warn!("a disk takes so long that a text may not be kept");
+            tracing::warn!("the disk is slow: unsaved text may not be backed up");
         }
     }
 
     fn order(&self, order: Order) {
         if self.orders.send(order).is_err() {
-            tracing::error!("the thread that saves texts has ended");
+            tracing::error!("the thread that saves files has ended: this is a bug in Mariana");
         }
     }
 }
 
-/// A file as it was last seen.
+/// The last known state of a file.
 struct Known {
     stamp: Stamp,
     holds: OnDisk,
-    /// Whether it was this program that wrote it.
+    /// True if this program wrote that content.
     is_own: bool,
 }
 
-/// Length and time of the last change; none if there is no such file.
+/// Length and modification time; `None` if the file does not exist.
 type Stamp = Option<(u64, Option<SystemTime>)>;
 
-/// What is kept of a text next, and when one was kept last.
+/// The next backup of a text, and the time of the previous one.
 struct ToKeep {
     text: Option<Bytes>,
     last: Option<Instant>,
@@ -180,7 +180,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
 
     fn save(&mut self, file: PathBuf, text: Bytes, believed: Option<OnDisk>) {
         let now = known(&file);
-        // Two saves may follow each other before the first is told.
+        // A second save may arrive before the editor has heard of the first.
         let was_own = self.known.get(&file).is_some_and(|last| last.is_own && last.holds == now.holds);
         let is_own = was_own || matches!(&now.holds, OnDisk::Bytes(bytes) if **bytes == *text);
         if !is_own && believed.is_some_and(|believed| believed != now.holds) {
@@ -199,7 +199,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
                 (self.tell)(FileEvent::Saved { file, text });
             }
             Err(error) => {
-                let reason = format!("{error}; the text is kept, so save it elsewhere or mend that");
+                let reason = format!("{error}; a backup of the text is kept, so save it under another name");
                 (self.tell)(FileEvent::Failed { file, reason });
             }
         }
@@ -213,12 +213,12 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
         });
         let failed = |reason: String| (self.tell)(FileEvent::Failed { file: folder.to_owned(), reason });
         if let Err(error) = fs::create_dir_all(folder) {
-            return failed(format!("{} cannot be made ({error})", folder.display()));
+            return failed(format!("{} cannot be created ({error})", folder.display()));
         }
         let Some(file) = names.map(|name| folder.join(name)).find(|file| fs::symlink_metadata(file).is_err())
         else {
             return failed(format!(
-                "{} holds {NAMES_MAX} scenes of that name: rename some",
+                "{} has {NAMES_MAX} scenes with that name: rename some of them",
                 folder.display()
             ));
         };
@@ -228,7 +228,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
         }
     }
 
-    /// Keeps the texts that are due, or `all` of them.
+    /// Backs up the texts that are due, or `all` of them.
     fn keep_all(&mut self, all: bool) {
         let now = Instant::now();
         for (file, one) in &mut self.to_keep {
@@ -238,13 +238,13 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
             let Some(text) = one.text.take() else { continue };
             one.last = Some(now);
             if let Err(reason) = self.kept.keep(file, &text) {
-                let reason = format!("unsaved text of {} is not kept: {reason}", file.display());
+                let reason = format!("Mariana cannot back up the unsaved text of {}: {reason}", file.display());
                 (self.tell)(FileEvent::Failed { file: file.clone(), reason });
             }
         }
     }
 
-    /// Tells which files others have changed.
+    /// Reports the files that other programs have changed.
     fn look(&mut self) {
         for (file, before) in &mut self.known {
             if stamp(file) == before.stamp {
@@ -261,7 +261,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
 }
 
 impl ToKeep {
-    /// When it may be kept next, which is `now` if it never was.
+    /// The time of the next backup: `now` if there was none yet.
     fn due(&self, now: Instant) -> Instant {
         self.last.map_or(now, |last| last + KEEP)
     }
@@ -273,7 +273,7 @@ fn stamp(file: &Path) -> Stamp {
 }
 
 fn known(file: &Path) -> Known {
-    // The stamp comes first: if the file changes meanwhile, the next look finds another one.
+    // Take the stamp first: if the file changes in between, the next check finds a different stamp.
     let stamp = stamp(file);
     Known { stamp, holds: read(file), is_own: false }
 }
@@ -284,7 +284,7 @@ fn read(file: &Path) -> OnDisk {
         io::ErrorKind::NotFound => OnDisk::Missing,
         _ => OnDisk::Unreadable(error.to_string()),
     };
-    // Checked before it is opened, because opening a pipe waits for somebody who writes.
+    // Check before opening: opening a pipe blocks until another program writes to it.
     match fs::metadata(file) {
         Ok(metadata) if !metadata.is_file() => return OnDisk::Unreadable("it is not a file".to_owned()),
         Ok(_) => {}
@@ -297,7 +297,7 @@ fn read(file: &Path) -> OnDisk {
     }
 }
 
-/// A file's bytes; none if there are more than `max`.
+/// Reads a file; `None` if it has more than `max` bytes.
 pub(super) fn read_at_most(file: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     fs::File::open(file)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;

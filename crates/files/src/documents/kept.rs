@@ -1,7 +1,7 @@
-//! Texts that were typed and not saved, kept from run to run.
+//! Backups of unsaved texts, which survive a crash.
 //!
-//! Each is a file of its own: a line that says whose text it is, then the text byte for byte, so that a hand with any
-//! editor finds it, too.
+//! Each backup is a separate file: one line of JSON that names the text's file, then the text byte for byte. A user
+//! can recover it with any editor.
 
 use std::ffi::OsStr;
 use std::io;
@@ -16,52 +16,52 @@ use super::Bytes;
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
 
-/// The ending of the names of kept texts.
+/// Extension of backup files.
 const ENDING: &str = "unsaved";
 
-/// A text that was typed and not saved.
+/// The backup of an unsaved text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kept {
     /// The text.
     pub text: Bytes,
-    /// When it was kept, in seconds since 1970.
+    /// Time of the backup, in seconds since 1970.
     pub since: u64,
 }
 
-/// The folder of kept texts.
+/// The folder of the backups.
 #[derive(Debug, Clone)]
 pub struct KeptTexts {
-    /// None if the system has no place for it: then texts last as long as the program.
+    /// `None` if the system has no state folder: unsaved texts are then lost when the program ends.
     folder: Option<PathBuf>,
 }
 
-/// The first line of a kept text.
+/// The first line of a backup.
 #[derive(Serialize, Deserialize)]
 struct Head {
-    /// What the file is for whoever finds it.
+    /// An explanation for a person who finds the file.
     what: String,
-    /// Bytes of the file's path, as the system writes them.
+    /// The path of the text's file, as bytes of the system's encoding.
     file: Vec<u8>,
-    /// The same for readers.
+    /// The same path, readable.
     path: String,
     /// Seconds since 1970.
     since: u64,
 }
 
 impl KeptTexts {
-    /// Those of the user.
+    /// The user's backups.
     pub fn among(folders: &Folders) -> Self {
         Self { folder: folders.state.as_ref().map(|state| state.join("unsaved")) }
     }
 
-    /// Keeps the text of a file. Without a place for it nothing happens.
+    /// Backs up the text of a file. Does nothing if the system has no state folder.
     ///
     /// # Errors
-    /// What the system says, with the place.
+    /// A message with the path and the error from the system.
     pub fn keep(&self, file: &Path, text: &[u8]) -> Result<(), String> {
         let Some(place) = self.place(file) else { return Ok(()) };
         let head = Head {
-            what: "text that was typed in Mariana and not saved; it begins in the next line".to_owned(),
+            what: "unsaved text from Mariana; it begins on the next line".to_owned(),
             file: name_of(file).to_vec(),
             path: file.display().to_string(),
             since: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
@@ -71,32 +71,32 @@ impl KeptTexts {
         bytes.extend_from_slice(text);
         if let Some(folder) = place.parent() {
             std::fs::create_dir_all(folder)
-                .map_err(|error| format!("{} cannot be made ({error})", folder.display()))?;
+                .map_err(|error| format!("{} cannot be created ({error})", folder.display()))?;
         }
         let written = AtomicFile::create(&place).and_then(|file| file.write(&bytes));
         written.map_err(|error| error.to_string())
     }
 
-    /// What was kept of a file's text.
+    /// Returns the backup of a file's text, if there is one.
     pub fn of(&self, file: &Path) -> Option<Kept> {
         let place = self.place(file)?;
         let bytes =
             crate::documents::file_thread::read_at_most(&place, LIMITS.kept_text_bytes_max).ok()??;
         let end = bytes.iter().position(|byte| *byte == b'\n')?;
         let head: Head = serde_json::from_slice(bytes.get(..end)?).ok()?;
-        // Another file may have the same short name.
+        // Two paths may have the same hash.
         let text: Bytes = Arc::from(bytes.get(end + 1..)?);
         (head.file == name_of(file)).then_some(Kept { text, since: head.since })
     }
 
-    /// Keeps a file's text no longer.
+    /// Removes the backup of a file's text.
     pub fn forget(&self, file: &Path) {
         let removed = self.place(file).map_or(Ok(()), std::fs::remove_file);
         if let Err(error) = removed.or_else(|error| match error.kind() {
             io::ErrorKind::NotFound => Ok(()),
             _ => Err(error),
         }) {
-            tracing::warn!("an unsaved text of {} stays kept: {error}", file.display());
+            tracing::warn!("the backup of {} cannot be removed: {error}", file.display());
         }
     }
 
@@ -110,7 +110,7 @@ fn name_of(file: &Path) -> &[u8] {
     AsRef::<OsStr>::as_ref(file).as_encoded_bytes()
 }
 
-/// A number by which a file is found again (FNV-1a, 64 bits).
+/// Hash of a path for its backup's name (FNV-1a, 64 bits).
 fn short_name(bytes: &[u8]) -> u64 {
     bytes
         .iter()

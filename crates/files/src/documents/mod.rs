@@ -1,14 +1,13 @@
-//! Files of text that are edited: read, saved, never over what another program wrote meanwhile, and what was typed kept
-//! until it is saved.
+//! Reading, saving and watching of the text files in the editor, with backups of unsaved text.
 //!
-//! All of it happens on the clerk's thread. The editor hands texts over and hears what became of them; whatever a disk is
-//! at, the window goes on.
+//! All file access happens on a [`FileThread`]. The editor sends texts and receives [`FileEvent`]s, so a slow disk
+//! never blocks the window.
 //!
-//! **What is saved is what was meant.** A save says what the file is believed to hold. If it holds something else, nothing
-//! is written, and the other text is handed over instead.
+//! **No foreign change is overwritten.** A save names the content that the file is expected to have. If the file has
+//! other content, the save is refused and the event has that content.
 //!
-//! **Nothing that was typed is lost.** Texts that differ from their files are kept in the user's folder for the state of
-//! programs, within a third of a second, and until they are saved or given up ([`kept`]).
+//! **No typed text is lost.** A text that differs from its file is backed up in the user's state folder within a
+//! third of a second. The backup stays until the text is saved or discarded ([`Kept`]).
 
 mod file_thread;
 mod kept;
@@ -24,27 +23,27 @@ pub use kept::{Kept, KeptTexts};
 /// The bytes of a text.
 pub type Bytes = Arc<[u8]>;
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum OnDisk {
-    /// There is no such file.
+    /// The file does not exist.
     Missing,
-    /// These bytes.
+    /// The bytes of the file.
     Bytes(Bytes),
-    /// It cannot be read; why, in words.
+    /// The file cannot be read, for this reason.
     Unreadable(String),
 }
 
-/// What the clerk has to tell.
+/// An event from the [`FileThread`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FileEvent {
     /// A file was read.
     Opened {
         /// The file.
         file: PathBuf,
-        /// What it holds.
+        /// Its content.
         holds: OnDisk,
-        /// What was typed in it in an earlier run and not saved.
+        /// The backup of an unsaved text from an earlier run.
         kept: Option<Kept>,
     },
     /// A text was saved.
@@ -54,35 +53,35 @@ pub enum FileEvent {
         /// The text.
         text: Bytes,
     },
-    /// A text was not saved, because another program wrote the file meanwhile.
+    /// A save was refused because another program changed the file.
     Refused {
         /// The file.
         file: PathBuf,
-        /// What it holds.
+        /// Its current content.
         holds: OnDisk,
     },
-    /// The system did not let a text be saved or kept.
+    /// A text could not be saved or backed up.
     Failed {
         /// The file.
         file: PathBuf,
-        /// Why, and what to do.
+        /// The reason, and what to do.
         reason: String,
     },
     /// Another program has changed a file.
     Changed {
         /// The file.
         file: PathBuf,
-        /// What it holds now.
+        /// Its current content.
         holds: OnDisk,
     },
-    /// A new file was made.
+    /// A new file was created.
     Created {
         /// The file.
         file: PathBuf,
     },
 }
 
-/// A file's name without its ending, as part of another name.
+/// Returns a file's name without its extension, for use in another name.
 fn stem_of(name: &str) -> &str {
     Path::new(name)
         .file_stem()

@@ -37,11 +37,11 @@ impl Place {
 
     #[track_caller]
     fn file_events(&self) -> FileEvent {
-        self.woken.recv_timeout(WAIT_LIMIT).expect("there is no news");
-        self.file_thread.file_events().expect("there was news")
+        self.woken.recv_timeout(WAIT_LIMIT).expect("no event arrived");
+        self.file_thread.file_events().expect("the thread was woken without an event")
     }
 
-    /// Opens the file and gives what it holds and what was kept.
+    /// Opens the file and returns its content and its backup.
     #[track_caller]
     fn open(&self) -> (OnDisk, Option<Bytes>) {
         self.file_thread.open(&self.file());
@@ -73,20 +73,20 @@ fn a_text_is_saved_byte_for_byte_where_it_was_read() {
 }
 
 #[test]
-fn what_another_program_wrote_meanwhile_is_not_overwritten_unasked() {
+fn a_change_by_another_program_is_not_overwritten() {
     let place = Place::new();
     let file = place.file();
     fs::write(&file, "mine").unwrap();
     assert_eq!(place.open().0, holds(b"mine"));
     fs::write(&file, "theirs").unwrap();
     place.file_thread.save(&file, bytes(b"mine, too"), Some(holds(b"mine")));
-    // The clerk may see the change before the save or by it.
+    // The thread may notice the change before the save or during it.
     let seen = [place.file_events()];
     let refused = FileEvent::Refused { file: file.clone(), holds: holds(b"theirs") };
     let changed = FileEvent::Changed { file: file.clone(), holds: holds(b"theirs") };
     assert!(seen.contains(&refused) || seen.contains(&changed) && place.file_events() == refused, "{seen:?}");
     assert_eq!(fs::read(&file).unwrap(), b"theirs");
-    // Asked, it is; and what is there already needs no question.
+    // `None` overwrites it. A file that has the text already needs no confirmation.
     place.file_thread.save(&file, bytes(b"mine, too"), None);
     assert!(matches!(place.file_events(), FileEvent::Saved { .. }));
     place.file_thread.save(&file, bytes(b"mine, too"), Some(holds(b"long ago")));
@@ -95,12 +95,12 @@ fn what_another_program_wrote_meanwhile_is_not_overwritten_unasked() {
 }
 
 #[test]
-fn a_save_right_after_a_save_was_taken_for_another_programs() {
+fn a_second_save_does_not_mistake_the_first_for_a_foreign_change() {
     let place = Place::new();
     let file = place.file();
     fs::write(&file, "old").unwrap();
     place.open();
-    // Both believe what was read, because nobody has heard of the first yet.
+    // Both saves expect the old content: the event of the first has not been read yet.
     for text in [b"one".as_slice(), b"other"] {
         place.file_thread.save(&file, bytes(text), Some(holds(b"old")));
     }
@@ -114,7 +114,7 @@ fn a_save_right_after_a_save_was_taken_for_another_programs() {
 }
 
 #[test]
-fn changes_and_the_end_of_a_file_are_told() {
+fn changes_and_the_removal_of_a_file_are_reported() {
     let place = Place::new();
     let file = place.file();
     fs::write(&file, "one").unwrap();
@@ -126,7 +126,7 @@ fn changes_and_the_end_of_a_file_are_told() {
 }
 
 #[test]
-fn what_was_typed_is_kept_over_runs_until_it_is_saved() {
+fn unsaved_text_survives_restarts_until_it_is_saved() {
     let mut place = Place::new();
     let file = place.file();
     fs::write(&file, "old").unwrap();
@@ -136,7 +136,7 @@ fn what_was_typed_is_kept_over_runs_until_it_is_saved() {
     place.file_thread.finish(WAIT_LIMIT);
     place = Place::in_folder(place.folder);
     assert_eq!(place.open(), (holds(b"old"), Some(bytes(b"typed more \xff"))));
-    // Another file has its own.
+    // Backups of other files are separate.
     assert_eq!(KeptTexts::among(&Folders::within(place.folder.path())).of(Path::new("/other")), None);
     place.file_thread.save(&file, bytes(b"typed more"), Some(holds(b"old")));
     assert!(matches!(place.file_events(), FileEvent::Saved { .. }));
@@ -148,21 +148,21 @@ fn what_was_typed_is_kept_over_runs_until_it_is_saved() {
 }
 
 #[test]
-fn what_was_typed_was_kept_only_when_the_program_ended() {
+fn unsaved_text_is_backed_up_while_the_program_runs() {
     let place = Place::new();
     let kept = KeptTexts::among(&Folders::within(place.folder.path()));
     for text in [b"typed".as_slice(), b"typed more"] {
         place.file_thread.keep(&place.file(), Some(bytes(text)));
         let start = Instant::now();
         while kept.of(&place.file()).is_none_or(|kept| *kept.text != *text) {
-            assert!(start.elapsed() < WAIT_LIMIT, "nobody has kept it");
+            assert!(start.elapsed() < WAIT_LIMIT, "no backup was written");
             std::thread::sleep(Duration::from_millis(5));
         }
     }
 }
 
 #[test]
-fn a_damaged_kept_text_is_none() {
+fn a_damaged_backup_is_ignored() {
     let place = Place::new();
     let folders = Folders::within(place.folder.path());
     let kept = KeptTexts::among(&folders);
@@ -177,7 +177,7 @@ fn a_damaged_kept_text_is_none() {
 }
 
 #[test]
-fn files_over_the_limit_folders_and_pipes_are_refused_in_words() {
+fn too_large_files_and_folders_are_refused_with_a_reason() {
     let place = Place::new();
     fs::write(place.file(), vec![b' '; LIMITS.kept_text_bytes_max + 1]).unwrap();
     let reason = |holds| match holds {
@@ -193,7 +193,7 @@ fn files_over_the_limit_folders_and_pipes_are_refused_in_words() {
 }
 
 #[test]
-fn a_new_scene_never_takes_the_place_of_another() {
+fn a_new_scene_never_replaces_another() {
     let place = Place::new();
     let folder = place.folder.path().join("own/scenes");
     for expected in ["orb.scene", "orb-2.scene"] {

@@ -9,15 +9,15 @@ use tempfile::TempDir;
 use super::*;
 
 const WAIT_LIMIT: Duration = Duration::from_secs(10);
-/// Longer than any wait of the loader, so that the loader must have seen what it waits for.
+/// Longer than any wait of the loader.
 const EVER: Duration = Duration::from_secs(600);
-/// Long enough to be noticed by a loader that does not wait.
+/// Long enough for a loader that does not wait to read the file.
 const PAUSE: Duration = Duration::from_millis(120);
 
-/// As usual, but without looking for changes that the system does not report.
+/// Disables the checks without events.
 const EVENTS_ONLY: Waits = Waits { look: EVER, ..Waits::USUAL };
 
-/// A folder with `main.scene`, and a loader whose values are the text of the source's file.
+/// A folder with `main.scene`, and a loader that returns the text of the source's file.
 struct Place {
     folder: TempDir,
     loader: Loader<String>,
@@ -34,7 +34,7 @@ impl Place {
             let path = source.file().unwrap();
             let text = fs::read_to_string(path).unwrap_or_else(|error| error.kind().to_string());
             count.fetch_add(1, Ordering::SeqCst);
-            assert!(text != "panic", "as asked");
+            assert!(text != "panic", "requested by the test");
             (text, vec![path.to_owned()])
         };
         let loader = Loader::start_with(load, move || wake.send(()).unwrap(), waits, watch).unwrap();
@@ -45,7 +45,7 @@ impl Place {
         self.folder.path().join(name)
     }
 
-    /// Writes `text` into main.scene and loads it.
+    /// Writes `text` into the file `name` and loads it.
     fn begin(&self, name: &str, text: &str) {
         fs::write(self.path(name), text).unwrap();
         self.loader.request(SceneSource::File(self.path(name)));
@@ -54,8 +54,8 @@ impl Place {
 
     #[track_caller]
     fn result(&self) -> String {
-        self.woken.recv_timeout(WAIT_LIMIT).expect("nothing was loaded");
-        self.loader.poll().expect("a result was there").value
+        self.woken.recv_timeout(WAIT_LIMIT).expect("no load finished");
+        self.loader.poll().expect("the loader woke without a result").value
     }
 }
 
@@ -72,7 +72,7 @@ fn half_a_file_is_not_read_while_its_writer_has_it_open() {
 }
 
 #[test]
-fn a_writer_that_never_closes_is_not_waited_for_for_ever() {
+fn an_open_file_is_read_after_a_limit() {
     let place = Place::new(EVENTS_ONLY, Watch::new);
     place.begin("main.scene", "old");
     let mut file = fs::File::create(place.path("main.scene")).unwrap();
@@ -81,7 +81,7 @@ fn a_writer_that_never_closes_is_not_waited_for_for_ever() {
 }
 
 #[test]
-fn a_file_that_is_gone_for_a_moment_is_waited_for() {
+fn a_briefly_missing_file_is_awaited() {
     let place = Place::new(Waits { patience: EVER, ..EVENTS_ONLY }, Watch::new);
     place.begin("main.scene", "old");
     fs::remove_file(place.path("main.scene")).unwrap();
@@ -95,7 +95,7 @@ fn a_file_that_is_gone_for_a_moment_is_waited_for() {
 }
 
 #[test]
-fn a_file_that_is_gone_for_good_is_told() {
+fn a_missing_file_is_reported() {
     let place = Place::new(EVENTS_ONLY, Watch::new);
     place.begin("main.scene", "old");
     fs::remove_file(place.path("main.scene")).unwrap();
@@ -105,7 +105,7 @@ fn a_file_that_is_gone_for_good_is_told() {
 }
 
 #[test]
-fn without_watches_the_files_are_looked_at() {
+fn without_watches_files_are_polled() {
     let place =
         Place::new(Waits { look_blind: Duration::from_millis(10), ..EVENTS_ONLY }, |_| Watch::blind());
     place.begin("main.scene", "old");
@@ -115,9 +115,9 @@ fn without_watches_the_files_are_looked_at() {
     }
 }
 
-/// No event reports that a folder further up was replaced.
+/// The system sends no event when a parent folder is replaced.
 #[test]
-fn what_the_system_does_not_tell_is_found_by_looking() {
+fn changes_without_events_are_found_by_polling() {
     let place = Place::new(Waits { look: Duration::from_millis(30), ..EVENTS_ONLY }, Watch::new);
     fs::create_dir_all(place.path("a/b")).unwrap();
     place.begin("a/b/main.scene", "old");
@@ -138,7 +138,7 @@ fn a_panic_is_contained_and_the_next_save_is_loaded() {
     }
     fs::write(place.path("main.scene"), "mended").unwrap();
     assert_eq!(place.result(), "mended");
-    // From the first load on, too.
+    // A panic in the first load of a scene is contained as well.
     fs::write(place.path("other.scene"), "panic").unwrap();
     place.loader.request(SceneSource::File(place.path("other.scene")));
     while place.loads.load(Ordering::SeqCst) < 4 {
@@ -148,8 +148,8 @@ fn a_panic_is_contained_and_the_next_save_is_loaded() {
     assert_eq!(place.result(), "mended too");
 }
 
-/// A loader of two files, whose values are their texts, and the receiver of its results. The second file is known
-/// only once both were loaded. `also` is called at the end of each load.
+/// Starts a loader of two files that returns their texts. The loader learns of the second file only from the first
+/// load. `also` is called at the end of each load.
 fn pair(
     folder: &TempDir,
     also: impl Fn(&[PathBuf; 2]) + Send + 'static,
@@ -173,7 +173,7 @@ fn pair(
 }
 
 #[test]
-fn a_change_beside_a_file_that_is_gone_for_a_moment_is_not_forgotten() {
+fn a_change_is_kept_while_another_file_is_briefly_missing() {
     let folder = tempfile::tempdir().unwrap();
     let (paths, loader, woken) = pair(&folder, |_| ());
     woken.recv_timeout(WAIT_LIMIT).unwrap();
@@ -187,18 +187,18 @@ fn a_change_beside_a_file_that_is_gone_for_a_moment_is_not_forgotten() {
 }
 
 #[test]
-fn what_changes_while_it_is_loaded_is_loaded_again() {
+fn a_change_during_a_load_causes_another_load() {
     for which in [0, 1] {
         let folder = tempfile::tempdir().unwrap();
         let (_, loader, woken) = pair(&folder, move |paths| fs::write(&paths[which], "new").unwrap());
         for expected in [["main", "part"], [["new", "part"], ["main", "new"]][which]] {
-            woken.recv_timeout(WAIT_LIMIT).expect("it was not loaded again");
+            woken.recv_timeout(WAIT_LIMIT).expect("the source was not loaded again");
             assert_eq!(loader.poll().unwrap().value, expected);
         }
     }
 }
 
-/// The watches find these changes without any look by the loader.
+/// Changes that the watches report, with polling disabled.
 mod events {
     use super::*;
 
@@ -207,7 +207,7 @@ mod events {
     }
 
     #[test]
-    fn saves_in_place_by_rename_and_by_deleting_first_are_told() {
+    fn saves_in_place_by_rename_and_after_deletion_are_reported() {
         let place = place();
         place.begin("main.scene", "old");
         fs::write(place.path("main.scene"), "in place").unwrap();
@@ -223,7 +223,7 @@ mod events {
     }
 
     #[test]
-    fn folders_that_come_one_by_one_are_told() {
+    fn newly_created_folders_are_watched() {
         let place = place();
         place.loader.request(SceneSource::File(place.path("a/b/main.scene")));
         assert_eq!(place.result(), "entity not found");
@@ -233,7 +233,7 @@ mod events {
         }
         fs::write(place.path("a/b/main.scene"), "there").unwrap();
         assert_eq!(place.result(), "there");
-        // All at once, faster than they can be watched.
+        // Created faster than each can be watched.
         fs::remove_dir_all(place.path("a")).unwrap();
         assert_eq!(place.result(), "entity not found");
         fs::create_dir_all(place.path("a/b")).unwrap();
@@ -242,7 +242,7 @@ mod events {
     }
 
     #[test]
-    fn a_folder_that_is_replaced_is_watched_again() {
+    fn a_replaced_folder_is_watched_again() {
         let place = place();
         fs::create_dir(place.path("in")).unwrap();
         place.begin("in/main.scene", "old");
@@ -251,7 +251,7 @@ mod events {
         fs::rename(place.path("in"), place.path("aside")).unwrap();
         fs::rename(place.path("next"), place.path("in")).unwrap();
         assert_eq!(place.result(), "moved here");
-        // The inode number of a deleted folder may be given to the next one.
+        // A new folder may get the inode number of the deleted one.
         for text in ["anew", "and once more"] {
             fs::remove_dir_all(place.path("in")).unwrap();
             fs::create_dir(place.path("in")).unwrap();
@@ -264,7 +264,7 @@ mod events {
 
     #[cfg(unix)]
     #[test]
-    fn what_links_lead_to_is_told() {
+    fn targets_of_links_are_watched() {
         use std::os::unix::fs::symlink;
         let place = place();
         fs::create_dir(place.path("far")).unwrap();

@@ -10,31 +10,31 @@ use super::{MOMENT, SIZE};
 use crate::SceneSource;
 use crate::limits::LIMITS;
 
-/// How often the process is looked at.
+/// Interval at which the process is polled.
 const INTERVAL: Duration = Duration::from_millis(20);
 
-/// Why there is no thumbnail.
+/// The reason for a missing thumbnail.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NotDrawn {
-    /// The system refuses a process or a file.
-    #[error("it cannot be drawn ({0})")]
+    /// The system cannot start the process or read the file.
+    #[error("the thumbnail cannot be drawn ({0})")]
     System(#[from] io::Error),
     /// The process failed.
-    #[error("it cannot be drawn")]
+    #[error("the thumbnail cannot be drawn")]
     Failed,
-    /// The process exceeded its time.
-    #[error("drawing it takes over {} s", LIMITS.thumbnail_seconds_max)]
+    /// The process exceeded the time limit.
+    #[error("drawing the thumbnail takes more than {} s", LIMITS.thumbnail_seconds_max)]
     TooSlow,
-    /// The caller stopped it.
+    /// The caller stopped the process.
     #[error("")]
     Stopped,
 }
 
-/// Draws the thumbnail of a scene in a separate process and returns the PNG's bytes. The process runs `program`, or the
-/// program that is running. Polls `is_stopped`, and stops when it returns `true`.
+/// Draws the thumbnail of a scene in a separate process and returns the bytes of a PNG. The process runs `program`,
+/// or the running executable if that is `None`. Polls `is_stopped` and ends the process when it returns true.
 ///
 /// # Errors
-/// [`NotDrawn`].
+/// A [`NotDrawn`].
 pub(super) fn draw(
     program: Option<&Path>,
     source: &SceneSource,
@@ -75,7 +75,7 @@ struct Drawing(Child);
 
 impl Drop for Drawing {
     fn drop(&mut self) {
-        // Fails if the process has ended already.
+        // Fails if the process has already ended.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

@@ -1,9 +1,10 @@
-//! Thumbnails of scenes. The program includes thumbnails of the shipped scenes ([`shipped`]). All others are drawn once and
-//! cached; the key is a hash of the scene's text, includes and textures.
+//! Thumbnails of scenes. Those of the shipped scenes are part of the program ([`shipped`]). All others are drawn once
+//! and cached; the key is a hash of the scene's text, includes and textures.
 //!
-//! **A separate process draws a thumbnail**, at the lowest priority and on one thread: the program itself renders a still.
-//! A slow scene, or a crash of the driver, does not affect the show. The newest request comes first. Requests that need
-//! no drawing are answered while another scene is drawn. An idle thread draws scenes that the user may see next.
+//! A separate process draws each thumbnail, at the lowest priority and on one thread: the program itself renders a
+//! still. A slow scene or a crash of the driver does not affect the show. The newest request comes first. Requests
+//! that need no drawing are answered while another scene is drawn. An idle thread draws scenes that the user may see
+//! next.
 
 mod drawing;
 mod shipped;
@@ -29,34 +30,34 @@ pub use shipped::shipped;
 
 /// Size of a thumbnail in pixels.
 pub const SIZE: (u32, u32) = (320, 180);
-/// The moment of the demo track that thumbnails show, in seconds: loud, and in the middle of a phrase.
+/// Time in the demo track for thumbnails, in seconds: loud, and in the middle of a phrase.
 pub const MOMENT: f64 = 47.3;
-/// Goes up when thumbnails of the same scene look different than before.
+/// Part of the cache key. Increase it when the drawing of thumbnails changes.
 const VERSION: u32 = 1;
-/// Quality of a thumbnail as a JPEG, of 100: a few steps of it fit into what a phone loads at once.
+/// JPEG quality of 100. Several thumbnails of this quality fit into one message to a phone.
 const JPEG_QUALITY: u8 = 82;
 
-/// What was found out about a scene.
+/// An answer about a scene.
 #[derive(Debug)]
 pub struct Looked {
     /// The scene.
     pub source: SceneSource,
-    /// What was found out.
+    /// The answer.
     pub about: About,
 }
 
-/// See [`Looked`].
+/// The content of a [`Looked`].
 #[derive(Debug)]
 pub enum About {
-    /// What it says about itself.
+    /// The comment at the start of the scene's text.
     Comment(String),
-    /// Its thumbnail, and the same as a JPEG for phones.
+    /// The thumbnail, and the same image as a JPEG for phones.
     Picture(Arc<RgbaImage>, Arc<[u8]>),
     /// The reason for a missing thumbnail.
     NoPicture(String),
 }
 
-/// See the module. Dropping it ends the process that draws.
+/// The thread that provides thumbnails and descriptions of scenes. Dropping this ends the process that draws.
 #[derive(Debug)]
 pub struct Thumbnails {
     requests: Arc<Requests>,
@@ -73,23 +74,23 @@ struct Requests {
 
 #[derive(Debug, Default)]
 struct Waiting {
-    /// Requests with an answer; the newest is the last.
+    /// Requests that need an answer; the newest is the last.
     asked: VecDeque<Request>,
-    /// Scenes to draw ahead, the first one first.
+    /// Scenes to draw ahead; the next is the first.
     ahead: VecDeque<SceneSource>,
 }
 
-/// A question about a scene.
+/// A request for one scene.
 #[derive(Debug, Clone, PartialEq)]
 enum Request {
     Comment(SceneSource),
     Picture(SceneSource),
-    /// Fills the cache; there is no answer.
+    /// Fill the cache, without an answer.
     Ahead(SceneSource),
 }
 
 impl Request {
-    /// Returns `true` if the answer needs no drawing.
+    /// True if the answer needs no drawing.
     fn is_quick(&self) -> bool {
         match self {
             Self::Comment(_) => true,
@@ -100,7 +101,7 @@ impl Request {
 }
 
 impl Waiting {
-    /// The newest quick request, or else the newest one, or else a scene to draw ahead.
+    /// Takes the newest quick request, otherwise the newest request, otherwise a scene to draw ahead.
     fn take(&mut self) -> Option<Request> {
         self.take_quick()
             .or_else(|| self.asked.pop_back())
@@ -122,7 +123,7 @@ impl Requests {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next request, once there is one; `None` at the end.
+    /// Waits for the next request; `None` at the end.
     fn next(&self) -> Option<Request> {
         let waiting = self.changed.wait_while(self.lock(), |waiting| waiting.is_empty() && !self.is_over());
         waiting.unwrap_or_else(PoisonError::into_inner).take().filter(|_| !self.is_over())
@@ -134,16 +135,16 @@ impl Requests {
 }
 
 impl Thumbnails {
-    /// Starts the thread that answers requests; `wake` is called after each answer.
+    /// Starts the thread that answers requests. It calls `wake` after each answer.
     ///
     /// # Errors
-    /// There is no thread.
+    /// The system cannot start a thread.
     pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let folder = folders.cache.as_ref().map(|cache| cache.join("thumbnails"));
         Self::start_in(folder, folders.program.clone(), wake)
     }
 
-    /// The same with another folder for the cache; `program` as in [`Folders::program`].
+    /// Starts the thread with another cache folder. `program` is that of [`Folders::program`].
     fn start_in(
         folder: Option<PathBuf>,
         program: Option<PathBuf>,
@@ -156,19 +157,19 @@ impl Thumbnails {
         Ok(Self { requests, looked })
     }
 
-    /// Asks what scenes say about themselves.
+    /// Requests the descriptions of scenes.
     pub fn ask_for_comments<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
         self.requests.lock().asked.extend(sources.rev().cloned().map(Request::Comment));
         self.requests.changed.notify_one();
     }
 
-    /// Asks for thumbnails in this order, before all earlier requests.
+    /// Requests thumbnails in this order, before all earlier requests.
     pub fn ask_for_pictures(&mut self, sources: Vec<SceneSource>) {
         self.requests.lock().asked.extend(sources.into_iter().rev().map(Request::Picture));
         self.requests.changed.notify_one();
     }
 
-    /// Asks for thumbnails in this order, after all other requests.
+    /// Requests thumbnails in this order, after all other requests.
     pub fn ask_for_pictures_later(&mut self, sources: Vec<SceneSource>) {
         let mut waiting = self.requests.lock();
         sources.into_iter().map(Request::Picture).for_each(|request| waiting.asked.push_front(request));
@@ -176,13 +177,13 @@ impl Thumbnails {
         self.requests.changed.notify_one();
     }
 
-    /// Fills the cache with thumbnails while there are no other requests.
+    /// Fills the cache with thumbnails while there are no requests.
     pub fn draw_ahead(&mut self, sources: impl Iterator<Item = SceneSource>) {
         self.requests.lock().ahead.extend(sources);
         self.requests.changed.notify_one();
     }
 
-    /// The next answer, if there is one.
+    /// Returns the next answer, if there is one.
     pub fn poll(&mut self) -> Option<Looked> {
         self.looked.try_recv().ok()
     }
@@ -195,10 +196,9 @@ impl Drop for Thumbnails {
     }
 }
 
-/// The thread that answers requests.
 struct Worker {
     requests: Arc<Requests>,
-    /// The cache; `None` if the system has no folder for it.
+    /// The cache; `None` if the system has no cache folder.
     folder: Option<PathBuf>,
     program: Option<PathBuf>,
     answers: Sender<Looked>,
@@ -234,14 +234,14 @@ impl Worker {
     /// Answers requests that need no drawing, while a process draws.
     fn answer_quick(&self) {
         loop {
-            // The lock is free again before the answer.
+            // Release the lock before answering.
             let quick = self.requests.lock().take_quick();
             let Some(quick) = quick else { return };
             self.answer(quick);
         }
     }
 
-    /// The thumbnail of a scene: shipped, cached or new.
+    /// Returns the thumbnail of a scene: shipped, cached or new.
     fn picture_of(&self, source: &SceneSource) -> About {
         let found = match jpeg_shipped_with(source) {
             Some(jpeg) => {
@@ -285,7 +285,7 @@ impl Worker {
         }
     }
 
-    /// Has a scene drawn, and answers quick requests meanwhile.
+    /// Draws a thumbnail and answers quick requests meanwhile.
     fn drawn(&self, source: &SceneSource, is_stopped: impl Fn() -> bool) -> Result<Vec<u8>, NotDrawn> {
         draw(self.program.as_deref(), source, || {
             self.answer_quick();
@@ -293,10 +293,10 @@ impl Worker {
         })
     }
 
-    /// The file in which the thumbnail of a scene is kept; `None` without a folder.
+    /// Returns the cache file of a scene's thumbnail; `None` without a cache folder.
     ///
     /// # Errors
-    /// The scene has mistakes; the first of them.
+    /// The first mistake in the scene.
     fn path_of(&self, source: &SceneSource) -> Result<Option<PathBuf>, String> {
         let text = source.text().map_err(|error| error.to_string())?;
         let key = key_of(source, &text)?;
@@ -309,7 +309,7 @@ fn comment_of(source: &SceneSource) -> About {
     About::Comment(first_comment(&text).collect::<Vec<_>>().join(" "))
 }
 
-/// The thumbnail of a scene if it is part of the program.
+/// Returns the thumbnail of a shipped scene.
 fn jpeg_shipped_with(source: &SceneSource) -> Option<&'static [u8]> {
     match source {
         SceneSource::Shipped(name) => shipped(name),
@@ -318,15 +318,15 @@ fn jpeg_shipped_with(source: &SceneSource) -> Option<&'static [u8]> {
     }
 }
 
-/// A number of everything that a scene is made of.
+/// Returns a hash of everything the scene depends on.
 ///
 /// # Errors
-/// The scene has mistakes; the first of them.
+/// The first mistake in the scene.
 fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
     let compiled = source.compile().map_err(|error| error.to_string())?;
     let mut hasher = DefaultHasher::new();
     (VERSION, env!("CARGO_PKG_VERSION"), text).hash(&mut hasher);
-    // Whatever it includes and whatever pictures it shows: their names and bytes. Its own file is the first.
+    // Names and bytes of includes and textures. Skip the scene's own file, which comes first.
     for path in source.files(Some(&compiled)).into_iter().skip(1) {
         let mut bytes = Vec::new();
         let read = fs::File::open(&path)
@@ -343,7 +343,7 @@ fn read_png(path: &Path) -> image::ImageResult<RgbaImage> {
     decode(&fs::read(path)?)
 }
 
-/// A picture that is no larger than a thumbnail: what lies in the folder may be anything.
+/// Decodes a PNG that is no larger than a thumbnail: a user may put any file into the cache folder.
 fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     let mut reader = ImageReader::new(io::Cursor::new(bytes));
     reader.set_format(image::ImageFormat::Png);
@@ -353,12 +353,12 @@ fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     Ok(reader.decode()?.into_rgba8())
 }
 
-/// The picture in a JPEG that is part of the program.
+/// Decodes a shipped thumbnail.
 fn read_jpeg(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     Ok(image::load_from_memory_with_format(bytes, image::ImageFormat::Jpeg)?.into_rgba8())
 }
 
-/// A picture as a JPEG; empty if it cannot be one.
+/// Encodes an image as a JPEG; empty if encoding fails.
 pub fn jpeg_of(image: &RgbaImage) -> Vec<u8> {
     let rgb: Vec<u8> = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
     let mut jpeg = Vec::new();
@@ -367,18 +367,18 @@ pub fn jpeg_of(image: &RgbaImage) -> Vec<u8> {
     if written.is_ok() { jpeg } else { Vec::new() }
 }
 
-/// Keeps a picture for the next run. One that cannot be kept is drawn again then.
+/// Writes a thumbnail to the cache. If that fails, the next run draws it again.
 fn keep(path: &Path, bytes: &[u8]) {
     let written = path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
     let written = written.and_then(|()| {
         AtomicFile::create(path).and_then(|file| file.write(bytes)).map_err(|error| error.to_string())
     });
     if let Err(reason) = written {
-        tracing::debug!("a small picture cannot be kept: {reason}");
+        tracing::debug!("a thumbnail cannot be cached: {reason}");
     }
 }
 
-/// Removes the oldest pictures beyond the limit.
+/// Removes the oldest thumbnails beyond the limit.
 fn forget_oldest(folder: &Path) {
     let Ok(listing) = fs::read_dir(folder) else { return };
     let mut files: Vec<(std::time::SystemTime, PathBuf)> = listing
@@ -397,13 +397,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_is_known_by_everything_that_the_scene_is_made_of() {
+    fn the_cache_key_covers_everything_the_scene_depends_on() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
         write("a.scene", "include \"part.scene\"\nobject a { shape = ball(p) }\n");
         let source = SceneSource::File(folder.path().join("a.scene"));
         let key = || key_of(&source, &source.text().unwrap());
-        assert!(key().is_err(), "what it includes is missing");
+        assert!(key().is_err(), "the include is missing");
         write("part.scene", "fn ball(q) = length(q) - 1\n");
         let first = key().unwrap();
         assert_eq!(key(), Ok(first));
@@ -415,14 +415,14 @@ mod tests {
     }
 
     #[test]
-    fn the_list_of_scenes_opened_with_grey_tiles() {
+    fn shipped_thumbnails_need_no_drawing() {
         let (woken, wakes) = channel();
         let mut thumbnails = Thumbnails::start_in(None, None, move || {
             let _ = woken.send(());
         })
         .unwrap();
         let all: Vec<_> = crate::shipped_names().into_iter().map(SceneSource::Shipped).collect();
-        // No process of the tests draws a still.
+        // No process of this test can draw a still.
         thumbnails.ask_for_pictures(all.clone());
         for source in all {
             wakes.recv_timeout(std::time::Duration::from_secs(60)).unwrap();
@@ -434,7 +434,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_that_is_drawn_held_up_all_others() {
+    fn quick_requests_come_before_slow_ones() {
         let file = |name: &str| SceneSource::File(name.into());
         let orb = SceneSource::Shipped("orb".into());
         let mut waiting = Waiting::default();
@@ -449,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_in_the_folder_may_be_anything() {
+    fn damaged_and_oversized_files_in_the_cache_are_errors() {
         assert!(decode(b"").is_err() && decode(b"\x89PNG\r\n\x1a\nrubbish").is_err());
         let encoded = |width, height| {
             let mut bytes = io::Cursor::new(Vec::new());
@@ -457,11 +457,11 @@ mod tests {
             bytes.into_inner()
         };
         assert_eq!(decode(&encoded(SIZE.0, SIZE.1)).unwrap().dimensions(), SIZE);
-        assert!(decode(&encoded(5_000, 10)).is_err(), "larger than any that was kept");
+        assert!(decode(&encoded(5_000, 10)).is_err(), "larger than a thumbnail");
     }
 
     #[test]
-    fn a_picture_for_phones_is_a_jpeg_of_few_bytes() {
+    fn a_thumbnail_for_phones_is_a_small_jpeg() {
         let noise = RgbaImage::from_fn(SIZE.0, SIZE.1, |x, y| {
             let hash = (x * 7_919 + y * 104_729).wrapping_mul(2_654_435_761);
             image::Rgba([(hash >> 8) as u8, (hash >> 16) as u8, (hash >> 24) as u8, 255])
@@ -477,7 +477,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_oldest_beyond_the_limit_are_forgotten() {
+    fn files_within_the_limit_are_kept() {
         let folder = tempfile::tempdir().unwrap();
         for name in 0..3 {
             fs::write(folder.path().join(name.to_string()), "x").unwrap();

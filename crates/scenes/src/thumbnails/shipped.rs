@@ -1,10 +1,10 @@
-//! The thumbnails of shipped scenes, which `cargo xtask thumbnails` draws.
+//! Thumbnails of the shipped scenes, drawn by `cargo xtask thumbnails`.
 
 use include_dir::{Dir, include_dir};
 
 static FOLDER: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/thumbnails");
 
-/// The thumbnail of a shipped scene as a JPEG; `None` for an unknown name.
+/// Returns the thumbnail of a shipped scene as a JPEG; `None` for an unknown name.
 pub fn shipped(name: &str) -> Option<&'static [u8]> {
     FOLDER.get_file(format!("{name}.jpg")).map(|file| file.contents())
 }
