@@ -315,7 +315,7 @@ commands! {
     TurnCamera([f64; 2]) {}
     /// Moves the camera closer by this many notches of the wheel.
     ZoomCamera(f64) {}
-    /// Selects the object at this window position in the editor, in pixels.
+    /// Probes the scene at this window position, in pixels, and shows the result in the editor.
     Inspect([f64; 2]) {}
     /// Shows the next diagnostic view.
     NextView {

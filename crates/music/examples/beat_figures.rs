@@ -7,7 +7,8 @@
 //! AMLt is the fraction of beats whose position and distance from the previous beat are right within 17.5 %; double
 //! tempo, half tempo and off-beats also count as right (Davies, Degara and Plumbley 2009). Beats of the first 5 s do
 //! not count. `lock` is the time of the first of four consecutive right beats in live input; `jumps` counts tempo
-//! changes of more than 8 % per minute. Songs alternate between two halves, for fitting and for testing.
+//! changes of more than 8 % per minute. Songs alternate between two halves, whose means are printed
+//! separately.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -141,12 +141,12 @@ const FLUX_SECONDS: f64 = 1.2;
 /// The minimum of the largest recent flux: weaker flux counts as weak even in silence.
 pub(super) const FLUX_MIN: f32 = 0.05;
 
-/// The threshold for [`Rise::sudden`] is its median plus this many times the distance from the median to the lower
-/// quartile, which noise does not reach, ...
+/// An onset's [`Rise::sudden`] exceeds the recent median by this many times the distance from the median to the lower
+/// quartile. Noise does not reach it.
 const SUDDEN_SPREADS: f32 = 11.0;
-/// ... clamped to this range, because noise spreads less than dense music, ...
+/// The range to which that excess is clamped, because noise spreads less than dense music.
 const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.45);
-/// ... and at least this fraction of the distance from the median to the largest value.
+/// The minimum of that excess, as a fraction of the distance from the median to the largest value.
 const SUDDEN_FRACTION: f32 = 0.25;
 
 /// The number of silent moments assumed before the first moment.

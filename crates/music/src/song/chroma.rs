@@ -44,7 +44,7 @@ pub(super) struct FineChroma {
 }
 
 impl FineChroma {
-    /// For power spectra of `bins` bins of `bin_hz` hertz.
+    /// Creates a chroma measurement for power spectra of `bins` bins of `bin_hz` hertz.
     pub(super) fn new(bin_hz: f64, bins: usize) -> Self {
         let bin = |hz: f64| (hz / bin_hz) as usize;
         Self {
