@@ -66,7 +66,6 @@ pub struct Reading {
     pub changed_by: ChangedBy,
 }
 
-/// The stored state of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Held {
     changed_by: ChangedBy,

@@ -88,7 +88,6 @@ pub struct Analyzer {
     /// The sample frames of the long window. It ends at frame `moment + lookahead`.
     buffer: HopBuffer,
     progress: Progress,
-    /// The long window at a lower rate.
     slow: SlowWindow,
     /// The ranges of the middle and the short window in the buffer, and their spectra.
     windows: [(std::ops::Range<usize>, Spectrum); 2],
@@ -101,14 +100,12 @@ pub struct Analyzer {
     followers: Followers,
     gain: AutoGain,
     rhythm: Rhythm,
-    /// The last measured moment.
     last: TimedFeatures,
 }
 
 /// The progress of the analysis, in sample frames from the start of the stream.
 #[derive(Default)]
 struct Progress {
-    /// The next moment.
     moment: u64,
     /// The next frame to be pushed.
     position: u64,
@@ -275,7 +272,6 @@ impl Analyzer {
         }
     }
 
-    /// Measures the moment of the full window.
     fn measure(&mut self) {
         let (history, hop) = (self.buffer.frames(), self.buffer.hop());
         if std::mem::replace(&mut self.progress.has_measured, true) {

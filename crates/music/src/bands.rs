@@ -67,7 +67,6 @@ impl Bands {
         Self { bands, weights }
     }
 
-    /// Returns the power of each band from the power per bin of each window.
     pub(super) fn powers(&self, spectra: [&[f32]; Resolution::ALL.len()]) -> [f32; BAND_COUNT] {
         self.bands.map(|of_band| {
             let of_window = |(bins, power): (Bins, &[f32])| {

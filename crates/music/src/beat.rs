@@ -67,7 +67,6 @@ const FORGET_SECONDS: f64 = 5.0;
 /// The fraction of its error by which the reported phase is corrected at each hop.
 const PULL: f32 = 0.12;
 
-/// The reported tempo and phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Beat {
     /// Beats per minute; 0 while unknown.
@@ -95,7 +94,6 @@ fn sum_of(values: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest.iter().sum::<f32>()
 }
 
-/// The beat tracker.
 pub(super) struct BeatTracker {
     moments_per_second: f32,
     rings: Vec<Ring>,
@@ -177,7 +175,6 @@ impl BeatTracker {
         tracker
     }
 
-    /// Resets the tracker.
     pub(super) fn restart(&mut self) {
         for (ring, doubt) in self.rings.iter_mut().zip(&self.doubt) {
             ring.head = 0;
@@ -206,7 +203,6 @@ impl BeatTracker {
         self.tell()
     }
 
-    /// Advances all states by a hop.
     fn move_on(&mut self) {
         for (ring, leaving) in self.rings.iter_mut().zip(&mut self.leaving[REACH..]) {
             ring.head = (ring.head + ring.period - 1) % ring.period;

@@ -18,7 +18,6 @@ pub(super) struct Decimator {
 }
 
 impl Decimator {
-    /// Creates a decimator for hops of `hop` frames.
     pub(super) fn new(hop: usize) -> Self {
         let step = (hop / KEPT_PER_HOP).max(1);
         let mut taps = vec![1.0_f64];

@@ -138,7 +138,6 @@ impl<const N: usize> Numbers for [f32; N] {
     }
 }
 
-/// Interpolates linearly.
 fn mixed<T: Numbers>(a: T, b: T, amount: f32) -> T {
     a.mixed(b, amount)
 }
@@ -148,7 +147,6 @@ fn known(a: f32, b: f32, amount: f32) -> f32 {
     if a > 0.0 && b > 0.0 { mixed(a, b, amount) } else { a }
 }
 
-/// Returns the first value.
 fn held(a: f32, _: f32, _: f32) -> f32 {
     a
 }

@@ -82,7 +82,6 @@ impl AutoGain {
         self.gain = gain;
     }
 
-    /// Resets the gain.
     pub(super) fn restart(&mut self) {
         self.held.fill(0.0);
         (self.power, self.gain_db) = (0.0, 0.0);

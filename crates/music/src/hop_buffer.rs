@@ -5,7 +5,6 @@ use super::StereoFrame;
 /// The maximum magnitude of samples (+18 dB), so that no feature overflows.
 pub(super) const SAMPLE_MAX: f32 = 8.0;
 
-/// The reference sample rate, in hertz.
 const REFERENCE_RATE: f64 = 48_000.0;
 
 /// The hop at the reference rate in sample frames: 10.7 ms.
@@ -64,7 +63,6 @@ impl HopBuffer {
         self.filled -= self.hop;
     }
 
-    /// The whole window.
     pub(super) fn frames(&self) -> &[StereoFrame] {
         &self.frames
     }
@@ -74,7 +72,6 @@ impl HopBuffer {
         &self.frames[self.frames.len() - count..]
     }
 
-    /// The number of frames per hop.
     pub(super) fn hop(&self) -> usize {
         self.hop
     }

@@ -35,7 +35,6 @@ const REPORTED: (f32, f32) = (0.9, 0.6);
 /// The range in which pitches are compared, in hertz. Frequencies above it show the timbre.
 const PITCHES_HZ: (f64, f64) = (60.0, 1_600.0);
 
-/// The reported position in the bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LiveBar {
     /// The number of the beat in its bar, from 1; 0 while uncertain.
@@ -83,7 +82,6 @@ impl Usual {
     }
 }
 
-/// The bar tracker.
 pub(super) struct LiveBars {
     /// The spectrum points in the range of pitches.
     pitches: std::ops::Range<usize>,
@@ -121,7 +119,6 @@ impl LiveBars {
         }
     }
 
-    /// Resets the tracker.
     pub(super) fn restart(&mut self) {
         *self = Self::new();
     }

@@ -170,7 +170,6 @@ pub(super) struct Onsets {
 }
 
 impl Onsets {
-    /// Creates a detector for hops of `hop_seconds`.
     pub(super) fn new(hop_seconds: f64) -> Self {
         let ring = |seconds: f64| vec![0.0; (seconds / hop_seconds).ceil() as usize];
         let apart = (ONSETS_APART / hop_seconds).round() as u32;
@@ -213,7 +212,6 @@ impl Onsets {
         (begins, (rise.flux / strongest).min(1.0))
     }
 
-    /// Returns the threshold for an onset.
     fn threshold(&mut self) -> f32 {
         // Until the ring is full, only its first entries count. Some silence before the first moment counts, so that a
         // sound at the start of the stream is an onset.

@@ -14,7 +14,6 @@ pub(super) struct RhythmMoment {
     strokes: Option<Strokes>,
 }
 
-/// Tracks onsets, beats and bars.
 pub(super) struct Rhythm {
     flux: Flux,
     onsets: Onsets,

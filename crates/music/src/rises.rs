@@ -14,9 +14,7 @@ const LAG: usize = 2;
 /// The powers and rises of a moment.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LowAndHigh {
-    /// The total power.
     pub(super) power: f32,
-    /// The power of the low band.
     pub(super) low_power: f32,
     /// The rise of the low band's amplitude, relative to the loudest recent amplitude.
     pub(super) low_rise: f32,

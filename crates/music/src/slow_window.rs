@@ -35,7 +35,6 @@ impl SlowWindow {
         self.decimator.keep(frames, &mut self.kept);
     }
 
-    /// Returns the power per bin.
     pub(super) fn power(&mut self) -> &[f32] {
         self.spectrum.power(&self.kept)
     }

@@ -15,7 +15,6 @@ pub(super) struct Spectrum {
     buffer: Vec<Complex32>,
     scratch: Vec<Complex32>,
     power: Vec<f32>,
-    /// The factor for the power of each bin.
     scales: Vec<f32>,
 }
 

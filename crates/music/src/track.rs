@@ -191,7 +191,6 @@ impl Default for FeatureTrack {
     }
 }
 
-/// Returns a row of the history from a spectrum.
 fn column_means(spectrum: &[f32; SPECTRUM_POINTS]) -> [f32; HISTORY_POINTS] {
     let (groups, _) = spectrum.as_chunks::<POINTS_PER_COLUMN>();
     let mut row = [0.0; HISTORY_POINTS];

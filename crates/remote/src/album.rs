@@ -63,7 +63,6 @@ impl Album {
         self.0.count.load(Ordering::Acquire)
     }
 
-    /// Returns a scene's image, if it is available.
     pub(crate) fn find(&self, scene: &str) -> Option<Arc<[u8]>> {
         match self.lock().get(scene)? {
             Page::There(jpeg) => Some(jpeg.clone()),

@@ -8,7 +8,6 @@ pub const SESSION_PATH: &str = "hands";
 /// The prefix of a preview image's path, relative to the token. The scene's title follows.
 pub(crate) const PICTURE_PATH: &str = "picture/";
 
-/// An embedded file.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Asset {
     path: &'static str,
@@ -16,7 +15,6 @@ pub(crate) struct Asset {
     pub text: &'static str,
 }
 
-/// All embedded files.
 const ASSETS: [Asset; 3] = [
     Asset { path: PAGE_PATH, kind: "text/html; charset=utf-8", text: include_str!("../page/index.html") },
     Asset { path: "style.css", kind: "text/css; charset=utf-8", text: include_str!("../page/style.css") },

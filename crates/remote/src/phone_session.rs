@@ -17,7 +17,6 @@ use crate::state_delta::SentState;
 
 /// The message sent without news, so that the page knows that the connection is alive.
 const ALIVE: &str = "{}";
-/// The size of the read buffer.
 const READ_BYTES: usize = 4 << 10;
 
 /// Completes the WebSocket handshake.
@@ -38,7 +37,6 @@ pub(crate) fn accept(mut stream: &TcpStream, key: &str, within: Duration) -> io:
     )
 }
 
-/// A session with one phone.
 pub(crate) struct PhoneSession<'a> {
     socket: WebSocket<TcpStream>,
     shared: &'a Shared,
@@ -48,7 +46,6 @@ pub(crate) struct PhoneSession<'a> {
     unread: Option<Instant>,
 }
 
-/// The reason for the end of a session.
 type End = String;
 
 impl<'a> PhoneSession<'a> {

@@ -56,7 +56,6 @@ pub enum RemoteState {
 /// Serves phones until it is dropped.
 pub struct Remote(Arc<Shared>);
 
-/// The state shared by all threads.
 pub(crate) struct Shared {
     place: Place,
     token: Token,
@@ -221,7 +220,6 @@ impl Shared {
         }
     }
 
-    /// Answers one connection.
     fn serve(&self, stream: TcpStream, from: IpAddr, _connection_slot: &ConnectionSlot) {
         let limits = &self.limits;
         let within = limits.head_time_max;

@@ -68,7 +68,6 @@ impl SentState {
     }
 }
 
-/// Returns the differences between two states.
 fn state_delta<'a>(before: Option<&Present>, now: &'a Present) -> StateDelta<'a> {
     let was = |same: fn(&Present, &Present) -> bool| before.is_some_and(|before| same(before, now));
     let is_scene_known = was(|a, b| a.scene == b.scene);
@@ -111,7 +110,6 @@ fn state_delta<'a>(before: Option<&Present>, now: &'a Present) -> StateDelta<'a>
     }
 }
 
-/// True if the list contained the entry before.
 fn was_there<T: PartialEq>(before: Option<&Present>, list: fn(&Present) -> &Vec<T>, one: &T) -> bool {
     before.is_some_and(|before| list(before).contains(one))
 }

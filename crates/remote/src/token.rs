@@ -24,7 +24,6 @@ impl Token {
         Ok(Self(bytes.iter().map(letter).collect()))
     }
 
-    /// The token's letters.
     pub(crate) fn as_str(&self) -> &str {
         &self.0
     }

@@ -85,12 +85,10 @@ impl Place {
         self.answer_to(format!("GET {path} HTTP/1.1\r\nHost: {}\r\n\r\n", self.address).as_bytes())
     }
 
-    /// Returns the status of the answer to a path.
     fn status(&self, path: &str) -> String {
         status(&self.get(path))
     }
 
-    /// Connects a phone with this origin.
     fn phone_from(&self, path: &str, origin: &str) -> Result<Phone, String> {
         let url = format!("ws://{}{path}", self.address);
         let mut request = url.into_client_request().unwrap();
@@ -118,7 +116,6 @@ impl Place {
         }
     }
 
-    /// Waits until this many phones are connected.
     fn wait_for_phones(&self, count: usize) {
         while self.remote.phones() != count {
             self.state_delta.recv_timeout(PATIENCE).unwrap();

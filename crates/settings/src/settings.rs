@@ -201,7 +201,6 @@ const TURN_LOOKS: u32 = 100;
 /// The contents of a file.
 #[derive(Default)]
 struct Found {
-    /// All entries.
     table: toml::Table,
     /// The entries that this version knows.
     settings: Settings,

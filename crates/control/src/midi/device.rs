@@ -3,7 +3,6 @@
 use super::message::{Message, Parser};
 use super::source::Source;
 
-/// The number of MIDI channels.
 const CHANNELS: usize = 16;
 /// The number of controllers that may have a second number with the low 7 bits.
 const FINE: usize = 32;

@@ -36,7 +36,6 @@ pub struct MidiState {
     pub revision: u64,
 }
 
-/// The state shared by the device threads.
 struct Shared {
     input_queue: InputQueue,
     /// The origin of the clocks' time.

@@ -239,7 +239,6 @@ impl Mappings {
     }
 }
 
-/// Returns the actions that a knob movement triggers.
 fn actions_of<'a>(
     mapping: &'a Mapping,
     row: ActionRow,

@@ -137,7 +137,6 @@ pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, 
     }
 }
 
-/// Converts an argument.
 fn given(argument: &OscType) -> Result<ActionValue, Refused> {
     let number = |number: f32| {
         if number.is_finite() { Ok(ActionValue::Number(number)) } else { Err(Refused::NotANumber) }

@@ -56,7 +56,6 @@ pub fn messages(packet: &[u8]) -> (Vec<Timed>, u64) {
     (found, rubbish)
 }
 
-/// Returns the time tag of a bundle.
 fn time_of(bundle: &[u8]) -> Option<OscTime> {
     let (seconds, behind) = bundle.get(BUNDLE.len()..)?.split_first_chunk::<4>()?;
     let (parts, _) = behind.split_first_chunk::<4>()?;

@@ -55,7 +55,6 @@ const AROUND: usize = 3;
 /// the strength at the half of a beat.
 const TERNARY: (f32, f32) = (0.12, 1.5);
 
-/// The standardised evidence at each beat.
 struct Evidence {
     low: Vec<f32>,
     high: Vec<f32>,

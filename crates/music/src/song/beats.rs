@@ -56,7 +56,6 @@ const LEVEL_DEVIATION_MIN: f32 = 1.0;
 const LEVEL_RANGE: f32 = 60.0;
 /// The number of hops around a beat in which an onset belongs to it.
 const AROUND: usize = 2;
-/// The minimum number of beats.
 const BEATS_MIN: usize = 8;
 
 /// Returns onset strengths 0..1, relative to the largest flux nearby.

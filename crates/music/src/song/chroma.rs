@@ -55,7 +55,6 @@ impl FineChroma {
         }
     }
 
-    /// Returns the tuning of the instruments so far.
     pub(super) fn tuning(&self) -> Tuning {
         let (sine, cosine) = self.turned;
         Tuning { semitones: sine.atan2(cosine) / std::f64::consts::TAU }

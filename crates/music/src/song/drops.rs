@@ -174,7 +174,6 @@ fn median(units: &[Unit], of: fn(&Unit) -> f32) -> f32 {
 
 /// A rise of tension that ends at a given bar.
 struct Build {
-    /// The first bar.
     start: usize,
     /// The t statistic of the correlation with time.
     sure: f32,

@@ -14,15 +14,12 @@ pub(super) const SLOW_HOPS: usize = 8;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moment {
     pub(super) flux: f32,
-    /// True at an onset.
     pub(super) begins: bool,
     /// The rise of the low band's amplitude, relative to the loudest recent amplitude.
     pub(super) low_rise: f32,
     /// The rise of the high band's amplitude, relative to the loudest recent amplitude.
     pub(super) high_rise: f32,
-    /// The total power.
     pub(super) power: f32,
-    /// The power of the low band.
     pub(super) low_power: f32,
     /// The largest sample magnitude.
     pub(super) peak: f32,
@@ -40,9 +37,7 @@ pub(super) struct SlowMoment {
 /// All measurements of a song.
 #[derive(Debug, Default)]
 pub(super) struct Heard {
-    /// The duration of a hop in seconds.
     pub(super) hop_seconds: f64,
-    /// The length of the song in seconds.
     pub(super) seconds: f64,
     /// True if the song continues after the analysed part.
     pub(super) cut_short: bool,
@@ -55,7 +50,6 @@ pub(super) struct Heard {
     pub(super) slow: Vec<SlowMoment>,
     /// The delay of the chroma in slow moments.
     pub(super) chroma_late: usize,
-    /// The tuning of the instruments.
     pub(super) tuning: Tuning,
 }
 

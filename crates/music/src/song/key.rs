@@ -42,7 +42,6 @@ impl Tonality {
         PITCH_CLASSES.get(usize::from(self.root)).copied().unwrap_or("C")
     }
 
-    /// All 24 keys.
     fn all() -> impl Iterator<Item = Self> {
         [Mode::Major, Mode::Minor].into_iter().flat_map(|mode| (0..12).map(move |root| Self { root, mode }))
     }
@@ -58,7 +57,6 @@ const TONIC_FRACTION: f32 = 0.4;
 /// The bonus in correlation for a song in which every section begins with the tonic's triad.
 const FIRST_FRACTION: f32 = 0.3;
 
-/// The minimum correlation of a key.
 const KEY_MIN: f32 = 0.55;
 /// The minimum fraction of beats with pitches in a song with a key.
 const PITCHED_MIN: f32 = 0.4;
@@ -70,7 +68,6 @@ const CONTRAST_MIN: f32 = 0.8;
 /// harmony.
 const CHANGE_MIN: f32 = 0.05;
 
-/// The minimum correlation of a chord.
 const CHORD_MIN: f32 = 0.35;
 /// The cost of a chord change, in correlation.
 const CHANGE_COST: f32 = 0.45;

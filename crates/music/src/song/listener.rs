@@ -166,7 +166,6 @@ impl SongListener {
         }
     }
 
-    /// Measures a full buffer.
     fn measure(&mut self) {
         let hop = self.buffer.hop();
         let peak = self.buffer.newest(hop).iter().flatten().fold(0.0_f32, |peak, x| peak.max(x.abs()));

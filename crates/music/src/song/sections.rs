@@ -15,7 +15,6 @@ const SECTION_COST: f32 = 2.0;
 const LOOP_COST: f32 = 0.12;
 /// The periods of a repeating harmony, in bars.
 const LOOPS: [usize; 4] = [1, 2, 4, 8];
-/// The longest section, in bars.
 const LONGEST: usize = 96;
 /// The cost of a length by its remainder modulo four bars.
 const ODD_COST: [f32; 4] = [0.0, 1.2, 0.5, 1.2];

@@ -77,7 +77,6 @@ fn unit(heard: &Heard, from: f64, to: f64, loudest: f32) -> Unit {
     unit
 }
 
-/// Euclidean distance.
 pub(super) fn distance(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()
 }

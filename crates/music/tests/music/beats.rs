@@ -115,7 +115,6 @@ fn silence_and_steady_sound_have_no_beat_and_the_end_of_a_rhythm_is_noticed() {
     assert!((20..150).all(|tenth| track.at(f64::from(tenth) / 10.0).tempo == 0.0));
 }
 
-/// Returns the times of onsets.
 fn onsets_of(frames: &[StereoFrame]) -> Vec<f64> {
     let begins = |moment: &&mariana_music::TimedFeatures| moment.features.beat == 1.0;
     analyze(RATE, frames).iter().filter(begins).map(|moment| moment.time).collect()

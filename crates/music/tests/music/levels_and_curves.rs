@@ -72,7 +72,6 @@ fn bass_mid_and_treble_have_their_ranges_and_the_drive_follows_the_bass() {
     }
 }
 
-/// Returns a track of all features of `frames`.
 fn track_of(analyzer: Analyzer, frames: &[StereoFrame]) -> FeatureTrack {
     let mut track = FeatureTrack::new(30.0);
     analyze_by(analyzer, frames).iter().for_each(|moment| track.push(moment));

@@ -7,7 +7,6 @@ use mariana_music::StereoFrame;
 /// The sample rate of the rhythms.
 pub(crate) const RATE: u32 = 48_000;
 
-/// A percussion sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Drum {
     Click,

@@ -25,7 +25,6 @@ pub(crate) fn signal(rate: u32, seconds: f64, mut sample: impl FnMut(f64) -> [f6
     (0..count).map(|n| sample(n as f64 / f64::from(rate)).map(|x| x as f32)).collect()
 }
 
-/// Returns the features of the moment nearest to `time`.
 pub(crate) fn nearest(moments: &[TimedFeatures], time: f64) -> Features {
     let distance = |moment: &TimedFeatures| (moment.time - time).abs();
     moments.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("there are moments").features

@@ -123,7 +123,6 @@ pub(crate) enum Kind {
     Drop,
 }
 
-/// A part of a song.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     pub letter: char,
@@ -138,7 +137,6 @@ pub(crate) struct Part {
     pub kind: Kind,
 }
 
-/// A song to synthesize.
 #[derive(Clone, Debug)]
 pub(crate) struct Song {
     pub style: Style,
@@ -520,7 +518,6 @@ impl Song {
     }
 }
 
-/// Returns the structure of these samples.
 pub(crate) fn structure(rate: u32, frames: &[StereoFrame]) -> SongStructure {
     let mut listener = SongListener::new(rate);
     listener.push(frames);
