@@ -1,14 +1,14 @@
-//! Hostile input of every kind: the bodies of the fuzz targets over all seeds and many changed ones, the same in every run.
+//! Runs every fuzz target over all its seeds and many mutations of them. The mutations are the same in every run.
 //!
-//! `scripts/fuzz` lets libFuzzer look further; fuzz/README.md tells how.
+//! `scripts/fuzz` lets libFuzzer search further; see fuzz/README.md.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 #[path = "../fuzz/src/lib.rs"]
-#[allow(dead_code, reason = "what libFuzzer alone needs")]
+#[allow(dead_code, reason = "only libFuzzer uses the rest")]
 mod fuzz;
 
-/// Runs a target over its seeds, changed ones, and what is hardly anything.
+/// Runs a target over its seeds, mutations of them, and very short inputs.
 fn survives(target: &fuzz::Target) {
     let seeds = (target.seeds)();
     assert!(seeds.len() >= 6, "{} has {} seeds", target.name, seeds.len());
@@ -24,7 +24,7 @@ fn survives(target: &fuzz::Target) {
 }
 
 #[test]
-fn seeds_are_what_their_targets_are_for() {
+fn seeds_fit_their_targets() {
     for seed in (fuzz::SCENE.seeds)() {
         let text = String::from_utf8(seed.bytes).unwrap();
         let mut include = |path: &str| match path {
@@ -63,7 +63,7 @@ macro_rules! targets {
             let programs: Vec<&str> =
                 manifest.lines().filter_map(|line| line.strip_prefix("path = \"src/bin/")).collect();
             let wanted: Vec<String> = known.iter().map(|name| format!("{name}.rs\"")).collect();
-            assert_eq!(programs, wanted, "fuzz/Cargo.toml lists other programs");
+            assert_eq!(programs, wanted, "fuzz/Cargo.toml lists other programs than the targets");
         }
     };
 }

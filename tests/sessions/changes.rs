@@ -1,4 +1,4 @@
-//! From one scene to another: what is prepared ahead, and how the picture changes.
+//! Changes between scenes: scenes prepared ahead, and fades.
 
 use crate::support::apart::apart;
 use std::fs;
@@ -16,7 +16,7 @@ impl Place {
         Self(session::Place::with_song())
     }
 
-    /// Saves a wall that shines in one of the colours red, green and blue, a little differently at each moment.
+    /// Saves a wall that shines in red, green or blue. Its brightness changes over time.
     fn save_wall(&self, name: &str, channel: usize) {
         let color = ["vec3(1, 0, 0)", "vec3(0, 1, 0)", "vec3(0, 0, 1)"][channel];
         let text = format!(
@@ -29,7 +29,7 @@ impl Place {
         self.0.save(name, &text);
     }
 
-    /// A session that compiles its programs on a thread.
+    /// A session that compiles its shaders on a separate thread.
     fn open_with_compiler(&self, name: &str, options: &[&str]) -> App {
         let scene = self.0.path(name);
         let own = ["--scene", scene.to_str().unwrap(), "--sdf", "compiled"];
@@ -49,7 +49,7 @@ fn count(text: &str, what: &str) -> usize {
     text.matches(what).count()
 }
 
-/// Pictures that were drawn between two lines of the log.
+/// The number of frames drawn between two lines of the log.
 fn pictures_between(reported: &str, from: &str, to: &str) -> usize {
     let (_, after) = reported.split_once(from).unwrap();
     let (between, _) = after.split_once(to).unwrap();
@@ -57,7 +57,7 @@ fn pictures_between(reported: &str, from: &str, to: &str) -> usize {
 }
 
 #[test]
-fn a_change_to_a_prepared_scene_waits_for_nothing_and_the_way_back_neither() {
+fn changing_to_a_prepared_scene_and_back_never_waits() {
     apart!();
     let place = Place::new();
     place.save_wall("a.scene", 0);
@@ -68,9 +68,9 @@ fn a_change_to_a_prepared_scene_waits_for_nothing_and_the_way_back_neither() {
     wait_for_channel(&app, 1);
     app.press(&["p"]);
     wait_for_channel(&app, 0);
-    app.wait_until("the way back", |app| count(&app.reported(), "a is shown, compiled") == 2);
+    app.wait_until("the first scene again", |app| count(&app.reported(), "a is shown, compiled") == 2);
     let reported = app.quit_content();
-    // Each was compiled once, and the first picture after a change is the new scene's.
+    // Each scene was compiled once, and the first frame after a change shows the new scene.
     for name in ["a", "b"] {
         assert_eq!(count(&reported, &format!(" {name} is requested, compiled")), 1, "{reported}");
     }
@@ -79,7 +79,7 @@ fn a_change_to_a_prepared_scene_waits_for_nothing_and_the_way_back_neither() {
 }
 
 #[test]
-fn a_scene_that_was_prepared_without_code_for_cells_gets_it_when_it_comes_on() {
+fn a_scene_prepared_without_cell_lookups_gets_them_when_shown() {
     apart!();
     let place = Place::new();
     place.save_wall("a.scene", 0);
@@ -94,7 +94,7 @@ fn a_scene_that_was_prepared_without_code_for_cells_gets_it_when_it_comes_on() {
 }
 
 #[test]
-fn a_neighbour_that_is_saved_is_prepared_anew_and_one_that_comes_between_is_found() {
+fn saved_and_new_neighbour_scenes_are_prepared_again() {
     apart!();
     let place = Place::new();
     place.save_wall("a.scene", 0);
@@ -102,7 +102,7 @@ fn a_neighbour_that_is_saved_is_prepared_anew_and_one_that_comes_between_is_foun
     let app = place.open("a.scene", &AHEAD);
     app.wait_until_reported("c is ready ahead");
     place.save_wall("c.scene", 2);
-    app.wait_until("the saved scene, prepared", |app| count(&app.reported(), "c is ready ahead") == 2);
+    app.wait_until("the saved scene to be prepared", |app| count(&app.reported(), "c is ready ahead") == 2);
     app.press(&["n"]);
     wait_for_channel(&app, 2);
     app.press(&["p"]);
@@ -114,7 +114,7 @@ fn a_neighbour_that_is_saved_is_prepared_anew_and_one_that_comes_between_is_foun
 }
 
 #[test]
-fn scenes_fade_and_a_fade_of_nothing_is_a_cut() {
+fn scenes_fade_and_a_fade_of_zero_seconds_is_a_cut() {
     apart!();
     let place = Place::new();
     place.save_wall("a.scene", 0);
@@ -124,7 +124,7 @@ fn scenes_fade_and_a_fade_of_nothing_is_a_cut() {
         app.wait_until("a picture", |app| app.reported().contains("a frame took "));
         app.press(&["n"]);
         app.wait_until_reported("b is shown");
-        // Some pictures later.
+        // Draw some more frames, in which a fade could begin.
         let pictures = count(&app.reported(), "a frame took ");
         app.wait_until("pictures", |app| count(&app.reported(), "a frame took ") > pictures + 3);
         let reported = app.quit_content();
@@ -144,39 +144,39 @@ fn a_saved_scene_does_not_fade() {
     assert!(!app.quit_content().contains("a fade begins"));
 }
 
-/// Files below a folder.
+/// The number of files in a folder and its subfolders.
 fn files_in(folder: &Path) -> usize {
     let Ok(entries) = fs::read_dir(folder) else { return 0 };
     let in_entry = |path: PathBuf| if path.is_dir() { files_in(&path) } else { 1 };
     entries.map(|entry| in_entry(entry.unwrap().path())).sum()
 }
 
-/// Waits for this many more pictures.
+/// Waits for this many more frames.
 fn wait_for_pictures(app: &App, more: usize) {
     let before = count(&app.reported(), "a frame took ");
     app.wait_until("pictures", |app| count(&app.reported(), "a frame took ") >= before + more);
 }
 
-/// Mesa's software renderers keep a file of each program and of each form of it that they compile.
+/// Mesa's software renderers cache one file for each shader and for each variant that they compile.
 #[test]
 fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
     let cache = tempfile::tempdir().unwrap();
     apart!("EGL_PLATFORM" = "surfaceless", "MESA_SHADER_CACHE_DIR" = cache.path().to_str().unwrap());
     let cache = PathBuf::from(std::env::var_os("MESA_SHADER_CACHE_DIR").unwrap());
     let place = Place::new();
-    // What is prepared beside b has programs that are there.
+    // The scenes beside b reuse programs that exist already.
     for (name, channel) in [("a.scene", 0), ("b.scene", 1), ("c.scene", 0)] {
         place.save_wall(name, channel);
-        // It reads the sound's tables, too.
+        // It also reads the sound tables.
         let path = place.0.path(name);
         let text = fs::read_to_string(&path).unwrap();
         fs::write(path, text.replace("* sin(t)", "* sin(t) + 0.1 * spectrum(fract(p.x))")).unwrap();
     }
-    // In one size, which is no power of two.
+    // A size that is not a power of two.
     let app = place
         .open_with_compiler("a.scene", &[&["--size", "90x54", "--quality", "best"], &AHEAD[..]].concat());
     app.wait_until("both neighbours", |app| count(&app.reported(), " is ready ahead") == 2);
-    // They are written by a thread of the driver.
+    // A thread of the driver writes the files.
     let mut files = 0;
     app.wait_until("the driver's files", |app| {
         wait_for_pictures(app, 20);
@@ -186,7 +186,7 @@ fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
     for (key, channel, fades) in [("n", 1, 1), ("p", 0, 2), ("n", 1, 3)] {
         app.press(&[key]);
         wait_for_channel(&app, channel);
-        app.wait_until("the fade's end", |app| count(&app.reported(), "a fade ends") == fades);
+        app.wait_until("the end of the fade", |app| count(&app.reported(), "a fade ends") == fades);
         wait_for_pictures(&app, 20);
         assert_eq!(files_in(&cache), files, "the driver compiled something after {key}");
     }
@@ -194,12 +194,12 @@ fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
 }
 
 #[test]
-fn a_window_whose_scene_is_not_there_yet_says_so() {
+fn a_message_is_shown_until_the_first_scene_is_ready() {
     apart!("EGL_PLATFORM" = "surfaceless", "MARIANA_FAULT" = "slow-compiler@0");
     let place = Place::new();
     place.save_wall("a.scene", 0);
     let app = place.open_with_compiler("a.scene", &["--size", "320x180"]);
-    app.wait_until("words over black", |app| {
+    app.wait_until("a message on black", |app| {
         let picture = app.picture();
         let [light, dark] = [|sum| sum > 300, |sum| sum < 30].map(|is: fn(u32) -> bool| {
             picture
@@ -207,7 +207,7 @@ fn a_window_whose_scene_is_not_there_yet_says_so() {
                 .filter(|pixel| is(pixel.0[..3].iter().map(|&byte| u32::from(byte)).sum()))
                 .count()
         });
-        assert!(!app.reported().contains("first picture"), "there were no words before the picture");
+        assert!(!app.reported().contains("first picture"), "no message before the first frame");
         light > 50 && dark > picture.pixels().count() / 2
     });
     wait_for_channel(&app, 0);

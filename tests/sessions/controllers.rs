@@ -1,4 +1,4 @@
-//! Hands from outside: OSC through a real socket, MIDI through ports that say that they are fake.
+//! External controllers: OSC over a real socket, and MIDI over simulated ports.
 
 #![cfg(target_os = "linux")]
 
@@ -14,20 +14,20 @@ use crate::support::session::{self, App};
 
 const SIZE: &str = "160x90";
 
-/// A wall whose red and green are parameters.
+/// A wall with its red and green channels as parameters.
 pub(crate) const WALL: &str = "param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 1\n\
     material paint { color = 0  roughness = 1  emission = vec3(red, green, 0) }\n\
     object wall { shape = 5 - p.z  material = paint }\n\
     light none { direction = vec3(0, -1, 0)  color = 0 }\n\
     camera { position = vec3(0)  target = vec3(0, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
 
-/// Writes the wall, and one of another colour; returns where the wall is.
+/// Writes the wall and a blue one. Returns the path of the first.
 pub(crate) fn write_wall(place: &session::Place) -> PathBuf {
     place.save("wool.scene", &WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)"));
     place.save("wall.scene", WALL)
 }
 
-/// A folder with the walls, a quiet song and devices.
+/// A folder with the walls, a silent song and MIDI devices.
 struct Place {
     inner: session::Place,
     scene: PathBuf,
@@ -46,7 +46,7 @@ impl Place {
         self.inner.open(&self.inner.song(), &[&scene[..], size, options].concat())
     }
 
-    /// A session that receives OSC, and a sender to it.
+    /// A session that receives OSC, and a sender for it.
     fn open_with_osc(&self) -> (App, Sender) {
         let osc = Sender::new();
         let app = self.open(&["--osc", &osc.port.to_string()]);
@@ -58,32 +58,32 @@ impl Place {
         self.inner.path(&format!("midi/{name}.port"))
     }
 
-    /// Plugs a device in.
+    /// Connects a device.
     fn plug(&self, name: &str) {
         fs::write(self.port(name), "").unwrap();
     }
 
-    /// Pulls a device.
+    /// Disconnects a device.
     fn pull(&self, name: &str) {
         fs::remove_file(self.port(name)).unwrap();
     }
 
-    /// Sends bytes from a device, if it is heard.
+    /// Sends bytes from a device. They are lost if the session does not listen to it.
     fn play(&self, name: &str, bytes: &[u8]) {
         let socket = UnixDatagram::unbound().unwrap();
         let _ = socket.send_to(bytes, self.port(name).with_extension("socket"));
     }
 
-    /// What is remembered of knobs.
+    /// The file of learned knobs.
     fn knobs(&self) -> PathBuf {
         self.inner.path("config/knobs.toml")
     }
 
-    /// Learns in the panel what turns the first parameter: a knob, which is moved until it is learned.
+    /// Uses the panel to learn a knob for the first parameter. Moves the knob until it is learned.
     fn learn_first(&self, app: &App, name: &str, knob: &[u8]) {
         let before = fs::read_to_string(self.knobs()).unwrap_or_default();
         begin_to_learn(app);
-        app.wait_until("what was learned", |_| {
+        app.wait_until("the learned knob in the file", |_| {
             self.play(name, knob);
             fs::read_to_string(self.knobs()).is_ok_and(|text| text != before)
         });
@@ -91,10 +91,10 @@ impl Place {
     }
 }
 
-/// Asks until the answer to `address` is as wanted; gives its bytes.
+/// Queries `address` until `wanted` accepts an answer. Returns the bytes of that answer.
 pub(crate) fn ask(app: &App, osc: &Sender, address: &str, wanted: impl Fn(&[u8]) -> bool) -> Vec<u8> {
     let mut answer = None;
-    app.wait_until(&format!("the wanted answer to {address}"), |_| {
+    app.wait_until(&format!("the expected answer to {address}"), |_| {
         osc.send(address, &[]);
         answer = std::iter::from_fn(|| osc.receive()).find(|bytes| wanted(bytes));
         answer.is_some()
@@ -102,7 +102,7 @@ pub(crate) fn ask(app: &App, osc: &Sender, address: &str, wanted: impl Fn(&[u8])
     answer.unwrap()
 }
 
-/// Begins to learn in the panel what turns the first parameter. Each key is seen in the picture, which stands otherwise.
+/// Starts learning a controller for the first parameter in the panel. Each key changes the otherwise constant frame.
 fn begin_to_learn(app: &App) {
     for key in ["j", "Down", "Return"] {
         let before = app.picture();
@@ -111,7 +111,7 @@ fn begin_to_learn(app: &App) {
     }
 }
 
-/// The first number of a message with the tags `tags`.
+/// The first number in a message with the type tags `tags`.
 fn number_in(bytes: &[u8], address: &str, tags: &str) -> Option<f32> {
     let rest = bytes.strip_prefix(&padded(address)[..])?.strip_prefix(&padded(tags)[..])?;
     rest.first_chunk::<4>().map(|bytes| f32::from_be_bytes(*bytes))
@@ -122,13 +122,13 @@ fn colour(app: &App) -> [bool; 3] {
     [red, green, blue].map(|channel| channel > 120)
 }
 
-/// Waits until the wall has this colour: which channels are bright.
+/// Waits until the given channels of the wall are bright.
 pub(crate) fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
     app.wait_until(what, |app| colour(app) == wanted);
 }
 
 #[test]
-fn messages_turn_parameters_and_the_last_hand_wins() {
+fn messages_change_parameters_and_the_last_controller_wins() {
     apart!();
     let place = Place::new();
     let osc = Sender::new();
@@ -142,18 +142,19 @@ fn messages_turn_parameters_and_the_last_hand_wins() {
     let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
     let answer = ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(2.0));
     assert!(answer.ends_with(&padded("OSC")), "{answer:?}");
-    // The slider takes it over, to the right end and beyond: one of the rows is the first one's rail.
+    // The slider takes the parameter over. Drag it beyond its right end; one of these rows is the rail of the first
+    // parameter.
     osc.send("/param/red", &[0.5]);
     app.press(&["Tab"]);
     let mut rows = (26..46).step_by(4).cycle();
-    app.wait_until("what the slider is moved to", |app| {
+    app.wait_until("the value of the dragged slider", |app| {
         let row = rows.next().unwrap();
         app.drag((230, row), (318, row));
         let answer = ask(app, &osc, "/param/red", |bytes| of_red(bytes).is_some());
         of_red(&answer) == Some(2.0) && answer.ends_with(&padded("slider"))
     });
     app.press(&["Tab"]);
-    // And the message takes it from the slider.
+    // A message takes the parameter back from the slider.
     osc.send("/param/red", &[0.0]);
     ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(0.0) && bytes.ends_with(&padded("OSC")));
     wait_for_colour(&app, "black", [false, false, false]);
@@ -161,7 +162,7 @@ fn messages_turn_parameters_and_the_last_hand_wins() {
 }
 
 #[test]
-fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
+fn messages_change_scenes_and_parameters_are_kept() {
     apart!();
     let place = Place::new();
     let (app, osc) = place.open_with_osc();
@@ -169,11 +170,11 @@ fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
     osc.send("/param/red", &[2.0]);
     wait_for_colour(&app, "yellow", [true, true, false]);
     osc.send("/scene/wool", &[]);
-    app.wait_for_title("the scene that was asked for", |title| title.contains("(wool"));
+    app.wait_for_title("the requested scene", |title| title.contains("(wool"));
     wait_for_colour(&app, "blue", [false, false, true]);
     osc.send("/previous", &[1.0]);
     osc.send("/previous", &[0.0]);
-    app.wait_for_title("the scene before", |title| title.contains("(wall"));
+    app.wait_for_title("the previous scene", |title| title.contains("(wall"));
     wait_for_colour(&app, "yellow again", [true, true, false]);
     osc.send("/pause", &[1.0]);
     osc.send("/pause", &[1.0]);
@@ -186,7 +187,7 @@ fn messages_go_to_scenes_and_what_was_turned_is_found_again() {
 }
 
 #[test]
-fn rubbish_is_ignored_and_the_show_goes_on() {
+fn invalid_messages_are_ignored() {
     apart!();
     let place = Place::new();
     let (app, osc) = place.open_with_osc();
@@ -215,7 +216,7 @@ fn rubbish_is_ignored_and_the_show_goes_on() {
 }
 
 #[test]
-fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
+fn a_port_in_use_is_reported_and_opened_later() {
     apart!();
     let place = Place::new();
     let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -229,7 +230,7 @@ fn a_port_that_is_taken_costs_a_sentence_and_no_show() {
 }
 
 #[test]
-fn what_is_heard_is_sent() {
+fn sound_features_are_sent() {
     apart!();
     let place = Place::new();
     let lights = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -247,13 +248,13 @@ fn what_is_heard_is_sent() {
     app.quit_by_key();
 }
 
-/// A knob at a value: the first of the first channel.
+/// The message of the first knob on the first channel at a value.
 fn turned(value: u8) -> [u8; 3] {
     [0xb0, 1, value]
 }
 
 #[test]
-fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
+fn a_learned_knob_controls_its_parameter_and_is_remembered() {
     apart!();
     let place = Place::new();
     place.plug("desk");
@@ -268,18 +269,19 @@ fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
         "param = \"red\"",
         "scene = \"wall\"",
     ] {
-        assert!(text.contains(line), "{line} is not in\n{text}");
+        assert!(text.contains(line), "{line} is missing in\n{text}");
     }
-    // It stands elsewhere than the parameter: nothing jumps before it has passed.
+    // The knob's position differs from the parameter's value, so that the knob has no effect until it passes that
+    // value.
     place.play("desk", &turned(90));
-    wait_for_colour(&app, "green, as before", [false, true, false]);
+    wait_for_colour(&app, "green as before", [false, true, false]);
     place.play("desk", &turned(0));
-    app.wait_until("the knob's hold", |_| {
+    app.wait_until("the knob to pick the parameter up", |_| {
         place.play("desk", &turned(127));
         colour(&app) == [true, true, false]
     });
     app.quit_by_key();
-    // The next show knows it.
+    // The next session remembers the knob.
     let app = place.open(&[]);
     app.wait_until_reported("receiving MIDI from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
@@ -294,20 +296,20 @@ fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
 }
 
 #[test]
-fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_is_back() {
+fn learning_continues_after_a_device_was_disconnected() {
     apart!();
     let place = Place::new();
     place.plug("desk");
     let app = place.open(&[]);
     app.wait_until_reported("receiving MIDI from desk (fake port)");
-    // The parameters are there with the picture.
+    // The parameters are known once the frame is shown.
     wait_for_colour(&app, "green", [false, true, false]);
     begin_to_learn(&app);
     place.pull("desk");
     app.wait_until_reported("desk (fake port) was disconnected; learning continues");
     place.plug("desk");
-    // A pad this time, which has no way to pass: it jumps.
-    app.wait_until("what was learned", |_| {
+    // A pad has only two values, so it sets the parameter at once.
+    app.wait_until("the learned pad in the file", |_| {
         place.play("desk", &[0x99, 36, 127]);
         place.knobs().exists()
     });
@@ -322,7 +324,7 @@ fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_i
 }
 
 #[test]
-fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
+fn floods_of_invalid_midi_are_ignored() {
     apart!();
     let place = Place::new();
     place.plug("desk");
@@ -339,7 +341,7 @@ fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
     app.wait_until("yellow", |_| {
         place.play("desk", &turned(0));
         app.run_for(Duration::from_millis(30));
-        // Running status, and a clock in the middle.
+        // Running status, with a clock message in the middle.
         place.play("desk", &[0xb0, 1, 126, 1, 0xf8, 127]);
         app.run_for(Duration::from_millis(100));
         colour(&app) == [true, true, false]
@@ -348,7 +350,7 @@ fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
 }
 
 #[test]
-fn a_damaged_file_of_knobs_is_said_and_kept_aside() {
+fn a_damaged_knobs_file_is_reported_and_kept_aside() {
     apart!();
     let place = Place::new();
     place.plug("desk");
@@ -375,7 +377,7 @@ fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
     ask(&app, &osc, "/query/tempo", |bytes| tempo(bytes) == Some(0.0));
     place.play("drums", &[0xfa]);
     let mut seen = 0.0;
-    app.wait_until("a tempo of the clock", |app| {
+    app.wait_until("a tempo from the clock", |app| {
         place.play("drums", &[0xf8]);
         app.run_for(Duration::from_millis(20));
         osc.send("/query/tempo", &[]);
@@ -390,12 +392,12 @@ fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
 }
 
 #[test]
-fn a_hand_takes_a_parameter_from_a_show_which_takes_it_back_with_its_next_movement() {
+fn a_controller_overrides_the_show_until_its_next_movement() {
     apart!();
     let place = Place::new();
     let osc = Sender::new();
     let show = place.inner.path("own.show");
-    // A show that begins after the song has: seeks go to its movements.
+    // This show starts after the song has started; seeks reach its movements.
     fs::write(&show, "at start wall.scene\n set red = 2\n set red = 1 after 30 s\n").unwrap();
     let port = osc.port.to_string();
     let app = place.open(&["--osc", &port, "--show", show.to_str().unwrap()]);
@@ -411,7 +413,7 @@ fn a_hand_takes_a_parameter_from_a_show_which_takes_it_back_with_its_next_moveme
     osc.send("/param/red", &[0.0]);
     ask(&app, &osc, "/param/red", held(0.0, "OSC"));
     wait_for_colour(&app, "green", [false, true, false]);
-    // The next movement is the show's again, and before it the hand still has the parameter.
+    // From the next movement on, the show controls the parameter. Before it, the controller still does.
     osc.send("/position", &[0.9]);
     ask(&app, &osc, "/param/red", held(1.0, "show"));
     osc.send("/position", &[0.1]);

@@ -1,4 +1,4 @@
-//! The editor as a user meets it: what is typed shows, a mistake leaves the picture, texts are saved and not lost, numbers
+//! The scene editor: typing changes the frame, a mistake keeps the last frame, texts are saved and recovered, numbers
 //! are dragged.
 
 use crate::support::apart::apart;
@@ -9,17 +9,17 @@ use image::RgbaImage;
 
 use crate::support::session::{self, App};
 
-/// The scene that is edited.
+/// The scene to edit.
 const SCENE: &str = "scenes/main.scene";
-/// Wide enough that the editor leaves some of the picture.
+/// Wide enough that the editor leaves a part of the frame uncovered.
 const SIZE: &str = "760x420";
-/// Colours of the overlay: what is wrong, and numbers of a text.
+/// Overlay colours of errors and of numbers in a text.
 const ERROR: [u8; 3] = [255, 128, 112];
 const NUMBER: [u8; 3] = [244, 190, 120];
-/// That of what the pointer would take.
+/// The overlay colour of handles under the pointer.
 const GRIP: [u8; 3] = [130, 204, 232];
 
-/// A wall that fills the picture and shines by itself, in one line.
+/// A wall that emits light and fills the frame, in one line of text.
 fn wall(emission: &str) -> String {
     format!(
         "material m {{ color = 0  roughness = 1  emission = {emission} }} object w {{ shape = 5 - p.z  material = m }} \
@@ -59,7 +59,7 @@ impl Place {
     }
 }
 
-/// Which channels the picture has at its right, where no editor is.
+/// The bright channels at the right edge of the frame, which the editor does not cover.
 fn color(app: &App) -> [bool; 3] {
     let picture = app.picture();
     let right = picture.enumerate_pixels().filter(|(x, _, _)| 20 * x > 19 * picture.width());
@@ -74,7 +74,8 @@ fn wait_for_color(app: &App, what: &str, wanted: [bool; 3]) {
     app.wait_until(what, |app| color(app) == wanted);
 }
 
-/// Where pixels of a colour are: left, top, right, bottom of the first group from the top; none if there is none.
+/// The bounds (left, top, right, bottom) of the topmost group of pixels of a colour; `None` if there are no such
+/// pixels.
 fn group(picture: &RgbaImage, wanted: [u8; 3]) -> Option<(u32, u32, u32, u32)> {
     let is = |x: u32, y: u32| {
         let pixel = picture.get_pixel(x, y).0;
@@ -96,13 +97,13 @@ fn wait_until_gone(app: &App, what: &str, wanted: [u8; 3]) {
     app.wait_for(what, |picture| group(picture, wanted).is_none());
 }
 
-/// Opens the editor on a text with numbers.
+/// Opens the editor on a text that contains numbers.
 fn write(app: &App) {
     app.press(&["e"]);
-    wait_for_group(app, "the text in its colours", NUMBER);
+    wait_for_group(app, "the highlighted text", NUMBER);
 }
 
-/// Opens the editor and types a green wall in place of the whole text.
+/// Opens the editor and replaces the whole text by a green wall.
 fn replace_by_green(app: &App) {
     write(app);
     app.press(&["ctrl+a"]);
@@ -112,19 +113,19 @@ fn replace_by_green(app: &App) {
 
 fn quit(app: App) {
     app.press(&["Escape"]);
-    wait_until_gone(&app, "the picture without the editor", NUMBER);
+    wait_until_gone(&app, "the frame without the editor", NUMBER);
     app.quit_by_key();
 }
 
 #[test]
-fn what_is_typed_shows_in_the_picture_and_a_mistake_leaves_it() {
+fn typing_changes_the_frame_and_a_mistake_keeps_it() {
     apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
     wait_for_color(&app, "a red wall", RED);
     replace_by_green(&app);
-    assert_eq!(place.saved(), wall("vec3(1, 0, 0)"), "nobody has saved");
-    // What is wrong is said, and the picture stays.
+    assert_eq!(place.saved(), wall("vec3(1, 0, 0)"), "the file was saved without a command");
+    // The mistake is reported, and the frame stays.
     app.type_text(" $");
     wait_for_group(&app, "a mark at the mistake", ERROR);
     assert_eq!(color(&app), GREEN);
@@ -136,7 +137,7 @@ fn what_is_typed_shows_in_the_picture_and_a_mistake_leaves_it() {
 }
 
 #[test]
-fn keys_are_text_in_the_editor_and_the_shows_beside_it() {
+fn keys_type_text_in_the_editor_and_control_the_show_outside() {
     apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
@@ -145,22 +146,22 @@ fn keys_are_text_in_the_editor_and_the_shows_beside_it() {
     app.type_text(" # quit, not");
     app.press(&["ctrl+s"]);
     app.wait_until("the letters in the file", |_| place.saved().ends_with(" # quit, not"));
-    assert!(app.runs(), "a letter has ended it");
-    // On the picture, a click gives the keys back to the show.
+    assert!(app.runs(), "a typed letter ended the session");
+    // A click outside the editor gives the keys back to the show.
     app.click_at(745, 400);
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     assert!(place.saved().ends_with(" # quit, not"));
     app.press(&["e"]);
     app.press(&["x", "ctrl+s"]);
-    app.wait_until("one more letter", |_| place.saved().ends_with(" # quit, notx"));
-    // The click has also told what is there, which Esc closes first.
+    app.wait_until("another letter in the file", |_| place.saved().ends_with(" # quit, notx"));
+    // The click also opened the card of the object, which Esc closes first.
     app.press(&["Escape"]);
     quit(app);
 }
 
 #[test]
-fn another_programs_save_is_asked_about_and_nothing_is_lost() {
+fn a_save_by_another_program_asks_before_overwriting() {
     apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
@@ -171,19 +172,19 @@ fn another_programs_save_is_asked_about_and_nothing_is_lost() {
     wait_for_group(&app, "the question", ERROR);
     assert_eq!((place.saved(), color(&app)), (theirs, GREEN));
     app.press(&["ctrl+1"]);
-    app.wait_until("my text in the file", |_| place.saved() == wall("vec3(0, 1, 0)"));
+    app.wait_until("the editor's text in the file", |_| place.saved() == wall("vec3(0, 1, 0)"));
     quit(app);
 }
 
 #[test]
-fn what_was_typed_comes_back_after_the_program_was_killed() {
+fn unsaved_text_is_recovered_after_a_crash() {
     apart!();
     let place = Place::new(&wall("vec3(1, 0, 0)"));
     let app = place.open(&[]);
     replace_by_green(&app);
     let kept = place.inner.path("state/unsaved");
-    app.wait_until("the kept text", |_| {
-        // What is being written beside it is not kept yet.
+    app.wait_until("the recovery file", |_| {
+        // Skip temporary files, which are incomplete.
         let files = fs::read_dir(&kept).into_iter().flatten().flatten();
         let files = files.filter(|file| !file.file_name().as_encoded_bytes().starts_with(b"."));
         files
@@ -198,39 +199,39 @@ fn what_was_typed_comes_back_after_the_program_was_killed() {
     wait_for_group(&app, "the question", ERROR);
     app.press(&["ctrl+1"]);
     wait_until_gone(&app, "the text without a question", ERROR);
-    wait_for_color(&app, "what was typed", GREEN);
+    wait_for_color(&app, "the recovered text in the frame", GREEN);
     quit(app);
 }
 
 #[test]
-fn a_number_is_dragged_and_no_text_is_read_meanwhile() {
+fn dragging_a_number_does_not_reload_the_text() {
     apart!();
     let place = Place::new(&format!("let level = 1\n{}", wall("level * vec3(0, 0.1, 0)")));
     let app = place.open(&["-vv"]);
     app.wait_until("a dark wall", |_| color(&app) == [false; 3]);
     write(&app);
-    // The first number from the top.
+    // The topmost number.
     let (left, _, right, bottom) = wait_for_group(&app, "the number", NUMBER);
     let loads = |app: &App| app.reported().matches("is loaded again for its draft").count();
     let before = loads(&app);
-    // The grip is shown where the pointer is.
+    // The grip appears under the pointer.
     let (grip_x, grip_y) = ((left + right) / 2, bottom + 7);
     app.point_at(grip_x, grip_y);
     app.wait_for("the grip", |picture| group(&part(picture, grip_x - 6, grip_y - 4, 12, 8), GRIP).is_some());
     app.hold_button(true);
-    app.wait_until("the number as an input", |app| loads(app) == before + 1);
+    app.wait_until("the number to become an input", |app| loads(app) == before + 1);
     let mut moved = 0;
     app.wait_until("a bright wall", |app| {
-        // By hand it takes some steps; within the room of the number.
+        // Drag in several steps, within the number's range.
         if moved < 100 {
             moved += 4;
             app.point_at(grip_x + moved, grip_y);
         }
         color(app) == GREEN
     });
-    assert_eq!(loads(&app), before + 1, "the picture came without a reading of the text");
+    assert_eq!(loads(&app), before + 1, "the frame needed a reload of the text");
     app.hold_button(false);
-    app.wait_until("the text that holds", |app| loads(app) == before + 2);
+    app.wait_until("the reload after the drag", |app| loads(app) == before + 2);
     app.press(&["ctrl+s"]);
     app.wait_until("the number in the file", |_| {
         !place.saved().is_empty() && !place.saved().starts_with("let level = 1\n")
@@ -241,7 +242,7 @@ fn a_number_is_dragged_and_no_text_is_read_meanwhile() {
     quit(app);
 }
 
-/// A ball that shines by itself at the right of the picture, where no editor is, before nothing.
+/// A glowing ball in front of a black sky, at the right of the frame, which the editor does not cover.
 const BALL: &str = "\
 material m { color = 0  roughness = 1
   emission = vec3(1, 0, 0) }
@@ -253,10 +254,9 @@ light n { direction = vec3(0, -1, 0)  color = 0 }
 camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 60 }
 sky { color = 0  ambient = 0 }
 ";
-/// Where its middle is in a window of [`SIZE`].
+/// The centre of the ball in a window of [`SIZE`].
 const BALL_AT: (u32, u32) = (634, 210);
 
-/// The same part of a picture.
 fn part(picture: &RgbaImage, left: u32, top: u32, width: u32, height: u32) -> RgbaImage {
     image::imageops::crop_imm(picture, left, top, width, height).to_image()
 }
@@ -267,7 +267,7 @@ fn is_ball(app: &App, wanted: [bool; 3]) -> bool {
 }
 
 #[test]
-fn a_click_in_the_picture_tells_what_is_there_and_leads_to_its_line() {
+fn a_click_on_the_frame_identifies_the_object_and_its_line() {
     apart!();
     let place = Place::new(BALL);
     let app = place.open(&["-vv"]);
@@ -278,7 +278,7 @@ fn a_click_in_the_picture_tells_what_is_there_and_leads_to_its_line() {
     let reported = app.reported();
     let probed = reported.lines().find(|line| line.contains("probed:")).unwrap_or_default();
     assert!(probed.contains("object: \"ball\", material: \"m\""), "{probed}");
-    // The card shows, and a click on its line brings keys and cursor to where the ball is written.
+    // A click on the card's line moves the focus and the cursor to the object's text.
     app.wait_until("the card", |_| {
         let right = part(&app.picture(), 510, 200, 250, 200);
         group(&right, GRIP).is_some()
@@ -287,17 +287,17 @@ fn a_click_in_the_picture_tells_what_is_there_and_leads_to_its_line() {
     app.type_text("1 * ");
     app.press(&["ctrl+s"]);
     app.wait_until("the letters in the file", |_| place.saved() == BALL.replace("sphere(", "1 * sphere("));
-    // The sky is an answer, too.
+    // The sky can be probed as well.
     app.click_at(740, 20);
     app.wait_until_reported("surface: None");
     assert!(app.runs());
-    // Esc closes what is told, then the editor.
+    // Esc closes the card, then the editor.
     app.press(&["e", "Escape"]);
     quit(app);
 }
 
 #[test]
-fn what_the_line_at_the_cursor_makes_is_lit_up_in_the_picture() {
+fn the_object_of_the_line_at_the_cursor_is_highlighted() {
     apart!();
     let place = Place::new(BALL);
     let app = place.open(&[]);
@@ -307,22 +307,22 @@ fn what_the_line_at_the_cursor_makes_is_lit_up_in_the_picture() {
     let before = blue(&app);
     app.press(&["ctrl+Home", "ctrl+l"]);
     let is_lit = |app: &App| blue(app) > before + 20;
-    // The first line is its material's.
+    // The first line belongs to the ball's material.
     app.wait_until("the ball in another colour", |_| is_lit(&app));
     app.press(&["ctrl+End"]);
-    app.wait_until("the ball as it is", |_| !is_lit(&app));
+    app.wait_until("the ball in its own colour", |_| !is_lit(&app));
     assert_eq!(place.saved(), BALL);
     quit(app);
 }
 
 #[test]
-fn a_colour_of_the_text_is_picked_and_saved() {
+fn a_colour_in_the_text_is_picked_and_saved() {
     apart!();
     let place = Place::new(BALL);
     let app = place.open(&[]);
     write(&app);
     app.wait_until("the ball", |_| is_ball(&app, RED));
-    // The swatch below the word.
+    // The swatch below the colour in the text.
     let mut swatch = None;
     app.wait_until("the swatch", |_| {
         swatch = group(&part(&app.picture(), 0, 0, 480, 200), [255, 0, 0]);
@@ -346,14 +346,14 @@ fn a_colour_of_the_text_is_picked_and_saved() {
     let numbers: Vec<f64> = numbers.split(", ").map(|number| number.parse().unwrap()).collect();
     assert!(numbers[0] < 0.1 && numbers[1] > 0.9 && numbers[2] < 0.1, "{saved}");
     app.press(&["ctrl+z", "ctrl+s"]);
-    app.wait_until("the colour as it was", |_| place.saved() == BALL);
+    app.wait_until("the original colour in the file", |_| place.saved() == BALL);
     quit(app);
 }
 
 #[test]
-fn a_position_is_dragged_in_the_picture_and_saved() {
+fn a_position_is_dragged_in_the_frame_and_saved() {
     apart!();
-    /// The arm along x.
+    /// The colour of the x axis of the handle.
     const ARM: [u8; 3] = [236, 96, 84];
     let place = Place::new(&BALL.replace("vec3(1, 0, 0)", "vec3(0, 0, 1)"));
     let app = place.open(&[]);
@@ -371,8 +371,8 @@ fn a_position_is_dragged_in_the_picture_and_saved() {
     let (mut x, y) = (510 + right - 5, (top + bottom) / 2);
     app.point_at(x, y);
     app.hold_button(true);
-    // To the left, so that the ball leaves its place.
-    app.wait_until("no ball in its place", |app| {
+    // Drag the ball to the left, away from its position.
+    app.wait_until("the ball to leave its position", |app| {
         x -= 4;
         app.point_at(x, y);
         is_ball(app, [false; 3])
@@ -389,7 +389,7 @@ fn a_position_is_dragged_in_the_picture_and_saved() {
     quit(app);
 }
 
-/// A red ball that fills the right of the picture, and in a comment a green one before it.
+/// A red ball that fills the right of the frame, and a green one in front of it, which is commented out.
 const BALLS: &str = "\
 material red { color = 0  roughness = 1  emission = vec3(1, 0, 0) }
 material green { color = 0  roughness = 1  emission = vec3(0, 1, 0) }
@@ -399,9 +399,9 @@ sky { color = 0  ambient = 0 }
 object far { shape = sphere(p - vec3(0, 0, 30 + 0.1 * sin(t)), 25)  material = red }
 #object near { shape = sphere(p - vec3(0, 0, 20 + 0.1 * sin(t)), 16)  material = green }";
 
-/// One key makes the change, because a text that is typed letter by letter shows what it is on the way, too.
+/// A single key makes the change, because typing letter by letter would also show the intermediate texts.
 #[test]
-fn a_changed_text_whose_tree_takes_too_long_gives_the_last_picture_back() {
+fn a_scene_whose_tree_takes_too_long_keeps_the_last_frame() {
     apart!("MARIANA_FAULT" = "slow-tree@0");
     let place = Place::new(BALLS);
     let app = place.open(&[]);
@@ -414,7 +414,7 @@ fn a_changed_text_whose_tree_takes_too_long_gives_the_last_picture_back() {
 }
 
 #[test]
-fn a_shipped_scene_is_copied_by_one_key_and_the_copy_is_written() {
+fn a_shipped_scene_is_copied_by_one_key_and_the_copy_is_edited() {
     apart!();
     let place = session::Place::new();
     let song = place.quiet_song("quiet.wav", 60);
@@ -425,7 +425,7 @@ fn a_shipped_scene_is_copied_by_one_key_and_the_copy_is_written() {
     let copy = place.path("data/scenes/heart.scene");
     app.wait_until("the copy", |_| copy.is_file());
     app.wait_for_title("its title", |title| title.contains("heart"));
-    // As soon as the copy is read, keys are its text.
+    // As soon as the copy is loaded, keys edit its text.
     app.wait_until("a letter in the copy", |app| {
         app.press(&["ctrl+End", "#", "ctrl+s"]);
         fs::read_to_string(&copy).is_ok_and(|text| text.trim_end().ends_with('#'))

@@ -1,4 +1,4 @@
-//! Live input as a user meets it, on a sound server of the test's own.
+//! Live input, on a private sound server.
 
 #![cfg(target_os = "linux")]
 
@@ -14,17 +14,17 @@ use mariana_testing::sound_server::SoundServer;
 use mariana_testing::wave::write_wav;
 
 const SMALL: &str = "320x180";
-/// A scene that stands still without sound.
+/// A scene that does not move without sound.
 const LEVEL: &str = "min(y, max(length(p - vec3(0, 1, 0)) - 0.2 - 2 * volume.x, -1 * y))";
-/// So many steps, of up to 20 ms, a session draws nothing that rests.
+/// The number of steps, of up to 20 ms each, after which a session without new frames counts as idle.
 const REST: usize = 60;
 
-/// Waits for a picture that is another one.
+/// Waits for a different frame.
 fn wait_for_another(app: &App, before: &RgbaImage) {
     app.wait_for("another picture", |picture| difference(before, picture, TIGHT.visible).fraction > 0.0);
 }
 
-/// Waits until no picture is drawn for a while.
+/// Waits until no frame has been drawn for [`REST`] steps.
 fn wait_for_rest(app: &App) {
     let (mut shown, mut steps) = (app.shown(), 0);
     app.wait_until("rest", |app| {
@@ -35,24 +35,24 @@ fn wait_for_rest(app: &App) {
 }
 
 #[test]
-fn what_the_computer_plays_is_shown_and_silence_costs_little() {
+fn system_sound_is_shown_and_silence_needs_little_processor_time() {
     apart_at_home!();
     let server = SoundServer::start(&home());
     let place = Place::new();
     let app = place.hear(None, &["--system", "--size", SMALL, "--scene", LEVEL]);
     app.wait_until_reported("first picture after");
     app.wait_for_title("the monitor", |title| title.starts_with("Monitor of ") && title.contains("live"));
-    // Silence is told after some seconds, and then everything rests.
+    // Silence is detected after some seconds. From then on nothing is drawn.
     wait_for_rest(&app);
     let load = load_of(std::process::id(), || app.run_for(Duration::from_secs(2)));
     assert!(load < 0.25, "silent input takes {load} of a processor");
     let silent = app.picture();
     let tone = server.play_tone("viz", 440.0);
-    app.wait_for("the sound in the picture", |picture| {
+    app.wait_for("the sound in the frame", |picture| {
         difference(&silent, picture, TIGHT.visible).fraction > 0.02
     });
     drop(tone);
-    // Paused it stands still, whatever is heard.
+    // While paused, the frame does not react to sound.
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let _tone = server.play_tone("viz", 440.0);
@@ -61,7 +61,7 @@ fn what_the_computer_plays_is_shown_and_silence_costs_little() {
 }
 
 #[test]
-fn an_input_has_a_show_when_it_is_asked_for() {
+fn an_input_gets_an_automatic_show_on_request() {
     apart_at_home!();
     let server = SoundServer::start(&home());
     let place = Place::new();
@@ -70,7 +70,7 @@ fn an_input_has_a_show_when_it_is_asked_for() {
     let _tone = server.play_tone("viz", 440.0);
     app.press(&["a"]);
     app.wait_until_reported("the scenes follow the song");
-    app.wait_for_title("a scene of the director's choice", |title| {
+    app.wait_for_title("a scene chosen by the director", |title| {
         title.contains("live") && !title.contains("formula") && !title.contains("preparing")
     });
     app.press(&["a"]);
@@ -78,7 +78,7 @@ fn an_input_has_a_show_when_it_is_asked_for() {
 }
 
 #[test]
-fn the_source_is_changed_by_a_key_and_remembered_by_name() {
+fn a_key_changes_the_source_which_is_remembered_by_name() {
     apart_at_home!();
     let server = SoundServer::start(&home());
     server.plug("other", &["sink_properties=device.description=Other"]);
@@ -88,7 +88,7 @@ fn the_source_is_changed_by_a_key_and_remembered_by_name() {
     write_wav(&song, 48_000, 2, (0..48_000 * 120).map(|n| (f64::from(n) * 0.02).sin() as f32 * 0.3));
     let app = place.hear(Some(&song), &["--size", SMALL]);
     app.wait_for_title("the song", |title| title.starts_with("song.wav"));
-    // The computer's sound, the default input, then the inputs one by one.
+    // The key selects the computer's sound, then the default input, then each input in turn.
     app.press(&["d"]);
     app.wait_for_title("live", |title| title.contains("live"));
     app.press(&["d", "d", "d"]);
@@ -97,7 +97,7 @@ fn the_source_is_changed_by_a_key_and_remembered_by_name() {
         app.wait_until(what, |_| place.saved_settings().contains(what));
     };
     wait_for_setting("system = \"pulseaudio:other.monitor\"");
-    // Five milliseconds later twice, once sooner; of this device.
+    // Two steps of 5 ms later, one step back; for this device only.
     app.press(&["bracketright", "bracketright", "bracketleft"]);
     wait_for_setting("\"pulseaudio:other.monitor\" = 5.0");
     app.press(&["d"]);
@@ -112,10 +112,10 @@ fn the_source_is_changed_by_a_key_and_remembered_by_name() {
 }
 
 #[test]
-fn devices_that_come_and_go_are_told_and_the_picture_goes_on() {
+fn connected_and_lost_devices_are_reported_and_frames_continue() {
     apart_at_home!();
     let place = Place::new();
-    // No sound server at all, and a file of settings that holds none.
+    // There is no sound server, and the settings file is damaged.
     fs::create_dir_all(place.settings().parent().unwrap()).unwrap();
     fs::write(place.settings(), "microphone = [").unwrap();
     let app = place.hear(None, &["--system", "--size", SMALL]);
@@ -135,5 +135,5 @@ fn devices_that_come_and_go_are_told_and_the_picture_goes_on() {
     );
     assert_eq!(reported_problems.matches("no sound: ").count(), 2, "{reported_problems}");
     assert!(reported_problems.contains("pipewire-pulse"), "{reported_problems}");
-    assert_eq!(place.saved_settings(), "microphone = [", "it was touched");
+    assert_eq!(place.saved_settings(), "microphone = [", "the damaged settings file was changed");
 }

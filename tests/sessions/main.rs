@@ -1,4 +1,4 @@
-//! The program as its users meet it, without a window: sessions that draw into memory.
+//! Tests of whole sessions without a window: they draw into memory.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 

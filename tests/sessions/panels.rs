@@ -1,5 +1,5 @@
-//! What a window says by itself, and everything that the pointer is for: a walk with the pointer alone, and the start where
-//! the last session ended.
+//! The overlay and the pointer: messages shown by default, control by pointer alone and by keys alone, and continuing
+//! the last session.
 
 use crate::support::apart::apart;
 #[cfg(target_os = "linux")]
@@ -10,16 +10,16 @@ use crate::support::session::{self, App};
 use image::RgbaImage;
 use mariana::clock;
 
-/// A window in which every panel has its room.
+/// A window that is large enough for every panel.
 const SIZE: &str = "640x360";
-/// A scene that never moves and costs little: what changes in the picture is what stands over it.
+/// A motionless, simple scene: any change of the frame comes from the overlay.
 const STILL: &str = "material paint { color = 0  roughness = 1  emission = vec3(0.5, 0.1, 0.1) }\n\
                      object wall { shape = 5 - p.z  material = paint }\n\
                      light none { direction = vec3(0, -1, 0)  color = 0 }\n\
                      camera { position = vec3(0)  target = vec3(0, 0, 5) }\n\
                      sky { color = 0  ambient = 0 }\n";
 
-/// A folder with the scene and songs of silence.
+/// A folder with the scene and silent songs.
 struct Place {
     inner: session::Place,
     scene: String,
@@ -36,7 +36,7 @@ impl Place {
         Self { inner, scene }
     }
 
-    /// A session that plays the songs, with everything that it says by itself.
+    /// A session that plays the songs, with the default overlay.
     fn open(&self, options: &[&str]) -> App {
         let music = self.inner.path("music");
         let own = [music.to_str().unwrap(), "--prepare-ahead", "off", "--silent", "--size", SIZE];
@@ -46,20 +46,20 @@ impl Place {
         app
     }
 
-    /// A session with nothing but these options, so that it goes on where the last one ended.
+    /// A session with only these options, so that it continues the last one.
     fn again(&self, options: &[&str]) -> App {
         self.inner.begin(&[&["--silent", "--prepare-ahead", "off"], options].concat())
     }
 }
 
-/// Whether this pixel is not the wall's.
+/// True if this pixel differs from the wall.
 fn is_covered(picture: &RgbaImage, x: u32, y: u32) -> bool {
     let wall = picture.get_pixel(picture.width() - 1, 0);
     let pixel = picture.get_pixel(x, y);
     (0..3).any(|channel| pixel.0[channel].abs_diff(wall.0[channel]) > 24)
 }
 
-/// The least box of the pixels that are not the wall's: left, top, right and bottom.
+/// The bounding box of the pixels that differ from the wall: left, top, right and bottom.
 fn panel(picture: &RgbaImage) -> Option<[u32; 4]> {
     let found = picture.enumerate_pixels().filter(|(x, y, _)| is_covered(picture, *x, *y));
     found.fold(None, |all, (x, y, _)| {
@@ -68,7 +68,7 @@ fn panel(picture: &RgbaImage) -> Option<[u32; 4]> {
     })
 }
 
-/// Lets simulated time pass until the panels are as wanted.
+/// Advances simulated time until `wanted` accepts the bounds of the overlay.
 fn pass_until(app: &App, what: &str, wanted: impl Fn(Option<[u32; 4]>) -> bool) -> Option<[u32; 4]> {
     let is_wanted = |picture: &RgbaImage| {
         clock::advance(Duration::from_millis(40));
@@ -86,29 +86,29 @@ fn wait_for_nothing(app: &App, what: &str) {
 }
 
 #[test]
-fn first_words_and_the_bar_come_and_go() {
+fn the_welcome_message_and_the_bar_appear_and_disappear() {
     apart!();
     let place = Place::new(&["one.wav"]);
     let app = place.open(&[]);
-    let [left, top, right, _] = wait_for_panel(&app, "the first words", |panel| panel[1] > 150);
-    assert!(left < 30 && top > 200 && right < 500, "the first words are at {left}, {top} to {right}");
-    wait_for_nothing(&app, "the end of the first words");
-    // The pointer brings the bar, and takes it along when it rests.
+    let [left, top, right, _] = wait_for_panel(&app, "the welcome message", |panel| panel[1] > 150);
+    assert!(left < 30 && top > 200 && right < 500, "the welcome message is at {left}, {top} to {right}");
+    wait_for_nothing(&app, "the end of the welcome message");
+    // The bar appears when the pointer moves, and disappears when it rests.
     app.point_at(200, 100);
     app.point_at(240, 120);
     let [left, top, right, _] = wait_for_panel(&app, "the bar", |panel| panel[2] - panel[0] > 500);
     assert!(left < 30 && right > 610 && top > 200, "the bar is at {left}, {top} to {right}");
     wait_for_nothing(&app, "the end of the bar");
-    // An answer, and it goes.
+    // A notice appears and disappears.
     app.press(&["Up"]);
     let [_, top, _, bottom] = wait_for_panel(&app, "the volume", |panel| panel[3] < 150);
-    assert!(top < 40 && bottom < 100, "the answer is from {top} to {bottom}");
-    wait_for_nothing(&app, "the end of the answer");
+    assert!(top < 40 && bottom < 100, "the notice is from {top} to {bottom}");
+    wait_for_nothing(&app, "the end of the notice");
     app.quit();
 }
 
 #[test]
-fn a_clean_window_says_only_what_it_is_asked() {
+fn a_clean_window_shows_only_requested_panels() {
     apart!();
     let place = Place::new(&["one.wav"]);
     let app = place.open(&["--clean"]);
@@ -119,20 +119,20 @@ fn a_clean_window_says_only_what_it_is_asked() {
         clock::advance(Duration::from_millis(40));
         app.step();
     }
-    assert_eq!(panel(&app.picture()), None, "a clean window says something");
+    assert_eq!(panel(&app.picture()), None, "a clean window shows an overlay");
     app.press(&["h"]);
-    wait_for_panel(&app, "the keys, which were asked for", |_| true);
+    wait_for_panel(&app, "the requested list of keys", |_| true);
     app.quit();
 }
 
-/// Waits for the bar in the system's time, as the list of songs needs it.
+/// Waits for the bar in real time, which the list of songs needs.
 fn wait_for_bar(app: &App) -> [u32; 4] {
     let bar = |picture: &RgbaImage| panel(picture).filter(|panel| panel[2] - panel[0] > 500);
     bar(&app.wait_for("the bar", |picture| bar(picture).is_some())).unwrap()
 }
 
 #[test]
-fn with_the_pointer_alone_one_pauses_seeks_changes_scene_and_fills_the_screen() {
+fn the_pointer_alone_pauses_seeks_changes_scenes_and_fills_the_screen() {
     apart!();
     let place = Place::new(&["one.wav", "two.wav"]);
     let app = place.open(&[]);
@@ -140,7 +140,7 @@ fn with_the_pointer_alone_one_pauses_seeks_changes_scene_and_fills_the_screen() 
     app.point_at(200, 100);
     app.point_at(240, 120);
     let [left, top, right, bottom] = wait_for_bar(&app);
-    // Buttons are 30 wide with 2 between them, in a row at the bottom.
+    // Buttons are 30 pixels wide, 2 pixels apart, in a row at the bottom.
     let y = bottom - 11 - 15;
     let button = |place: u32| left + 14 + 15 + 32 * place;
     let from_right = |place: u32| right - 14 - 15 - 32 * place;
@@ -148,12 +148,12 @@ fn with_the_pointer_alone_one_pauses_seeks_changes_scene_and_fills_the_screen() 
     app.wait_for_title("paused", |title| title.contains("paused"));
     app.click_at(button(2), y);
     app.wait_for_title("the second track", |title| title.contains("2/2"));
-    // Near the end of the rail: the track ends, and the first one follows.
+    // Seek to the end of the rail: the track ends, and the first one follows.
     app.click_at(button(1), y);
     app.wait_for_title("playing", |title| !title.contains("paused"));
     app.click_at(right - 16, top + 11 + 19 + 3 + 13);
     app.wait_for_title("the first track again", |title| title.contains("1/2"));
-    // The list of tracks: a click on the second one plays it.
+    // A click on the second track in the list plays it.
     let click_in_list = |x: u32, y: u32| {
         app.wait_for("the list", |picture| is_covered(picture, x, y));
         app.click_at(x, y);
@@ -161,7 +161,7 @@ fn with_the_pointer_alone_one_pauses_seeks_changes_scene_and_fills_the_screen() 
     app.click_at(from_right(8), y);
     click_in_list(right - 200, 14 + 11 + 36 + 24 + 12);
     app.wait_for_title("the second track from the list", |title| title.contains("2/2"));
-    // The list of scenes: the second tile.
+    // The second tile in the list of scenes.
     app.click_at(from_right(5), y);
     click_in_list(14 + 14 + 170 + 100, 14 + 11 + 24 + 40);
     app.wait_for_title("another scene", |title| !title.contains("(2/2, still"));
@@ -170,15 +170,15 @@ fn with_the_pointer_alone_one_pauses_seeks_changes_scene_and_fills_the_screen() 
     quit_by_escape(app);
 }
 
-/// Closes the list that is open, leaves full screen and quits.
+/// Closes the open list, leaves full screen and quits.
 fn quit_by_escape(app: App) {
     app.press(&["Escape", "Escape"]);
-    app.wait_until("the window of before", |app| !app.state().fullscreen);
+    app.wait_until("the end of full screen", |app| !app.state().fullscreen);
     app.quit_by_key();
 }
 
 #[test]
-fn a_show_goes_on_where_the_last_one_ended() {
+fn a_session_continues_where_the_last_one_ended() {
     apart!();
     let place = Place::new(&["one.wav", "two.wav"]);
     let app = place.open(&["--scene", "first_steps"]);
@@ -186,18 +186,18 @@ fn a_show_goes_on_where_the_last_one_ended() {
     app.wait_for_title("the second track", |title| title.contains("2/2") && title.contains("volume 90 %"));
     app.quit();
     let app = place.again(&[]);
-    app.wait_for_title("what was left", |title| {
+    app.wait_for_title("the state of the last session", |title| {
         title.starts_with("two.wav - Mariana (2/2, first_steps") && title.contains("volume 90 %")
     });
     assert_eq!(app.picture().dimensions(), (640, 360));
     app.quit();
-    // Nothing of it, and nothing is left: the next but one goes on with the same again.
+    // A session with --new neither uses nor changes the saved state; the next one continues from it.
     let app = place.again(&["--new", "--size", "320x180"]);
     app.wait_for_title("the demo track", |title| title.contains("speakers") && !title.contains("volume"));
     app.press(&["Down"]);
     app.wait_for_title("another volume", |title| title.contains("volume 95 %"));
     app.quit();
-    // What has gone costs a sentence, never the start.
+    // Missing tracks are reported, and the session starts.
     std::fs::remove_dir_all(place.inner.path("music")).unwrap();
     let app = place.again(&[]);
     app.wait_for_title("the demo track", |title| title.contains("first_steps") && title.contains("90 %"));
@@ -207,7 +207,7 @@ fn a_show_goes_on_where_the_last_one_ended() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn with_the_keys_alone_one_finds_a_scene_and_plays_a_folder() {
+fn the_keys_alone_find_a_scene_and_play_a_folder() {
     apart_at_home!();
     let place = Place::new(&["one.wav"]);
     let album = home().join("album");
@@ -216,21 +216,21 @@ fn with_the_keys_alone_one_finds_a_scene_and_plays_a_folder() {
         std::fs::copy(place.inner.path("music/one.wav"), album.join(name)).unwrap();
     }
     std::fs::copy(place.inner.path("music/one.wav"), home().join("beside.wav")).unwrap();
-    // Where nothing is remembered the list of files begins in the user's folder.
+    // Without a remembered folder, the file list begins in the user's home folder.
     let app = place.open(&[]);
     app.press(&["b"]);
     app.wait_for("the list of scenes", |picture| is_covered(picture, 320, 180));
-    // Letters are searched for: Q is one of them.
+    // Typed letters search the list; Q does not quit here.
     app.press(&["q", "u", "a", "d", "r", "Return"]);
     app.wait_for_title("the scene that was found", |title| title.contains("quadric"));
-    // Files that are opened are heard, whatever was listened to.
+    // Opened files are played, even during live input.
     app.press(&["d"]);
     app.wait_for_title("an input", |title| title.contains("no sound") || title.contains("live"));
     app.press(&["o"]);
     app.wait_until_reported(&format!("{} is listed", home().display()));
     app.press(&["a", "l", "b", "Return", "ctrl+Return"]);
     app.wait_for_title("the folder", |title| title.starts_with("alpha.wav") && title.contains("1/2"));
-    // A list that is open takes no other keys with it when it closes.
+    // A list that closes does not consume later keys.
     app.press(&["u", "Escape", "Next"]);
     app.wait_for_title("the next track", |title| title.starts_with("beta.wav"));
     app.quit_by_key();
@@ -238,7 +238,7 @@ fn with_the_keys_alone_one_finds_a_scene_and_plays_a_folder() {
 
 #[test]
 fn a_show_that_ended_before_its_first_picture_forgot_its_scene() {
-    // The driver is slow once, so that nothing is on the stage yet when the show ends.
+    // The compiler is slow once, so that no scene is shown yet when the session ends.
     apart!("MARIANA_FAULT" = "slow-compiler@0");
     let place = Place::new(&["one.wav"]);
     let song = place.inner.path("music/one.wav");
@@ -247,6 +247,6 @@ fn a_show_that_ended_before_its_first_picture_forgot_its_scene() {
     assert!(!app.title().contains("first_steps"), "{}", app.title());
     app.quit();
     let app = place.again(&[]);
-    app.wait_for_title("the scene that was asked for", |title| title.contains("first_steps"));
+    app.wait_for_title("the requested scene", |title| title.contains("first_steps"));
     app.quit();
 }

@@ -1,4 +1,4 @@
-//! Lists of tracks: keys, and sentences over the picture.
+//! Playlists: keys, and messages about tracks.
 
 use crate::support::apart::apart;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use mariana_testing::wave::write_wav;
 
 const SMALL: &[&str] = &["--size", "320x180"];
 
-/// A tone of some seconds.
+/// Writes a tone of `seconds`.
 fn write_song(path: &Path, seconds: f64) {
     let samples = (0..(seconds * 96_000.0) as usize).map(|n| (f64::from(n as u32) * 0.02).sin() as f32 * 0.4);
     write_wav(path, 48_000, 2, samples);
@@ -28,7 +28,7 @@ fn wait_for_track(app: &App, name: &str, place: &str) {
 }
 
 #[test]
-fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
+fn a_folder_plays_in_order_and_keys_change_the_track() {
     apart!();
     let place = Place::new();
     let folder = folder_of(&place, &["1.wav", "10.wav", "2.wav"], 60.0);
@@ -37,7 +37,7 @@ fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
     wait_for_track(&app, "1.wav - Mariana", "1/4");
     app.press(&["Next"]);
     wait_for_track(&app, "2.wav - Mariana", "2/4");
-    // What cannot be played is skipped, with a sentence.
+    // Unreadable tracks are skipped and reported.
     app.press(&["Next"]);
     wait_for_track(&app, "10.wav - Mariana", "4/4");
     app.wait_until_reported("9.mp3 is not an audio file");
@@ -45,7 +45,7 @@ fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
     wait_for_track(&app, "1.wav - Mariana", "1/4");
     app.press(&["Prior", "Prior"]);
     wait_for_track(&app, "2.wav - Mariana", "2/4");
-    // Round the end only where the list repeats: all, this one, none.
+    // L switches between repeating the list, one track and nothing. Only a repeated list wraps around.
     app.press(&["l", "l", "Next"]);
     wait_for_track(&app, "10.wav - Mariana", "4/4");
     app.press(&["Next"]);
@@ -55,7 +55,7 @@ fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
 }
 
 #[test]
-fn files_that_go_away_leave_a_show_that_goes_on() {
+fn a_show_continues_when_its_files_are_deleted() {
     apart!();
     let place = Place::new();
     let folder = folder_of(&place, &["1.wav", "2.wav"], 1.0);
@@ -63,7 +63,7 @@ fn files_that_go_away_leave_a_show_that_goes_on() {
     wait_for_track(&app, "1.wav", "1/2");
     wait_for_track(&app, "2.wav", "2/2");
     std::fs::remove_dir_all(&folder).unwrap();
-    // What is open plays on; nothing else can be opened.
+    // The open track keeps playing; no other track can be opened.
     app.wait_until_reported("does not exist");
     app.press(&["Next"]);
     app.wait_until_reported("none of the 2 tracks can be played");
@@ -72,7 +72,7 @@ fn files_that_go_away_leave_a_show_that_goes_on() {
 }
 
 #[test]
-fn a_list_of_nothing_says_so_and_the_show_goes_on() {
+fn a_playlist_without_playable_tracks_is_reported() {
     apart!();
     let place = Place::new();
     let list = place.path("list.m3u8");
@@ -84,10 +84,10 @@ fn a_list_of_nothing_says_so_and_the_show_goes_on() {
     {
         app.wait_until_reported(sentence);
     }
-    // The scene moves on over silence.
+    // The scene keeps moving in silence.
     let before = app.picture();
     app.wait_for("another picture", |picture| *picture != before);
-    // A track that comes back is found by a key.
+    // A key finds a track that exists again.
     write_song(&place.path("gone.mp3"), 5.0);
     app.press(&["Next"]);
     wait_for_track(&app, "gone.mp3", "1/2");
@@ -103,7 +103,7 @@ fn a_list_that_plays_once_ends_the_program() {
     let app = place.open(&folder, &[SMALL, &["--once"]].concat());
     let begun = Instant::now();
     while app.step() {
-        assert!(begun.elapsed() < WAIT_LIMIT, "it does not end: {}", app.reported());
+        assert!(begun.elapsed() < WAIT_LIMIT, "the session does not end: {}", app.reported());
     }
     let reported = app.quit();
     assert!(reported.contains("3.flac"), "{reported}");

@@ -1,5 +1,5 @@
-//! The programs that draw: the interpreter for nearly every scene that is there before anyone edits, what is kept from run
-//! to run, and drivers that fail. Mesa's option `force_gl_renderer` makes its software renderer pass for a GPU.
+//! Shader programs: the universal interpreter, which is compiled before any edit, the program cache, and failing
+//! drivers. Mesa's option `force_gl_renderer` lets its software renderer pass for a GPU.
 
 #![cfg(target_os = "linux")]
 
@@ -13,7 +13,7 @@ use crate::support::session::{self, App};
 use crate::walls::wait_for_channel;
 use mariana_testing::process::WAIT_LIMIT;
 
-/// What the log says once the interpreter for nearly every scene is there; the other kind's line goes on.
+/// The log line of the universal interpreter; the line of the non-Lipschitz variant is longer.
 const READY: &str = "the universal interpreter is ready\n";
 const READY_NON_LIPSCHITZ: &str = "the universal interpreter is ready, for formulas";
 
@@ -35,7 +35,7 @@ impl Place {
         Self { inner, scene }
     }
 
-    /// Saves a wall that shines in one of the colours red, green and blue.
+    /// Saves a wall that shines in red, green or blue.
     fn save(&self, channel: usize, wall: &str) {
         let color = ["vec3(1, 0, 0)", "vec3(0, 1, 0)", "vec3(0, 0, 1)"][channel];
         let text = format!(
@@ -48,7 +48,7 @@ impl Place {
         fs::write(&self.scene, text).unwrap();
     }
 
-    /// A session that compiles on a thread, when its scene shows.
+    /// A session that compiles on a separate thread, once its scene is shown.
     fn open(&self, options: &[&str]) -> App {
         let own = ["--size", "64x36", "--scene", self.scene.to_str().unwrap()];
         let app = self.inner.open_with_compiler(&self.inner.song(), &[&own[..], options].concat());
@@ -56,12 +56,12 @@ impl Place {
         app
     }
 
-    /// The folder of kept programs.
+    /// The folder of the program cache.
     fn kept(&self) -> PathBuf {
         self.inner.path("cache/programs")
     }
 
-    /// Its files of a kind.
+    /// The files in the program cache with this extension.
     fn files(&self, kind: &str) -> Vec<PathBuf> {
         let Ok(entries) = fs::read_dir(self.kept()) else { return Vec::new() };
         let paths = entries.map(|entry| entry.unwrap().path());
@@ -74,7 +74,7 @@ fn count(text: &str, what: &str) -> usize {
 }
 
 #[test]
-fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_damaged() {
+fn edits_use_the_interpreter_and_the_next_start_loads_it_from_the_cache() {
     apart!("EGL_PLATFORM" = "surfaceless", "force_gl_renderer" = "GPU", "MESA_DEBUG" = "silent");
     let place = Place::new();
     let options = ["--sdf", "interpreted"];
@@ -83,7 +83,7 @@ fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_dama
     app.wait_until_reported(READY);
     app.wait_until_reported(READY_NON_LIPSCHITZ);
     let before = app.reported();
-    // Operators that the first scene had not, then a formula that is no distance.
+    // Operators that the first scene did not use, then a non-Lipschitz formula.
     for (channel, wall) in [(1, "p.z - 5 - 0.1 * sin(3 * p.x) * cos(t)"), (2, "p.z * p.z * p.z - 99")] {
         place.save(channel, wall);
         wait_for_channel(&app, channel);
@@ -91,7 +91,7 @@ fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_dama
     let reported = app.quit_content();
     let after = reported.strip_prefix(&before).unwrap();
     assert!(!after.contains("is requested"), "an edit waited for a compiler: {after}");
-    // The first scene's own, which was there sooner, too.
+    // The third program is the first scene's interpreter, which was compiled before the universal one.
     assert_eq!((place.files("program").len(), place.files("attempt").len()), (3, 0));
 
     place.save(0, "p.z - 5");
@@ -105,7 +105,7 @@ fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_dama
         "{reported}"
     );
 
-    // One that is cut off.
+    // A truncated program.
     let files = place.files("program");
     let whole = files.iter().map(|path| fs::read(path).unwrap()).collect::<Vec<_>>();
     fs::write(&files[0], &whole[0][..whole[0].len() / 2]).unwrap();
@@ -113,12 +113,12 @@ fn edits_find_the_interpreter_and_the_next_start_finds_it_kept_unless_it_is_dama
     wait_for_channel(&app, 0);
     app.wait_until_reported("is damaged and removed");
     app.wait_until_reported(READY_NON_LIPSCHITZ);
-    app.wait_until("the program, kept again", |_| place.files("program").len() == 3);
+    app.wait_until("the program in the cache again", |_| place.files("program").len() == 3);
     assert!(files[0].metadata().unwrap().len() > whole[0].len() as u64 / 2);
 }
 
 #[test]
-fn without_a_folder_or_without_being_allowed_nothing_is_kept_and_the_show_goes_on() {
+fn without_a_cache_folder_programs_are_not_stored() {
     apart!("EGL_PLATFORM" = "surfaceless");
     let place = Place::new();
     let folder = place.inner.path("cache");
@@ -131,12 +131,12 @@ fn without_a_folder_or_without_being_allowed_nothing_is_kept_and_the_show_goes_o
     let app = place.open(&["--program-cache", "off"]);
     wait_for_channel(&app, 0);
     app.quit_content();
-    // Others keep things there, too: the song's structure, once it has been found.
+    // The parent folder exists: it also caches the song's structure.
     assert!(!place.kept().exists());
 }
 
 #[test]
-fn an_interpreter_that_the_driver_refuses_is_not_tried_again_and_a_smaller_one_draws() {
+fn a_rejected_interpreter_is_not_retried_and_a_smaller_one_draws() {
     apart!(
         "EGL_PLATFORM" = "surfaceless",
         "force_gl_renderer" = "GPU",
@@ -145,7 +145,7 @@ fn an_interpreter_that_the_driver_refuses_is_not_tried_again_and_a_smaller_one_d
     );
     let place = Place::new();
     let sentence = "this driver cannot compile the universal interpreter: each scene gets its own";
-    // A fault strikes once: the first session only.
+    // The fault occurs once, in the first session.
     let app = place.open(&[]);
     app.wait_until_reported(sentence);
     app.wait_until_reported("an interpreter is ready");
@@ -167,10 +167,10 @@ fn an_interpreter_that_the_driver_refuses_is_not_tried_again_and_a_smaller_one_d
     app.quit_content();
 }
 
-/// Variables of a process that dies: its folder, and its options separated by spaces.
+/// Environment variables of a process that is going to crash: its folder, and its options separated by spaces.
 const DYING: [&str; 2] = ["MARIANA_TEST_FOLDER", "MARIANA_TEST_OPTIONS"];
 
-/// Runs a session in another process, where compiling an interpreter aborts.
+/// Runs a session in another process, in which compiling an interpreter aborts.
 fn die(place: &Place, options: &[&str]) {
     let options = options.join(" ");
     let [folder, given] = DYING;
@@ -182,17 +182,18 @@ fn die(place: &Place, options: &[&str]) {
     assert_eq!(status.signal(), Some(6), "{status}");
 }
 
-/// Never returns in that process.
+/// Runs the session of [`die`] and never returns, in the process that [`die`] starts. Returns at once in any other
+/// process.
 fn die_if_asked() {
     let [Some(folder), Some(options)] = DYING.map(std::env::var_os) else { return };
     let place = Place::of(session::Place::at(folder.as_ref()));
     let options = options.into_string().unwrap();
     place.open(&options.split_whitespace().collect::<Vec<_>>()).run_for(WAIT_LIMIT);
-    panic!("the driver has not taken the process along");
+    panic!("the process did not crash");
 }
 
 #[test]
-fn a_driver_that_takes_the_process_along_is_not_asked_for_that_again() {
+fn a_program_that_crashed_the_driver_is_not_compiled_again() {
     apart!("EGL_PLATFORM" = "surfaceless", "force_gl_renderer" = "GPU", "MESA_DEBUG" = "silent");
     die_if_asked();
     let place = Place::new();
@@ -204,7 +205,8 @@ fn a_driver_that_takes_the_process_along_is_not_asked_for_that_again() {
     app.wait_until_reported("an interpreter is ready");
     app.quit_content();
     assert_eq!((place.files("attempt").len(), place.files("given-up").len()), (0, 1));
-    // A later start tries it once more, and dies again. Then it is the scene's own that kills it: it is compiled.
+    // A later start tries it once more and crashes again. After that the scene's own interpreter crashes, and the scene
+    // is compiled instead.
     die(&place, &[]);
     place.save(1, "p.z - 5");
     for kept in place.files("program") {
@@ -220,7 +222,7 @@ fn a_driver_that_takes_the_process_along_is_not_asked_for_that_again() {
 }
 
 #[test]
-fn a_driver_that_compiles_for_long_is_told_once_and_the_show_goes_on() {
+fn a_slow_compiler_is_reported_once() {
     apart!("EGL_PLATFORM" = "surfaceless", "MARIANA_FAULT" = "slow-compiler@0");
     let place = Place::new();
     let app = place.open(&["--sdf", "compiled"]);
@@ -233,7 +235,7 @@ fn a_driver_that_compiles_for_long_is_told_once_and_the_show_goes_on() {
 }
 
 #[test]
-fn a_scene_goes_on_while_another_program_takes_long() {
+fn a_scene_keeps_moving_during_a_slow_compilation() {
     apart!("EGL_PLATFORM" = "surfaceless", "MARIANA_FAULT" = "slow-interpreter@0");
     let place = Place::new();
     let app = place.open(&["--sdf", "compiled"]);

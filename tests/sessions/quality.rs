@@ -1,4 +1,4 @@
-//! How good the picture is: as the frame rate allows, or as it was asked for.
+//! Render quality: adapted to the frame rate, or as requested.
 
 use crate::support::apart::apart;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use crate::support::walls::{foam, wait_for_refusal};
 use image::RgbaImage;
 use mariana_testing::process::output_of;
 
-/// Whether the log says that fewer pixels are drawn.
+/// True if the log reports a reduced resolution.
 fn tells_fewer(reported: &str) -> bool {
     let mut fractions = reported.lines().filter_map(|line| {
         let (before, _) = line.split_once(" of the window's width and height")?;
@@ -19,7 +19,7 @@ fn tells_fewer(reported: &str) -> bool {
     fractions.any(|fraction| fraction < 1.0)
 }
 
-/// Takes a processor long for each pixel, and moves.
+/// A moving scene that needs much processor time for each pixel.
 const HEAVY: &str = "object balls {
          shape = smooth_union(for i in 0..12:
              sphere(p - 2 * vec3(sin(2.4 * i + 0.1 * t), sin(1.7 * i), sin(3.1 * i)), 0.4), 0.2)
@@ -27,7 +27,7 @@ const HEAVY: &str = "object balls {
      light sun { direction = vec3(1, -2, 1) }
      camera { position = vec3(0, 1, -7)  target = vec3(0) }";
 
-/// Smooth, the same at all times, different at every corner.
+/// A smooth, motionless wall with a different colour at each corner.
 const SMOOTH: &str = "material paint { color = 0  roughness = 1\n\
      emission = 0.3 + 0.2 * vec3(sin(1.1 * p.x + 0.4), sin(0.9 * p.y - 0.5 * p.x), cos(0.7 * p.x + 1.3 * p.y)) }\n\
      object wall { shape = 5 - p.z  material = paint }\n\
@@ -35,7 +35,7 @@ const SMOOTH: &str = "material paint { color = 0  roughness = 1\n\
      camera { position = vec3(0)  target = vec3(0, 0, 5) }\n\
      sky { color = 0  ambient = 0 }\n";
 
-/// So many pictures of [`HEAVY`] tell that it is too much.
+/// The number of frames of [`HEAVY`] after which the session reduces the resolution.
 const PICTURES: usize = 20;
 
 struct Place {
@@ -52,7 +52,7 @@ impl Place {
         Self { inner, song, scene }
     }
 
-    /// The picture without a session.
+    /// The same image, rendered without a session.
     fn still(&self, size: (u32, u32)) -> RgbaImage {
         let output = self.inner.path("still.png");
         let mut command = command_in(PROGRAM, self.inner.folder(), None);
@@ -71,7 +71,7 @@ impl Place {
 }
 
 #[test]
-fn a_scene_that_is_too_much_is_drawn_with_fewer_pixels_and_best_is_not() {
+fn a_slow_scene_is_drawn_with_fewer_pixels_except_with_best() {
     apart!();
     let place = Place::new(HEAVY, 60);
     let app = place.open("640x480", &["--sdf", "compiled"]);
@@ -87,7 +87,7 @@ fn a_scene_that_is_too_much_is_drawn_with_fewer_pixels_and_best_is_not() {
 }
 
 #[test]
-fn an_edit_is_interpreted_with_fewer_samples_until_the_text_rests_and_compiled_with_all() {
+fn interpreted_edits_use_fewer_samples_until_the_text_rests() {
     apart!();
     let ball = |radius: f64| {
         format!(
@@ -101,7 +101,7 @@ fn an_edit_is_interpreted_with_fewer_samples_until_the_text_rests_and_compiled_w
         let place = Place::new(&ball(1.0), 60);
         let app = place.open("160x90", &["--sdf", mode]);
         let opened = app.reported();
-        assert!(!opened.contains(fewer), "opening is no edit: {opened}");
+        assert!(!opened.contains(fewer), "opening a scene reduced the samples: {opened}");
         std::fs::write(&place.scene, ball(1.5)).unwrap();
         let shown = format!("is shown, {mode}");
         app.wait_until("the edit", |app| app.reported().matches(&shown).count() == 2);
@@ -122,7 +122,7 @@ fn an_edit_is_interpreted_with_fewer_samples_until_the_text_rests_and_compiled_w
 }
 
 #[test]
-fn fewer_pixels_show_the_same_picture() {
+fn fewer_pixels_show_the_same_image() {
     apart!();
     let place = Place::new(SMOOTH, 60);
     for quality in ["low", "medium"] {
@@ -131,7 +131,7 @@ fn fewer_pixels_show_the_same_picture() {
             app.press(&["space"]);
             app.wait_for_title("paused", |title| title.contains("paused"));
             let wanted = place.still((width, height));
-            app.wait_until("the picture of the still", |app| alike(&app.picture(), &wanted));
+            app.wait_until("the same image as the still", |app| alike(&app.picture(), &wanted));
         }
     }
 }
@@ -142,7 +142,7 @@ fn alike(seen: &RgbaImage, wanted: &RgbaImage) -> bool {
 }
 
 #[test]
-fn a_scene_that_took_minutes_for_a_picture_kept_the_last_good_scene() {
+fn the_last_good_scene_stays_when_a_scene_takes_minutes() {
     apart!();
     let place = Place::new("object ball { shape = sphere(p - vec3(0, 1, 0), 0.7 + 0.1 * sin(3 * t)) }", 200);
     place.inner.save("p_foam.scene", &foam(1_500));
@@ -159,36 +159,38 @@ fn a_scene_that_took_minutes_for_a_picture_kept_the_last_good_scene() {
     let reported = app.reported();
     assert!(reported.contains("clauses") && reported.contains("use fewer or simpler parts"), "{reported}");
     app.press(&["space"]);
-    app.wait_for_title("the scene before, paused", |title| title.contains("own") && title.contains("paused"));
+    app.wait_for_title("the previous scene, paused", |title| {
+        title.contains("own") && title.contains("paused")
+    });
 }
 
 #[test]
-fn a_context_that_was_lost_ended_the_show() {
+fn a_lost_context_is_replaced() {
     apart!("MARIANA_FAULT" = "context-lost@2");
     let place = Place::new(SMOOTH, 200);
     let app = place.open("160x90", &["--sdf", "compiled"]);
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let before = app.picture();
-    // A show that stands still asks the driver for nothing.
+    // A paused show does not call the driver, so cause new frames.
     app.wait_until("the loss", |app| {
         app.press(&["i", "i"]);
         app.reported().contains("the driver has lost its context")
     });
     app.wait_for_title("the same scene, still paused", |title| title.contains("own, compiled, paused"));
-    // Its notice fades.
-    app.wait_for("the same picture", |picture| {
+    // The notice fades out first.
+    app.wait_for("the same frame", |picture| {
         difference(picture, &before, LOOSE.visible).fraction <= LOOSE.fraction_max
     });
     app.quit_by_key();
 }
 
 #[test]
-fn a_driver_without_room_for_a_picture_ended_the_show() {
+fn a_failed_render_target_does_not_end_the_session() {
     apart!("MARIANA_FAULT" = "no-target@2");
     let place = Place::new(SMOOTH, 200);
     let app = place.open("160x90", &["--sdf", "compiled"]);
-    // Targets are made when the size changes.
+    // Render targets are created when the size changes.
     app.wait_until("the refusal", |app| {
         [(170, 100), (160, 90)].into_iter().for_each(|size| app.resize(size));
         app.reported().contains("could not make a render target")

@@ -1,4 +1,4 @@
-//! What hands do, recorded and rendered again.
+//! Recording the user's actions and rendering the recorded show.
 
 #![cfg(target_os = "linux")]
 
@@ -16,24 +16,24 @@ use mariana_testing::process::output_of;
 
 const SIZE: &str = "64x36";
 const MOMENTS: usize = 20;
-/// How long the song is.
+/// Duration of the song, in seconds.
 const SECONDS: f64 = 120.0;
-/// The address of how much of the song is over, 0..1.
+/// The address of the playback position, 0..1.
 const PROGRESS: &str = "/sound/progress";
-/// How long a picture rests that is done.
+/// How long a frame must stay the same to count as settled.
 const REST: Duration = Duration::from_millis(150);
 
-/// A wall that fills the picture, wherever the camera turns a little, and whose light shows where it looks: so softly that
-/// nothing in it is an edge, of which stills take more samples.
+/// A wall that fills the frame even if the camera turns a little, and whose colour depends on the direction of view.
+/// The colour changes so softly that the frame has no edges, at which stills take more samples.
 const WALL: &str = "param red = 0.2 in 0 .. 1\nparam width = 1 in 0.5 .. 4\n\
     material paint { color = 0  roughness = 1  emission = vec3(red, 0.5 + 0.2 * sin(0.2 * width * p.x), 0.5 + 0.2 * sin(0.2 * p.y + t)) }\n\
     object wall { shape = 5 - p.z  material = paint }\nlight none { direction = vec3(0, -1, 0)  color = 0 }\n\
     camera { position = vec3(0)  target = vec3(0, 0, 5) }\ncamera aside { position = vec3(0)  target = vec3(1, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
 
-/// The picture once it is another than before and rests.
+/// Waits for a frame that differs from `before` and stays the same, and returns it.
 fn settled(app: &App, before: &RgbaImage, what: &str) -> RgbaImage {
     let (mut last, mut since) = (before.clone(), Instant::now());
-    app.wait_until(&format!("{what}: another picture that rests"), |app| {
+    app.wait_until(&format!("{what}: another frame that stays the same"), |app| {
         let picture = app.picture();
         if picture != last || picture == *before {
             (last, since) = (picture, Instant::now());
@@ -43,12 +43,12 @@ fn settled(app: &App, before: &RgbaImage, what: &str) -> RgbaImage {
     last
 }
 
-/// A song of silence, and scenes.
+/// A silent song, and scenes.
 struct Place {
     inner: session::Place,
     song: PathBuf,
     sender: Sender,
-    /// Where the session sends what it hears.
+    /// The socket to which the session sends the sound features.
     hearer: UdpSocket,
 }
 
@@ -65,7 +65,7 @@ impl Place {
         let scene = self.inner.path("wall.scene");
         let port = self.sender.port.to_string();
         let to = self.hearer.local_addr().unwrap().to_string();
-        // With all pixels, however busy the machine is.
+        // Always render at full resolution, however busy the machine is.
         let usual = ["--size", SIZE, "--quality", "best", "--scene", scene.to_str().unwrap()];
         let network = ["--osc", &port, "--osc-send", &to];
         let app = self.inner.open(&self.song, &[&usual[..], &network, options].concat());
@@ -81,27 +81,27 @@ impl Place {
         });
     }
 
-    /// Goes to a moment of the song.
+    /// Seeks to a time in the song, in seconds.
     fn go_to(&self, app: &App, time: f64) {
         let fraction = (time / SECONDS) as f32;
         self.sender.send("/position", &[fraction]);
-        app.wait_until(&format!("the place at {time} s"), |_| {
+        app.wait_until(&format!("the position at {time} s"), |_| {
             sent_number(&self.hearer, PROGRESS).is_some_and(|at| (at - fraction).abs() < 1e-4)
         });
     }
 
-    /// Holds the picture that shows.
+    /// Freezes the frame.
     fn freeze(&self, app: &App) {
         self.sender.send("/freeze", &[1.0]);
-        app.wait_until("a picture that is held", |app| app.state().frozen);
+        app.wait_until("the frozen frame", |app| app.state().frozen);
     }
 
-    /// Lets the picture go that is held.
+    /// Ends the freeze.
     fn let_go(&self) {
         self.sender.send("/freeze", &[0.0]);
     }
 
-    /// Lets the song run, until what `act` does has begun the fade of that number, and rest again.
+    /// Resumes the song until `act` has started the fade with this number, then pauses again.
     fn fade_while_it_runs(&self, app: &App, number: usize, act: impl FnOnce(&App)) {
         self.sender.send("/pause", &[0.0]);
         app.wait_for_title("runs", |title| !title.contains("paused"));
@@ -110,14 +110,14 @@ impl Place {
         self.rest(app);
     }
 
-    /// Lets the song rest.
+    /// Pauses the song.
     fn rest(&self, app: &App) {
         self.sender.send("/pause", &[1.0]);
         app.wait_for_title("paused", |title| title.contains("paused"));
     }
 
-    /// Ends the recording and the program, and holds each picture to that of its moment in the recorded show. Returns the
-    /// show's text.
+    /// Ends the recording and the session. Compares each frame with the same time of the recorded show. Returns the
+    /// text of the show.
     fn compare(&self, app: App, pictures: &[(f64, RgbaImage)]) -> String {
         app.press(&["F9"]);
         app.wait_until_reported("recorded: ");
@@ -134,14 +134,14 @@ impl Place {
             let found = image::open(&output).unwrap().to_rgba8();
             let apart = |(a, b): (&u8, &u8)| a.abs_diff(*b);
             let most = found.as_raw().iter().zip(picture.as_raw()).map(apart).max();
-            assert!(found == *picture, "another picture at {time} s, by up to {most:?} of 255:\n{show}");
+            assert!(found == *picture, "a different frame at {time} s, by up to {most:?} of 255:\n{show}");
         }
         show
     }
 }
 
 #[test]
-fn what_was_played_by_hand_is_rendered_again_bit_for_bit() {
+fn recorded_actions_are_rendered_again_bit_for_bit() {
     apart!();
     let place = Place::new();
     let sender = &place.sender;
@@ -175,14 +175,14 @@ fn what_was_played_by_hand_is_rendered_again_bit_for_bit() {
 }
 
 #[test]
-fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
+fn fades_blackouts_and_frozen_frames_are_rendered_again_bit_for_bit() {
     apart!();
     let place = Place::new();
     let app = place.open(&["--fade", "20", "--blackout-fade", "3"]);
-    // Several pictures tell that both scenes can be drawn.
+    // After several frames both scenes can be drawn.
     place.hear_a_second(&app);
     app.press(&["F9"]);
-    // A fade of the user's own begins while the song plays; both scenes go on in it.
+    // The user's fade begins while the song plays; both scenes move during the fade.
     app.press(&["n"]);
     app.wait_until_reported("a fade begins");
     app.press(&["space"]);
@@ -197,30 +197,30 @@ fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
         last = settled(&app, &there, &format!("a knob at {time} s"));
         pictures.push((time, last.clone()));
     }
-    // Less light, while nothing else moves.
+    // The brightness changes while the song is paused.
     place.go_to(&app, 26.25);
-    let there = settled(&app, &last, "behind the fade");
+    let there = settled(&app, &last, "the frame after the fade");
     place.sender.send("/brightness", &[0.4]);
     let dim = settled(&app, &there, "less light");
     pictures.push((26.25, dim.clone()));
     place.go_to(&app, 27.5);
-    let dim = settled(&app, &dim, "less light at another moment");
+    let dim = settled(&app, &dim, "less light at another time");
     place.sender.send("/brightness", &[1.0]);
     let there = settled(&app, &dim, "all light");
-    // A picture is held while the song and a knob go on.
+    // The frame is frozen while the position and a parameter change.
     place.go_to(&app, 30.0);
-    let held = settled(&app, &there, "what will be held");
+    let held = settled(&app, &there, "the frame to freeze");
     place.freeze(&app);
     place.sender.send("/param/width", &[3.0]);
     place.go_to(&app, 33.75);
     assert!(app.picture() == held);
     pictures.push((31.875, held.clone()));
     place.sender.send("/freeze", &[0.0]);
-    let last = settled(&app, &held, "what is let go");
+    let last = settled(&app, &held, "the frame after the freeze");
     pictures.push((33.75, last.clone()));
-    // Another one fades while the song plays.
+    // Another frozen frame fades out while the song plays.
     place.go_to(&app, 45.0);
-    let last = settled(&app, &last, "what will be held");
+    let last = settled(&app, &last, "the frame to freeze");
     place.freeze(&app);
     place.sender.send("/pause", &[0.0]);
     place.sender.send("/freeze", &[0.0]);
@@ -228,13 +228,13 @@ fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     place.go_to(&app, 47.8125);
-    let fades = settled(&app, &last, "a picture that was held, and what comes after it");
+    let fades = settled(&app, &last, "the fade from the frozen frame");
     pictures.push((47.8125, fades.clone()));
     place.go_to(&app, 52.5);
     let behind = settled(&app, &fades, "behind it");
     pictures.push((52.5, behind.clone()));
     place.go_to(&app, 56.25);
-    settled(&app, &behind, "before the blackout");
+    settled(&app, &behind, "the frame before the blackout");
     app.press(&["x"]);
     app.wait_until("black", |_| app.picture().pixels().all(|pixel| pixel.0[..3] == [0; 3]));
     pictures.push((56.25, app.picture()));
@@ -245,7 +245,7 @@ fn fades_blackouts_and_held_pictures_are_rendered_again_bit_for_bit() {
 }
 
 #[test]
-fn a_fade_that_another_change_cut_short_is_rendered_again_bit_for_bit() {
+fn an_interrupted_fade_is_rendered_again_bit_for_bit() {
     apart!();
     let place = Place::new();
     let app = place.open(&["--fade", "30", "--blackout-fade", "5"]);
@@ -257,18 +257,18 @@ fn a_fade_that_another_change_cut_short_is_rendered_again_bit_for_bit() {
     place.go_to(&app, 7.5);
     let first = app.picture();
     place.sender.send("/param/red", &[0.6]);
-    let mut last = settled(&app, &first, "the fade that will be cut short");
+    let mut last = settled(&app, &first, "the fade that will be interrupted");
     let mut pictures = vec![(7.5, last.clone())];
     place.go_to(&app, 11.25);
-    last = settled(&app, &last, "later in it");
-    // Back to where it came from, long before it was there.
+    last = settled(&app, &last, "a later time of the fade");
+    // Back to the first scene, long before the fade is complete.
     place.fade_while_it_runs(&app, 2, |app| app.press(&["p"]));
     for time in [15.0, 22.5] {
         place.go_to(&app, time);
         last = settled(&app, &last, &format!("{time} s"));
         pictures.push((time, last.clone()));
     }
-    // A picture that is held cuts a fade short, too: behind it the scene that came is alone.
+    // A freeze also interrupts a fade: only the new scene remains behind it.
     place.freeze(&app);
     place.sender.send("/param/width", &[3.0]);
     place.go_to(&app, 26.25);
@@ -284,7 +284,7 @@ fn a_fade_that_another_change_cut_short_is_rendered_again_bit_for_bit() {
 }
 
 #[test]
-fn a_picture_held_while_another_gives_way_is_rendered_again_bit_for_bit() {
+fn a_freeze_during_a_fade_is_rendered_again_bit_for_bit() {
     apart!();
     let place = Place::new();
     let app = place.open(&["--fade", "0", "--blackout-fade", "15"]);
@@ -294,13 +294,13 @@ fn a_picture_held_while_another_gives_way_is_rendered_again_bit_for_bit() {
     let mut pictures = Vec::new();
     for (number, time) in [15.0, 26.25, 37.5].into_iter().enumerate() {
         place.go_to(&app, time);
-        last = settled(&app, &last, "what will be held");
+        last = settled(&app, &last, "the frame to freeze");
         pictures.push((time, last.clone()));
         place.freeze(&app);
         place.sender.send("/param/width", &[1.0 + number as f32]);
         place.sender.send("/param/red", &[0.3 * number as f32]);
         place.go_to(&app, time + 3.75);
-        assert!(app.picture() == last, "the picture is held");
+        assert!(app.picture() == last, "the frame is not frozen");
         pictures.push((time + 1.875, last.clone()));
         place.fade_while_it_runs(&app, number + 1, |_| place.let_go());
     }
@@ -313,7 +313,7 @@ fn a_picture_held_while_another_gives_way_is_rendered_again_bit_for_bit() {
 }
 
 #[test]
-fn scenes_that_change_and_come_back_behind_a_held_picture_are_rendered_again_bit_for_bit() {
+fn scene_changes_behind_a_frozen_frame_are_rendered_again_bit_for_bit() {
     apart!();
     let place = Place::new();
     let app = place.open(&["--fade", "10", "--blackout-fade", "5"]);
@@ -325,7 +325,7 @@ fn scenes_that_change_and_come_back_behind_a_held_picture_are_rendered_again_bit
         [(15.0, &["n"][..]), (30.0, &["p"]), (45.0, &["n", "p"])].into_iter().enumerate()
     {
         place.go_to(&app, time);
-        last = settled(&app, &last, "what will be held");
+        last = settled(&app, &last, "the frame to freeze");
         pictures.push((time, last.clone()));
         place.freeze(&app);
         for (key, scene) in keys.iter().zip(["wool", "wall"].iter().cycle().skip(number % 2)) {
@@ -334,7 +334,7 @@ fn scenes_that_change_and_come_back_behind_a_held_picture_are_rendered_again_bit
         }
         place.sender.send("/param/width", &[1.5 + number as f32]);
         place.go_to(&app, time + 3.75);
-        assert!(app.picture() == last, "the picture is held");
+        assert!(app.picture() == last, "the frame is not frozen");
         pictures.push((time + 1.875, last.clone()));
         place.fade_while_it_runs(&app, number + 1, |_| place.let_go());
         for behind in [6.5625, 11.25] {
@@ -343,19 +343,19 @@ fn scenes_that_change_and_come_back_behind_a_held_picture_are_rendered_again_bit
             pictures.push((time + behind, last.clone()));
         }
     }
-    // Back in the song while a picture is held: it shows until it is let go.
+    // A seek back during a freeze: the frozen frame shows until the freeze ends.
     place.freeze(&app);
     place.go_to(&app, 52.5);
     place.fade_while_it_runs(&app, 4, |_| place.let_go());
     place.go_to(&app, 60.0);
-    last = settled(&app, &last, "behind what was held");
+    last = settled(&app, &last, "the frame after the freeze");
     pictures.retain(|(time, _)| *time < 52.5);
     pictures.push((60.0, last));
     place.compare(app, &pictures);
 }
 
 #[test]
-fn what_a_show_does_to_a_scene_that_somebody_came_back_to_is_rendered_again_bit_for_bit() {
+fn a_scene_of_a_show_shown_again_by_hand_is_rendered_again_bit_for_bit() {
     apart!();
     let place = Place::new();
     let show = place.inner.path("led.show");
@@ -384,7 +384,7 @@ fn what_a_show_does_to_a_scene_that_somebody_came_back_to_is_rendered_again_bit_
     for time in [37.5, 45.0] {
         see(&app, time);
     }
-    // The show goes on, and does nothing to this scene; then it has it on again.
+    // The show continues without affecting this scene, until it shows the scene again itself.
     place.go_to(&app, 52.5);
     app.press(&["p"]);
     for time in [60.0, 82.5, 90.0] {

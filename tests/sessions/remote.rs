@@ -1,4 +1,4 @@
-//! A phone that steers the show: the page in a browser without a window, touched by fingers.
+//! A phone as remote control: the page in a headless browser, controlled by simulated touches.
 
 #![cfg(target_os = "linux")]
 
@@ -16,12 +16,12 @@ use crate::support::session::{App, Place};
 use mariana::thumbnails::{MOMENT, SIZE};
 use mariana_testing::process::{output_of, wait_until};
 
-/// A session with a wall, a song and a page for phones; and the page's address.
+/// A session with a wall, a song and the page for phones. Returns the address of the page as well.
 fn open(place: &Place, options: &[&str]) -> (App, String) {
     open_at(place, "127.0.0.1:0", options)
 }
 
-/// The same with the page at an address.
+/// Like [`open`], with the page at the given address.
 fn open_at(place: &Place, address: &str, options: &[&str]) -> (App, String) {
     let song = place.quiet_song("quiet.wav", 100);
     let scene = write_wall(place);
@@ -38,7 +38,7 @@ fn url_in(reported: &str) -> String {
     reported[from..].split(' ').next().unwrap().to_owned()
 }
 
-/// A phone that is connected.
+/// Opens the page on a phone and waits for its connection.
 fn phone(app: &App, url: &str) -> Page {
     app.meanwhile(|| {
         let mut page = Page::open(url);
@@ -56,7 +56,7 @@ fn rail_of(name: &str) -> String {
 }
 
 #[test]
-fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
+fn a_phone_changes_parameters_and_other_phones_show_it() {
     apart!();
     let place = Place::new();
     let (app, url) = open(&place, &["--size", "160x90"]);
@@ -65,7 +65,7 @@ fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
     app.meanwhile(|| {
         page.wait_for_text("#scene", "wall");
         page.wait_for_text(&value_of("green"), "1.00");
-        // To the right end, beyond which there is nothing.
+        // Drag beyond the right end.
         page.drag(&rail_of("red"), 0.1, 1.1);
     });
     wait_for_colour(&app, "yellow", [true, true, false]);
@@ -77,7 +77,7 @@ fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
     wait_for_colour(&app, "red", [true, false, false]);
     app.meanwhile(|| {
         page.wait_for_text(&value_of("green"), "0.00");
-        // A finger that goes up moves the page; a tap turns the slider.
+        // A vertical drag scrolls the page; a tap sets the slider.
         page.push(&rail_of("red"), -120.0);
         page.tap(&rail_of("green"));
         other.wait_for_text(&value_of("green"), "0.50");
@@ -104,7 +104,7 @@ fn fingers_on_a_phone_turn_the_picture_and_other_phones_see_it() {
 }
 
 #[test]
-fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_steered() {
+fn the_phone_follows_the_window_and_controls_scenes_and_song() {
     apart!();
     let place = Place::new();
     let (app, url) = open(&place, &["--size", "160x90"]);
@@ -124,7 +124,7 @@ fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_ste
     app.press(&["x", "n"]);
     app.meanwhile(|| {
         page.wait_for_text("#scene", "wool");
-        // By its name in the grid, and by the buttons beside it.
+        // Select a scene by its name in the grid, then by the buttons beside it.
         page.wait_until(
             "this scene in the grid",
             "document.querySelector('#scenes [aria-current=true]')?.textContent === 'wool'",
@@ -141,26 +141,26 @@ fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_ste
         page.wait_for_text("#scene", "wool");
         page.tap("[data-do=previous]");
         page.wait_for_text("#scene", "wall");
-        // The song: where it is, how loud, whether it plays.
+        // The position, the volume and the pause of the song.
         page.drag("[data-level=position] .rail", 0.3, 0.5);
         page.wait_for_text("[data-level=position] .value", "0:50 / 1:40");
         page.drag("[data-level=volume] .rail", 0.9, 0.25);
         page.wait_for_text("[data-level=volume] .value", "25 %");
     });
-    // The finger lets go a moment after the page shows where it is.
+    // The touch ends shortly after the page shows the volume.
     app.wait_until("the volume", |app| app.state().volume == Some(0.25));
     assert!(app.state().paused);
     app.meanwhile(|| {
         page.tap("[data-do=pause]");
         page.wait_until("it plays", "document.querySelector('[data-do=pause]').ariaPressed === 'false'");
-        page.wait_until("time goes by", "show.levels.position > 0.505");
+        page.wait_until("the song to play", "show.levels.position > 0.505");
     });
     assert!(!app.state().paused);
     app.quit_by_key();
 }
 
 #[test]
-fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_once_and_no_more() {
+fn the_qr_code_is_the_address_and_an_outdated_page_asks_only_once() {
     apart!();
     let place = Place::new();
     let (app, url) = open(&place, &["--size", "640x360"]);
@@ -171,7 +171,7 @@ fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_onc
         app.picture().save(&path).unwrap();
         let mut command = Command::new("zbarimg");
         command.args(["--quiet", "--raw"]).arg(&path);
-        // It fails where there is no code yet.
+        // zbarimg fails while the window shows no code.
         read = output_of(&mut command, "zbar-tools")
             .map(|text| String::from_utf8_lossy(&text).trim().to_owned())
             .unwrap_or_default();
@@ -179,7 +179,7 @@ fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_onc
     });
     assert_eq!(read, url);
     let mut page = phone(&app, &url);
-    // The page stays open while the program is started again, with the same port and another token.
+    // The page stays open while the program restarts with the same port and another token.
     app.quit_by_key();
     page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
     let port = url.split(['/', ':']).nth(4).unwrap();
@@ -187,12 +187,12 @@ fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_onc
     assert_ne!(newer, url);
     app.meanwhile(|| {
         page.wait_until(
-            "what is wrong with it",
+            "the page to report its outdated address",
             "document.getElementById('status').textContent.startsWith('This address is no longer valid')",
         );
-        // The old page has asked once and asks no more, so the newer address is soon answered.
+        // The outdated page asks once and then stops, so that the new address is soon answered.
         let mut later = Page::open(&newer);
-        wait_until("the newer page", || {
+        wait_until("the new page", || {
             later.wait_until("an answer", "document.readyState === 'complete' && document.body !== null");
             let is_answered = later.value("document.querySelector('h1') !== null") == true;
             if !is_answered {
@@ -206,7 +206,7 @@ fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_onc
 }
 
 #[test]
-fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
+fn a_port_in_use_is_reported_and_opened_later() {
     apart!();
     let place = Place::new();
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
@@ -221,8 +221,8 @@ fn a_port_that_is_taken_costs_a_sentence_and_the_show_goes_on() {
     app.quit_by_key();
 }
 
-/// Draws the small pictures of the walls, and returns a program that has them ready for who asks as the session does. The
-/// session would have them drawn at the lowest priority: on a busy machine nobody knows when.
+/// Renders the thumbnails of the walls, and returns a program that delivers them to the session. The session would
+/// render them at the lowest priority, which takes very long on a busy machine.
 fn prepare_pictures(place: &Place) -> PathBuf {
     let (width, height) = SIZE;
     let arguments = format!("still --at {MOMENT} --size {width}x{height} -o");
@@ -246,11 +246,11 @@ fn prepare_pictures(place: &Place) -> PathBuf {
 }
 
 #[test]
-fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
+fn a_phone_shows_thumbnails_and_works_without_them() {
     apart!();
     let mut place = Place::new();
     place.draw_by(prepare_pictures(&place));
-    // A scene with a mistake has none.
+    // A scene with a mistake has no thumbnail.
     place.save("wrong.scene", "object");
     let (app, url) = open(&place, &["--size", "160x90"]);
     wait_for_colour(&app, "green", [false, true, false]);
@@ -258,7 +258,7 @@ fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
     let mut page = phone(&app, &url);
     app.meanwhile(|| {
         page.wait_until("the scenes", "document.querySelectorAll('#scenes button').length > 3");
-        // What stands in the middle of a picture: red, green and blue.
+        // The bright channels in the middle of a thumbnail: red, green and blue.
         page.value(
             "window.colour = (name) => { \
                const button = [...document.querySelectorAll('#scenes button')].find(b => b.textContent === name); \
@@ -269,17 +269,17 @@ fn a_phone_sees_small_pictures_of_the_scenes_and_does_without_them() {
                return [...canvas.getImageData(160, 90, 1, 1).data].slice(0, 3).map(part => part > 100).join(); \
              }; 1",
         );
-        page.wait_until("the wall's picture", "colour('wall') === 'false,true,false'");
-        page.wait_until("the wool's picture", "colour('wool') === 'false,false,true'");
+        page.wait_until("the thumbnail of the wall", "colour('wall') === 'false,true,false'");
+        page.wait_until("the thumbnail of the wool", "colour('wool') === 'false,false,true'");
         assert_eq!(page.value("colour('wrong')"), "");
-        // The scene without one is asked for like the others: nothing of the page waits for pictures.
+        // Scenes can be selected without waiting for thumbnails.
         page.value(
             "[...document.querySelectorAll('#scenes button')].find(b => b.textContent === 'wall').id = 'wanted'",
         );
         page.tap("#wanted");
         page.wait_for_text("#scene", "wall");
     });
-    // Who comes later has them at once.
+    // A second phone gets the thumbnails at once.
     let mut other = phone(&app, &url);
     app.meanwhile(|| {
         other.wait_until(

@@ -1,5 +1,4 @@
-//! Scenes as a user meets them: saved while they are shown, broken and mended, gone through by keys, interpreted and
-//! compiled, turned by sliders.
+//! Scenes in a session: saving, breaking and mending them, switching by keys, interpreting, compiling, and sliders.
 
 use crate::support::apart::apart;
 use std::fs;
@@ -13,11 +12,11 @@ use image::RgbaImage;
 use mariana::clock;
 use mariana::scenes::shipped_names;
 
-/// The window of most tests: small, because it is drawn without a graphics card.
+/// The window size of most tests: small, because there is no graphics card.
 const SMALL: &str = "160x90";
 const TINY: &str = "32x18";
 
-/// A wall that fills the picture and shines by itself.
+/// A wall that emits light and fills the frame.
 fn wall(emission: &str) -> String {
     format!(
         "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
@@ -25,7 +24,7 @@ fn wall(emission: &str) -> String {
     )
 }
 
-/// A camera that looks along z, and nothing that shines.
+/// A camera that looks along z, and no light.
 const AHEAD: &str = "light none { direction = vec3(0, -1, 0)  color = 0 }\n\
                      camera { position = vec3(0)  target = vec3(0, 0, 5) }\n\
                      sky { color = 0  ambient = 0 }\n";
@@ -48,7 +47,7 @@ impl Place {
         self.0.save(&format!("scenes/{name}"), text);
     }
 
-    /// A session with a file of the folder, when its scene shows.
+    /// Opens a scene file of the folder and waits until it is shown.
     fn open(&self, name: &str, options: &[&str]) -> App {
         self.open_scene(self.path(name).to_str().unwrap(), SMALL, options)
     }
@@ -59,7 +58,7 @@ impl Place {
         app
     }
 
-    /// The same of a small session that compiles its programs on a thread.
+    /// Like [`Self::open`], with a tiny frame and a thread that compiles shaders.
     fn open_with_compiler(&self, name: &str, options: &[&str]) -> App {
         let scene = self.path(name);
         let own = ["--size", TINY, "--scene", scene.to_str().unwrap()];
@@ -68,7 +67,7 @@ impl Place {
         app
     }
 
-    /// The picture of a scene of the folder at the song's start, without a session.
+    /// Renders a scene of the folder at the song's start, without a session.
     fn still(&self, name: &str, size: (u32, u32)) -> RgbaImage {
         let output = self.0.path("still.png");
         let mut command = command_in(PROGRAM, self.0.folder(), None);
@@ -80,7 +79,7 @@ impl Place {
     }
 }
 
-/// The colour that most of the upper half has, where no panel for mistakes is: which channels are there.
+/// The bright channels in most of the upper half of the frame, which error panels do not cover.
 fn color(app: &App) -> [bool; 3] {
     let picture = app.picture();
     let upper = picture.enumerate_pixels().filter(|(_, y, _)| 2 * y < picture.height());
@@ -106,10 +105,11 @@ fn wait_for_mode(app: &App, mode: &str) {
 }
 
 #[test]
-fn a_saved_scene_shows_and_the_song_goes_on() {
+fn a_saved_scene_is_shown_without_restarting_the_song() {
     apart!();
     let place = Place::new();
-    // Blue comes in the third second of the song: not again if a new scene does not begin it anew.
+    // The blue channel appears from the third second of the song on. It would disappear if a new scene restarted the
+    // song.
     let with_time = |red: u8, green: u8| wall(&format!("vec3({red}, {green}, if t < 2 then 0 else 1)"));
     place.save("own.scene", &with_time(1, 0));
     let app = place.open("own.scene", &[]);
@@ -120,14 +120,14 @@ fn a_saved_scene_shows_and_the_song_goes_on() {
         first = Some(color(app)).filter(|color| color[1]);
         first.is_some()
     });
-    assert_eq!(first, Some([false, true, true]), "the song began anew");
+    assert_eq!(first, Some([false, true, true]), "the song restarted");
 
-    // Beside, then moved over it.
+    // Written to another file that is then renamed.
     place.save("own.scene~", &wall(RED));
     fs::rename(place.path("own.scene~"), place.path("own.scene")).unwrap();
-    wait_for_color(&app, "the scene that was moved in place of the other", SEEN_RED);
+    wait_for_color(&app, "the renamed scene", SEEN_RED);
 
-    // What it includes, in both ways.
+    // Included files, saved in both ways.
     place.save("paint.scene", &format!("fn shine() = {GREEN}"));
     place.save("own.scene", &format!("include \"paint.scene\"\n{}", wall("shine()")));
     wait_for_color(&app, "the colour of the included file", SEEN_GREEN);
@@ -135,9 +135,9 @@ fn a_saved_scene_shows_and_the_song_goes_on() {
     wait_for_color(&app, "another colour of the included file", SEEN_BLUE);
     place.save("paint.scene~", &format!("fn shine() = {RED}"));
     fs::rename(place.path("paint.scene~"), place.path("paint.scene")).unwrap();
-    wait_for_color(&app, "the included file that was moved in place of the other", SEEN_RED);
+    wait_for_color(&app, "the renamed included file", SEEN_RED);
 
-    // A picture that it shows.
+    // A texture.
     let picture = |color: [u8; 3]| {
         let side = RgbaImage::from_pixel(4, 4, image::Rgba([color[0], color[1], color[2], 255]));
         side.save(place.path("side.png")).unwrap();
@@ -147,26 +147,26 @@ fn a_saved_scene_shows_and_the_song_goes_on() {
     wait_for_color(&app, "the texture", SEEN_GREEN);
     picture([0, 0, 255]);
     wait_for_color(&app, "the saved texture", SEEN_BLUE);
-    app.wait_for_title("the scene, played", |title| {
+    app.wait_for_title("the scene, playing", |title| {
         title.starts_with("quiet.wav - Mariana (own, ") && !title.contains("paused")
     });
     app.quit_content();
 }
 
-/// The lowest row of a picture of one colour that is still in it; above a panel at the bottom.
+/// The number of rows at the top that equal those of `clear`; a panel covers the rows below.
 fn clear_rows(picture: &RgbaImage, clear: &RgbaImage) -> u32 {
     let rows = 0..picture.height();
     rows.take_while(|&y| (0..picture.width()).all(|x| picture.get_pixel(x, y) == clear.get_pixel(x, y)))
         .count() as u32
 }
 
-/// What one colour may differ from pixel to pixel.
+/// Dithering may change an even colour by this much from pixel to pixel.
 const DITHER: u8 = 2;
 
-/// Waits until nothing is over a picture of one colour.
+/// Waits until the frame has one colour, without an overlay.
 fn wait_for_one_color(app: &App) -> RgbaImage {
     let mut picture = app.picture();
-    app.wait_until("nothing over the picture", |app| {
+    app.wait_until("the frame without overlay", |app| {
         picture = app.picture();
         let first = *picture.get_pixel(0, 0);
         picture.pixels().all(|pixel| pixel_difference(pixel, &first) <= DITHER)
@@ -175,7 +175,7 @@ fn wait_for_one_color(app: &App) -> RgbaImage {
 }
 
 #[test]
-fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
+fn a_broken_save_keeps_the_frame_and_shows_the_error() {
     apart!();
     let place = Place::new();
     place.save("own.scene", &wall(RED));
@@ -187,9 +187,9 @@ fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
     let clear = app.wait_until_still();
     let panel_shows = |app: &App| clear_rows(&app.picture(), &clear) < 88;
     let kept = |app: &App| {
-        // The panel may need all the room but a margin.
+        // The panel may cover everything but a margin.
         for (x, y) in [(0, 0), (159, 0), (0, 89), (159, 89)] {
-            // While something moves, fewer pixels may be drawn: their grain is another.
+            // While a panel moves, fewer pixels may be drawn, which changes the dither.
             let steps = pixel_difference(app.picture().get_pixel(x, y), clear.get_pixel(x, y));
             assert!(steps <= 2, "{steps} steps at {x}, {y}");
         }
@@ -197,34 +197,34 @@ fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
 
     place.save("own.scene", &wall("vec3(1, 0 0)"));
     app.wait_until_reported("own.scene has mistakes");
-    app.wait_until("what is wrong", |app| panel_shows(app));
+    app.wait_until("the error panel", |app| panel_shows(app));
     kept(&app);
     place.save("own.scene", &wall(GREEN));
     wait_for_color(&app, "the mended scene", SEEN_GREEN);
     wait_for_one_color(&app);
 
-    // A mistake in an included file, and a picture that is not there.
+    // A mistake in an included file, and a missing texture.
     let back = |app: &App| {
         place.save("own.scene", &wall(RED));
-        app.wait_until("the mended scene alone", |app| app.picture() == clear);
+        app.wait_until("the mended scene without a panel", |app| app.picture() == clear);
     };
     back(&app);
     place.save("part.scene", "fn shine() = vec3(1, 0");
     place.save("own.scene", &format!("include \"part.scene\"\n{}", wall("shine()")));
-    app.wait_until("what is wrong with the include", |app| panel_shows(app));
+    app.wait_until("the error in the include", |app| panel_shows(app));
     kept(&app);
     app.wait_until_reported("part.scene:1");
     place.save("part.scene", "fn shine() = vec3(1, 0, 0)");
     app.wait_until("the mended include", |app| app.picture() == clear);
     place.save("own.scene", &wall("texture(\"none.png\", p.xy).rgb"));
-    app.wait_until("what is wrong with the picture", |app| panel_shows(app));
+    app.wait_until("the error in the texture", |app| panel_shows(app));
     kept(&app);
     app.wait_until_reported("none.png");
     back(&app);
 
-    // The file itself is gone, then there again.
+    // The scene file itself is deleted and written again.
     fs::remove_file(place.path("own.scene")).unwrap();
-    app.wait_until("that the file is gone", |app| panel_shows(app));
+    app.wait_until("the error about the missing file", |app| panel_shows(app));
     kept(&app);
     app.wait_until_reported("cannot be read");
     back(&app);
@@ -232,7 +232,7 @@ fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
     app.quit_content();
 }
 
-/// Balls that move.
+/// Moving balls.
 const VARIED_BY_TIME: &str = "
 object floor { shape = p.y + 1 }
 object balls { shape = smooth_union(for i in 0..3: sphere(p - vec3(i - 1, 0.5 * sin(t + i), 4), 0.6), 0.3) }
@@ -240,7 +240,7 @@ light lamp { position = vec3(-3, 5, 0) color = 60 }
 camera { position = vec3(0, 0.5, 0) target = vec3(0, 0, 4) }
 ";
 
-/// Balls, lights and a picture, enough for two ways of computing it to differ.
+/// Balls, lights and a texture, enough for two ways of computing the frame to differ.
 const VARIED: &str = "
 material wood { color = triplanar(\"wood.png\", p * 0.5, n) roughness = 0.4 }
 material ball { color = vec3(0.2, 0.5, 0.8) roughness = 0.3 }
@@ -251,7 +251,7 @@ camera { position = vec3(0, 0.5, 0) target = vec3(0, 0, 4) }
 ";
 
 #[test]
-fn the_mode_is_as_told_and_c_changes_it_but_not_the_picture() {
+fn c_changes_the_mode_but_not_the_frame() {
     apart!();
     let place = Place::new();
     place.save("own.scene", VARIED);
@@ -268,13 +268,13 @@ fn the_mode_is_as_told_and_c_changes_it_but_not_the_picture() {
         assert_alike(&format!("window-{other}"), &after, &before, TIGHT);
         app.press(&["c"]);
         wait_for_mode(&app, first);
-        app.wait_until("the picture of before", |app| app.picture() == before);
+        app.wait_until("the previous frame", |app| app.picture() == before);
         app.quit_content();
     }
 }
 
 #[test]
-fn r_changes_whether_regions_are_used_but_not_the_picture() {
+fn r_switches_regions_without_changing_the_frame() {
     apart!();
     let place = Place::new();
     place.save("own.scene", VARIED);
@@ -287,24 +287,24 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
         app.press(&["r"]);
         app.wait_until_reported(if first == "on" { "message: no regions" } else { "message: regions" });
         if first == "off" {
-            // The compiled program was made without code for cells.
+            // The first compiled program contains no cell lookups.
             app.wait_until_reported("own is requested, compiled, with cells");
         }
         let after = app.wait_until_still();
         assert_alike(&format!("window-{mode}-regions-not-{first}"), &after, &before, TIGHT);
         let back = if first == "on" { "message: regions" } else { "message: no regions" };
         app.wait_until(back, |app| {
-            // If trees came too late to be used, the key means regions once more.
+            // If the tree was ready too late to be used, the key switches regions on once more.
             app.press(&["r"]);
             app.reported().contains(back)
         });
-        app.wait_until("the picture of before", |app| app.picture() == before);
+        app.wait_until("the previous frame", |app| app.picture() == before);
         app.quit_content();
     }
 }
 
 #[test]
-fn what_is_shown_in_the_end_is_what_is_asked_for_however_fast_that_changes() {
+fn fast_changes_end_with_the_last_request() {
     apart!();
     let place = Place::new();
     place.save("own.scene", VARIED_BY_TIME);
@@ -316,7 +316,7 @@ fn what_is_shown_in_the_end_is_what_is_asked_for_however_fast_that_changes() {
     app.resize((200, 100));
     // The song's start.
     let wanted = place.still("own.scene", (200, 100));
-    app.wait_until("the picture of the start", |app| {
+    app.wait_until("the frame of the song's start", |app| {
         let seen = app.picture();
         seen.dimensions() == (200, 100)
             && difference(&seen, &wanted, TIGHT.visible).fraction <= TIGHT.fraction_max
@@ -324,11 +324,11 @@ fn what_is_shown_in_the_end_is_what_is_asked_for_however_fast_that_changes() {
     app.quit_content();
 }
 
-/// How much time passes between two looks where a test lets it pass.
+/// The simulated time between two checks.
 const STEP: Duration = Duration::from_millis(100);
 
 #[test]
-fn a_number_that_is_changed_again_waits_for_no_compiler() {
+fn changing_a_number_again_does_not_compile() {
     apart!();
     let place = Place::new();
     let save = |green: &str| place.save("own.scene", &wall(&format!("vec3({green}, 0, 0.9 - {green})")));
@@ -342,7 +342,7 @@ fn a_number_that_is_changed_again_waits_for_no_compiler() {
     };
     is_compiled(&app, 1);
     wait_for_color(&app, "blue", SEEN_BLUE);
-    // The first change makes a program that reads the numbers, the others find it.
+    // The first change compiles a program that reads the numbers as inputs. The other changes reuse it.
     for (shown, (number, color)) in
         [("0.9", SEEN_RED), ("0.0", SEEN_BLUE), ("0.91", SEEN_RED)].into_iter().enumerate()
     {
@@ -351,7 +351,7 @@ fn a_number_that_is_changed_again_waits_for_no_compiler() {
         is_compiled(&app, 2 + shown);
         assert_eq!(requests(&app), 2, "{}", app.reported());
     }
-    // At rest they become constants again.
+    // When the text rests, the numbers become constants again.
     app.wait_until("another program", |app| {
         clock::advance(STEP);
         requests(app) == 3
@@ -365,7 +365,7 @@ fn a_number_that_is_changed_again_waits_for_no_compiler() {
 }
 
 #[test]
-fn n_and_p_go_through_the_folder_and_the_shipped_scenes_and_back() {
+fn n_and_p_step_through_the_folder_and_the_shipped_scenes() {
     apart!();
     let place = Place::new();
     for (name, emission) in [("a.scene", RED), ("b.scene", GREEN), ("broken.scene", "vec3(")] {
@@ -379,7 +379,7 @@ fn n_and_p_go_through_the_folder_and_the_shipped_scenes_and_back() {
     app.press(&["n"]);
     shows(&app, "b");
     wait_for_color(&app, "b", SEEN_GREEN);
-    // One that cannot be shown is no dead end.
+    // A broken scene does not stop the keys.
     app.press(&["n"]);
     app.wait_until_reported("broken.scene has mistakes");
     app.press(&["n"]);
@@ -390,7 +390,7 @@ fn n_and_p_go_through_the_folder_and_the_shipped_scenes_and_back() {
     app.press(&["p"]);
     shows(&app, "a");
     wait_for_color(&app, "a", SEEN_RED);
-    // Once round, faster than scenes are loaded, and one further.
+    // Once around, faster than scenes are loaded, and one step further.
     app.press(&vec!["n"; 4 + shipped_names().len()]);
     shows(&app, "b");
     wait_for_color(&app, "b", SEEN_GREEN);
@@ -403,7 +403,7 @@ fn a_formula_is_a_scene() {
     let place = Place::new();
     let app = place.open_scene("sqrt(x*x + y*y + z*z) - 1", SMALL, &[]);
     app.wait_for_title("the formula", |title| title.contains("Mariana (formula, "));
-    app.wait_until("a ball in the middle that is not what is in the corner", |app| {
+    app.wait_until("a ball in front of another colour", |app| {
         let picture = app.picture();
         let [middle, corner] = [(80, 45), (2, 2)].map(|(x, y)| *picture.get_pixel(x, y));
         pixel_difference(&middle, &corner) > 30
@@ -412,7 +412,7 @@ fn a_formula_is_a_scene() {
 }
 
 #[test]
-fn a_moved_slider_changes_the_picture_and_outlives_a_reload() {
+fn a_slider_changes_the_frame_and_survives_a_reload() {
     apart!();
     let place = Place::new();
     let text =
@@ -424,28 +424,28 @@ fn a_moved_slider_changes_the_picture_and_outlives_a_reload() {
     app.press(&["Tab"]);
     app.wait_until("the slider", |app| app.picture() != before);
     wait_for_mode(&app, "compiled");
-    // To the right end of the rail, which is somewhere in the panel's rows, and beyond.
+    // Drag beyond the right end of the rail, whose row in the panel is found by trying.
     let mut rows = (26..46).step_by(4).cycle();
-    app.wait_until("what the slider is moved to", |app| {
+    app.wait_until("the value of the dragged slider", |app| {
         let row = rows.next().unwrap();
         app.drag((230, row), (318, row));
         let [red, green, ..] = app.picture().get_pixel(20, 150).0;
         red > 150 && green < 90
     });
     app.press(&["Tab"]);
-    wait_for_color(&app, "what the slider was moved to", SEEN_RED);
+    wait_for_color(&app, "the value of the slider", SEEN_RED);
     place.save("own.scene", &text(1));
     app.wait_until("the saved scene", |app| color(app)[2]);
-    assert_eq!(color(&app), [true, false, true], "the slider went back");
-    // Gone from the text and there again.
+    assert_eq!(color(&app), [true, false, true], "the slider was reset");
+    // The parameter is removed from the text and added again.
     place.save("own.scene", &wall(GREEN));
     wait_for_color(&app, "a scene without sliders", SEEN_GREEN);
     place.save("own.scene", &text(0));
-    wait_for_color(&app, "the slider as it was", SEEN_RED);
+    wait_for_color(&app, "the previous value of the slider", SEEN_RED);
     app.quit_content();
 }
 
-/// A scene that takes a driver a second or more to compile: its colour is `emission`.
+/// A scene that takes a driver a second or more to compile, in the colour `emission`.
 fn heavy(balls: u32, emission: &str) -> String {
     format!(
         "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
@@ -455,7 +455,7 @@ fn heavy(balls: u32, emission: &str) -> String {
 }
 
 #[test]
-fn fifty_saves_in_a_row_show_the_last_and_nothing_waits_for_the_others() {
+fn fifty_quick_saves_show_the_last_one() {
     apart!();
     let place = Place::new();
     place.save("own.scene", &heavy(20, RED));
@@ -474,20 +474,21 @@ fn fifty_saves_in_a_row_show_the_last_and_nothing_waits_for_the_others() {
 }
 
 #[test]
-fn a_scene_is_shown_interpreted_until_it_is_compiled_without_being_asked() {
+fn a_scene_is_interpreted_until_it_is_compiled() {
     apart!("EGL_PLATFORM" = "surfaceless", "MESA_SHADER_CACHE_DISABLE" = "true");
     let place = Place::new();
-    // The interpreter that is there for the first serves the second, too.
-    // Short ones: on a software renderer long ones wait for their own programs.
+    // The first scene's interpreter can draw the other ones, too.
+    // They are short: on a software renderer, long ones wait for their own programs.
     place.save("own.scene", &heavy(2, RED));
     let others = 2..7;
     for number in others.clone() {
         place.save(&format!("own{number}.scene"), &heavy(2, &format!("{GREEN} * (1 - 0.01 * {number})")));
     }
-    // What an earlier run compiled would be there before the interpreter's turn comes.
+    // Without the disabled shader cache, the driver would load programs of an earlier run before the interpreter is
+    // used.
     let app = place.open_with_compiler("own.scene", &[]);
     app.wait_until_reported("an interpreter is ready");
-    // A driver may be quicker than that with a short scene; not with all of them.
+    // A driver may compile a single short scene sooner than that, but not all of them.
     let mut was_interpreted = false;
     for number in others {
         app.press(&["n"]);
@@ -507,7 +508,7 @@ fn a_scene_is_shown_interpreted_until_it_is_compiled_without_being_asked() {
 }
 
 #[test]
-fn c_pressed_while_a_scene_is_coming_does_not_keep_it_away() {
+fn pressing_c_while_a_scene_loads_still_shows_it() {
     apart!("EGL_PLATFORM" = "surfaceless");
     let place = Place::new();
     place.save("own.scene", &wall(RED));
@@ -515,11 +516,11 @@ fn c_pressed_while_a_scene_is_coming_does_not_keep_it_away() {
     for (sdf, change) in [("interpreted", "compiled"), ("compiled", "interpreted")] {
         let app = place.open_with_compiler("own.scene", &["--sdf", sdf]);
         wait_for_color(&app, "the first scene", SEEN_RED);
-        // The second needs a program of its own in either mode, and while that is made the wish changes.
+        // The second scene needs a new program in either mode. The mode changes during its compilation.
         app.press(&["n"]);
         app.wait_until_reported(&format!("own2 is requested, {sdf}"));
         app.press(&["c"]);
-        app.wait_for_title("the second scene as wished", |title| {
+        app.wait_for_title("the second scene in the new mode", |title| {
             title.contains(&format!("(own2, {change})"))
         });
         wait_for_color(&app, "the second scene", SEEN_GREEN);
@@ -528,7 +529,7 @@ fn c_pressed_while_a_scene_is_coming_does_not_keep_it_away() {
 }
 
 #[test]
-fn a_second_c_takes_back_the_first_that_is_still_waiting() {
+fn pressing_c_twice_cancels_the_waiting_change() {
     apart!("EGL_PLATFORM" = "surfaceless");
     let place = Place::new();
     place.save("own.scene", &heavy(60, RED));

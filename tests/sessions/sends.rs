@@ -1,4 +1,4 @@
-//! The picture in other programs: a FIFO and HTTP, with readers that come, go and block.
+//! Sending frames to other programs by FIFO and HTTP, with readers that connect, disconnect and block.
 
 #![cfg(target_os = "linux")]
 
@@ -14,7 +14,7 @@ use crate::walls::{Place, TWO_COLOURS, at, is_black, is_blue, is_red};
 use mariana_testing::process::output_of;
 
 #[test]
-fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
+fn a_fifo_serves_changing_and_slow_readers() {
     apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let fifo = place.path("pictures");
@@ -32,36 +32,36 @@ fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
             );
             (0..count).map(|_| light_of_next(&mut stream, (160, 90))).collect::<Vec<_>>()
         });
-        // Whoever opens it sooner is taken for the same reader, in the middle of the stream.
+        // A reader that opens the FIFO before that counts as the same reader, in the middle of the stream.
         gone += 1;
-        app.wait_until("the reader's going", |app| {
+        app.wait_until("the reader to disconnect", |app| {
             app.reported().matches("has disconnected: the next one gets").count() == gone
         });
         pictures
     };
-    // Of red more light is seen than of blue.
+    // Red has a higher luma than blue.
     let wanted = |pictures: Vec<[u8; 2]>| pictures.iter().all(|[left, right]| left > right && *right > 16);
     assert!(wanted(read(&app, 30)));
-    // Another one, and what it is sent is what shows: a blackout.
+    // Another reader gets the current frame: a blackout.
     app.press(&["x"]);
     app.wait_for("black", |picture| is_black(at(picture, 0.5, 0.5)));
     app.wait_until("black pictures", |app| read(app, 3).last() == Some(&[16, 16]));
     app.press(&["x"]);
     app.wait_until("light", |app| wanted(read(app, 2)));
-    // One that opens it and reads nothing holds nobody up.
+    // A reader that opens the FIFO without reading does not block the show.
     let blocks = OpenOptions::new().read(true).open(&fifo).unwrap();
     app.wait_until_reported("has stopped reading: the show continues without it");
     app.press(&["x"]);
     app.wait_for("black", |picture| is_black(at(picture, 0.5, 0.5)));
     drop(blocks);
-    // ffprobe knows what it is.
+    // ffprobe recognizes the stream.
     let mut probe = Command::new("ffprobe");
     probe.args(["-v", "error", "-f", "yuv4mpegpipe", "-read_intervals", "%+#2", "-show_entries"]);
     probe.args(["stream=width,height,r_frame_rate,pix_fmt", "-of", "csv=p=0"]).arg(&fifo);
     let reported = String::from_utf8(app.meanwhile(|| output_of(&mut probe, "ffmpeg")).unwrap()).unwrap();
     assert_eq!(reported.trim(), "160,90,yuv420p,25/1");
     let blocks = OpenOptions::new().read(true).open(&fifo).unwrap();
-    // A receiver that blocks does not hold the end up either.
+    // A blocked reader does not delay the end either.
     let reported = app.quit_by_key();
     drop(blocks);
     assert_eq!(reported.matches("has stopped reading").count(), 1, "{reported}");
@@ -71,7 +71,7 @@ fn a_fifo_gets_pictures_whoever_reads_it_and_however_slowly() {
 fn a_client_on_this_machine_gets_jpegs() {
     apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
-    // A port that was free a moment ago.
+    // A port that was free just now.
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let app = place.open("two.scene", &["--send", &format!("mjpeg:{port}"), "--send-size", "160x90"]);
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
@@ -100,15 +100,15 @@ fn a_client_on_this_machine_gets_jpegs() {
 }
 
 #[test]
-fn standard_output_gets_pictures_until_it_is_closed() {
+fn standard_output_gets_frames_until_it_is_closed() {
     apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let fifo = place.path("out");
     output_of(Command::new("mkfifo").arg(&fifo), "coreutils").unwrap();
-    // So that neither end waits for the other.
+    // With both ends open, opening the FIFO does not block.
     let both = OpenOptions::new().read(true).write(true).open(&fifo).unwrap();
     let out = OpenOptions::new().write(true).open(&fifo).unwrap();
-    // What the test says itself goes where it went.
+    // Keep the test's standard output, to restore it at the end.
     std::io::stdout().flush().unwrap();
     let own = rustix::io::dup(rustix::stdio::stdout()).unwrap();
     rustix::stdio::dup2_stdout(&out).unwrap();

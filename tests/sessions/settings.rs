@@ -1,4 +1,4 @@
-//! What the panel of settings changes and what is remembered, and what is there in the next session.
+//! The settings panel: changes are saved, and the next session uses them.
 
 use crate::support::apart::apart;
 #[cfg(target_os = "linux")]
@@ -11,19 +11,19 @@ use mariana_player::device_list::DeviceWatch;
 #[cfg(target_os = "linux")]
 use mariana_testing::sound_server::SoundServer;
 
-/// A scene that costs little.
+/// A simple scene.
 const SCENE: &str = "length(p - vec3(0, 1, 0)) - 1";
 
 fn wait_for_setting(app: &App, place: &Place, line: &str) {
     app.wait_until(line, |_| place.saved_settings().lines().any(|found| found == line));
 }
 
-/// Waits until no line of the settings begins with `key`: it is as it is by default.
+/// Waits until no line of the settings begins with `key`, so that it has its default.
 fn wait_for_default(app: &App, place: &Place, key: &str) {
     app.wait_until(key, |_| !place.saved_settings().lines().any(|line| line.starts_with(key)));
 }
 
-/// A session that is heard, with these options.
+/// A session with sound output.
 #[cfg(target_os = "linux")]
 fn hear(place: &Place, options: &[&str]) -> App {
     let app = place.begin(&[&["--prepare-ahead", "off", "--scene", SCENE], options].concat());
@@ -31,7 +31,7 @@ fn hear(place: &Place, options: &[&str]) -> App {
     app
 }
 
-/// Waits until a song plays on an output of the server, and the session knows that.
+/// Waits until a song plays on an output of the server, and the session has noticed.
 #[cfg(target_os = "linux")]
 fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
     app.wait_until(name, |app| {
@@ -43,8 +43,8 @@ fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
             playing.lines().any(|line| line.split('\t').nth(1) == number)
         })
     });
-    // The server knows of it before the session does.
-    app.wait_until("a session that knows its output", |app| {
+    // The server knows the output before the session does.
+    app.wait_until("the session to know its output", |app| {
         app.reported()
             .lines()
             .rfind(|line| line.contains("the song plays on "))
@@ -60,7 +60,7 @@ fn wait_for_outputs(app: &App) {
     app.take_steps(10);
 }
 
-/// Waits until the dark ground of a panel is at this place of the window.
+/// Waits until a panel's dark background covers this pixel.
 #[cfg(target_os = "linux")]
 fn wait_for_ground(app: &App, what: &str, x: u32, y: u32) {
     app.wait_for(what, |picture| {
@@ -70,13 +70,13 @@ fn wait_for_ground(app: &App, what: &str, x: u32, y: u32) {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn settings_change_by_keys_and_by_pointer_and_are_there_in_the_next_run() {
+fn settings_are_changed_by_keys_and_pointer_and_saved() {
     apart_at_home!();
     let server = SoundServer::start(&home());
     server.plug("usb", &[]);
     server.set_default("viz");
     let place = Place::new();
-    // By keys alone: the default output, viz and usb, then latency, quality, the limiter.
+    // By keys alone. The rows are the outputs (default, viz and usb), the latency, the quality and the limiter.
     let app = hear(&place, &["--size", "640x360"]);
     wait_for_output(&app, &server, "viz");
     app.press(&["g"]);
@@ -90,30 +90,30 @@ fn settings_change_by_keys_and_by_pointer_and_are_there_in_the_next_run() {
     wait_for_setting(&app, &place, "quality = \"low\"");
     wait_for_setting(&app, &place, "flash_limiter = \"off\"");
     assert!(place.saved_settings().contains("usb\" = 10.0"), "{}", place.saved_settings());
-    // A panel that is closed takes no keys.
+    // A closed panel takes no keys.
     app.press(&["Escape", "Down", "Return", "Right"]);
     app.quit();
     assert!(place.saved_settings().contains("volume = 0.9"), "{}", place.saved_settings());
 
-    // A flag holds for its run, and is not remembered.
+    // A flag applies to its run only.
     let app = hear(&place, &["--size", "760x540", "--quality", "best", "--device", "default"]);
     wait_for_output(&app, &server, "viz");
     let reported = app.quit();
     assert!(reported.contains("quality: Best, flash_limiter: false"), "{reported}");
     assert!(place.saved_settings().lines().any(|line| line == "quality = \"low\""));
 
-    // What was chosen is there again; by pointer alone it goes.
+    // The saved choices apply again; the pointer alone resets them.
     let app = hear(&place, &["--size", "760x540"]);
     wait_for_output(&app, &server, "usb");
     assert!(app.reported().contains("quality: Low, flash_limiter: false"), "{}", app.reported());
     app.point_at(200, 100);
     app.point_at(230, 100);
     wait_for_ground(&app, "the bar", 24, 518);
-    // The button of the bar, which is 14 from the window's edges, is the third from the right.
+    // The settings button is the third from the right in the bar, which is 14 pixels from the window's edges.
     app.click_at(760 - 14 - 14 - 15 - 2 * 32, 540 - 14 - 11 - 15);
     wait_for_ground(&app, "the panel", 66, 30);
     wait_for_outputs(&app);
-    // Rows are 26 high, below a heading; names begin 170 to the right of the rows.
+    // Rows are 26 pixels high, below a heading. Names begin 170 pixels to the right of the rows.
     let row = |place: u32| 14 + 11 + 26 + 26 * place + 13;
     let (left, names) = (60 + 14, 60 + 14 + 170);
     app.click_at(left + 60, row(0));
@@ -123,18 +123,18 @@ fn settings_change_by_keys_and_by_pointer_and_are_there_in_the_next_run() {
     wait_for_default(&app, &place, "quality");
     app.click_at(names + 14, row(5));
     wait_for_default(&app, &place, "flash_limiter");
-    // The cross closes it, and the picture takes clicks again.
+    // The cross closes the panel, and the frame takes clicks again.
     app.click_at(760 - 60 - 14 - 13, 14 + 11 + 10);
-    app.wait_for("the picture without the panel", |picture| {
+    app.wait_for("the frame without the panel", |picture| {
         picture.get_pixel(66, 30).0.iter().take(3).map(|value| u32::from(*value)).sum::<u32>() >= 120
     });
     app.click_at(left + 60, row(2));
-    // What was clicked is written before the end.
+    // The settings are written before the session ends.
     app.quit();
-    assert!(!place.saved_settings().contains("output ="), "a closed panel was clicked");
+    assert!(!place.saved_settings().contains("output ="), "a closed panel took a click");
 }
 
-/// A session with these options, which goes on where the last one ended.
+/// A session with these options that continues the last one.
 fn open(place: &Place, options: &[&str]) -> App {
     let app = place.begin(&[&["--silent", "--prepare-ahead", "off", "--scene", SCENE], options].concat());
     app.wait_until_reported("first picture after");
@@ -142,7 +142,7 @@ fn open(place: &Place, options: &[&str]) -> App {
 }
 
 #[test]
-fn an_end_without_warning_forgot_the_track_its_place_the_scene_the_volume_and_the_list() {
+fn a_power_cut_keeps_the_track_position_scene_volume_and_list() {
     apart!();
     let place = Place::new();
     let options = ["--size", "320x180"];
@@ -154,7 +154,7 @@ fn an_end_without_warning_forgot_the_track_its_place_the_scene_the_volume_and_th
     app.press(&["Down"]);
     app.wait_for_title("another volume", |title| title.contains("volume"));
     let title = app.title();
-    // Six times 5 s.
+    // Six steps of 5 s.
     app.press(&["Right"; 6]);
     wait_for_setting(&app, &place, "track = 1");
     app.wait_until("the volume", |_| place.saved_settings().contains("\nvolume = 0.9"));
@@ -168,12 +168,12 @@ fn an_end_without_warning_forgot_the_track_its_place_the_scene_the_volume_and_th
     place.cut_off(app);
     let app = open(&place, &options);
     let volume = title.split(", ").find(|note| note.contains("volume")).unwrap().trim_end_matches(')');
-    app.wait_for_title("all of it", |title| title.contains("2/2") && title.contains(volume));
+    app.wait_for_title("the saved track and volume", |title| title.contains("2/2") && title.contains(volume));
     app.quit();
 }
 
 #[test]
-fn tracks_are_forgotten_and_hints_stay_away_where_that_was_chosen() {
+fn tracks_and_hints_can_be_switched_off() {
     apart!();
     let place = Place::new();
     let options = ["--size", "640x360"];
@@ -185,32 +185,32 @@ fn tracks_are_forgotten_and_hints_stay_away_where_that_was_chosen() {
     app.wait_for_title("the second track", |title| title.contains("2/2"));
     app.quit();
     assert!(listed.is_file() && place.saved_settings().contains("track = 1"), "{}", place.saved_settings());
-    // Switched off it is gone at once. In a show without a device the default output is the only one.
+    // Switching it off deletes the list at once. In a silent session the panel has only the default output.
     let app = open(&place, &options);
-    app.wait_for_title("what was left", |title| title.contains("2/2"));
+    app.wait_for_title("the last track", |title| title.contains("2/2"));
     app.press(&["g"]);
     app.press(&["Down", "Down", "Down", "Down", "Down", "Down", "Down", "Return"]);
     wait_for_setting(&app, &place, "last_tracks = \"off\"");
-    assert!(!listed.exists(), "the list is still there");
+    assert!(!listed.exists(), "the list still exists");
     app.press(&["Down", "Return"]);
     wait_for_setting(&app, &place, "hints = \"off\"");
     app.quit();
     assert!(!listed.exists() && place.saved_settings().contains("track = 0"), "{}", place.saved_settings());
     let app = open(&place, &options);
     app.wait_for_title("the demo track", |title| title.contains("Hadal Lanterns"));
-    // No bar comes with the pointer.
+    // The pointer does not open the bar.
     for x in [200, 230] {
         app.point_at(x, 100);
         app.run_for(Duration::from_millis(200));
     }
     let picture = app.picture();
     let pixel = picture.get_pixel(24, 338).0;
-    assert!(pixel.iter().take(3).map(|value| u32::from(*value)).sum::<u32>() > 120, "there is a bar");
+    assert!(pixel.iter().take(3).map(|value| u32::from(*value)).sum::<u32>() > 120, "the bar is shown");
     app.quit();
 }
 
 #[test]
-fn a_settings_file_of_another_kind_costs_a_sentence() {
+fn unknown_or_unreadable_settings_are_reported() {
     apart!();
     let place = Place::new();
     let file = place.settings();
@@ -227,7 +227,7 @@ fn a_settings_file_of_another_kind_costs_a_sentence() {
     let kept = place.saved_settings();
     assert!(kept.contains("mood = \"blue\"") && kept.contains("tone_map = \"filmic\""), "{kept}");
     assert!(kept.contains("[last_show]"), "{kept}");
-    // It can be neither read nor written.
+    // A folder in place of the file can be neither read nor written.
     std::fs::remove_file(&file).unwrap();
     std::fs::create_dir(&file).unwrap();
     let app = open(&place, &options);

@@ -1,4 +1,4 @@
-//! Scenes that follow the song: as the director says, as a file says, and as whoever watches says.
+//! Scenes that follow the song: chosen by the director, by a show file, or by the user.
 
 #![cfg(target_os = "linux")]
 
@@ -16,9 +16,9 @@ use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
-/// Moments of the song that a key reaches, 5 s from each other.
+/// The number of times in the song that a key reaches, 5 s apart.
 const MOMENTS: usize = 20;
-/// How long the song is that most tests play.
+/// Duration of most tests' song, in seconds.
 const SECONDS: usize = 100;
 
 struct Place {
@@ -30,7 +30,7 @@ impl Place {
     fn new() -> Self {
         let inner = session::Place::new();
         let song = inner.path("song.wav");
-        // Clicks, so that there is a tempo.
+        // Clicks, which have a tempo.
         let samples = (0..SECONDS * 48_000).flat_map(|frame| {
             let since = frame % 24_000;
             [if since < 400 { 0.5 * (0.4 * since as f32).sin() } else { 0.0 }; 2]
@@ -61,7 +61,7 @@ impl Place {
         fs::write(self.path(name), text).unwrap();
     }
 
-    /// A session that prepares what comes, and follows the show.
+    /// A session that prepares scenes ahead and follows the show.
     fn open(&self, options: &[&str]) -> App {
         let own = [self.song.to_str().unwrap(), "--silent", "--new", "--clean", "--size", SIZE];
         let app = self.inner.begin(&[&own[..], options].concat());
@@ -82,7 +82,7 @@ impl Place {
     }
 }
 
-/// Which channel shines in the middle.
+/// The brightest channel in the middle of the frame, if it dominates.
 fn channel(app: &App) -> Option<usize> {
     channel_at(app, (32, 18))
 }
@@ -95,7 +95,7 @@ fn channel_at(app: &App, (x, y): (u32, u32)) -> Option<usize> {
     })
 }
 
-/// How far two pictures are apart in the mean of all numbers, of 255.
+/// The mean difference of two images over all channels, in steps of 0..255.
 fn distance(a: &RgbaImage, b: &RgbaImage) -> f64 {
     let numbers = a.as_raw().iter().zip(b.as_raw());
     numbers.map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.as_raw().len().max(1) as f64
@@ -105,10 +105,10 @@ fn wait_for_channel(app: &App, wanted: usize) {
     app.wait_until("a colour", |app| channel(app) == Some(wanted));
 }
 
-/// Goes on for a while, in which the colour stays.
+/// Advances the session for a while; fails if the colour changes.
 fn assert_channel_stays(app: &App, wanted: usize) {
     for _ in 0..50 {
-        assert_eq!(channel(app), Some(wanted), "another colour came: {}", app.reported());
+        assert_eq!(channel(app), Some(wanted), "the colour changed: {}", app.reported());
     }
 }
 
@@ -117,7 +117,7 @@ fn pause(app: &App) {
     app.wait_for_title("paused", |title| title.contains("paused"));
 }
 
-/// Goes to a time that is a multiple of 5 s, in a song that is paused.
+/// Seeks to a multiple of 5 s in a paused song.
 fn go_to(app: &App, seconds: usize) {
     app.press(&["Left"; MOMENTS]);
     if seconds > 0 {
@@ -125,7 +125,7 @@ fn go_to(app: &App, seconds: usize) {
     }
 }
 
-/// Waits until the song is at a time.
+/// Waits until the song is at this time.
 fn wait_for_time(app: &App, seconds: f32) {
     app.wait_until(&format!("{seconds} s"), |app| {
         app.state().position.is_some_and(|at| (at * SECONDS as f32 - seconds).abs() < 0.01)
@@ -133,11 +133,11 @@ fn wait_for_time(app: &App, seconds: f32) {
 }
 
 #[test]
-fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
+fn a_show_in_a_window_equals_its_stills_and_follows_saves() {
     apart!();
     let place = Place::new();
     let show = place.path("my.show");
-    // At each moment that the keys reach something is under way.
+    // A transition is in progress at each time that the keys reach.
     let mut text = "at start red.scene\n".to_owned();
     let ways = ["melt", "portal", "fade", "portal plane", "melt", "portal shape", "fade"];
     let scenes = ["green", "blue", "red", "blue"];
@@ -162,27 +162,27 @@ fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
         app.wait_until(&format!("the still of {} s", 5 * number), |app| app.picture() == *wanted);
     }
     app.press(&["Left"; 4]);
-    app.wait_until("the same after a jump", |app| app.picture() == wanted[MOMENTS - 5]);
+    app.wait_until("the same frame after a jump", |app| app.picture() == wanted[MOMENTS - 5]);
     go_to(&app, 10);
     wait_for_channel(&app, 2);
-    // A save shows; one with mistakes costs nothing and is told.
+    // A save is shown. A save with mistakes is reported and otherwise ignored.
     let still = "at start blue.scene\nat 30 s red.scene portal over 2 s\n";
     place.write("my.show", &still.replace("blue", "green"));
     wait_for_channel(&app, 1);
     place.write("my.show", &still.replace("portal", "portl"));
     app.wait_until_reported("did you mean `portal`?");
-    // The mistake lies over all but the edges of this window.
-    app.wait_until("the picture goes on", |app| channel_at(app, (1, 1)) == Some(1));
+    // The error panel covers everything but the edges of this small window.
+    app.wait_until("the frame to stay", |app| channel_at(app, (1, 1)) == Some(1));
     place.write("my.show", still);
     wait_for_channel(&app, 2);
     app.quit_by_key();
 }
 
 #[test]
-fn the_first_track_of_a_list_was_taken_for_an_input() {
+fn the_director_uses_the_structure_of_a_lists_first_track() {
     apart!();
     let place = Place::new();
-    // Calm, then loud: two sections, and a scene for each.
+    // A calm half and a loud one: two sections with a scene for each.
     let samples = (0..60 * 48_000).flat_map(|frame: u32| {
         let (loud, at) = (frame >= 30 * 48_000, (frame % 24_000) as f32);
         let hiss = (frame.wrapping_mul(2_654_435_761) >> 16) as f32 / 32_768.0 - 1.0;
@@ -198,7 +198,7 @@ fn the_first_track_of_a_list_was_taken_for_an_input() {
     let show = place.path("auto.show");
     let mut command = command_in(PROGRAM, place.inner.folder(), None);
     command.arg("show").arg(&place.song).args(["-o", &show]);
-    // Those that N goes through in the window.
+    // The same scenes that N steps through in the window.
     let own = ["red", "green", "blue"].map(|name| place.path(&format!("{name}.scene")));
     for scene in shipped_names().into_iter().chain(own) {
         command.args(["--scene", &scene]);
@@ -209,8 +209,8 @@ fn the_first_track_of_a_list_was_taken_for_an_input() {
     for (seconds, time) in [(10, "10"), (50, "50")] {
         go_to(&app, seconds);
         let wanted = place.still(&show, time);
-        // A still has more samples at edges.
-        app.wait_until(&format!("the director's picture of {time} s"), |app| {
+        // Stills take more samples at edges.
+        app.wait_until(&format!("the director's frame at {time} s"), |app| {
             distance(&app.picture(), &wanted) < 4.0
         });
     }
@@ -218,7 +218,7 @@ fn the_first_track_of_a_list_was_taken_for_an_input() {
 }
 
 #[test]
-fn enter_brings_the_next_cue_of_a_show() {
+fn enter_starts_the_next_cue_of_a_show() {
     apart!();
     let place = Place::new();
     place.write("my.show", "at start red.scene\nat cue green.scene cut\nat cue blue.scene fade over 1 s\n");
@@ -230,7 +230,7 @@ fn enter_brings_the_next_cue_of_a_show() {
     wait_for_channel(&app, 1);
     app.press(&["Return"]);
     wait_for_channel(&app, 2);
-    // Before the first press there is what was there then; and there the first cue waits again.
+    // Seeking to before the first press shows the scene of that time, and the first cue waits again.
     pause(&app);
     go_to(&app, 0);
     wait_for_channel(&app, 0);
@@ -240,7 +240,7 @@ fn enter_brings_the_next_cue_of_a_show() {
 }
 
 #[test]
-fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
+fn the_user_overrides_the_show_until_its_next_scene_or_keeps_a_scene() {
     apart!();
     let place = Place::new();
     place.write("my.show", "at start red.scene\nat 10 s green.scene cut\nat 20 s blue.scene cut\n");
@@ -249,7 +249,7 @@ fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
     pause(&app);
     go_to(&app, 0);
     wait_for_channel(&app, 0);
-    // The scenes of the folder by name: before red is green.
+    // The scenes of the folder are sorted by name: green precedes red.
     app.press(&["p"]);
     wait_for_channel(&app, 1);
     app.press(&["Right"]);
@@ -257,14 +257,14 @@ fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
     assert_channel_stays(&app, 1);
     go_to(&app, 20);
     wait_for_channel(&app, 2);
-    // Kept, and let go again.
+    // The scene is kept, then released.
     app.press(&["k"]);
     go_to(&app, 0);
     wait_for_time(&app, 0.0);
     assert_channel_stays(&app, 2);
     app.press(&["k"]);
     wait_for_channel(&app, 0);
-    // Off: the scene stays wherever the song is.
+    // With the show switched off, the scene stays at any position of the song.
     app.press(&["a"]);
     go_to(&app, 10);
     wait_for_time(&app, 10.0);
@@ -275,7 +275,7 @@ fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
 }
 
 #[test]
-fn a_show_went_on_to_other_scenes_while_the_text_of_one_was_written() {
+fn a_show_keeps_the_scene_that_is_edited() {
     apart!();
     let place = Place::new();
     let show = place.path("my.show");
@@ -289,7 +289,7 @@ fn a_show_went_on_to_other_scenes_while_the_text_of_one_was_written() {
     app.press(&["e"]);
     app.wait_until("the editor", |app| channel(app) != Some(0));
     sender.send("/position", &[0.3]);
-    app.wait_until("the song's middle", |_| {
+    app.wait_until("the middle of the song", |_| {
         sent_number(&lights, "/sound/progress").is_some_and(|at| at > 0.25)
     });
     app.press(&["Escape"]);

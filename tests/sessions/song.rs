@@ -1,4 +1,4 @@
-//! A song in a session: its picture in any size, the keys over it, and its sound on a server of the test's own.
+//! Playing a song: frames of any size, the list of keys over them, and sound on a private server.
 
 #![cfg(target_os = "linux")]
 
@@ -16,12 +16,12 @@ use mariana_testing::sound_server::{Recorder, SINK_RATE, SoundServer};
 use mariana_testing::wave::write_wav;
 use std::time::Duration;
 
-/// The window of most tests: small, because it is drawn without a graphics card.
+/// The window size of most tests: small, because there is no graphics card.
 const SMALL: &str = "320x180";
-/// So many steps, of up to 20 ms, a session draws nothing that rests.
+/// The number of steps, of up to 20 ms each, after which a session without new frames counts as idle.
 const REST: usize = 60;
 
-/// A song of so many seconds of a tone.
+/// Writes a tone of `seconds`.
 fn tone(folder: &Path, seconds: f64) -> PathBuf {
     let path = folder.join("tone.wav");
     let rate = f64::from(SINK_RATE);
@@ -33,7 +33,7 @@ fn tone(folder: &Path, seconds: f64) -> PathBuf {
     path
 }
 
-/// Waits until the session shows what `mariana still` makes of the song's start at this size.
+/// Waits until the session shows the same image as `mariana still` for the song's start at this size.
 fn wait_for_start(app: &App, place: &Place, song: &Path, size: Size) -> RgbaImage {
     let path = place.path("still.png");
     let mut command = command_in(PROGRAM, place.folder(), None);
@@ -42,7 +42,7 @@ fn wait_for_start(app: &App, place: &Place, song: &Path, size: Size) -> RgbaImag
     app.meanwhile(|| output_of(&mut command, "mariana")).unwrap_or_else(|error| panic!("{error}"));
     let wanted = image::open(&path).unwrap().to_rgba8();
     app.wait_for(&format!("the still of {size:?}"), |picture| {
-        // While it is being resized or redrawn, the session may show something else.
+        // The frame may differ for a while, during a resize or a redraw.
         picture.dimensions() == size && {
             let found = difference(picture, &wanted, TIGHT.visible);
             found.mean <= TIGHT.mean_max && found.fraction <= TIGHT.fraction_max
@@ -50,7 +50,7 @@ fn wait_for_start(app: &App, place: &Place, song: &Path, size: Size) -> RgbaImag
     })
 }
 
-/// A session with a song of silence that is paused at its start, its picture there, and the song.
+/// A session with a silent song, paused at its start. Also returns its frame and the song.
 fn paused_at_start(place: &Place, size: Size) -> (App, RgbaImage, PathBuf) {
     let song = place.quiet_song("quiet.wav", 60);
     let app = place.open(&song, &["--size", &format!("{}x{}", size.0, size.1)]);
@@ -61,7 +61,7 @@ fn paused_at_start(place: &Place, size: Size) -> (App, RgbaImage, PathBuf) {
     (app, start, song)
 }
 
-/// The least box of the pixels in which two pictures differ: left, top, right and bottom; none if they are the same.
+/// The bounding box of the pixels that differ: left, top, right and bottom. `None` if the images are equal.
 fn changed_box(a: &RgbaImage, b: &RgbaImage) -> Option<[u32; 4]> {
     let changed = a.enumerate_pixels().filter(|(x, y, pixel)| b.get_pixel(*x, *y) != *pixel);
     changed.fold(None, |found, (x, y, _)| {
@@ -71,13 +71,13 @@ fn changed_box(a: &RgbaImage, b: &RgbaImage) -> Option<[u32; 4]> {
 }
 
 #[test]
-fn the_keys_show_over_the_picture_and_leave_no_trace() {
+fn the_list_of_keys_is_shown_and_leaves_no_trace() {
     apart!();
     let place = Place::new();
-    // There are too many keys for a smaller window.
+    // Smaller windows cannot hold the list of keys.
     let (app, before, _) = paused_at_start(&place, (640, 360));
     app.press(&["h"]);
-    app.wait_for("the keys over the picture", |picture| changed_box(&before, picture).is_some());
+    app.wait_for("the list of keys", |picture| changed_box(&before, picture).is_some());
     let keys = app.wait_until_still();
     let panel = changed_box(&before, &keys).unwrap();
     let [left, top, right, bottom] = panel;
@@ -91,35 +91,35 @@ fn the_keys_show_over_the_picture_and_leave_no_trace() {
             / f64::from((right - left + 1) * (bottom - top + 1))
     };
     assert!(mean(&keys) < 0.7 * mean(&before), "the panel is not dark: {} in {}", mean(&keys), mean(&before));
-    // It stands still, and costs nothing while it does.
+    // The list does not move, and needs no processor time.
     let shown = app.shown();
     app.take_steps(REST);
-    assert_eq!(app.shown(), shown, "the keys are drawn again");
-    assert!(app.picture() == keys, "the keys move");
-    // Threads of its own may have something left to do, such as listening to the song.
+    assert_eq!(app.shown(), shown, "the list of keys is drawn again");
+    assert!(app.picture() == keys, "the list of keys moves");
+    // Other threads may still be busy, such as the analysis of the song.
     app.wait_until("rest", |app| load_of(std::process::id(), || app.run_for(Duration::from_secs(1))) < 0.1);
-    // A double click on it is no wish for full screen.
+    // A double click on the list does not switch to full screen.
     app.double_click_at(320, 180);
-    // Other pictures are drawn under it.
+    // Other frames are drawn below it.
     app.press(&["Right"]);
     app.wait_for("another picture", |picture| changed_box(&keys, picture).is_some());
     app.press(&["Left"]);
-    app.wait_for("the first picture and the keys", |picture| *picture == keys);
+    app.wait_for("the first frame with the list of keys", |picture| *picture == keys);
     assert!(!app.state().fullscreen);
-    // Gone at once, and no picture after it is another one than before.
+    // The list disappears at once, and the frames are the same as before.
     app.press(&["F1"]);
-    app.wait_for("the first picture", |picture| *picture == before);
+    app.wait_for("the first frame", |picture| *picture == before);
     app.press(&["Right"]);
     app.wait_for("another picture", |picture| *picture != before);
     app.press(&["Left"]);
-    app.wait_for("the first picture, drawn again", |picture| *picture == before);
+    app.wait_for("the first frame, drawn again", |picture| *picture == before);
     app.double_click_at(320, 180);
     assert!(app.state().fullscreen);
     assert_eq!(reported_problems(&app.quit_by_key()), [""; 0]);
 }
 
 #[test]
-fn every_size_shows_both_speakers_in_proportion() {
+fn every_window_size_shows_both_speakers() {
     apart!();
     let place = Place::new();
     let (app, _, song) = paused_at_start(&place, (320, 180));
@@ -131,7 +131,7 @@ fn every_size_shows_both_speakers_in_proportion() {
             assert_shows_the_speakers(&picture);
         }
     }
-    // Many sizes in a row, as by dragging a corner.
+    // Many sizes in a row, like dragging a corner of the window.
     for step in 0..20 {
         app.resize((400 - 15 * step, 80 + 15 * step));
     }
@@ -140,23 +140,23 @@ fn every_size_shows_both_speakers_in_proportion() {
 }
 
 #[test]
-fn a_song_loops_or_ends_as_asked_and_without_a_sound_server_keeps_real_time() {
+fn a_song_without_a_sound_server_keeps_real_time_and_loops_or_ends() {
     apart_at_home!();
     let place = Place::new();
     let seconds = 2.0;
     let song = tone(place.folder(), seconds);
-    // No sound server runs: the program says so, and the song takes its time all the same.
+    // Without a sound server, the program reports that and the song still plays in real time.
     let app = place.hear(Some(&song), &["--once", "--size", SMALL]);
     app.wait_until_reported("first picture after");
     let begin = Instant::now();
     let mut titles = String::new();
     while app.step() {
         titles.push_str(&app.title());
-        assert!(begin.elapsed() < WAIT_LIMIT, "it does not end: {}", app.reported());
+        assert!(begin.elapsed() < WAIT_LIMIT, "the session does not end: {}", app.reported());
     }
     let took = begin.elapsed().as_secs_f64();
     assert!(titles.contains("no sound device"), "{titles}");
-    // A machine that is busy takes longer to find the end, but not several times as long.
+    // A busy machine may notice the end late, but not by several times the duration.
     assert!(took > 0.9 * seconds && took < 4.0 * seconds, "{seconds} s of song took {took} s");
     let reported_problems = app.reported_problems().join("\n");
     assert_eq!(reported_problems.matches("the song plays without sound: ").count(), 1, "{reported_problems}");
@@ -176,7 +176,7 @@ fn a_song_loops_or_ends_as_asked_and_without_a_sound_server_keeps_real_time() {
 }
 
 #[test]
-fn a_sound_server_that_dies_does_not_take_the_picture_along() {
+fn frames_continue_when_the_sound_server_dies() {
     apart_at_home!();
     let server = SoundServer::start(&home());
     let recorder = Recorder::start(&home());
@@ -190,12 +190,12 @@ fn a_sound_server_that_dies_does_not_take_the_picture_along() {
     server.kill();
     app.wait_until_reported("the song plays without sound: ");
     app.wait_for_title("no sound device", |title| title.contains("no sound device"));
-    // The song goes on, for two seconds at least.
+    // The song continues for at least two seconds.
     let seconds = |app: &App| 60.0 * app.state().position.unwrap_or(0.0);
     let since = seconds(&app);
     app.wait_until("two seconds of the song", |app| seconds(app) > since + 2.0);
     let before = app.picture();
     app.wait_for("another picture", |picture| difference(&before, picture, TIGHT.visible).fraction > 0.0);
-    assert_eq!(app.reported_problems().len(), 1, "one message, not: {}", app.reported());
+    assert_eq!(app.reported_problems().len(), 1, "expected one message: {}", app.reported());
     app.quit_by_key();
 }

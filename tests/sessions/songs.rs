@@ -1,4 +1,4 @@
-//! What a session knows of whole songs.
+//! The structure of whole songs in a session.
 
 #![cfg(target_os = "linux")]
 
@@ -13,14 +13,14 @@ use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
 
-/// A wall that shines in numbers of the song.
+/// A wall whose colour depends on values of the song.
 const SCENE: &str = "material paint { color = 0 roughness = 1 emission = vec3(2 * progress, energy, bar) }\n\
                      object wall { shape = 5 - p.z material = paint }\n\
                      light none { direction = vec3(0, -1, 0) color = 0 }\n\
                      camera { position = vec3(0) target = vec3(0, 0, 5) }\n\
                      sky { color = 0 ambient = 0 }\n";
 
-/// Clicks, the second half of them loud.
+/// Writes a song of clicks that is louder in its second half.
 fn write_song(path: &Path, seconds: usize, per_second: usize) {
     let samples = (0..seconds * 48_000).flat_map(|frame| {
         let since = frame % (48_000 / per_second);
@@ -32,7 +32,7 @@ fn write_song(path: &Path, seconds: usize, per_second: usize) {
 }
 
 #[test]
-fn a_window_knows_of_a_song_what_a_still_does_and_the_next_song_before_it_plays() {
+fn a_session_knows_the_structure_of_this_song_and_of_the_next() {
     apart!();
     let place = Place::new();
     let music = place.path("music");
@@ -41,23 +41,28 @@ fn a_window_knows_of_a_song_what_a_still_does_and_the_next_song_before_it_plays(
     write_song(&music.join("2.wav"), 20, 3);
     let scene = place.save("own.scene", SCENE);
     let still = place.path("still.png");
-    // It keeps what it finds out in folders of its own.
+    // It has a separate cache folder.
     let mut command = command_in(PROGRAM, place.folder(), None);
     command.arg("still").arg(music.join("1.wav")).arg(&scene).arg("-o").arg(&still);
     output_of(command.args(["--at", "10", "--size", SIZE]), "mariana").unwrap();
     let wanted = image::open(&still).unwrap().to_rgba8().get_pixel(32, 18).0;
-    assert!(wanted[0] > 50 && wanted[1] > 50, "{wanted:?} tells nothing of the song");
+    assert!(wanted[0] > 50 && wanted[1] > 50, "{wanted:?} does not depend on the song");
     let kept = place.path("cache");
-    assert_eq!(files_that_end_in(&kept, "song"), Vec::<PathBuf>::new(), "the session would know it already");
+    assert_eq!(
+        files_that_end_in(&kept, "song"),
+        Vec::<PathBuf>::new(),
+        "the session would load the cached \
+        structure"
+    );
 
     let app = place.open(&music, &["--size", SIZE, "--scene", scene.to_str().unwrap()]);
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.starts_with("1.wav") && title.contains("paused"));
-    app.wait_until("what is known of both songs", |_| files_that_end_in(&kept, "song").len() == 2);
-    // The start, and 10 s from there.
+    app.wait_until("the structures of both songs", |_| files_that_end_in(&kept, "song").len() == 2);
+    // The start, then 10 s later.
     app.press(&["Left"; 8]);
     app.press(&["Right", "Right"]);
-    app.wait_for("the numbers of the moment", |picture| {
+    app.wait_for("the values at this time", |picture| {
         let seen = picture.get_pixel(32, 18).0;
         seen.iter().zip(wanted).all(|(seen, wanted)| seen.abs_diff(wanted) <= 1)
     });
@@ -65,7 +70,7 @@ fn a_window_knows_of_a_song_what_a_still_does_and_the_next_song_before_it_plays(
     assert!(!reported.contains("panicked"), "{reported}");
 }
 
-/// The files below a folder with this ending.
+/// The files with this extension in a folder and its subfolders.
 fn files_that_end_in(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     entries

@@ -1,4 +1,4 @@
-//! What performers do to every picture: blackout, freeze, clean, scenes by number, corners.
+//! Stage controls: blackout, freeze, clean output, scenes by number, corners.
 
 use crate::support::apart::apart;
 use crate::support::session::App;
@@ -7,7 +7,7 @@ use image::RgbaImage;
 use mariana::srgb::linear;
 
 #[test]
-fn a_blackout_takes_the_light_away_and_brings_the_same_picture_back() {
+fn a_blackout_ends_with_the_same_frame() {
     apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let app = place.open("two.scene", &["--blackout-fade", "0.4"]);
@@ -15,9 +15,9 @@ fn a_blackout_takes_the_light_away_and_brings_the_same_picture_back() {
     app.press(&["x"]);
     app.wait_for("black", |picture| picture.pixels().all(|pixel| pixel.0[..3] == [0; 3]));
     app.press(&["x"]);
-    app.wait_for("the same picture", |picture| *picture == lit);
+    app.wait_for("the same frame", |picture| *picture == lit);
     app.quit();
-    // A quarter of the light, by a flag.
+    // A quarter of the light, set by a flag.
     let app = place.open("two.scene", &["--brightness", "25"]);
     let value = |picture: &RgbaImage| linear(f32::from(at(picture, 0.2, 0.5)[0]) / 255.0);
     app.wait_for("a quarter of the light", |picture| (value(picture) / value(&lit) - 0.25).abs() < 0.02);
@@ -25,18 +25,18 @@ fn a_blackout_takes_the_light_away_and_brings_the_same_picture_back() {
 }
 
 #[test]
-fn a_picture_that_is_held_stands_while_the_song_goes_on() {
+fn a_frozen_frame_stays_while_the_song_plays() {
     apart!();
     let place = Place::new(&[("breathes.scene", BREATHES), ("two.scene", TWO_COLOURS)]);
     let app = place.open("breathes.scene", &["--blackout-fade", "0"]);
     let first = app.picture();
-    app.wait_for("a picture that moves", |picture| *picture != first);
+    app.wait_for("a moving frame", |picture| *picture != first);
     app.press(&["z"]);
     let held = app.wait_until_still();
-    // The show may prepare: another scene comes on behind it, and shows when the picture is let go.
+    // Another scene can be selected during the freeze, and is shown when the freeze ends.
     app.press(&["2"]);
     app.wait_for_title("the other scene", |title| title.contains("two"));
-    assert!(app.picture() == held, "the picture that is held has changed");
+    assert!(app.picture() == held, "the frozen frame has changed");
     app.press(&["z"]);
     app.wait_for("the other scene", |picture| {
         is_red(at(picture, 0.2, 0.5)) && is_blue(at(picture, 0.8, 0.5))
@@ -53,13 +53,13 @@ fn numbers_show_the_scenes_of_the_list() {
         app.press(&[key]);
         app.wait_for_title(name, |title| title.contains(name));
     }
-    // There is no ninth.
+    // There is no ninth scene.
     app.press(&["9", "3"]);
     app.wait_for_title("c", |title| title.contains("(c,"));
     app.quit();
 }
 
-/// Opens the panel of the corners and presses the button on the upper left one.
+/// Opens the corners panel and presses the button on the upper left corner.
 fn grab_corner(app: &App) {
     app.press(&["y"]);
     app.wait_for("the panel", |picture| !is_red(at(picture, 0.4, 0.5)));
@@ -69,7 +69,7 @@ fn grab_corner(app: &App) {
 }
 
 #[test]
-fn one_key_hides_every_word_and_panel() {
+fn one_key_hides_every_message_and_panel() {
     apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let app = place.open("two.scene", &["--flash-limiter", "off"]);
@@ -77,12 +77,12 @@ fn one_key_hides_every_word_and_panel() {
     app.press(&["h"]);
     app.wait_for("the keys", |picture| *picture != plain);
     app.press(&["w"]);
-    app.wait_for("nothing but the picture", |picture| *picture == plain);
-    // Nor does a mistake show, until the key is pressed again.
+    app.wait_for("the frame without overlay", |picture| *picture == plain);
+    // Errors are hidden as well, until the key is pressed again.
     let good = std::fs::read_to_string(place.path("two.scene")).unwrap();
     std::fs::write(place.path("two.scene"), "object o { shape = nonsense }").unwrap();
     app.wait_until_reported("has mistakes");
-    assert!(app.picture() == plain, "the mistake shows");
+    assert!(app.picture() == plain, "the error is shown");
     app.press(&["w"]);
     app.wait_for("the mistake", |picture| *picture != plain);
     std::fs::write(place.path("two.scene"), good).unwrap();
@@ -91,21 +91,21 @@ fn one_key_hides_every_word_and_panel() {
 }
 
 #[test]
-fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
+fn the_output_is_mirrored_cropped_and_warped_at_its_corners() {
     apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let app = place.open("two.scene", &["--flip", "horizontal", "--crop", "0,0,25,0"]);
-    // Blue is at the left now, and takes a third.
-    app.wait_for("the mirrored picture", |picture| {
+    // Blue is on the left now, and fills a third.
+    app.wait_for("the mirrored frame", |picture| {
         is_blue(at(picture, 0.3, 0.5)) && is_red(at(picture, 0.36, 0.5)) && is_red(at(picture, 0.95, 0.5))
     });
     app.quit();
     let app = place.open("two.scene", &["--corners", "0,0,100,50,100,100,0,100"]);
-    app.wait_for("the slanted picture", |picture| {
+    app.wait_for("the warped frame", |picture| {
         is_black(at(picture, 0.9, 0.1)) && is_red(at(picture, 0.2, 0.5)) && is_blue(at(picture, 0.9, 0.8))
     });
     app.quit();
-    // By hand, and remembered.
+    // Drag a corner; the session saves it.
     let app = place.open("two.scene", &[]);
     app.wait_for("the picture", |picture| is_red(at(picture, 0.1, 0.1)));
     grab_corner(&app);
@@ -123,7 +123,7 @@ fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
 }
 
 #[test]
-fn a_corner_that_was_held_when_its_panel_closed_was_forgotten() {
+fn a_corner_that_is_held_when_its_panel_closes_is_saved() {
     apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let is_pulled = |picture: &RgbaImage| is_black(at(picture, 0.1, 0.05));
@@ -143,9 +143,9 @@ fn a_corner_that_was_held_when_its_panel_closed_was_forgotten() {
 }
 
 #[test]
-fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
+fn the_preview_of_the_next_scene_moves_even_if_interpreted() {
     apart!();
-    // No two moments have the same colour.
+    // The colour is different at any two times.
     let place = Place::new(&[
         ("a.scene", "vec3(0.5, 0.01, 0.01)"),
         ("b.scene", "vec3(0.01, 0.01, 0.35 + 0.008 * t)"),
@@ -161,16 +161,15 @@ fn the_scene_that_comes_next_moves_on_the_desk_though_it_is_interpreted() {
     app.wait_for_title("paused", |title| title.contains("paused"));
     for _ in 0..2 {
         app.press(&["Right"]);
-        last =
-            corner(&app.wait_for("another moment of it", |picture| {
-                is_blue(corner(picture)) && corner(picture) != last
-            }));
+        last = corner(&app.wait_for("another moment of the preview", |picture| {
+            is_blue(corner(picture)) && corner(picture) != last
+        }));
     }
     app.quit();
 }
 
 #[test]
-fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
+fn the_preview_of_the_next_scene_uses_spare_time_only() {
     apart!();
     let red = "vec3(0.35 + 0.008 * t, 0.01, 0.01)";
     let blue = "vec3(0.01, 0.01, 0.35 + 0.008 * t)";
@@ -182,18 +181,18 @@ fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
     app.wait_until_reported("b is ready ahead");
     let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
     let first = app.wait_for("the next scene in the corner", |picture| is_blue(corner(picture)));
-    assert!(is_red(at(&first, 0.3, 0.5)), "the picture itself is another one");
-    // It shows the moment at which the song is. While that rests there is time, however slow the machine is.
+    assert!(is_red(at(&first, 0.3, 0.5)), "the frame itself shows another scene");
+    // The preview shows the current time of the song. While the song is paused there is spare time on any machine.
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let before = corner(&app.picture());
     app.press(&["Right"]);
-    app.wait_for("another moment of it", |picture| {
+    app.wait_for("another moment of the preview", |picture| {
         is_blue(corner(picture)) && corner(picture) != before && corner(picture) != corner(&first)
     });
-    // Once it is on, another one is the next.
+    // When that scene is shown, the preview shows another one.
     app.press(&["n"]);
-    app.wait_for("that scene, and another one in the corner", |picture| {
+    app.wait_for("the next scene, and another preview", |picture| {
         is_blue(at(picture, 0.3, 0.5)) && !is_blue(corner(picture))
     });
     app.press(&["w"]);

@@ -1,4 +1,4 @@
-//! Views and the camera by hand.
+//! Diagnostic views, and camera control.
 
 use crate::support::apart::apart;
 use std::time::Duration;
@@ -12,7 +12,7 @@ use mariana_testing::process::output_of;
 
 const SIZE: &str = "320x180";
 
-/// The picture of the song's start, without a session.
+/// The image of the song's start, rendered without a session.
 fn still(place: &Place, options: &[&str]) -> RgbaImage {
     let output = place.path("still.png");
     let mut command = command_in(PROGRAM, place.folder(), None);
@@ -21,7 +21,7 @@ fn still(place: &Place, options: &[&str]) -> RgbaImage {
     image::open(&output).unwrap().to_rgba8()
 }
 
-/// A paused session at the start of a silent song, and its picture.
+/// A session paused at the start of a silent song, and its frame.
 fn paused(place: &Place, options: &[&str]) -> (App, RgbaImage) {
     let song = place.quiet_song("quiet.wav", 40);
     let app = place.open(&song, &[&["--size", SIZE, "--sdf", "compiled"], options].concat());
@@ -43,7 +43,7 @@ fn fraction(a: &RgbaImage, b: &RgbaImage) -> f64 {
     difference(a, b, TIGHT.visible).fraction
 }
 
-/// Whether this is the picture, but darker.
+/// True if `now` is the same image, but darker.
 fn is_dimmed(now: &RgbaImage, picture: &RgbaImage) -> bool {
     let light = |image: &RgbaImage| image.as_raw().iter().map(|byte| f64::from(*byte)).sum::<f64>();
     let bytes = || now.as_raw().iter().zip(picture.as_raw());
@@ -51,7 +51,7 @@ fn is_dimmed(now: &RgbaImage, picture: &RgbaImage) -> bool {
     (brighter as f64) < 0.02 * picture.as_raw().len() as f64 && light(now) < 0.98 * light(picture)
 }
 
-/// Drags with the left button from the middle.
+/// Drags from the middle of the window with the primary button.
 fn drag(app: &App, (right, down): (i32, i32)) {
     let (x, y) = (160, 90);
     let place = |x: i32, y: i32| app.move_pointer(x.into(), y.into());
@@ -64,10 +64,10 @@ fn drag(app: &App, (right, down): (i32, i32)) {
 }
 
 #[test]
-fn the_key_goes_through_the_views_and_the_title_tells_which() {
+fn the_key_steps_through_the_views_and_the_title_names_them() {
     apart!();
     let place = Place::new();
-    // Without cells, which some drawings wait for and others do not: the picture is the same bit for bit.
+    // Without cells, which only some frames use, so that frames are equal bit for bit.
     let (app, picture) = paused(&place, &["--regions", "off"]);
     for row in &VIEWS {
         app.press(&["v"]);
@@ -75,11 +75,11 @@ fn the_key_goes_through_the_views_and_the_title_tells_which() {
         app.wait_until("the view", |app| fraction(&app.picture(), &picture) > 0.3);
     }
     app.press(&["shift+v"]);
-    app.wait_for_title("the view before", |title| title.contains("view materials"));
+    app.wait_for_title("the previous view", |title| title.contains("view materials"));
     app.press(&["v", "v"]);
     app.wait_for_title("no view", |title| !title.contains("view"));
-    app.wait_until("the picture again", |app| app.picture() == picture);
-    // Numbers go up and down.
+    app.wait_until("the original frame", |app| app.picture() == picture);
+    // A view's number is increased and decreased.
     app.press(&["v", "v", "v"]);
     app.wait_for_title("normals", |title| title.contains("view normals"));
     app.wait_until("normals", |app| fraction(&app.picture(), &picture) > 0.3);
@@ -90,7 +90,7 @@ fn the_key_goes_through_the_views_and_the_title_tells_which() {
 }
 
 #[test]
-fn views_that_follow_each_other_quickly_were_dimmed_as_flashes() {
+fn quick_view_changes_are_not_dimmed_as_flashes() {
     apart!();
     let place = Place::new();
     let (app, picture) = paused(&place, &["--regions", "off"]);
@@ -100,46 +100,46 @@ fn views_that_follow_each_other_quickly_were_dimmed_as_flashes() {
         app.press(&["v"]);
         app.run_for(Duration::from_millis(60));
     }
-    app.wait_until("the picture again", |app| {
+    app.wait_until("the original frame", |app| {
         let now = app.picture();
-        assert!(!is_dimmed(&now, &picture), "the picture is dimmed");
+        assert!(!is_dimmed(&now, &picture), "the frame is dimmed");
         fraction(&now, &picture) < 0.1
     });
 }
 
 #[test]
-fn the_camera_is_turned_by_hand_and_given_back() {
+fn the_camera_is_turned_and_reset() {
     apart!();
     let place = Place::new();
     let (app, picture) = paused(&place, &["--regions", "off"]);
     drag(&app, (60, 10));
-    app.wait_until("the turned picture", |app| fraction(&app.picture(), &picture) > 0.2);
+    app.wait_until("the turned camera", |app| fraction(&app.picture(), &picture) > 0.2);
     app.press(&["Home"]);
-    app.wait_until("the scene's own picture", |app| app.picture() == picture);
+    app.wait_until("the scene's own camera", |app| app.picture() == picture);
     app.move_pointer(160.0, 90.0);
     (0..4).for_each(|_| app.turn_wheel(1.0));
     app.wait_until("a nearer picture", |app| fraction(&app.picture(), &picture) > 0.2);
     app.press(&["Home"]);
-    app.wait_until("the scene's own picture again", |app| app.picture() == picture);
-    // A click that does not move turns nothing, and two are a wish for full screen.
+    app.wait_until("the scene's own camera again", |app| app.picture() == picture);
+    // A click without movement turns nothing. A double click would switch to full screen.
     app.click();
     assert!(app.wait_until_still() == picture, "a click moves the camera");
     drag(&app, (-40, 0));
-    app.wait_until("the picture turned once more", |app| fraction(&app.picture(), &picture) > 0.1);
-    // Another scene has its own camera again.
+    app.wait_until("the camera turned once more", |app| fraction(&app.picture(), &picture) > 0.1);
+    // Another scene uses its own camera.
     app.press(&["n"]);
     app.wait_for_title("another scene", |title| !title.contains("speakers"));
     app.press(&["p"]);
     app.wait_for_title("the first scene", |title| title.contains("speakers"));
-    app.wait_until("the scene's own picture at last", |app| app.picture() == picture);
+    app.wait_until("the scene's own camera at last", |app| app.picture() == picture);
 }
 
 #[test]
-fn a_view_is_there_from_the_start() {
+fn a_view_is_shown_from_the_start() {
     apart!();
     let place = Place::new();
     let (app, _) = paused(&place, &["--view", "materials"]);
     app.wait_for_title("the view", |title| title.contains("view materials"));
     let still = still(&place, &["--view", "materials", "--sdf", "compiled"]);
-    app.wait_until("the still's picture in the window", |app| fraction(&app.picture(), &still) < 0.001);
+    app.wait_until("the image of the still", |app| fraction(&app.picture(), &still) < 0.001);
 }

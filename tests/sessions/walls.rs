@@ -1,4 +1,4 @@
-//! Sessions with such scenes.
+//! Sessions with the scenes of the `walls` helpers.
 
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ impl Place {
         Self { inner }
     }
 
-    /// A session with a scene and no words, when its first picture shows.
+    /// Opens a scene without overlay and waits for its first frame.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App {
         let scene = self.path(scene);
         let own = ["--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
@@ -32,13 +32,13 @@ impl Place {
         self.inner.path(name)
     }
 
-    /// The file of the settings.
+    /// The path of the settings file.
     pub(crate) fn settings(&self) -> PathBuf {
         self.inner.settings()
     }
 }
 
-/// Waits until most of the picture has one channel only: 0 is red, 1 green, 2 blue.
+/// Waits until only this channel is bright in most of the frame: 0 is red, 1 green, 2 blue.
 pub(crate) fn wait_for_channel(app: &App, channel: usize) {
     app.wait_for("the wall's colour", |picture| {
         let fits = picture.pixels().filter(|pixel| (0..3).all(|at| (pixel.0[at] > 120) == (at == channel)));

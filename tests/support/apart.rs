@@ -1,7 +1,7 @@
 //! Runs each session test in a separate process.
 //!
-//! In Mesa 22.3, llvmpipe reads all contexts of a display while other threads change them, so two sessions in one process can
-//! crash. A separate process also allows environment variables, and a log, for each test.
+//! In Mesa 22.3, llvmpipe reads all contexts of a display while other threads change them, so two sessions in one
+//! process can crash. A separate process also allows environment variables, and a log, for each test.
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -10,11 +10,11 @@ use std::process::{Command, ExitStatus, Stdio};
 #[cfg(unix)]
 use mariana_testing::process::{private_folder, session_environment};
 
-/// Set in the process of a test: its name.
+/// The variable that holds the test's name in the process of a test.
 const TEST: &str = "MARIANA_TEST_APART";
 
-/// Runs the calling test in a separate process with environment variables: `apart!("NAME" = "value");`. Must be the first
-/// statement of the test.
+/// Runs the calling test in a separate process with environment variables: `apart!("NAME" = "value");`. Must be the
+/// first statement of the test.
 macro_rules! apart {
     ($($name:literal = $value:expr),*) => {
         fn here() {}
@@ -25,8 +25,8 @@ macro_rules! apart {
 }
 pub(crate) use apart;
 
-/// The same in a user's session of its own, in a folder that [`home`] returns. No sound server runs there, unless the test
-/// starts one.
+/// Like [`apart!`], but in a separate user session with the home folder [`home`]. No sound server runs there unless the
+/// test starts one.
 #[cfg(unix)]
 macro_rules! apart_at_home {
     () => {
@@ -39,7 +39,7 @@ macro_rules! apart_at_home {
 #[cfg(unix)]
 pub(crate) use apart_at_home;
 
-/// See [`apart_at_home`].
+/// Runs the test of [`apart_at_home`] in a separate process; returns false in that process itself.
 #[cfg(unix)]
 pub(crate) fn runs_at_another_home(path: &str) -> bool {
     if is_apart() {
@@ -48,18 +48,18 @@ pub(crate) fn runs_at_another_home(path: &str) -> bool {
     let folder = private_folder();
     let session = session_environment(folder.path());
     let variables: Vec<(&str, &str)> = session.iter().map(|(name, value)| (*name, value.as_str())).collect();
-    // Drivers keep programs below the user's home: those of other tests serve this one, too.
+    // Drivers keep compiled shaders below the user's home; a shared cache saves compiling them for each test.
     let kept = [("MESA_SHADER_CACHE_DIR", env!("CARGO_TARGET_TMPDIR"))];
     runs_elsewhere(path, &[&variables[..], &kept].concat())
 }
 
-/// The folder of the user, and of the user's session.
+/// The home folder of the test's user session.
 pub(crate) fn home() -> PathBuf {
     std::env::var_os("HOME").unwrap().into()
 }
 
-/// Runs the test that holds the function `path` in a process of its own, and returns whether that was done: false in
-/// that process itself.
+/// Runs the test that contains the function `path` in a separate process. Returns true if it did, and false in that
+/// process itself.
 ///
 /// # Panics
 /// If the test fails.
@@ -74,25 +74,24 @@ pub(crate) fn runs_elsewhere(path: &str, variables: &[(&str, &str)]) -> bool {
         (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{test}: {}\n{reported}\n{failed}", output.status);
     assert!(reported.contains("1 passed"), "{test} did not run: {reported}");
-    // On a thread of which the test does not hear.
+    // A thread may have panicked without failing the test.
     assert!(!failed.contains("panicked"), "{test}: {failed}");
     true
 }
 
-/// Runs the test of this process again, in another process with further variables.
+/// Runs the test of this process once more, in another process with additional variables.
 pub(crate) fn run_again(variables: &[(&str, &OsStr)]) -> ExitStatus {
     let mut again = process_of(&std::env::var(TEST).unwrap());
     again.envs(variables.iter().copied()).stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap()
 }
 
-/// The process of one test.
 fn process_of(test: &str) -> Command {
     let mut process = Command::new(std::env::current_exe().unwrap());
     process.args([test, "--exact", "--nocapture", "--test-threads=1"]).env(TEST, test);
     process
 }
 
-/// Whether this is the process of one test.
+/// True if this is the process of a single test.
 pub(crate) fn is_apart() -> bool {
     std::env::var_os(TEST).is_some()
 }

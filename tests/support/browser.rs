@@ -1,7 +1,7 @@
-//! A phone: a page of a phone's size in a headless browser, which a test controls through the DevTools protocol.
+//! A simulated phone: a page of a phone's size in a headless browser, controlled through the DevTools protocol.
 //!
-//! Each page has a browser of its own, as each phone has. Browsers pause `requestAnimationFrame` in background pages, and
-//! of several pages in one browser all but the newest are in the background.
+//! Each page has a separate browser, because browsers pause `requestAnimationFrame` in background pages, and of several
+//! pages in one browser all but the newest are in the background.
 
 use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
@@ -14,32 +14,32 @@ use tungstenite::{Message, WebSocket};
 
 use mariana_testing::process::{LOOK_PERIOD, Process, WAIT_LIMIT, private_folder, session_environment};
 
-/// What Chromium without a window is called by those who package it.
+/// The names under which distributions package headless Chromium.
 const PROGRAMS: [&str; 4] = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"];
-/// What a phone's window measures, in its points.
+/// Width and height of a phone's window, in CSS pixels.
 pub(crate) const PHONE: (u32, u32) = (390, 844);
 
 /// A headless browser. Dropping it ends the process.
 struct Browser {
     _process: Process,
-    /// Host and port of its DevTools server, and the path of the browser's own endpoint.
+    /// Host and port of the DevTools server.
     address: String,
     whole: String,
     _folder: TempDir,
 }
 
 impl Browser {
-    /// Starts it with a profile of its own.
+    /// Starts the browser with a new profile.
     fn start() -> Self {
         let folder = private_folder();
         let path = std::env::var_os("PATH").unwrap_or_default();
         let is_there = |name: &&str| std::env::split_paths(&path).any(|folder| folder.join(name).is_file());
         let program = PROGRAMS.into_iter().find(is_there);
-        let program = program.expect("there is no Chromium: install the package chromium-headless-shell");
+        let program = program.expect("Chromium not found: install the package chromium-headless-shell");
         let mut command = Command::new(program);
         command.envs(session_environment(folder.path())).args([
             "--headless",
-            // Whoever runs tests as root has no sandbox; the only pages are the program's own.
+            // Chromium has no sandbox for root. It only opens the program's pages.
             "--no-sandbox",
             "--disable-gpu",
             "--disable-dev-shm-usage",
@@ -60,7 +60,7 @@ impl Browser {
             }
             reported.push_str(&line);
         };
-        // What it tells later must go somewhere.
+        // Drain the pipe, so that the browser never blocks on it.
         std::thread::spawn(move || lines.count());
         Self { _process: process, address, whole, _folder: folder }
     }
@@ -94,18 +94,18 @@ impl Page {
         page
     }
 
-    /// Opens another address instead.
+    /// Navigates to another address.
     pub(crate) fn go_to(&mut self, url: &str) {
         self.ask("Page.navigate", json!({ "url": url }));
     }
 
-    /// Gives the page's window another size, in points.
+    /// Sets the size of the page's window, in CSS pixels.
     pub(crate) fn resize(&mut self, (width, height): (u32, u32)) {
         let size = json!({ "width": width, "height": height, "deviceScaleFactor": 2, "mobile": true });
         self.ask("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// What an expression of JavaScript is.
+    /// Evaluates a JavaScript expression.
     pub(crate) fn value(&mut self, expression: &str) -> Value {
         let asked = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
         let answer = self.ask("Runtime.evaluate", asked);
@@ -113,7 +113,7 @@ impl Page {
         answer["result"]["value"].clone()
     }
 
-    /// The text of the first element of a selector, or nothing.
+    /// The text of the first element that matches a selector; empty if there is no such element.
     pub(crate) fn text(&mut self, selector: &str) -> String {
         let text = self.value(&format!("document.querySelector({})?.textContent", json!(selector)));
         text.as_str().unwrap_or_default().to_owned()
@@ -125,19 +125,20 @@ impl Page {
         while self.value(expression) != json!(true) {
             if start.elapsed() > WAIT_LIMIT {
                 let state = self.value("typeof show === 'undefined' ? null : show");
-                panic!("{what} did not come: '{}' {state}", self.text("body p"));
+                panic!("timed out waiting for {what}: '{}' {state}", self.text("body p"));
             }
             std::thread::sleep(LOOK_PERIOD);
         }
     }
 
-    /// Waits until the text of an element is this.
+    /// Waits until the text of an element equals `wanted`.
     pub(crate) fn wait_for_text(&mut self, selector: &str, wanted: &str) {
         let (selector, text) = (json!(selector), json!(wanted));
         self.wait_until(wanted, &format!("document.querySelector({selector})?.textContent === {text}"));
     }
 
-    /// Touches the element at one share of its width, goes to another, and lets go; all of it in its middle line.
+    /// Touches an element at the fraction `from` of its width, moves to the fraction `to`, and lifts the finger. The
+    /// finger moves along the element's middle line.
     pub(crate) fn drag(&mut self, selector: &str, from: f64, to: f64) {
         let (place, width) = self.bring_into_view(selector);
         let at = |fraction: f64| (place.0 + fraction * width, place.1);
@@ -148,7 +149,7 @@ impl Page {
         self.touch("touchEnd", None);
     }
 
-    /// Touches the middle of an element, goes up or down so far, and lets go.
+    /// Touches the middle of an element, moves down by `far` CSS pixels (up if negative), and lifts the finger.
     pub(crate) fn push(&mut self, selector: &str, far: f64) {
         let (place, width) = self.bring_into_view(selector);
         let at = |fraction: f64| (place.0 + 0.5 * width, place.1 + fraction * far);
@@ -158,14 +159,14 @@ impl Page {
         self.touch("touchEnd", None);
     }
 
-    /// Touches the middle of an element, as a finger that presses a button.
+    /// Taps the middle of an element.
     pub(crate) fn tap(&mut self, selector: &str) {
         let (place, width) = self.bring_into_view(selector);
         self.touch("touchStart", Some((place.0 + 0.5 * width, place.1)));
         self.touch("touchEnd", None);
     }
 
-    /// What the page shows, as a PNG.
+    /// A screenshot of the page, as a PNG.
     pub(crate) fn picture(&mut self) -> Vec<u8> {
         let answer = self.ask("Page.captureScreenshot", json!({ "format": "png" }));
         let letters = answer["data"].as_str().unwrap().bytes().filter(|byte| *byte != b'=');
@@ -187,7 +188,8 @@ impl Page {
         bytes
     }
 
-    /// Scrolls an element into view until nothing scrolls any more, and gives its left end in the middle of its height, and its width.
+    /// Scrolls an element into view and waits until the scrolling ends. Returns the middle of its left edge, and its
+    /// width.
     fn bring_into_view(&mut self, selector: &str) -> ((f64, f64), f64) {
         let name = json!(selector);
         let place = self.value(&format!(
@@ -197,7 +199,8 @@ impl Page {
              await picture(); }} while (scrollY !== at); const b = e.getBoundingClientRect(); \
              return [b.left, b.top + b.height / 2, b.width]; }})()"
         ));
-        let number = |at: usize| place[at].as_f64().unwrap_or_else(|| panic!("there is no {selector}"));
+        let number =
+            |at: usize| place[at].as_f64().unwrap_or_else(|| panic!("no element matches {selector}"));
         ((number(0), number(1)), number(2))
     }
 
@@ -206,14 +209,14 @@ impl Page {
         self.ask("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
     }
 
-    /// Tells the browser something and gives its answer.
+    /// Calls a DevTools method and returns its result.
     fn ask(&mut self, method: &str, params: Value) -> Value {
         self.number += 1;
         let message = json!({ "id": self.number, "method": method, "params": params });
         self.socket.send(Message::text(message.to_string())).unwrap();
         let start = Instant::now();
         loop {
-            assert!(start.elapsed() < WAIT_LIMIT + Duration::from_secs(1), "{method} is not answered");
+            assert!(start.elapsed() < WAIT_LIMIT + Duration::from_secs(1), "no answer to {method}");
             let Message::Text(text) = self.socket.read().unwrap() else { continue };
             let mut answer: Value = serde_json::from_str(&text).unwrap();
             if answer["id"] == json!(self.number) {

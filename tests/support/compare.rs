@@ -1,32 +1,32 @@
-//! The comparison of pictures: one measure, two tolerances.
+//! The comparison of images: one measure, two tolerances.
 
 use std::path::{Path, PathBuf};
 
 use image::{Rgba, RgbaImage};
 
-/// How far two pictures may be apart. Colours count in steps of 0..255; alpha is not looked at.
+/// The largest accepted difference of two images. Colours are measured in steps of 0..255; alpha is ignored.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tolerance {
     /// Largest mean difference over all colour channels, in steps.
     pub mean_max: f64,
-    /// A pixel differs visibly when one of its channels is further apart than this, in steps.
+    /// A pixel differs visibly if one of its channels differs by more than this, in steps.
     pub visible: u8,
-    /// Largest share of pixels that differ visibly, 0..1.
+    /// Largest fraction of pixels that may differ visibly, 0..1.
     pub fraction_max: f64,
 }
 
-/// For pictures of one machine that should be the same but were computed another way.
+/// For images from one machine that should be equal but were computed in another way.
 pub(crate) const TIGHT: Tolerance = Tolerance { mean_max: 0.5, visible: 8, fraction_max: 0.001 };
 
-/// For pictures of different drivers: roundings move edges and penumbras, texture filters differ.
+/// For images from different drivers: rounding moves edges and penumbras, and texture filters differ.
 pub(crate) const LOOSE: Tolerance = Tolerance { mean_max: 1.0, visible: 16, fraction_max: 0.005 };
 
-/// How far two pictures are apart.
+/// The measured difference of two images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Difference {
     /// Mean over all colour channels, in steps of 0..255.
     pub mean: f64,
-    /// Share of the pixels that differ visibly, 0..1.
+    /// Fraction of the pixels that differ visibly, 0..1.
     pub fraction: f64,
     /// The largest difference of a channel, in steps.
     pub largest: u8,
@@ -37,9 +37,9 @@ pub(crate) fn pixel_difference(a: &Rgba<u8>, b: &Rgba<u8>) -> u8 {
     (0..3).map(|channel| a.0[channel].abs_diff(b.0[channel])).max().unwrap_or(0)
 }
 
-/// Measures how far two pictures of one size are apart; `visible` as in [`Tolerance::visible`].
+/// Measures the difference of two images of equal size; for `visible` see [`Tolerance::visible`].
 pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage, visible: u8) -> Difference {
-    assert_eq!(a.dimensions(), b.dimensions(), "pictures of different sizes");
+    assert_eq!(a.dimensions(), b.dimensions(), "the images have different sizes");
     let (mut sum, mut seen, mut largest) = (0_u64, 0_u64, 0);
     for (a, b) in a.pixels().zip(b.pixels()) {
         sum += (0..3).map(|channel| u64::from(a.0[channel].abs_diff(b.0[channel]))).sum::<u64>();
@@ -51,30 +51,30 @@ pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage, visible: u8) -> Differenc
     Difference { mean: sum as f64 / (3.0 * pixels), fraction: seen as f64 / pixels, largest }
 }
 
-/// Fails if `actual` is further from `expected` than `tolerance`, and then leaves the pictures for the eye.
+/// Fails if the images differ by more than `tolerance`, and saves them for inspection.
 pub(crate) fn assert_alike(name: &str, actual: &RgbaImage, expected: &RgbaImage, tolerance: Tolerance) {
     if let Err(reason) = compare(name, actual, expected, tolerance) {
         panic!("{reason}");
     }
 }
 
-/// Compares `actual` with `tests/golden/NAME.png` by [`LOOSE`]. With MARIANA_BLESS=1 in the environment it
-/// becomes that file instead.
+/// Compares `actual` with `tests/golden/NAME.png` within [`LOOSE`]. With MARIANA_BLESS=1 in the environment, replaces
+/// that file by `actual`.
 pub(crate) fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(format!("{name}.png"));
     if std::env::var_os("MARIANA_BLESS").is_some_and(|value| value == "1") {
         return write(&path, actual);
     }
-    let advice = "if the new look is wanted, run MARIANA_BLESS=1 cargo test --workspace --test pictures";
+    let advice = "if the change is intended, run MARIANA_BLESS=1 cargo test --workspace --test pictures";
     let golden =
         image::open(&path).map_err(|error| format!("{}: {error}; {advice}", path.display()))?.to_rgba8();
     if golden.dimensions() != actual.dimensions() {
-        return Err(format!("{name} is not of the golden picture's size; {advice}"));
+        return Err(format!("{name} has another size than the golden image; {advice}"));
     }
     compare(name, actual, &golden, LOOSE).map_err(|reason| format!("{reason}; {advice}"))
 }
 
-/// Compares two pictures; an error leaves them for the eye.
+/// Compares two images. On an error it saves them for inspection.
 pub(crate) fn compare(
     name: &str,
     actual: &RgbaImage,
@@ -91,7 +91,10 @@ pub(crate) fn compare(
         (folder.join(format!("{name}.expected.png")), expected.clone()),
         (folder.join(format!("{name}.difference.png")), difference_picture(actual, expected)),
     ];
-    let mut reason = format!("{name} is {found:?} from what is expected, allowed is {tolerance:?}; look at");
+    let mut reason = format!(
+        "{name} differs from the expected image by {found:?}, the limit is \
+        {tolerance:?}; look at"
+    );
     for (path, picture) in &seen {
         write(path, picture)?;
         reason.push_str(&format!("\n  {}", path.display()));
@@ -99,7 +102,7 @@ pub(crate) fn compare(
     Err(reason)
 }
 
-/// Differences of the channels, eight times as large, so that a visible one can be seen.
+/// The channels' differences, multiplied by eight to make them visible.
 fn difference_picture(a: &RgbaImage, b: &RgbaImage) -> RgbaImage {
     RgbaImage::from_fn(a.width(), a.height(), |x, y| {
         let (a, b) = (a.get_pixel(x, y).0, b.get_pixel(x, y).0);
@@ -112,5 +115,5 @@ fn write(path: &Path, picture: &RgbaImage) -> Result<(), String> {
     let written = path.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(|error| error.to_string());
     written
         .and_then(|()| picture.save(path).map_err(|error| error.to_string()))
-        .map_err(|error| format!("{} cannot be written: {error}", path.display()))
+        .map_err(|error| format!("cannot write {}: {error}", path.display()))
 }

@@ -1,4 +1,4 @@
-//! A desktop of the test's own (an X server without a screen, a window manager) and the program in a window on it.
+//! A private desktop (an X server without a screen, and a window manager) and the program in a window on it.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -19,21 +19,20 @@ use mariana_testing::process::{
     LOOK_PERIOD, Process, WAIT_LIMIT, output_of, private_folder, session_environment, wait_until,
 };
 
-/// The program.
+/// The path of the program under test.
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_mariana");
 
-/// Width and height of the screen, in pixels. Small: the pictures are drawn without a graphics card.
+/// Width and height of the screen, in pixels. It is small because it is drawn without a graphics card.
 pub(crate) const SCREEN: (u32, u32) = (800, 600);
 
-/// Scenes beside the one that is tested are prepared only where a test asks for it: they are large, and would take the
-/// processors from the others. Nothing stands over the picture that a test did not ask for, and no window begins where
-/// the one before ended.
+/// Options of most tests. They turn off preparing other scenes ahead, which would take processor time from tests that
+/// run in parallel. They also hide the overlay and ignore the state that an earlier run saved.
 const ALONE: [&str; 4] = ["--prepare-ahead", "off", "--clean", "--new"];
 
-/// Ticks per second in which the system counts the time of processors.
+/// The unit of processor times in `/proc`, in ticks per second.
 const TICKS_PER_SECOND: f64 = 100.0;
 
-/// How many desktops there may be at a time: the programs on them share the processors, and mostly wait.
+/// Limits the number of desktops at a time: the programs on them share the processors.
 static PLACES: Places = Places { free: Mutex::new(2), freed: Condvar::new() };
 
 struct Places {
@@ -41,11 +40,11 @@ struct Places {
     freed: Condvar,
 }
 
-/// A place for a desktop, free again when dropped.
+/// A permit to run a desktop, returned when dropped.
 pub(crate) struct Place;
 
 impl Place {
-    /// Waits for one.
+    /// Waits for a permit.
     pub(crate) fn wait_for() -> Self {
         let free = PLACES.free.lock().unwrap_or_else(PoisonError::into_inner);
         let mut free =
@@ -64,7 +63,7 @@ impl Drop for Place {
 
 /// An X server with a window manager, and a folder for the session. All end when dropped.
 pub(crate) struct Desktop {
-    // In this order: the window manager goes before its server.
+    // Field order matters: the window manager ends before its server.
     _manager: Process,
     server: Process,
     display: String,
@@ -73,7 +72,7 @@ pub(crate) struct Desktop {
 }
 
 impl Desktop {
-    /// Starts on a display that is free.
+    /// Starts the desktop on a free display.
     pub(crate) fn start() -> Self {
         let place = Place::wait_for();
         let folder = private_folder();
@@ -90,7 +89,7 @@ impl Desktop {
         desktop
     }
 
-    /// The session's folder, for songs too.
+    /// The session's folder; songs may be written to it.
     pub(crate) fn folder(&self) -> &Path {
         self.folder.path()
     }
@@ -100,31 +99,31 @@ impl Desktop {
         command_in(name, self.folder(), Some(&self.display))
     }
 
-    /// The program with `song`, when its window shows; nothing but what is asked for is over the picture.
+    /// Opens the program with `song` and waits for its window. The window shows no overlay unless `options` ask for it.
     pub(crate) fn open(&self, song: &Path, options: &[&str]) -> App<'_> {
         self.open_printing_to(Stdio::piped(), song, options)
     }
 
-    /// The same with everything that a window says by itself.
+    /// Like [`Self::open`], but with the overlay that the program shows by default.
     pub(crate) fn open_with_words(&self, song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.arg(song).args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
         self.show(command, song)
     }
 
-    /// The program that listens, or plays the demo track, when its window shows.
+    /// Opens the program without a song, so that it listens or plays the demo track, and waits for its window.
     pub(crate) fn listen(&self, options: &[&str]) -> App<'_> {
         self.listen_printing_to(Stdio::piped(), options)
     }
 
-    /// The same with another standard output.
+    /// Like [`Self::listen`], with another standard output.
     pub(crate) fn listen_printing_to(&self, stdout: Stdio, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.args(ALONE).args(options).stdout(stdout).stderr(Stdio::piped());
         self.show(command, Path::new(""))
     }
 
-    /// The same as [`Desktop::open`] with more variables in the program's environment.
+    /// Like [`Self::open`], with additional environment variables.
     pub(crate) fn open_with(&self, variables: &[(&str, &str)], song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.envs(variables.iter().copied()).arg(song).args(ALONE).args(options);
@@ -137,7 +136,7 @@ impl Desktop {
         self.signal_server("-KILL");
     }
 
-    /// Stops the X server or lets it go on. A stopped one takes requests and answers them later.
+    /// Stops the X server or resumes it. A stopped server still accepts requests, and answers them when resumed.
     pub(crate) fn halt_server(&self, halt: bool) {
         self.signal_server(if halt { "-STOP" } else { "-CONT" });
     }
@@ -147,7 +146,7 @@ impl Desktop {
         output_of(Command::new("kill").args([signal, &number]), "procps").unwrap();
     }
 
-    /// What the whole screen shows.
+    /// A screenshot of the whole screen.
     pub(crate) fn screen(&self) -> RgbaImage {
         let (server, root) = self.connect();
         let (width, height) = (SCREEN.0 as u16, SCREEN.1 as u16);
@@ -160,8 +159,8 @@ impl Desktop {
         })
     }
 
-    /// Takes a part of the screen for a monitor of its own: its left edge and its width. Before the first, all of the
-    /// screen is one.
+    /// Declares a part of the screen as a monitor, by its left edge and width. Until the first call the whole screen is
+    /// one monitor.
     pub(crate) fn plug_monitor(&self, name: &str, left: i16, width: u16) {
         let (server, root) = self.connect();
         let outputs = server.randr_get_screen_resources_current(root).unwrap().reply().unwrap().outputs;
@@ -175,13 +174,13 @@ impl Desktop {
             height: SCREEN.1 as u16,
             width_in_millimeters: 100,
             height_in_millimeters: 100,
-            // Whoever has the only output takes the place of the monitor that was all of the screen.
+            // The monitor that gets the only output replaces the monitor of the whole screen.
             outputs: if left == 0 { outputs } else { Vec::new() },
         };
         server.randr_set_monitor(root, info).unwrap().check().unwrap();
     }
 
-    /// Takes such a monitor away.
+    /// Removes a monitor of [`Self::plug_monitor`].
     pub(crate) fn pull_monitor(&self, name: &str) {
         let (server, root) = self.connect();
         let name = server.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom;
@@ -200,24 +199,24 @@ impl Desktop {
         &self.display
     }
 
-    /// The same as [`Desktop::open`] with another standard output.
+    /// Like [`Self::open`], with another standard output.
     pub(crate) fn open_printing_to(&self, stdout: Stdio, song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.arg(song).args(ALONE).args(options).stdout(stdout).stderr(Stdio::piped());
         self.show(command, song)
     }
 
-    /// Runs `command`, which is the program with `song`, until its window shows.
+    /// Runs `command`, which is the program with `song`, and waits until its window is visible and focused.
     pub(crate) fn show(&self, command: Command, song: &Path) -> App<'_> {
         let mut app = self.show_without_focus(command, song);
-        app.wait("the keyboard's focus", |app| {
+        app.wait("the keyboard focus", |app| {
             let active = output_of(app.desktop.command("xdotool").arg("getactivewindow"), "xdotool").ok()?;
             (String::from_utf8_lossy(&active).trim() == app.window).then_some(())
         });
         app
     }
 
-    /// The same of a window that gets no keys.
+    /// Like [`Self::show`], without waiting for the keyboard focus.
     pub(crate) fn show_without_focus(&self, mut command: Command, song: &Path) -> App<'_> {
         let mut process = Process::start(&mut command, "mariana");
         let printed = process.child().stdout.take().map(collect).unwrap_or_default();
@@ -237,12 +236,13 @@ impl Desktop {
     }
 }
 
-/// Starts an X server without a window manager on a display that is free: its process and the display's name.
+/// Starts an X server without a window manager on a free display. Returns its process and the display's name.
 pub(crate) fn start_x_server() -> (Process, String) {
     let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
     let mut server = Process::start(
         Command::new("Xvfb")
-            // Without a reset when the first to ask, which may be wmctrl, leaves: it would take the manager along.
+            // Without -noreset the server resets when its first client disconnects. If that is wmctrl, the reset ends
+            // the window manager.
             .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp", "-screen", "0", &screen])
             .stdout(Stdio::piped())
             .stderr(Stdio::null()),
@@ -254,7 +254,7 @@ pub(crate) fn start_x_server() -> (Process, String) {
     (server, display)
 }
 
-/// A command for the session in `folder`, with a display or without.
+/// A command that runs in the session in `folder`, with or without a display.
 pub(crate) fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Command {
     let mut command = Command::new(name);
     command.stdin(Stdio::null()).envs(session_environment(folder));
@@ -276,10 +276,10 @@ pub(crate) fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Co
     command
 }
 
-/// Width and height of the picture in a window, or of the window, in pixels.
+/// Width and height of an image or a window, in pixels.
 pub(crate) type Size = (u32, u32);
 
-/// The program with a window on a [`Desktop`]. It ends when dropped.
+/// The program in a window on a [`Desktop`]. It ends when dropped.
 pub(crate) struct App<'d> {
     desktop: &'d Desktop,
     process: Process,
@@ -295,34 +295,36 @@ impl App<'_> {
         self.xdotool(&[&["key"], keys].concat());
     }
 
-    /// Runs xdotool and gives what it prints.
+    /// Runs xdotool and returns its output.
     pub(crate) fn xdotool(&self, arguments: &[&str]) -> String {
         let printed = output_of(self.desktop.command("xdotool").args(arguments), "xdotool");
         String::from_utf8_lossy(&printed.unwrap_or_else(|error| panic!("{error}; {}", self.reported())))
             .into_owned()
     }
 
-    /// The window's number for X11's tools.
+    /// The window's X11 id, as text.
     pub(crate) fn window(&self) -> &str {
         &self.window
     }
 
-    /// The number of its process.
     pub(crate) fn process_id(&self) -> u32 {
         self.process.id()
     }
 
-    /// The window's title.
     pub(crate) fn title(&self) -> String {
         self.xdotool(&["getwindowname", &self.window]).trim().to_owned()
     }
 
-    /// Waits until the title is as wanted.
+    /// Waits until `wanted` accepts the title.
     pub(crate) fn wait_for_title(&mut self, what: &str, wanted: impl Fn(&str) -> bool) {
         let start = Instant::now();
-        self.wait(&format!("a title that says {what}"), |app| {
+        self.wait(&format!("a title with {what}"), |app| {
             let title = app.title();
-            assert!(wanted(&title) || start.elapsed() < WAIT_LIMIT, "no title says {what}, it is '{title}'");
+            assert!(
+                wanted(&title) || start.elapsed() < WAIT_LIMIT,
+                "timed out waiting for {what} in the \
+                title, which is '{title}'"
+            );
             wanted(&title).then_some(())
         });
     }
@@ -342,10 +344,10 @@ impl App<'_> {
         self.wait(&format!("a window of {size:?}"), |app| (app.size() == size).then_some(()));
     }
 
-    /// What the window shows, as soon as it does.
+    /// Waits for a screenshot of the window.
     pub(crate) fn picture(&self) -> RgbaImage {
         let mut picture = None;
-        wait_until("a picture in the window", || {
+        wait_until("a screenshot of the window", || {
             picture = self.try_picture().ok();
             picture.is_some()
         });
@@ -355,16 +357,16 @@ impl App<'_> {
     fn try_picture(&self) -> Result<RgbaImage, String> {
         let mut command = self.desktop.command("xwd");
         let dump = output_of(command.args(["-silent", "-id", &self.window]), "x11-apps")?;
-        // While a window comes or goes only a part of it shows.
+        // While a window opens or closes, the server returns only a part of it.
         let picture = decode_window_dump(&dump)?;
         if picture.dimensions() == self.size() {
             Ok(picture)
         } else {
-            Err("only a part of the window shows".into())
+            Err("only a part of the window is visible".into())
         }
     }
 
-    /// The picture without a window of a moment of the song.
+    /// The output of `mariana still` for a moment of the song.
     pub(crate) fn still(&self, at: f64, size: Size) -> RgbaImage {
         let path = self.desktop.folder().join("still.png");
         let mut command = command_in(PROGRAM, self.desktop.folder(), None);
@@ -374,12 +376,12 @@ impl App<'_> {
         image::open(&path).unwrap().to_rgba8()
     }
 
-    /// Waits until the window shows what `mariana still` makes of that moment at the window's size.
+    /// Waits until the window shows the same image as `mariana still` for that moment at the window's size.
     pub(crate) fn wait_for_moment(&mut self, at: f64) -> RgbaImage {
         let size = self.size();
         let wanted = self.still(at, size);
         let start = Instant::now();
-        // While it is being resized or redrawn, the window may show something else.
+        // The image may differ for a while, during a resize or a redraw.
         let alike = |seen: &RgbaImage| {
             let found = difference(seen, &wanted, TIGHT.visible);
             found.mean <= TIGHT.mean_max && found.fraction <= TIGHT.fraction_max
@@ -397,93 +399,97 @@ impl App<'_> {
         }
     }
 
-    /// How much of a processor the program takes, watched for `time`.
+    /// The average number of processors that the program uses during `time`.
     pub(crate) fn load(&self, time: Duration) -> f64 {
         load_of(self.process.id(), || std::thread::sleep(time))
     }
 
-    /// Memory that the program holds, in MiB (the resident set).
+    /// Resident memory of the program, in MiB.
     pub(crate) fn memory_mib(&self) -> f64 {
         let text = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
         let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
         line.trim().trim_end_matches(" kB").trim().parse::<f64>().unwrap() / 1024.0
     }
 
-    /// What it has printed on standard output.
+    /// The program's standard output so far.
     pub(crate) fn printed(&self) -> String {
         lock(&self.printed).clone()
     }
 
-    /// What it has printed on standard error.
+    /// The program's standard error so far.
     pub(crate) fn reported(&self) -> String {
         lock(&self.reported).clone()
     }
 
-    /// Waits until the program has told something.
+    /// Waits until standard error contains `what`.
     pub(crate) fn wait_until_reported(&mut self, what: &str) {
         self.wait(&format!("'{what}'"), |app| app.reported().contains(what).then_some(()));
     }
 
-    /// Waits until the program has told something so many times.
+    /// Waits until standard error contains `what` at least `times` times.
     pub(crate) fn wait_until_reported_times(&mut self, what: &str, times: usize) {
         let reported = |app: &mut Self| (app.reported().matches(what).count() >= times).then_some(());
         self.wait(&format!("'{what}', {times} times"), reported);
     }
 
-    /// Whether it runs.
+    /// True if the program is still running.
     pub(crate) fn runs(&mut self) -> bool {
         self.process.ended().is_none()
     }
 
-    /// Waits for its end, and fails if that takes longer than `limit`.
+    /// Waits for the program to end, and fails after `limit`.
     pub(crate) fn wait_for_end(mut self, limit: Duration) -> (ExitStatus, String) {
         let start = Instant::now();
         loop {
             if let Some(status) = self.process.ended() {
                 return (status, self.reported());
             }
-            assert!(start.elapsed() < limit, "it has not ended after {limit:?}; {}", self.reported());
+            assert!(start.elapsed() < limit, "still running after {limit:?}; {}", self.reported());
             std::thread::sleep(LOOK_PERIOD);
         }
     }
 
-    /// Waits until `look` finds something. Fails if that takes too long or the program has ended.
+    /// Polls `look` until it returns a value. Fails on a timeout or when the program ends.
     fn wait<T>(&mut self, what: &str, mut look: impl FnMut(&mut Self) -> Option<T>) -> T {
         let start = Instant::now();
         loop {
             if let Some(ended) = self.process.ended() {
-                panic!("the program ended ({ended}) before {what}: {}", self.reported());
+                panic!("the program ended ({ended}) while the test waited for {what}: {}", self.reported());
             }
             if let Some(found) = look(self) {
                 return found;
             }
-            assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come; it told: {}", self.reported());
+            assert!(
+                start.elapsed() < WAIT_LIMIT,
+                "timed out waiting for {what}; standard error: {}",
+                self.reported()
+            );
             std::thread::sleep(LOOK_PERIOD);
         }
     }
 }
 
-/// How much of a processor a process takes while something is done.
+/// The average number of processors that a process uses while `act` runs.
 pub(crate) fn load_of(process: u32, act: impl FnOnce()) -> f64 {
     let (worked, since) = (processor_seconds(process), Instant::now());
     act();
     (processor_seconds(process) - worked) / since.elapsed().as_secs_f64()
 }
 
-/// Seconds that processors have worked for a process.
+/// Processor time that a process has used, in seconds.
 fn processor_seconds(process: u32) -> f64 {
     let text = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap();
-    // The name in brackets may hold anything; user and system time are the 14th and 15th field.
+    // The name in brackets may contain any character. User and system time are the 14th and 15th field.
     let (_, fields) = text.rsplit_once(')').unwrap();
     let ticks: f64 =
         fields.split_whitespace().skip(11).take(2).map(|field| field.parse::<f64>().unwrap()).sum();
     ticks / TICKS_PER_SECOND
 }
 
-/// What a program has printed so far.
+/// The output of a program so far.
 pub(crate) type Text = Arc<Mutex<String>>;
 
-/// Reads until the end on a thread of its own.
+/// Reads a stream to its end on a separate thread.
 pub(crate) fn collect(mut stream: impl Read + Send + 'static) -> Text {
     let text = Text::default();
     let collected = text.clone();
@@ -510,14 +516,14 @@ fn decode_window_dump(bytes: &[u8]) -> Result<RgbaImage, String> {
     let [header, _, _, _, width, height, _, order, _, _, _, bits, stride, _, red, green, blue, _, _, cells] =
         numbers[..]
     else {
-        return Err("xwd gave no picture".to_owned());
+        return Err("xwd returned no image".to_owned());
     };
     if (order, bits, red, green, blue) != (0, 32, 0xff_0000, 0xff00, 0xff) {
-        return Err("the X server's pixels are not the usual BGRX".to_owned());
+        return Err("the X server's pixels are not BGRX".to_owned());
     }
     let pixels = bytes.get((header + 12 * cells) as usize..).unwrap_or_default();
     if pixels.len() < (stride * height) as usize {
-        return Err("xwd gave less than the picture".to_owned());
+        return Err("xwd returned a truncated image".to_owned());
     }
     Ok(RgbaImage::from_fn(width, height, |x, y| {
         let at = (y * stride + 4 * x) as usize;

@@ -1,8 +1,8 @@
-//! Contexts that draw in the process of the tests, one thread at a time.
+//! OpenGL contexts in the test process, used by one thread at a time.
 //!
-//! Tests run side by side in threads, and all their contexts are on the display of one device. llvmpipe up to Mesa 22.3
-//! looks into all contexts of a display before it hands out memory of a buffer, without keeping their threads from
-//! changing them (`lp_scene_is_resource_referenced`). Two tests that drew at once could end the process that way.
+//! Tests run in parallel threads, and all their contexts share one EGL display. llvmpipe up to Mesa 22.3 reads all
+//! contexts of a display before it allocates a buffer, without locking them against changes by their threads
+//! (`lp_scene_is_resource_referenced`). Two tests that draw at the same time could crash the process.
 
 use std::ops::Deref;
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -10,11 +10,11 @@ use std::thread::ThreadId;
 
 use mariana::gpu::headless::Headless;
 
-/// The thread that draws, and how many of its contexts there are.
+/// The thread that draws, and the number of its contexts.
 static DRAWING: Mutex<Option<(ThreadId, usize)>> = Mutex::new(None);
 static DONE: Condvar = Condvar::new();
 
-/// While this is there, no other thread draws.
+/// A guard: no other thread draws while it exists.
 pub(crate) struct DrawsAlone(());
 
 impl DrawsAlone {
@@ -46,9 +46,9 @@ impl Drop for DrawsAlone {
     }
 }
 
-/// A context without a window, for which no other thread draws.
+/// A context without a window, with the guard that keeps other threads from drawing.
 pub(crate) struct Context {
-    // Dropped first.
+    // Dropped before the guard.
     headless: Headless,
     _alone: DrawsAlone,
 }

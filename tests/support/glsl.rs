@@ -1,7 +1,7 @@
-//! Shader text before two strict readers: glslang and naga.
+//! Checks shader text with two strict compilers: glslang and naga.
 //!
-//! naga reads Vulkan's GLSL 4.50, the renderer speaks OpenGL's 3.30. [`vulkan_form`] brings the second into the
-//! form of the first by rewriting text, a line for a line, so that line numbers stay:
+//! naga reads Vulkan GLSL 4.50; the renderer uses OpenGL GLSL 3.30. [`vulkan_form`] converts the text line by line, so
+//! that line numbers stay the same:
 //!
 //! | OpenGL 3.30 | Vulkan 4.50 |
 //! |---|---|
@@ -11,11 +11,11 @@
 //! | `uniform usampler2D name;` | the same with `utexture2D` |
 //! | `name` as an argument | `sampler2D(name_texture, name_sampler)` |
 //! | `gl_VertexID` | `gl_VertexIndex` |
-//! | `uniform usamplerBuffer regions;`, which naga does not know | `uvec4 fetch_regions(int texel)` |
-//! | `uniform samplerBuffer sound_tables;`, the same | `vec4 fetch_sound_tables(int texel)` |
+//! | `uniform usamplerBuffer regions;`, which naga does not support | `uvec4 fetch_regions(int texel)` |
+//! | `uniform samplerBuffer sound_tables;`, likewise | `vec4 fetch_sound_tables(int texel)` |
 //! | `texelFetch(regions, texel)` | `fetch_regions(texel)` |
 //!
-//! Macros are expanded by glslang before, as naga's preprocessor has no `##`.
+//! glslang expands the macros first, because naga's preprocessor has no `##`.
 
 use std::io::Write;
 use std::process::Command;
@@ -25,37 +25,35 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use naga::front::glsl::{Frontend, Options};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-/// The stage of a shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stage {
-    /// A vertex shader.
     Vertex,
-    /// A fragment shader.
     Fragment,
 }
 
 impl Stage {
-    /// The stage that a file's extension names.
+    /// The stage for a file's extension.
     pub(crate) fn of(file: &str) -> Self {
         match file.rsplit_once('.').map(|(_, extension)| extension) {
             Some("vert") => Self::Vertex,
             Some("frag") => Self::Fragment,
-            _ => panic!("{file}: a shader's stage is named by its extension, .vert or .frag"),
+            _ => panic!("{file}: expected the extension .vert or .frag"),
         }
     }
 }
 
-/// Runs glslangValidator on `text`. What it prints is the result, or the error if it refuses the text.
+/// Runs glslangValidator on `text`. Returns its output, as an error if it rejects the text.
 fn run_glslang(stage: Stage, text: &str, options: &[&str]) -> Result<String, String> {
     let suffix = if stage == Stage::Vertex { ".vert" } else { ".frag" };
     let mut file = tempfile::Builder::new().suffix(suffix).tempfile().unwrap();
     file.write_all(text.as_bytes()).unwrap();
-    let output = Command::new("glslangValidator").args(options).arg(file.path()).output().unwrap_or_else(|error| {
-        panic!(
-            "glslangValidator cannot be run ({error}): install it (Debian: glslang-tools, Fedora: glslang, \
+    let output =
+        Command::new("glslangValidator").args(options).arg(file.path()).output().unwrap_or_else(|error| {
+            panic!(
+                "cannot run glslangValidator ({error}): install it (Debian: glslang-tools, Fedora: glslang, \
              Arch: glslang, Homebrew: glslang)"
-        )
-    });
+            )
+        });
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     if output.status.success() {
         return Ok(printed);
@@ -69,7 +67,7 @@ pub(crate) fn check_with_glslang(stage: Stage, text: &str) -> Result<(), String>
     run_glslang(stage, text, &[]).map(drop)
 }
 
-/// glslang's complaints, each `ERROR: FILE:LINE: ...` followed by that line of the text.
+/// Appends the line of the text to each message `ERROR: FILE:LINE: ...` of glslang.
 fn with_quoted_lines(text: &str, reported_problems: &str) -> String {
     let mut quoted = String::new();
     for complaint in reported_problems.lines() {
@@ -84,11 +82,11 @@ fn with_quoted_lines(text: &str, reported_problems: &str) -> String {
     quoted
 }
 
-/// What naga's complaints call the text: its line numbers are those of the whole text, includes in it.
+/// The file name in naga's messages. Their line numbers count in the whole text, with its includes.
 const REWRITTEN: &str = "rewritten, whole shader";
 
-/// Takes a whole OpenGL shader through naga's GLSL front end and its validator. The error quotes the offending
-/// line of the rewritten text.
+/// Checks a whole OpenGL shader with naga's GLSL front end and its validator. The error quotes the offending line of
+/// the rewritten text.
 pub(crate) fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
     let expanded = run_glslang(stage, text, &["-E"])?;
     let vulkan = vulkan_form(&expanded)?;
@@ -105,9 +103,10 @@ pub(crate) fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// OpenGL 3.30 text as Vulkan 4.50 text; see the table at the head of this file.
+/// Converts OpenGL 3.30 text to Vulkan 4.50 text, by the table in the module's documentation.
 ///
-/// A block or a texture without a fixed place in the program is an error: the renderer would not bind it.
+/// # Errors
+/// If a uniform block or a texture has no fixed binding: the renderer would not bind it.
 pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
     let samplers: Vec<(&str, &str)> = text.lines().filter_map(declared_sampler).collect();
     let mut vulkan = String::new();
@@ -149,7 +148,7 @@ pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
     Ok(vulkan)
 }
 
-/// What stands before `sampler2D` in a line `uniform sampler2D name;`, nothing or u, and the name.
+/// The prefix of `sampler2D` (empty or "u") and the name in a line `uniform sampler2D name;`.
 fn declared_sampler(line: &str) -> Option<(&str, &str)> {
     let (kind, rest) = line.trim().strip_prefix("uniform ")?.split_once("sampler2D ")?;
     Some((kind, rest.split_once(';')?.0.trim()))
@@ -163,17 +162,17 @@ fn declared_block(line: &str) -> Option<&str> {
 
 fn place_of(places: &[(&str, u32)], name: &str) -> Result<u32, String> {
     let place = places.iter().find(|(known, _)| *known == name);
-    place.map(|(_, place)| *place).ok_or_else(|| format!("the program gives '{name}' no fixed place"))
+    place.map(|(_, place)| *place).ok_or_else(|| format!("'{name}' has no fixed binding in the program"))
 }
 
-/// The unit of a texture, the scene's or the renderer's.
+/// The texture unit of a scene texture or of one of the renderer's textures.
 fn unit_of(name: &str) -> Result<u32, String> {
     let of_scene =
         (0..FIELD_LIMITS.scene_textures_max).zip(0..).find(|(index, _)| scene_texture(*index) == name);
     of_scene.map_or_else(|| place_of(&TEXTURE_UNITS, name), |(_, unit)| Ok(unit))
 }
 
-/// The line cut into identifiers (numbers too) and what stands between them.
+/// Splits a line into identifiers (or numbers) and the text between them.
 fn identifiers_and_rest(line: &str) -> impl Iterator<Item = &str> {
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let mut rest = line;

@@ -1,5 +1,5 @@
-//! What several tests share: shader folders, the tools that check shaders, a renderer without a window, the
-//! comparison of pictures, a desktop and a sound server of the test's own.
+//! Helpers of the integration tests: shader folders, shader checkers, a headless renderer, image comparison, and
+//! private desktops, browsers and sessions.
 
 #![allow(dead_code, unused_macros, unused_imports, reason = "every test program uses its own part of this")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]

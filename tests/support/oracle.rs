@@ -1,8 +1,8 @@
-//! The speakers by hand: the oracle of the shipped scene, and the places where tests look for its parts.
+//! The hand-written speakers, which check the compiled scene, and the positions of their parts for tests.
 
 use glam::DVec3;
 
-/// The functions of the scene, in GLSL.
+/// The functions of the scene, written by hand in GLSL.
 pub(crate) const BY_HAND: &str = include_str!("../oracle/speakers.glsl");
 
 /// The arguments of `const TYPE NAME = ...;`.
@@ -13,24 +13,24 @@ fn constant_numbers(name: &str) -> Vec<f64> {
         .find(|(declared, _)| declared.split_whitespace().nth(1) == Some(name))
         .and_then(|(_, rest)| rest.split_once(';'))
         .map(|(value, _)| value.trim())
-        .unwrap_or_else(|| panic!("the oracle has no constant {name}; the tests place their probes by it"));
+        .unwrap_or_else(|| panic!("the oracle has no constant {name}; tests place their probes by it"));
     let inner = value.split_once('(').map_or(value, |(_, arguments)| arguments.trim_end_matches(')'));
     inner
         .split(',')
-        .map(|number| number.trim().parse().unwrap_or_else(|_| panic!("{name} is {value}, not numbers")))
+        .map(|number| number.trim().parse().unwrap_or_else(|_| panic!("{name} is {value}, expected numbers")))
         .collect()
 }
 
 /// `const float NAME = number;` of the oracle.
 pub(crate) fn constant(name: &str) -> f64 {
     let numbers = constant_numbers(name);
-    assert_eq!(numbers.len(), 1, "{name} is no single number");
+    assert_eq!(numbers.len(), 1, "{name} is not a single number");
     numbers[0]
 }
 
 /// `const vec3 NAME = vec3(x, y, z);` of the oracle.
 pub(crate) fn vector_constant(name: &str) -> DVec3 {
     let numbers = constant_numbers(name);
-    assert_eq!(numbers.len(), 3, "{name} is no vector of three numbers");
+    assert_eq!(numbers.len(), 3, "{name} is not a vector of three numbers");
     DVec3::new(numbers[0], numbers[1], numbers[2])
 }

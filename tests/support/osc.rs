@@ -1,17 +1,17 @@
-//! A program that speaks OSC with Mariana, by the book (OSC 1.0) and not by the program's own library.
+//! An OSC client for tests. It follows the OSC 1.0 specification without using the program's own library.
 
 use std::net::UdpSocket;
 
-/// A program that sends OSC, and hears the answers.
+/// A client that sends OSC messages to Mariana and receives the answers.
 pub(crate) struct Sender {
     socket: UdpSocket,
-    /// Where Mariana is to hear it.
+    /// The port at which Mariana listens.
     pub(crate) port: u16,
 }
 
 impl Sender {
     pub(crate) fn new() -> Self {
-        // A port that was free a moment ago.
+        // A port that was free just now.
         let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         socket.set_nonblocking(true).unwrap();
@@ -25,11 +25,11 @@ impl Sender {
 
     /// Sends bytes of any kind.
     pub(crate) fn send_bytes(&self, bytes: &[u8]) {
-        // What nobody hears yet is refused now and then.
+        // While no program listens, the system refuses some packets.
         let _ = self.socket.send_to(bytes, ("127.0.0.1", self.port));
     }
 
-    /// An answer that has come.
+    /// Receives an answer; `None` if there is none yet.
     pub(crate) fn receive(&self) -> Option<Vec<u8>> {
         let mut buffer = [0; 2_048];
         let (length, _) = self.socket.recv_from(&mut buffer).ok()?;
@@ -37,14 +37,14 @@ impl Sender {
     }
 }
 
-/// A text as messages have it.
+/// A string in OSC's format: terminated by a zero and padded to four bytes.
 pub(crate) fn padded(text: &str) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     bytes.resize((text.len() / 4 + 1) * 4, 0);
     bytes
 }
 
-/// The bytes of a message.
+/// Encodes a message.
 pub(crate) fn message(address: &str, numbers: &[f32]) -> Vec<u8> {
     let mut bytes = padded(address);
     bytes.extend(padded(&format!(",{}", "f".repeat(numbers.len()))));
@@ -52,7 +52,7 @@ pub(crate) fn message(address: &str, numbers: &[f32]) -> Vec<u8> {
     bytes
 }
 
-/// What the newest bundle that has come says of a number of the sound.
+/// A sound value in the newest bundle that was received; `None` if it is missing.
 pub(crate) fn sent_number(lights: &UdpSocket, address: &str) -> Option<f32> {
     lights.set_nonblocking(true).unwrap();
     let (mut buffer, mut newest) = ([0; 2_048], None);

@@ -1,5 +1,5 @@
-//! Asks a window whether it answers, as a compositor does: by the pings of the window protocol
-//! (Extended Window Manager Hints, `_NET_WM_PING`).
+//! Measures the response time of a window with the pings of the window protocol (Extended Window Manager Hints,
+//! `_NET_WM_PING`), as compositors do.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,38 +14,37 @@ use x11rb::protocol::xproto::{
 };
 use x11rb::rust_connection::RustConnection;
 
-/// How often a window is asked.
+/// The time between two pings.
 const PERIOD: Duration = Duration::from_millis(20);
-/// A window that does not answer for so long is taken for dead.
+/// The longest wait for an answer.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A thread that asks a window until it is told to stop.
+/// A thread that pings a window until it is stopped.
 pub(crate) struct Pings {
     thread: Option<JoinHandle<()>>,
     over: Arc<AtomicBool>,
     answers: Arc<Mutex<Vec<Answer>>>,
 }
 
-/// How long an answer took, and when it was asked for.
+/// The response time of a ping, and when the ping was sent.
 type Answer = (Duration, Instant);
 
-/// How long answers took.
+/// Statistics of the response times.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Answers {
-    /// How many there were.
+    /// The number of answers.
     pub count: usize,
-    /// Half of them took no longer.
     pub median: Duration,
-    /// 999 of 1,000 took no longer.
+    /// The 99.9th percentile.
     pub permille: Duration,
-    /// The slowest one.
+    /// The slowest answer.
     pub worst: Duration,
-    /// When that was asked for, counted from the first.
+    /// When the slowest answer's ping was sent, counted from the first ping.
     pub worst_at: Duration,
 }
 
 impl Pings {
-    /// Asks the window with this number on this display.
+    /// Starts pinging a window of a display.
     pub(crate) fn start(display: &str, window: Window) -> Self {
         let over = Arc::new(AtomicBool::new(false));
         let answers = Arc::<Mutex<Vec<Answer>>>::default();
@@ -54,7 +53,7 @@ impl Pings {
         Self { thread: Some(thread), over, answers }
     }
 
-    /// Stops asking.
+    /// Stops pinging. Returns the statistics.
     pub(crate) fn stop(mut self) -> Answers {
         self.over.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap();
@@ -72,7 +71,7 @@ impl Pings {
     }
 }
 
-/// Pings a window over a connection of its own.
+/// Pings a window over a separate connection.
 pub(crate) struct Pinger {
     connection: RustConnection,
     root: Window,
@@ -84,7 +83,7 @@ pub(crate) struct Pinger {
 }
 
 impl Pinger {
-    /// For the window with this number on this display.
+    /// Connects to a display, for pings of a window.
     pub(crate) fn connect(display: &str, window: Window) -> Self {
         let (connection, screen) = RustConnection::connect(Some(display)).unwrap();
         let root = connection.setup().roots[screen].root;
@@ -107,7 +106,8 @@ impl Pinger {
         sent
     }
 
-    /// Waits for the answer to the last ping until `gives_up`, which is called again and again. Returns whether it came.
+    /// Waits for the answer to the last ping. Polls `gives_up` and stops waiting when it returns true. Returns true if
+    /// the answer came.
     pub(crate) fn wait(&self, mut gives_up: impl FnMut() -> bool) -> bool {
         loop {
             match self.connection.poll_for_event().unwrap() {

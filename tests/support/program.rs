@@ -1,4 +1,4 @@
-//! The program as its users run it: arguments in, an exit code, text and files out.
+//! The program as a command-line user runs it: arguments in; exit code, text and files out.
 
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -12,28 +12,28 @@ use super::desktop::{PROGRAM, command_in};
 use mariana_testing::process::{LOOK_PERIOD, Process, output_of, private_folder};
 use mariana_testing::wave::write_wav;
 
-/// How long the program may take for anything asked of it here.
+/// The longest run of the program in these tests.
 pub(crate) const RUN_LIMIT: Duration = Duration::from_secs(60);
 
-/// Words that tell the user what to do; every refusal has at least one.
+/// Words of advice to the user; every refusal contains at least one.
 const ADVICE: &[&str] = &[
     "split", "change", "check", "choose", "convert", "correct", "end", "export", "fetch", "give", "install",
     "name", "save", "send", "set", "start", "unset", "update", "write",
 ];
 
-/// What must not stand in anything that users read: panics, and places in source code.
+/// Texts that must not appear in messages to users: panics, paths of source code, temporary files.
 const INTERNALS: &[&str] =
     &["panicked", "RUST_BACKTRACE", "stack backtrace", ".rs:", ".cargo", "unwrap()", ".mariana-"];
 
-/// A folder of its own in which the program runs: without a display, without sound.
+/// A working folder for the program, without a display and without sound.
 pub(crate) struct Workplace {
     folder: TempDir,
-    /// Apart, so that the folder holds the test's files and the program's output only.
+    /// A separate folder, so that `folder` contains only the test's files and the program's output.
     session: TempDir,
 }
 
 impl Workplace {
-    /// An empty one.
+    /// An empty workplace.
     pub(crate) fn new() -> Self {
         Self { folder: tempfile::tempdir().unwrap(), session: private_folder() }
     }
@@ -63,7 +63,7 @@ impl Workplace {
         names
     }
 
-    /// A stereo wave file of `seconds` of sines of `hz` with the peaks `left` and `right`, at 48 kHz.
+    /// Writes a stereo wave file at 48 kHz: `seconds` of a sine of `hz` with the peaks `left` and `right`.
     pub(crate) fn write_tone(&self, name: &str, hz: f64, seconds: f64, [left, right]: [f64; 2]) {
         let frames = (seconds * 48_000.0) as usize;
         let samples = (0..frames).flat_map(|frame| {
@@ -73,7 +73,7 @@ impl Workplace {
         write_wav(&self.path(name), 48_000, 2, samples);
     }
 
-    /// Has ffmpeg write `output`, which must work.
+    /// Lets ffmpeg write `output`; fails if ffmpeg fails.
     pub(crate) fn ffmpeg(&self, arguments: &[&str], output: &str) {
         let mut command = Command::new("ffmpeg");
         command.args(["-v", "error", "-nostdin", "-y"]).args(arguments).arg(self.path(output));
@@ -81,11 +81,11 @@ impl Workplace {
             .unwrap_or_else(|error| panic!("{error}"));
     }
 
-    /// The program with `arguments`, to be started.
+    /// The command that runs the program with `arguments` in the folder.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = command_in(PROGRAM, self.session.path(), None);
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
-        // The driver's own words are not the program's; its compiled shaders serve every test.
+        // Hides the messages of the driver. Its shader cache is shared by all tests.
         command.env("EGL_LOG_LEVEL", "fatal").env("MESA_SHADER_CACHE_DIR", env!("CARGO_TARGET_TMPDIR"));
         command
     }
@@ -96,28 +96,27 @@ impl Workplace {
     }
 }
 
-/// How the program ended.
+/// The result of a run of the program.
 #[derive(Debug)]
 pub(crate) struct Outcome {
-    /// What was run.
+    /// The command line.
     pub command: String,
-    /// The exit code.
     pub code: i32,
-    /// What it printed.
+    /// Standard output.
     pub stdout: String,
-    /// What it complained of.
+    /// Standard error.
     pub stderr: String,
 }
 
 impl Outcome {
-    /// Runs `command`, which must end by itself within `limit` and not by a signal.
+    /// Runs `command`, which must end within `limit` and not by a signal.
     pub(crate) fn of(command: &mut Command, limit: Duration) -> Self {
         let (stdout, stderr) = (tempfile::tempfile().unwrap(), tempfile::tempfile().unwrap());
         command.stdout(stdout.try_clone().unwrap()).stderr(stderr.try_clone().unwrap());
         Self::with_files(command, limit, stdout, stderr)
     }
 
-    /// The same for a command whose standard output goes elsewhere.
+    /// Like [`Self::of`], with another standard output.
     pub(crate) fn printing_elsewhere(command: &mut Command, stdout: impl Into<Stdio>) -> Self {
         let stderr = tempfile::tempfile().unwrap();
         command.stdout(stdout).stderr(stderr.try_clone().unwrap());
@@ -134,55 +133,55 @@ impl Outcome {
             if let Some(status) = process.ended() {
                 break status;
             }
-            assert!(
-                start.elapsed() < limit,
-                "{shown}: it has not ended after {limit:?}: {}",
-                text_of(stderr)
-            );
+            assert!(start.elapsed() < limit, "{shown}: still running after {limit:?}: {}", text_of(stderr));
             std::thread::sleep(LOOK_PERIOD);
         };
         let (stdout, stderr) = (text_of(stdout), text_of(stderr));
         let code = status.code().unwrap_or_else(|| panic!("{shown}: {status}: {stderr}"));
         for internal in INTERNALS {
-            assert!(!stderr.contains(internal), "{shown}: users do not want to read '{internal}': {stderr}");
+            assert!(!stderr.contains(internal), "{shown}: '{internal}' in a message to users: {stderr}");
         }
         Self { command: shown, code, stdout, stderr }
     }
 
-    /// What it printed, the job being done without a complaint.
+    /// Returns standard output; fails unless the run succeeded without a message.
     pub(crate) fn done(self) -> String {
         assert!(self.code == 0 && self.stderr.is_empty(), "{self:?}");
         self.stdout
     }
 
-    /// The sentence with which it refuses the job, which holds all `parts`: code 1, one line, nothing printed.
+    /// Fails unless the program refused the job: exit code 1 and one line that contains all `parts`. Returns that line.
     pub(crate) fn refused(self, parts: &[&str]) -> String {
-        assert!(self.stderr.lines().count() == 1, "one sentence is wanted: {self:?}");
+        assert!(self.stderr.lines().count() == 1, "expected a message of one line: {self:?}");
         self.refused_with_details(parts)
     }
 
-    /// The same where a driver's log follows the sentence.
+    /// Like [`Self::refused`], for a message that is followed by a driver's log.
     pub(crate) fn refused_with_details(self, parts: &[&str]) -> String {
         assert!(self.code == 1 && self.stdout.is_empty(), "{self:?}");
         self.assert_advises();
         for part in parts {
-            assert!(self.stderr.contains(part), "'{part}' is not told: {self:?}");
+            assert!(self.stderr.contains(part), "'{part}' is missing in the message: {self:?}");
         }
         self.stderr
     }
 
-    /// Fails unless what it complains of begins with its name and says what to do.
+    /// Fails unless the message begins with the program's name and advises the user.
     pub(crate) fn assert_advises(&self) {
         assert!(self.stderr.starts_with("mariana: "), "{self:?}");
-        assert!(ADVICE.iter().any(|word| self.stderr.contains(word)), "what is to be done? {self:?}");
+        assert!(
+            ADVICE.iter().any(|word| self.stderr.contains(word)),
+            "the message does not advise the user: \
+            {self:?}"
+        );
     }
 
-    /// Fails unless the arguments were refused, naming the option and holding all `parts`: code 2.
+    /// Fails unless the arguments were refused: exit code 2 and a message that contains `option` and all `parts`.
     pub(crate) fn refused_arguments(&self, option: &str, parts: &[&str]) {
         assert!(self.code == 2 && self.stdout.is_empty(), "{self:?}");
         let sentence = self.stderr.lines().next().unwrap_or_default();
         for part in [&["error: ", option], parts].concat() {
-            assert!(sentence.contains(part), "'{part}' is not told: {self:?}");
+            assert!(sentence.contains(part), "'{part}' is missing in the message: {self:?}");
         }
     }
 }
@@ -194,11 +193,10 @@ fn text_of(mut file: File) -> String {
     text
 }
 
-/// A way to store sound.
+/// An audio format.
 pub(crate) struct Format {
-    /// A file's name.
     pub file: &'static str,
-    /// What makes ffmpeg write it.
+    /// The arguments with which ffmpeg writes it.
     pub arguments: &'static [&'static str],
 }
 
@@ -206,7 +204,7 @@ const fn format(file: &'static str, arguments: &'static [&'static str]) -> Forma
     Format { file, arguments }
 }
 
-/// Every format that users may bring.
+/// Every supported audio format.
 pub(crate) const FORMATS: &[Format] = &[
     format("song.wav", &["-c:a", "pcm_s16le"]),
     format("song.aiff", &["-c:a", "pcm_s24be"]),

@@ -1,4 +1,4 @@
-//! The program without a window: a session that draws into memory, in the test's own process and on its thread.
+//! The program without a window: a session that draws into memory, in the test's process and on its thread.
 
 use std::cell::RefCell;
 use std::io::Write;
@@ -24,20 +24,20 @@ use mariana_testing::wave::write_wav;
 /// Options of most tests: no scenes prepared ahead, no overlay, no state from an earlier session, no sound.
 const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silent"];
 
-/// The time of a picture, and a little more.
+/// The duration of a frame, and a little more.
 const PICTURE: Duration = Duration::from_millis(20);
 
-/// A folder in which sessions find their files and keep their own.
+/// A folder with the input and output files of sessions.
 pub(crate) struct Place {
     folder: PathBuf,
     /// Removes the folder; `None` if another process owns it.
     _own: Option<TempDir>,
-    /// What draws small pictures of scenes.
+    /// The program that renders thumbnails of scenes.
     drawer: PathBuf,
 }
 
 impl Place {
-    /// A new one. Nothing is in it but the folder `midi`, which stands for the ports of MIDI devices.
+    /// A new folder. It contains only the folder `midi`, which simulates the ports of MIDI devices.
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().to_owned();
@@ -45,7 +45,7 @@ impl Place {
         Self { _own: Some(folder), ..Self::at(&path) }
     }
 
-    /// A new one with a minute of quiet music at [`Self::song`].
+    /// A new folder with a silent song of one minute at [`Self::song`].
     pub(crate) fn with_song() -> Self {
         let place = Self::new();
         place.quiet_song("quiet.wav", 60);
@@ -62,7 +62,7 @@ impl Place {
         Self { folder: folder.to_owned(), _own: None, drawer: env!("CARGO_BIN_EXE_mariana").into() }
     }
 
-    /// Has small pictures of scenes drawn by another program.
+    /// Sets the program that renders thumbnails.
     pub(crate) fn draw_by(&mut self, program: PathBuf) {
         self.drawer = program;
     }
@@ -77,12 +77,12 @@ impl Place {
         self.folder.join(name)
     }
 
-    /// The file of the settings.
+    /// The path of the settings file.
     pub(crate) fn settings(&self) -> PathBuf {
         self.path("config/settings.toml")
     }
 
-    /// Saves a text in it.
+    /// Writes a text file into the folder.
     pub(crate) fn save(&self, name: &str, text: &str) -> PathBuf {
         let path = self.path(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -90,30 +90,34 @@ impl Place {
         path
     }
 
-    /// A session with `song` that shows nothing but what is asked for.
+    /// A session with `song`, without sound output and overlay.
     pub(crate) fn open(&self, song: &Path, options: &[&str]) -> App {
         self.begin(&[&[song.to_str().unwrap()], &ALONE[..], options].concat())
     }
 
-    /// A session with the demo track that shows nothing but what is asked for.
+    /// A session with the demo track, without sound output and overlay.
     pub(crate) fn listen(&self, options: &[&str]) -> App {
         self.begin(&[&ALONE[..], options].concat())
     }
 
-    /// The same, with a thread that compiles programs.
+    /// Like [`Self::open`], with a thread that compiles shaders.
     pub(crate) fn open_with_compiler(&self, song: &Path, options: &[&str]) -> App {
         let platform = std::env::var("EGL_PLATFORM").unwrap_or_default();
         assert_eq!(
             platform, "surfaceless",
-            "such a test begins with `apart!(\"EGL_PLATFORM\" = \"surfaceless\")`"
+            "begin the test with `apart!(\"EGL_PLATFORM\" = \"surfaceless\")`"
         );
         let all = [&[song.to_str().unwrap()], &ALONE[..], options].concat();
         let app = self.start(&all, Offscreen::open_with_compiler);
-        assert!(!app.reported().contains("cannot create a context on the default display"), "{}", app.reported());
+        assert!(
+            !app.reported().contains("cannot create a context on the default display"),
+            "{}",
+            app.reported()
+        );
         app
     }
 
-    /// A session with `song`, or without one, that is heard, and shows nothing but what is asked for.
+    /// A session with sound output, with or without a song, and without overlay.
     pub(crate) fn hear(&self, song: Option<&Path>, options: &[&str]) -> App {
         let song: Vec<&str> = song.iter().map(|song| song.to_str().unwrap()).collect();
         let alone: Vec<&str> = ALONE.into_iter().filter(|option| *option != "--silent").collect();
@@ -126,7 +130,7 @@ impl Place {
     }
 
     fn start(&self, arguments: &[&str], open: fn(Prepared) -> Result<Offscreen, SessionError>) -> App {
-        assert!(is_apart(), "the test of a session begins with `apart!()`");
+        assert!(is_apart(), "begin the test with `apart!()`");
         let log = Log::default();
         log.listen();
         let folders = Folders {
@@ -140,19 +144,19 @@ impl Place {
         App { session: RefCell::new(session), held: RefCell::default(), log }
     }
 
-    /// What the file of the settings holds.
+    /// The contents of the settings file; empty if it does not exist.
     pub(crate) fn saved_settings(&self) -> String {
         std::fs::read_to_string(self.settings()).unwrap_or_default()
     }
 
-    /// A song of so many seconds of silence.
+    /// Writes a song of `seconds` of silence.
     pub(crate) fn quiet_song(&self, name: &str, seconds: usize) -> PathBuf {
         let song = self.path(name);
         write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * seconds));
         song
     }
 
-    /// Ends a session as a power cut does: the files stay as they are now, whatever it writes at its end.
+    /// Ends a session as a power cut would: files that it writes at its end are discarded.
     pub(crate) fn cut_off(&self, app: App) {
         let kept = tempfile::tempdir().unwrap();
         copy_folder(self.folder(), kept.path());
@@ -165,7 +169,7 @@ impl Place {
     }
 }
 
-/// Copies the files and folders of a folder. What goes meanwhile is left out.
+/// Copies a folder recursively. Files that disappear meanwhile are skipped.
 fn copy_folder(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).into_iter().flatten().flatten() {
@@ -178,7 +182,7 @@ fn copy_folder(from: &Path, to: &Path) {
     }
 }
 
-/// What a session tells and logs.
+/// The messages and the log of a session.
 #[derive(Clone, Default)]
 struct Log(Arc<Mutex<Vec<u8>>>);
 
@@ -186,7 +190,7 @@ struct Log(Arc<Mutex<Vec<u8>>>);
 static NEWEST: LazyLock<Mutex<Log>> = LazyLock::new(Mutex::default);
 
 impl Log {
-    /// Collects the log of this process from now on, on all threads.
+    /// Collects the log of all threads of this process from now on.
     fn listen(&self) {
         static STARTED: Once = Once::new();
         *NEWEST.lock().unwrap() = self.clone();
@@ -216,7 +220,7 @@ impl Write for Log {
     }
 }
 
-/// A session and its user. It goes on only while something is asked of it.
+/// A session and its user. It advances only during calls of its methods.
 pub(crate) struct App {
     session: RefCell<Offscreen>,
     held: RefCell<Modifiers>,
@@ -239,7 +243,7 @@ impl App {
                 "ctrl" => Modifiers::CONTROL,
                 "alt" => Modifiers::ALT,
                 "super" => Modifiers::SUPER,
-                other => panic!("no modifier is called {other}"),
+                other => panic!("unknown modifier: {other}"),
             };
             name = rest;
         }
@@ -270,19 +274,20 @@ impl App {
         }
     }
 
-    /// Holds these modifiers from now on.
+    /// Sets the modifiers that are held from now on.
     pub(crate) fn hold(&self, modifiers: Modifiers) {
         self.held.replace(modifiers);
         self.send(Input::Modifiers(modifiers));
     }
 
-    /// Moves the pointer to a place of the window, in pixels.
+    /// Moves the pointer to a position in the window, in pixels.
     pub(crate) fn move_pointer(&self, x: f64, y: f64) {
         self.send(Input::PointerMoved([x, y]));
     }
 
-    /// Presses the pointer's first button, or lets it go.
-    /// The overlay sees that before the pointer moves on: a press and a move in one picture hold what is under the second.
+    /// Presses or releases the primary pointer button.
+    /// The overlay sees that before the pointer moves on: a press and a move in one frame would grab the target of the
+    /// move.
     pub(crate) fn hold_button(&self, pressed: bool) {
         clock::by_hand(|| {
             self.send(Input::PointerButton { button: PointerButton::Primary, pressed });
@@ -290,7 +295,7 @@ impl App {
         });
     }
 
-    /// Clicks where the pointer is.
+    /// Clicks at the pointer's position.
     pub(crate) fn click(&self) {
         self.hold_button(true);
         self.hold_button(false);
@@ -301,13 +306,13 @@ impl App {
         self.send(Input::Wheel(Wheel::Notches([0.0, notches])));
     }
 
-    /// Lets the user do something, and the session take it in.
+    /// Sends an input to the session and takes a step.
     pub(crate) fn send(&self, input: Input) {
         self.session.borrow_mut().send(input);
         self.step();
     }
 
-    /// Carries out a command.
+    /// Runs a command.
     pub(crate) fn command(&self, command: Command) {
         self.session.borrow_mut().command(command);
         self.step();
@@ -319,18 +324,18 @@ impl App {
         self.step();
     }
 
-    /// Goes on by a step. Returns whether the session does.
+    /// Advances the session by one step. Returns false if it has ended.
     pub(crate) fn step(&self) -> bool {
         self.session.borrow_mut().step().unwrap_or_else(|error| panic!("{error}; {}", self.reported()))
     }
 
-    /// Goes on for a while.
+    /// Advances the session for a while.
     pub(crate) fn run_for(&self, time: Duration) {
         let start = Instant::now();
         while start.elapsed() < time && self.step() {}
     }
 
-    /// Goes on until something is so.
+    /// Advances the session until `is_so` returns true.
     pub(crate) fn wait_until(&self, what: &str, mut is_so: impl FnMut(&Self) -> bool) {
         let start = Instant::now();
         loop {
@@ -338,31 +343,31 @@ impl App {
             if is_so(self) {
                 return;
             }
-            assert!(goes_on, "the session ended before {what}: {}", self.reported());
-            assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come: {}", self.reported());
+            assert!(goes_on, "the session ended while the test waited for {what}: {}", self.reported());
+            assert!(start.elapsed() < WAIT_LIMIT, "timed out waiting for {what}: {}", self.reported());
         }
     }
 
-    /// Goes on until the picture is as wanted, and returns it.
+    /// Advances the session until `is_wanted` accepts the frame, and returns the frame.
     pub(crate) fn wait_for(&self, what: &str, is_wanted: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
         self.wait_until(what, |app| is_wanted(&app.session.borrow().picture()));
         self.session.borrow().picture()
     }
 
-    /// Goes on until the title is as wanted.
+    /// Advances the session until `is_wanted` accepts the title.
     pub(crate) fn wait_for_title(&self, what: &str, is_wanted: impl Fn(&str) -> bool) {
-        self.wait_until(&format!("a title that says {what}"), |app| is_wanted(&app.session.borrow().title()));
+        self.wait_until(&format!("a title with {what}"), |app| is_wanted(&app.session.borrow().title()));
     }
 
-    /// Goes on until something was told or logged.
+    /// Advances the session until the log contains `what`.
     pub(crate) fn wait_until_reported(&self, what: &str) {
         self.wait_until(what, |app| app.reported().contains(what));
     }
 
-    /// Goes on until the picture stays the same for a while and is as good as it can be, and returns it.
+    /// Advances the session until the frame stays the same for a while at its final quality, and returns the frame.
     pub(crate) fn wait_until_still(&self) -> RgbaImage {
         let (mut last, mut since) = (self.picture(), Instant::now());
-        self.wait_until("a picture that stands", |app| {
+        self.wait_until("a frame that stays the same", |app| {
             let now = app.session.borrow().picture();
             if now != last {
                 (last, since) = (now, Instant::now());
@@ -372,56 +377,56 @@ impl App {
         last
     }
 
-    /// Goes on by a step, and returns the picture with what is over it.
+    /// Takes a step and returns the frame with its overlay.
     pub(crate) fn picture(&self) -> RgbaImage {
         self.step();
         self.session.borrow().picture()
     }
 
-    /// Goes on by a step, and returns the window's title.
+    /// Takes a step and returns the window's title.
     pub(crate) fn title(&self) -> String {
         self.step();
         self.session.borrow().title()
     }
 
-    /// The state of everything that a named command can change.
+    /// The state of everything that commands can change.
     pub(crate) fn state(&self) -> ShowState {
         self.session.borrow_mut().state()
     }
 
-    /// What was told and logged; a sentence for the user stands behind `reported: `.
+    /// The messages and the log; messages to the user follow `message: `.
     pub(crate) fn reported(&self) -> String {
         self.log.text()
     }
 
-    /// Whether the session goes on, after a step.
+    /// Takes a step. Returns false if the session has ended.
     pub(crate) fn runs(&self) -> bool {
         self.step()
     }
 
-    /// How often a picture was shown.
+    /// The number of frames shown.
     pub(crate) fn shown(&self) -> u64 {
         self.session.borrow().shown()
     }
 
-    /// Sentences for the user, warnings and errors: everything that a terminal would show.
+    /// Messages to the user, warnings and errors: everything that a terminal would show.
     pub(crate) fn reported_problems(&self) -> Vec<String> {
         reported_problems(&self.reported())
     }
 
-    /// Ends the session as its user would. Returns what was told and logged.
+    /// Ends the session as its user would. Returns the log.
     pub(crate) fn quit(self) -> String {
         let Self { session, log, .. } = self;
         session.into_inner().finish();
         log.text()
     }
 
-    /// Goes on until something was told or logged so many times.
+    /// Advances the session until the log contains `what` at least `times` times.
     pub(crate) fn wait_until_reported_times(&self, what: &str, times: usize) {
         self.wait_until(what, |app| app.reported().matches(what).count() >= times);
     }
 
-    /// Goes on while something is done on another thread, and returns its result.
+    /// Advances the session while `act` runs on another thread, and returns the result of `act`.
     pub(crate) fn meanwhile<T: Send>(&self, act: impl FnOnce() -> T + Send) -> T {
         std::thread::scope(|scope| {
             let acting = scope.spawn(act);
@@ -432,7 +437,7 @@ impl App {
         })
     }
 
-    /// Moves the pointer to a place of the window, and lets the overlay see it there.
+    /// Moves the pointer to a position in the window and lets the overlay process it.
     pub(crate) fn point_at(&self, x: u32, y: u32) {
         clock::by_hand(|| {
             self.move_pointer(x.into(), y.into());
@@ -441,13 +446,14 @@ impl App {
         });
     }
 
-    /// Lets the overlay see what the user did, in as much time as a picture has, however long it takes.
+    /// Lets the overlay process the input. Its clock advances by one frame, whatever the time that drawing takes.
     fn see(&self) {
         clock::advance(PICTURE);
         self.take_steps(2);
     }
 
-    /// Clicks at a place of the window. However long the pictures take, it is no long press.
+    /// Clicks at a position in the window. The clock stands still meanwhile, so that slow frames do not make it a long
+    /// press.
     pub(crate) fn click_at(&self, x: u32, y: u32) {
         self.point_at(x, y);
         clock::by_hand(|| {
@@ -456,7 +462,7 @@ impl App {
         });
     }
 
-    /// Draws the pointer from one place of the window to another with its button held.
+    /// Drags from one position in the window to another.
     pub(crate) fn drag(&self, from: (u32, u32), to: (u32, u32)) {
         self.point_at(from.0, from.1);
         self.hold_button(true);
@@ -464,7 +470,7 @@ impl App {
         self.hold_button(false);
     }
 
-    /// Clicks twice at a place of the window, in no time.
+    /// Double-clicks at a position in the window.
     pub(crate) fn double_click_at(&self, x: u32, y: u32) {
         clock::by_hand(|| {
             self.click_at(x, y);
@@ -472,14 +478,13 @@ impl App {
         });
     }
 
-    /// Goes on by some steps.
     pub(crate) fn take_steps(&self, count: usize) {
         for _ in 0..count {
             self.step();
         }
     }
 
-    /// Presses the key that ends a session, and waits until it ends. Returns what was told and logged.
+    /// Presses Q and waits until the session ends. Returns the log.
     pub(crate) fn quit_by_key(self) -> String {
         self.press(&["q"]);
         let begun = Instant::now();
@@ -489,7 +494,7 @@ impl App {
         self.quit()
     }
 
-    /// The same, after a show without complaints.
+    /// Like [`Self::quit_by_key`]; fails if the session printed a message on standard error.
     pub(crate) fn quit_content(self) -> String {
         let reported = self.quit_by_key();
         assert!(!complains(&reported), "it complains: {reported}");
@@ -497,12 +502,12 @@ impl App {
     }
 }
 
-/// Returns `true` if the log holds a sentence that the program prints on standard error.
+/// True if the log contains a message that the program prints on standard error.
 fn complains(reported: &str) -> bool {
     reported.lines().any(|line| line.trim_start().starts_with("DEBUG message: "))
 }
 
-/// Sentences for the user, warnings and errors in what was told and logged.
+/// The messages to the user, warnings and errors in a log.
 pub(crate) fn reported_problems(reported: &str) -> Vec<String> {
     let is_complaint = |line: &&str| {
         let line = line.trim_start();
@@ -539,7 +544,7 @@ fn key_of(name: &str, shift: bool) -> Key {
         "slash" => return Key::Character("/".to_owned()),
         "plus" => return Key::Character("+".to_owned()),
         letter => {
-            assert_eq!(letter.chars().count(), 1, "no key is called {letter}");
+            assert_eq!(letter.chars().count(), 1, "unknown key: {letter}");
             let letter = if shift { letter.to_uppercase() } else { letter.to_owned() };
             return Key::Character(letter);
         }

@@ -1,4 +1,4 @@
-//! The folder `shaders/` and changed copies of it.
+//! The folder `shaders/` and modified copies of it.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ pub(crate) fn shader_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders")
 }
 
-/// The names of all shader files, sorted. The folder's README is none.
+/// The names of all shader files, sorted, without the folder's README.
 pub(crate) fn shader_names() -> Vec<String> {
     ShaderLibrary::embedded_names().into_iter().filter(|name| name != "README.md").collect()
 }
@@ -21,7 +21,7 @@ pub(crate) fn shader_text(name: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// A copy of the shaders in which the files of `replaced` have other texts; it lasts as long as the folder.
+/// A copy of the shaders with the files of `replaced` replaced. The library is valid while the folder exists.
 pub(crate) fn changed_shaders(replaced: &[(&str, &str)]) -> (TempDir, ShaderLibrary) {
     let folder = tempfile::tempdir().unwrap();
     for name in shader_names() {

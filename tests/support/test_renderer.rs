@@ -1,4 +1,4 @@
-//! A renderer without a window, a scene on it, and sound to show.
+//! A headless renderer with a scene, and audio features to draw it with.
 
 use std::sync::Arc;
 
@@ -17,18 +17,18 @@ use mariana::scenes::{ReadyScene, SceneSource};
 use mariana_field::world::World;
 use mariana_music::{Features, HISTORY_POINTS, SPECTRUM_POINTS, Sound, Tables, WAVEFORM_POINTS};
 
-/// The thesis' speakers: the scene that is also written by hand, in GLSL.
+/// The speakers of the thesis; the same scene is written by hand in GLSL, see [`super::oracle`].
 pub(crate) fn speakers() -> SceneSource {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/oracle/speakers.scene");
     SceneSource::find(path).unwrap()
 }
 
-/// A scene ready to be drawn; fails with what is wrong with it.
+/// Prepares a scene for drawing; panics with its error.
 pub(crate) fn ready(scene: &SceneSource) -> ReadyScene {
     scene.ready().unwrap_or_else(|error| panic!("{}: {error}", scene.name()))
 }
 
-/// A driver that nobody has, with no more than OpenGL 3.3 promises.
+/// An imaginary driver with only the minimum limits of OpenGL 3.3.
 pub(crate) fn driver(software: bool) -> GlInfo {
     GlInfo {
         vendor: String::new(),
@@ -43,29 +43,29 @@ pub(crate) fn driver(software: bool) -> GlInfo {
     }
 }
 
-/// A renderer with its context, a scene, and a program that draws it.
+/// A renderer with its context, a scene, and the program that draws the scene.
 pub(crate) struct TestRenderer {
-    // Before the context that their objects live in.
+    // Field order matters: these are dropped before their context.
     pub renderer: Renderer,
     pub program: Program,
     pub resources: SceneResources,
-    /// Changes how the picture is made of the scene's light.
+    /// Changes the frame's exposure and other settings of its `picture` block.
     pub adjust: fn(&mut Picture),
     pub context: Context,
 }
 
 impl TestRenderer {
-    /// The thesis' speakers, compiled.
+    /// A renderer for the speakers, compiled.
     pub(crate) fn new() -> Self {
         Self::of(&speakers(), Mode::Compiled, Counting::Off)
     }
 
-    /// Another scene and mode, or the counting variant.
+    /// A renderer for a scene in a mode, optionally with the counting variant.
     pub(crate) fn of(scene: &SceneSource, mode: Mode, counting: Counting) -> Self {
         Self::of_ready(ready(scene), mode, counting)
     }
 
-    /// The same of a scene that is ready.
+    /// Like [`Self::of`], for a prepared scene.
     pub(crate) fn of_ready(scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
         let ReadyScene { world, buffers, plan, .. } = scene;
         let context = Context::new();
@@ -79,7 +79,7 @@ impl TestRenderer {
         Self { renderer, program, resources, adjust: |_| {}, context }
     }
 
-    /// The program of the scene in a mode, for [`TestRenderer::program`].
+    /// Another program for the scene, in the given mode; see [`Self::program`].
     pub(crate) fn program_of(&self, mode: Mode, counting: Counting) -> Program {
         let (world, buffers, plan) = (self.world(), self.resources.buffers(), self.resources.plan());
         let variant = variant_of(world, buffers, plan, mode, self.context.gl().info(), counting)
@@ -87,29 +87,28 @@ impl TestRenderer {
         self.link(&ShaderLibrary::embedded(), &variant)
     }
 
-    /// A program in the studio's context.
+    /// Links a program in the renderer's context.
     pub(crate) fn link(&self, library: &ShaderLibrary, variant: &Variant) -> Program {
         link(&self.context, library, variant)
     }
 
-    /// The scene.
     pub(crate) fn world(&self) -> &World {
         self.resources.world()
     }
 
-    /// The frame of one moment.
+    /// The frame at a time, in seconds.
     pub(crate) fn frame(&self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Frame {
         let mut frame = Frame::new(self.world(), time, sound, size);
         (self.adjust)(&mut frame.picture);
         frame
     }
 
-    /// The finished picture of one moment.
+    /// The finished image at a time, in seconds.
     pub(crate) fn picture(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> RgbaImage {
         self.try_picture(time, sound, size).unwrap_or_else(|error| panic!("{size:?} at {time} s: {error}"))
     }
 
-    /// The same, or why there is none.
+    /// Like [`Self::picture`], but returns errors.
     pub(crate) fn try_picture(
         &mut self,
         time: f64,
@@ -119,7 +118,7 @@ impl TestRenderer {
         let frame = self.frame(time, sound, size);
         self.renderer.draw(&frame, &self.resources, &self.program)?;
         let bytes = self.renderer.read();
-        Ok(RgbaImage::from_raw(size.0, size.1, bytes).expect("a finished picture has four bytes a pixel"))
+        Ok(RgbaImage::from_raw(size.0, size.1, bytes).expect("a finished image has four bytes per pixel"))
     }
 }
 
@@ -127,7 +126,7 @@ fn link(context: &Context, library: &ShaderLibrary, variant: &Variant) -> Progra
     link_scene(context.gl(), library, variant).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// No sound.
+/// The audio features of silence.
 pub(crate) fn silence() -> Features {
     Features::default()
 }
@@ -144,7 +143,7 @@ pub(crate) fn loud_music() -> Features {
     Features { bands, bass, mid, treble, peak_hz: 110.0, ..volumes }
 }
 
-/// The same with curves: a hilly spectrum that wanders, a wave.
+/// Loud music with curves: a hilly, drifting spectrum and a waveform.
 pub(crate) fn loud_sound() -> Sound {
     let points = |count: usize, of: &dyn Fn(f32) -> f32| -> Arc<[f32]> {
         (0..count).map(|index| of(index as f32 / (count - 1) as f32)).collect()

@@ -1,15 +1,15 @@
-//! Streams of uncompressed pictures (y4m) as whoever reads them has them.
+//! Reads streams of uncompressed frames (y4m).
 
 use std::io::BufRead;
 
-/// Reads the header of a stream and gives it.
+/// Reads a header line of the stream.
 pub(crate) fn header(stream: &mut impl BufRead) -> String {
     let mut line = Vec::new();
     stream.read_until(b'\n', &mut line).unwrap();
     String::from_utf8(line).unwrap()
 }
 
-/// Reads a picture of a stream and gives the light of its left and its right.
+/// Reads a frame of the stream. Returns the luma of its left and of its right half.
 pub(crate) fn light_of_next(stream: &mut impl BufRead, (width, height): (usize, usize)) -> [u8; 2] {
     assert_eq!(header(stream), "FRAME\n");
     let mut bytes = vec![0; width * height * 3 / 2];

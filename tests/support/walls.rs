@@ -1,10 +1,10 @@
-//! Scenes with pictures that follow from their texts alone, and how to look at those pictures.
+//! Scenes whose images follow from their texts alone, and checks of those images.
 
 use std::time::{Duration, Instant};
 
 use image::RgbaImage;
 
-/// A wall that shines by itself and fills the picture.
+/// A wall that emits light and fills the frame.
 pub(crate) fn wall(emission: &str) -> String {
     format!(
         "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
@@ -15,12 +15,12 @@ pub(crate) fn wall(emission: &str) -> String {
     )
 }
 
-/// It never moves, is red on the left and blue on the right.
+/// The emission of a motionless wall, red on the left and blue on the right.
 pub(crate) const TWO_COLOURS: &str = "mix(vec3(0.5, 0.01, 0.01), vec3(0.01, 0.01, 0.5), step(0, p.x))";
-/// It becomes brighter and darker, slowly enough to be no flash.
+/// The emission of a wall that slowly becomes brighter and darker, without flashes.
 pub(crate) const BREATHES: &str = "vec3(0.3 + 0.2 * sin(2 * t))";
 
-/// The colour of the window at a place, in shares of it.
+/// The colour at a position, given in fractions of the image's size.
 pub(crate) fn at(picture: &RgbaImage, x: f32, y: f32) -> [u8; 3] {
     let place = |fraction: f32, side: u32| ((fraction * side as f32) as u32).min(side - 1);
     let [red, green, blue, _] = picture.get_pixel(place(x, picture.width()), place(y, picture.height())).0;
@@ -39,17 +39,17 @@ pub(crate) fn is_black(color: [u8; 3]) -> bool {
     color == [0; 3]
 }
 
-/// Waits until the log says that the scene `p_foam` is refused. Meanwhile `wait_for_motion` waits for the next frame, so
-/// that the last good scene is seen to move all the time.
+/// Waits until the log reports that the scene `p_foam` is refused. Meanwhile `wait_for_motion` waits for the next
+/// frame, which shows that the last good scene keeps moving.
 pub(crate) fn wait_for_refusal(log: impl Fn() -> String, wait_for_motion: impl Fn()) {
     let begun = Instant::now();
     while !log().contains("p_foam is too much for this machine; the last good scene stays") {
-        assert!(begun.elapsed() < Duration::from_secs(150), "it was not refused: {}", log());
+        assert!(begun.elapsed() < Duration::from_secs(150), "the scene was not refused: {}", log());
         wait_for_motion();
     }
 }
 
-/// A scene of spheres that blend into each other: too many for a tree of regions in reasonable time.
+/// A scene of spheres that blend into each other: too many for building a region tree in reasonable time.
 pub(crate) fn foam(count: usize) -> String {
     format!(
         "object foam {{ shape = smooth_union(for i in 0..{count}: sphere(p - vec3(3 * sin(i * 12.9898), \

@@ -1,4 +1,5 @@
-//! Wayland compositors of the test's own, and the program on them: sway, which knows layers, and weston, which does not.
+//! Private Wayland compositors, and the program on them: sway, which supports the layer shell, and weston, which does
+//! not.
 
 use std::fs::Permissions;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -13,18 +14,18 @@ use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt as _, EventMask}
 use super::desktop::{PROGRAM, Place, Text, collect, command_in, lock, start_x_server};
 use mariana_testing::process::{Process, output_of, private_folder, wait_until};
 
-/// Who runs what must not run as the system's administrator: "nobody", under its usual number.
+/// The user id of "nobody", for programs that refuse to run as root.
 const NOBODY: u32 = 65_534;
 
-/// What every sway is told first: nothing but what a test asks for shows.
+/// Common lines of each sway configuration.
 const PLAIN: &str = "xwayland disable\ndefault_border none\n";
 
-/// How its windows are known on X11, and how they are asked to close.
+/// The X11 atoms that find a window by its title and ask it to close.
 const X11_NAMES: [&str; 4] = ["_NET_WM_NAME", "UTF8_STRING", "WM_PROTOCOLS", "WM_DELETE_WINDOW"];
 
-/// A compositor, and a folder for its session. Both end when dropped.
+/// A compositor and its session folder. Both end when dropped.
 pub(crate) struct Compositor {
-    // In this order: the compositor goes before the X server whose windows are its screens.
+    // Field order matters: the compositor ends before the X server whose windows are its outputs.
     process: Process,
     x_server: Option<(Process, String)>,
     folder: TempDir,
@@ -33,17 +34,17 @@ pub(crate) struct Compositor {
 }
 
 impl Compositor {
-    /// Sway without any screen. `outputs` are lines of its configuration; the first output is HEADLESS-1.
+    /// Sway with headless outputs. `outputs` are lines of its configuration; the first output is HEADLESS-1.
     pub(crate) fn sway(outputs: &str) -> Self {
         Self::start_sway(outputs, None)
     }
 
-    /// Sway whose screens are windows of an X server, and can be pulled out. The first output is X11-1.
+    /// Sway whose outputs are windows of an X server and can be disconnected. The first output is X11-1.
     pub(crate) fn sway_in_windows(outputs: &str) -> Self {
         let (server, display) = start_x_server();
         let (connection, _) = x11rb::connect(Some(&display)).unwrap();
         for name in X11_NAMES {
-            // It looks for names that somebody has used, such as a window manager.
+            // Sway only looks up atoms that exist already, such as those of a window manager.
             connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap();
         }
         Self::start_sway(outputs, Some((server, display)))
@@ -57,7 +58,7 @@ impl Compositor {
         let is_administrator = std::fs::metadata(folder.path()).unwrap().uid() == 0;
         let display = x_server.as_ref().map(|(_, display)| display.as_str());
         let mut command = if is_administrator {
-            // Sway refuses to run for that one, who may use its socket all the same.
+            // Sway refuses to run as root; root may still use its socket.
             std::os::unix::fs::chown(folder.path(), Some(NOBODY), Some(NOBODY)).unwrap();
             std::fs::set_permissions(&configuration, Permissions::from_mode(0o644)).unwrap();
             let number = NOBODY.to_string();
@@ -77,7 +78,7 @@ impl Compositor {
         compositor
     }
 
-    /// Weston with one screen that is not there, of 640 times 360 pixels. It has no layers.
+    /// Weston with one headless output of 640 by 360 pixels. It has no layer shell.
     pub(crate) fn weston() -> Self {
         let place = Place::wait_for();
         let folder = private_folder();
@@ -100,7 +101,7 @@ impl Compositor {
         });
     }
 
-    /// The session's folder, for scenes too.
+    /// The session's folder; scenes may be written to it.
     pub(crate) fn folder(&self) -> &Path {
         self.folder.path()
     }
@@ -112,20 +113,20 @@ impl Compositor {
         command
     }
 
-    /// Gives sway an order.
+    /// Sends a command to sway.
     pub(crate) fn order(&self, words: &str) {
         let words = words.split_whitespace();
         output_of(self.command("swaymsg").args(words), "sway").unwrap_or_else(|error| panic!("{error}"));
     }
 
-    /// What an output shows; none if it is not there.
+    /// A screenshot of an output; `None` if the output does not exist.
     pub(crate) fn screen(&self, output: &str) -> Option<RgbaImage> {
         let path = self.folder().join("screen.png");
         output_of(self.command("grim").args(["-o", output]).arg(&path), "grim").ok()?;
         Some(image::open(&path).unwrap().to_rgba8())
     }
 
-    /// Waits until an output looks as wanted.
+    /// Waits until `wanted` accepts the screenshot of an output.
     pub(crate) fn wait_for_screen(
         &self,
         output: &str,
@@ -140,9 +141,9 @@ impl Compositor {
         found.unwrap()
     }
 
-    /// Pulls an output out whose screen is a window.
+    /// Disconnects an output whose screen is a window.
     pub(crate) fn pull(&self, output: &str) {
-        let (_, display) = self.x_server.as_ref().expect("its screens are windows");
+        let (_, display) = self.x_server.as_ref().expect("the outputs are windows");
         let (server, number) = x11rb::connect(Some(display)).unwrap();
         let root = server.setup().roots[number].root;
         let [name, text, protocols, closes] =
@@ -163,22 +164,22 @@ impl Compositor {
         wait_until("the end of an output", || self.screen(output).is_none());
     }
 
-    /// Ends it without asking.
+    /// Kills the compositor.
     pub(crate) fn kill(&mut self) {
         self.process.kill();
     }
 
-    /// Lets it stand still.
+    /// Stops the compositor's process.
     pub(crate) fn stop(&self) {
         signal(&self.process, "-STOP");
     }
 
-    /// Lets it go on again.
+    /// Resumes the compositor's process.
     pub(crate) fn go_on(&self) {
         signal(&self.process, "-CONT");
     }
 
-    /// The program.
+    /// Starts the program in this session.
     pub(crate) fn open(&self, variables: &[(&str, &str)], options: &[&str]) -> Show {
         let mut command = self.command(PROGRAM);
         command.envs(variables.iter().copied()).args(["--silent", "-v", "--new", "--prepare-ahead", "off"]);
@@ -196,30 +197,30 @@ pub(crate) struct Show {
 }
 
 impl Show {
-    /// What it has printed on standard error.
+    /// The program's standard error so far.
     pub(crate) fn reported(&self) -> String {
         lock(&self.reported).clone()
     }
 
-    /// Waits until it has told something.
+    /// Waits until standard error contains `what`.
     pub(crate) fn wait_until_reported(&mut self, what: &str) {
         wait_until(what, || {
-            assert!(self.runs(), "it has ended before '{what}': {}", self.reported());
+            assert!(self.runs(), "the program ended while the test waited for '{what}': {}", self.reported());
             self.reported().contains(what)
         });
     }
 
-    /// Whether it runs.
+    /// True if the program is still running.
     pub(crate) fn runs(&mut self) -> bool {
         self.process.ended().is_none()
     }
 
-    /// Asks it to end.
+    /// Asks the program to end (SIGTERM).
     pub(crate) fn ask_to_end(&self) {
         signal(&self.process, "-TERM");
     }
 
-    /// Asks it to end, and waits until it has: what it has told.
+    /// Asks the program to end and waits for its end. Returns its standard error.
     pub(crate) fn end(self) -> String {
         self.ask_to_end();
         let (_, reported) = self.wait_for_end();
@@ -227,12 +228,12 @@ impl Show {
         reported
     }
 
-    /// Waits for its end.
+    /// Waits for the program to end.
     pub(crate) fn wait_for_end(mut self) -> (ExitStatus, String) {
         wait_until("its end", || !self.runs());
-        // All that was written before is in the pipe, and its last words are a line.
+        // The output thread may still read from the pipe; the program's last message ends with a line break.
         let status = self.process.ended().unwrap();
-        wait_until("its last words", || self.reported().is_empty() || self.reported().ends_with('\n'));
+        wait_until("the last message", || self.reported().is_empty() || self.reported().ends_with('\n'));
         (status, self.reported())
     }
 }

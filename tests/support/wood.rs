@@ -1,8 +1,8 @@
-//! Whether the speakers are in a picture: by the colour of their wood.
+//! Detects the speakers in an image by the colour of their wood.
 
 use image::RgbaImage;
 
-/// Share of the pixels of a part of the picture that have the colour of wood, lit or not.
+/// Fraction of the pixels in these columns that have the colour of wood, lit or not.
 fn wood_fraction(picture: &RgbaImage, columns: std::ops::Range<u32>) -> f64 {
     let (mut wood, mut all) = (0_u32, 0_u32);
     for (x, _, pixel) in picture.enumerate_pixels() {
@@ -15,7 +15,7 @@ fn wood_fraction(picture: &RgbaImage, columns: std::ops::Range<u32>) -> f64 {
     f64::from(wood) / f64::from(all)
 }
 
-/// Fails unless both speakers are in the picture.
+/// Fails unless both speakers are in the image.
 pub(crate) fn assert_shows_the_speakers(picture: &RgbaImage) {
     let middle = picture.width() / 2;
     let [left, right] = [0..middle, middle..picture.width()].map(|columns| wood_fraction(picture, columns));
