@@ -333,7 +333,7 @@ mod tests {
             ("at start bare.scene camera far", "no cameras with names"),
             ("at start own.scene\nset swell = 1", "its parameters are size"),
             ("at start own.scene flyy", "my.show:1:20"),
-            ("at section Z orb\nat drop 9 orb", "nothing of the show is in this song"),
+            ("at section Z orb\nat drop 9 orb", "no entry of the show fits this song"),
         ] {
             let (_folder, path) = file(text);
             let error = PreparedShow::of_song(&ShowSource::File(path), &song(), &[]).unwrap_err().to_string();

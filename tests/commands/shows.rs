@@ -131,7 +131,7 @@ fn a_show_of_which_the_song_has_nothing_drew_nothing() {
     place.write_tone("one.wav", 440.0, 2.0, [0.5, 0.5]);
     place.write("foreign.show", "at section Q 2 red.scene\nat drop 7 green.scene\n");
     let reported =
-        ["nothing of the show is in this song", "`at start`", "foreign.show:1:1", "foreign.show:2:1"];
+        ["no entry of the show fits this song", "`at start`", "foreign.show:1:1", "foreign.show:2:1"];
     let show = ["one.wav", "--show", "foreign.show"];
     for (job, output) in [("still", "a.png"), ("video", "a.mp4"), ("video", "out/")] {
         place.run(&[&[job], &show[..], &["-o", output]].concat()).refused_with_details(&reported);
@@ -186,7 +186,7 @@ fn what_is_wrong_with_a_show_is_told_with_its_place() {
     refused("at start red.scene\n set siz = 3\n", &["`siz`", "its parameters are size"]);
     refused(
         "at start red.scene\n set picture brightness = 7\n",
-        &["bad.show:2:", "7 is no share of a picture"],
+        &["bad.show:2:", "7 is not between 0 and 1"],
     );
     refused("at start red.scene camera far\n", &["`far`", "its cameras are near"]);
     place.run(&["video", "--show", "none.show", "-o", "a.mp4"]).refused(&["none.show"]);

@@ -1,22 +1,22 @@
-//! From bars and beats to seconds and back.
+//! Conversion between bars, beats and seconds.
 
 use mariana_music::SongStructure;
 
-/// A bar of a song without beats, in seconds: four beats at 120 a minute.
+/// Length of a bar in a song without beats, in seconds: four beats at 120 a minute.
 const BAR_WITHOUT_BEATS: f64 = 2.0;
 
-/// Where a song's bars begin.
+/// The bar lines of a song.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarLines {
-    /// The starts, in seconds, rising; at least one.
+    /// Start of each bar in seconds, ascending; at least one.
     starts: Vec<f64>,
-    /// Length of the bars before the first and behind the last of them, in seconds.
+    /// Length of the bars before the first and after the last start, in seconds.
     usual: f64,
     beats: f64,
 }
 
 impl BarLines {
-    /// Of a song. Where it has no beats, bars take two seconds and begin with the song.
+    /// The bar lines of a song. In a song without beats, bars take two seconds and start with the song.
     pub fn of(song: &SongStructure) -> Self {
         let starts: Vec<f64> = song.downbeats().collect();
         let mut lengths: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -29,7 +29,7 @@ impl BarLines {
         }
     }
 
-    /// When a bar begins, in seconds: 1 is the first whole one. Between two numbers the bar goes on evenly.
+    /// Returns the start of a bar in seconds. Bar 1 is the first whole bar; fractions interpolate within a bar.
     pub fn time_of(&self, bar: f64) -> f64 {
         let at = bar - 1.0;
         let last = self.starts.len() - 1;
@@ -42,7 +42,7 @@ impl BarLines {
         start + (at - whole as f64) * length
     }
 
-    /// Which bar it is at `time` seconds, with the way through it behind the point.
+    /// Returns the bar number at `time` seconds, with the position within the bar as a fraction.
     pub fn bar_at(&self, time: f64) -> f64 {
         let whole = self.starts.partition_point(|start| *start <= time).saturating_sub(1);
         let start = self.starts.get(whole).copied().unwrap_or(0.0);
@@ -53,7 +53,7 @@ impl BarLines {
         1.0 + whole as f64 + (time - start) / length
     }
 
-    /// How many beats make a bar.
+    /// Returns the number of beats in a bar.
     pub fn beats(&self) -> f64 {
         self.beats
     }
@@ -65,10 +65,10 @@ mod tests {
     use crate::resolve::testing::song;
 
     #[test]
-    fn bars_and_seconds_lead_to_each_other() {
+    fn bars_and_seconds_convert_both_ways() {
         let lines = BarLines::of(&song());
         assert_eq!((lines.time_of(1.0), lines.time_of(3.0), lines.time_of(2.5)), (0.5, 4.5, 3.5));
-        // Before the first and behind the last.
+        // Before the first and after the last bar line.
         assert_eq!(lines.time_of(0.75), 0.0);
         assert_eq!(lines.time_of(1001.0), 2000.5);
         for time in [-3.0, 0.0, 0.5, 1.7, 2.5, 63.9, 64.5, 1e4] {

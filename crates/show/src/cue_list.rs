@@ -1,38 +1,38 @@
-//! A show as it is written down: what comes at which moment of a song, in the words of musicians.
+//! A cue list: the content of a show file. Entries name moments in musical terms, such as bars and sections.
 
 use mariana_field::lang::{Span, Way};
 use mariana_field::world::{BlendKind, PortalShape};
 
-/// A show. Its entries stand in the order in which they were written.
+/// A cue list, with entries in the order of the text.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CueList {
-    /// What is on, one scene after the other.
+    /// The entries.
     pub entries: Vec<Entry>,
 }
 
-/// A scene that comes.
+/// A scene change at a moment of the song.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// When its transition begins.
+    /// Start of the transition.
     pub when: When,
-    /// The scene, by name or by file.
+    /// The name or file of the scene.
     pub scene: String,
-    /// One of its cameras; none is the scene's own.
+    /// Name of a camera; `None` for the scene's default camera.
     pub camera: Option<String>,
-    /// How it comes; none is as the scene likes, or else a short fade.
+    /// The transition; `None` for the scene's preferred one, or else a short fade.
     pub transition: Option<Transition>,
-    /// What moves its parameters.
+    /// The settings of parameters and cameras.
     pub settings: Vec<Setting>,
-    /// Where it was written, from `at` to the scene.
+    /// Position in the text, from `at` to the scene.
     pub span: Span,
-    /// Where the scene was written.
+    /// Position of the scene's name.
     pub scene_span: Span,
-    /// Where the camera was written, if there is one.
+    /// Position of the camera's name, if there is one.
     pub camera_span: Span,
 }
 
 impl Entry {
-    /// An entry that moves nothing and was written nowhere.
+    /// An entry without settings or positions.
     pub(super) fn new(
         when: When,
         scene: &str,
@@ -45,38 +45,38 @@ impl Entry {
     }
 }
 
-/// A moment.
+/// A moment of the song: an anchor and an offset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct When {
-    /// What it is counted from.
+    /// The reference point.
     pub anchor: Anchor,
-    /// How long after that; negative is before.
+    /// Offset from the anchor; negative is before it.
     pub offset: Length,
 }
 
-/// A moment with a name.
+/// A reference point in a song.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Anchor {
     /// The song's start.
     Start,
     /// The song's end.
     End,
-    /// So many seconds after the start.
+    /// A time in seconds after the start.
     Time(f64),
-    /// The start of a bar; 1 is the first whole one.
+    /// The start of a bar; 1 is the first whole bar.
     Bar(u32),
-    /// The start of a section: its letter, and which of those of that letter, from 1.
+    /// The start of a section: its letter, and the number among the sections with that letter, from 1.
     Section(String, u32),
-    /// A drop, from 1.
+    /// A drop, counted from 1.
     Drop(u32),
-    /// The start of a build, from 1.
+    /// The start of a build, counted from 1.
     Build(u32),
-    /// When whoever leads the show presses a key, once for each entry of this kind.
+    /// A press of the cue key. Each press triggers the next entry of this kind.
     Cue,
 }
 
 impl CueList {
-    /// The entries that wait for a key, in their order.
+    /// Returns the entries that wait for the cue key, in their order.
     pub fn cues(&self) -> impl Iterator<Item = &Entry> {
         self.entries.iter().filter(|entry| entry.when.anchor == Anchor::Cue)
     }
@@ -94,10 +94,10 @@ pub enum Length {
 }
 
 impl Length {
-    /// No time.
+    /// Zero seconds.
     pub const ZERO: Self = Self::Seconds(0.0);
 
-    /// The units.
+    /// The units of lengths.
     pub(super) const UNITS: [Unit; 3] = [
         Unit { of: Self::Seconds, names: &["s"] },
         Unit { of: Self::Beats, names: &["beat", "beats"] },
@@ -112,27 +112,27 @@ impl Length {
     }
 }
 
-/// A unit of lengths.
+/// A unit of length.
 pub(super) struct Unit {
-    /// A length of so many.
+    /// Constructor of a length in this unit.
     pub of: fn(f64) -> Length,
-    /// Its names in shows; the first is printed for one, the last for several.
+    /// Names in show files; the first is printed for 1, the last for other numbers.
     pub names: &'static [&'static str],
 }
 
-/// How one scene changes into another. Only a portal has a shape.
+/// The kind of a transition. Only a portal has a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TransitionKind {
-    /// From one picture to the next.
+    /// A hard cut.
     Cut,
-    /// The pictures are mixed in linear light.
+    /// A cross-fade of the frames in linear light.
     Fade,
-    /// The worlds are mixed.
+    /// A blend of the two worlds.
     Blend(BlendKind),
 }
 
 impl TransitionKind {
-    /// The kind in the words of scenes, which name no shape.
+    /// The kind in the scene language, which has no portal shapes.
     pub fn way(self) -> Way {
         match self {
             Self::Cut => Way::Cut,
@@ -141,7 +141,7 @@ impl TransitionKind {
         }
     }
 
-    /// How the worlds are mixed, if they are.
+    /// The kind of the blend, if the worlds are blended.
     pub fn blend(self) -> Option<BlendKind> {
         match self {
             Self::Blend(kind) => Some(kind),
@@ -150,7 +150,7 @@ impl TransitionKind {
     }
 }
 
-/// A portal is a ball.
+/// Portals become balls.
 impl From<Way> for TransitionKind {
     fn from(way: Way) -> Self {
         match way {
@@ -162,67 +162,69 @@ impl From<Way> for TransitionKind {
     }
 }
 
-/// How a scene comes.
+/// A transition to a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transition {
     /// The kind.
     pub kind: TransitionKind,
-    /// How long it takes; nothing for a cut.
+    /// Duration; zero for a cut.
     pub length: Length,
-    /// Whether it breaks off where what comes next begins sooner; else it is quicker then, and complete.
+    /// True if the next entry may cut the transition off. If false, the transition is shortened to be complete by
+    /// then.
     pub unfinished: bool,
 }
 
 impl Transition {
-    /// At once.
+    /// A cut.
     pub const CUT: Self = Self { kind: TransitionKind::Cut, length: Length::ZERO, unfinished: false };
 
-    /// Of a kind that takes some time.
+    /// A transition of this kind and duration.
     pub fn new(kind: impl Into<TransitionKind>, length: Length) -> Self {
         Self { kind: kind.into(), length, ..Self::CUT }
     }
 }
 
-/// A parameter that moves, or is set; or a turn of the camera.
+/// A setting of a parameter, of the camera or of the image, fixed or animated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// Its name in the scene, or one of [`CAMERA_TURNS`] or [`PICTURE_NUMBERS`].
+    /// Name of a parameter, or one of [`CAMERA_TURNS`] or [`PICTURE_NUMBERS`].
     pub param: String,
-    /// Its value before.
+    /// The initial value.
     pub from: f32,
-    /// Where it goes, one after the other; if nowhere, it is set.
+    /// The steps of the animation; empty for a fixed value.
     pub steps: Vec<Step>,
-    /// How long after the entry it begins.
+    /// Delay after the entry's start.
     pub after: Length,
-    /// Where the name was written.
+    /// Position of the name in the text.
     pub span: Span,
 }
 
-/// A part of a movement.
+/// One step of an animation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// The value behind.
+    /// The value at the end.
     pub to: f32,
-    /// How long it takes.
+    /// The duration.
     pub over: Length,
 }
 
-/// What turns the camera of any scene as a hand in the window does: degrees to the left and upwards, and what the distance
-/// to its target is multiplied by. No parameter has such a name.
+/// Names of the camera settings, which turn the camera of any scene like a drag in the window: yaw and pitch in
+/// degrees to the left and upwards, and a factor on the distance to the target. They contain a space, so no parameter
+/// has such a name.
 pub const CAMERA_TURNS: [&str; 3] = ["camera yaw", "camera pitch", "camera zoom"];
 
-/// The values of [`CAMERA_TURNS`] of a scene's own camera.
+/// Values of [`CAMERA_TURNS`] for an unchanged camera.
 pub const UNTURNED: [f32; 3] = [0.0, 0.0, 1.0];
 
-/// What is done to whole pictures, whatever scene they show: the share of their light that is left, and the share of a
-/// picture that is held in those that come after it; both are within 0..1. No parameter has such a name. What a show sets
-/// here stays, through its scenes, until it sets it again.
+/// Names of the image settings, which affect the whole image of any scene: its brightness, and the opacity of a
+/// frozen frame over later ones. Both are in 0..1. They contain a space, so no parameter has such a name. A value
+/// stays across scenes until the show sets another one.
 pub const PICTURE_NUMBERS: [&str; 2] = ["picture brightness", "picture freeze"];
 
-/// The values of [`PICTURE_NUMBERS`] of a picture to which nothing is done.
+/// Values of [`PICTURE_NUMBERS`] for an unchanged image.
 pub const PLAIN_PICTURE: [f32; 2] = [1.0, 0.0];
 
-/// Whether a name that stands behind `set` belongs to no scene: its words are no parameter's name.
+/// True if a name after `set` is a camera or image setting instead of a parameter.
 pub(super) fn is_of_no_scene(name: &str) -> bool {
     CAMERA_TURNS.contains(&name) || PICTURE_NUMBERS.contains(&name)
 }

@@ -1,13 +1,14 @@
-//! Chooses what is on when, as somebody would who knows the song and the scenes.
+//! Chooses the scenes for a song automatically.
 //!
-//! - Scenes change where sections begin, and in long sections on every eighth bar or so. In a build nothing changes;
-//!   the drop brings the next scene at once.
+//! - Scenes change at the starts of sections, and about every eighth bar in long sections. Scenes do not change
+//!   during a build; the drop brings the next scene at once.
 //! - A section that returns brings its scene back, seen by another camera if there is one.
-//! - A scene is chosen by the song's energy there, by contrast to the one before, and by how long it was not seen.
-//! - Calm music flows from scene to scene, loud music is cut, also between the cameras of a scene.
+//! - A scene is chosen by the song's energy, by contrast to the previous scene, and by the time since it was last
+//!   shown.
+//! - Calm music gets melts and fades, loud music gets cuts, also between the cameras of a scene.
 //!
-//! Chance decides between equals. It comes from a seed, which should be made of the song's content: the same song
-//! has the same show everywhere.
+//! Random numbers decide between equal scenes. The seed should be a hash of the song's content, so that a song has
+//! the same show on every machine.
 
 mod changes;
 
@@ -20,33 +21,33 @@ use mariana_field::lang::{About, Way};
 use mariana_field::world::{BlendKind, PortalShape};
 use mariana_music::SongStructure;
 
-/// What the director knows of a scene.
+/// The director's knowledge about a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneCard {
-    /// Its name or file.
+    /// The name or file of the scene.
     pub scene: String,
-    /// What it says of itself.
+    /// The scene's `about` block.
     pub about: About,
-    /// The names of its further cameras.
+    /// The names of its named cameras.
     pub cameras: Vec<String>,
 }
 
-/// Music below this energy is calm.
+/// Upper limit of the energy of calm music.
 const CALM: f32 = 0.45;
-/// Music from this energy on is loud.
+/// Lower limit of the energy of loud music.
 const LOUD: f32 = 0.6;
-/// From this energy on cameras change twice as often.
+/// Energy from which cameras change twice as often.
 const VERY_LOUD: f32 = 0.8;
 
-/// How a scene's cameras follow each other.
+/// The rhythm of camera changes for a range of energy.
 struct Turns {
-    /// Up to this energy.
+    /// Upper limit of the energy.
     below: f32,
-    /// Every so many bars.
+    /// Bars between changes.
     bars: f64,
-    /// A camera is on for at least so many seconds.
+    /// Shortest time for a camera, in seconds.
     seconds_min: f64,
-    /// One fades into the next over so many bars; 0 cuts.
+    /// Duration of the fade in bars; 0 cuts.
     fade: f64,
 }
 
@@ -58,23 +59,23 @@ const TURNS: [Turns; 4] = [
     Turns { below: f32::INFINITY, bars: 2.0, seconds_min: 4.0, fade: 0.0 },
 ];
 
-/// What speaks for a scene is counted in points; a scene that fits in everything has none against it.
+/// Weights of the score of a scene. A scene that fits perfectly scores 0 before the random part.
 mod points {
-    /// For each 1 of energy by which the music lies outside the scene's range.
+    /// Per unit of energy outside the scene's range.
     pub(super) const OUTSIDE: f32 = -6.0;
-    /// For each 1 of energy between the music and the middle of the range.
+    /// Per unit of energy from the middle of the range.
     pub(super) const OFF_MIDDLE: f32 = -1.0;
-    /// For each mood that the scene before has, too.
+    /// Per mood in common with the previous scene.
     pub(super) const SAME_MOOD: f32 = -0.3;
-    /// Where the scene was on one change ago; half of it where it was two ago, and so on.
+    /// If the scene was shown in the previous change; divided by the number of changes since then.
     pub(super) const SEEN: f32 = -2.0;
-    /// Where the scene belongs to another section.
+    /// If the scene belongs to another section.
     pub(super) const TAKEN: f32 = -1.0;
-    /// What chance gives at most.
+    /// Largest random bonus.
     pub(super) const CHANCE: f32 = 0.6;
 }
 
-/// The show of a song, of these scenes. Empty if there are none.
+/// Creates a cue list for a song from these scenes. Empty if there are no scenes.
 pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> CueList {
     let lines = BarLines::of(song);
     let mut director =
@@ -89,7 +90,7 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> CueList {
         director.seen.push(card);
         let end = changes.get(index + 1).map_or(song.seconds, |next| next.time);
         let views = director.views(card, index, change);
-        // What flows begins before the border, so that it has come when the section begins.
+        // A blend starts before the section, so that it is half complete when the section starts.
         let lead = match transition {
             Some(Transition { kind: TransitionKind::Blend(_), length: Length::Bars(bars), .. }) => bars / 2.0,
             _ => 0.0,
@@ -121,7 +122,8 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> CueList {
     cue_list
 }
 
-/// The scene for music of this energy of which nothing else is known, after those that were seen; none without scenes.
+/// Chooses the scene for music of this energy after the scenes `seen`, without a song's structure. `None` if there
+/// are no scenes.
 pub(super) fn next_scene(cards: &[SceneCard], seen: &[usize], energy: f32) -> Option<usize> {
     let (of_letter, visits) = (HashMap::new(), Vec::new());
     let mut director = Director { cards, seed: seen.len() as u64, of_letter, seen: seen.to_vec(), visits };
@@ -133,16 +135,16 @@ pub(super) fn next_scene(cards: &[SceneCard], seen: &[usize], energy: f32) -> Op
 struct Director<'a> {
     cards: &'a [SceneCard],
     seed: u64,
-    /// The scene of each section's letter.
+    /// The scene of each section letter.
     of_letter: HashMap<&'a str, usize>,
-    /// The scenes so far.
+    /// The chosen scenes so far.
     seen: Vec<usize>,
-    /// How often each was on.
+    /// Number of times each scene was shown.
     visits: Vec<usize>,
 }
 
 impl<'a> Director<'a> {
-    /// The scene for a change; none without scenes.
+    /// Chooses the scene for a change; `None` if there are no scenes.
     fn choose(&mut self, index: usize, change: &Change<'a>) -> Option<usize> {
         let last = self.seen.last().copied();
         let its_own = change.letter.and_then(|letter| self.of_letter.get(letter)).copied();
@@ -182,8 +184,8 @@ impl<'a> Director<'a> {
             + points::CHANCE * chance(self.seed, index, scene)
     }
 
-    /// The cameras of a scene in the order in which they are on; none is the scene's own. A scene that returns begins
-    /// with another one.
+    /// Returns the cameras of a scene in the order of their use; `None` is the default camera. A scene that
+    /// returns starts with another camera.
     fn views(&mut self, scene: usize, index: usize, change: &Change<'_>) -> Vec<Option<String>> {
         let Some(card) = self.cards.get(scene) else { return Vec::new() };
         let mut views: Vec<Option<String>> = vec![None];
@@ -199,7 +201,7 @@ impl<'a> Director<'a> {
     }
 }
 
-/// How a scene comes; `coin` chooses between what fits as well.
+/// Chooses the transition to a scene. `coin` is random and decides between equally suitable kinds.
 fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool) -> Transition {
     if change.reason == Reason::Drop {
         return Transition::CUT;
@@ -229,13 +231,13 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
     }
 }
 
-/// How cameras follow each other in music of this energy.
+/// Returns the rhythm of camera changes for this energy.
 fn turns_at(energy: f32) -> &'static Turns {
     let [calm, even, loud, very_loud] = &TURNS;
     [calm, even, loud].into_iter().find(|turns| energy < turns.below).unwrap_or(very_loud)
 }
 
-/// The bars in which the camera changes, from a change to the next one at `end` seconds.
+/// Returns the bars with camera changes, between a change and the next one at `end` seconds.
 fn bars_of(turns: &Turns, song: &SongStructure, lines: &BarLines, change: &Change<'_>, end: f64) -> Vec<u32> {
     let first = lines.bar_at(change.time + 0.05).floor();
     let bar = lines.time_of(first + 1.0) - lines.time_of(first);
@@ -252,7 +254,7 @@ fn bars_of(turns: &Turns, song: &SongStructure, lines: &BarLines, change: &Chang
     within.filter(fits).map(|bar| bar as u32).collect()
 }
 
-/// A number of 0..1 that follows from its arguments (SplitMix64, Steele et al. 2014).
+/// Pseudorandom number in 0..1 from the arguments (SplitMix64, Steele et al. 2014).
 fn chance(seed: u64, index: usize, scene: usize) -> f32 {
     let mut value = seed
         ^ (index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)

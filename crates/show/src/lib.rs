@@ -1,14 +1,15 @@
-//! What is on when: the structure of a song and a text make a plan, and the director writes such texts.
+//! Shows: which scene a song displays at what time. A cue list comes from a text or from the director, and resolving
+//! it for a song gives a timeline.
 //!
 //! ```text
-//! song's structure ─► director ─► script ◄─ text of a show file
+//! song's structure ─► director ─► cue list ◄─ text of a show file
 //!        │                          │
-//!        └────► bar lines ────► resolved: plan ─► at a moment: scene, camera, transition, parameters
+//!        └────► bar lines ────► timeline ─► at a moment: scene, camera, transition, parameters
 //! ```
 //!
-//! Everything here is pure: the same song and the same text give the same plan in the window, in a video and on every
-//! machine. A script names moments as musicians do (`section B`, `bar 17`, `drop 1`); a plan has them in seconds. Scenes are
-//! names; the caller supplies facts about them:
+//! Everything here is pure: the same song and the same text give the same timeline in the window, in a video and on
+//! every machine. A cue list names moments in musical terms (`section B`, `bar 17`, `drop 1`); a timeline has them in
+//! seconds. Scenes are names; the caller supplies facts about them:
 //!
 //! ```
 //! use mariana_field::lang::About;
@@ -27,15 +28,16 @@
 //! assert_eq!(left_out, None);
 //!
 //! // Bar 9 begins at 16 s, and the melt takes four seconds.
-//! let plan = show.plan().expect("no entry waits for a key");
-//! let moment = plan.at(18.0);
-//! assert_eq!(moment.stay.scene, "city");
-//! let (leaving, share) = moment.leaving.expect("a transition");
-//! assert_eq!((leaving.scene.as_str(), share), ("orb", 0.5));
-//! # Ok::<(), mariana_show::ScriptError>(())
+//! let timeline = show.timeline().expect("no entry waits for a key");
+//! let moment = timeline.at(18.0);
+//! assert_eq!(moment.clip.scene, "city");
+//! let (leaving, fraction) = moment.leaving.expect("a transition");
+//! assert_eq!((leaving.scene.as_str(), fraction), ("orb", 0.5));
+//! # Ok::<(), mariana_show::CueListError>(())
 //! ```
 //!
-//! [`Show::directed`] picks scenes by a song's structure, [`LiveDirector`] for live input. [`Performance`] records a script.
+//! [`Show::directed`] chooses scenes by a song's structure, [`LiveDirector`] for live input. [`Performance`] records
+//! a cue list.
 
 mod bar_lines;
 mod cue_list;

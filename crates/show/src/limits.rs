@@ -1,22 +1,19 @@
-//! Every limit of shows.
-//!
-//! A limit is data: code that applies one reads it here, an error that reports one gives the number defined here, and
-//! a test reaches it.
+//! The limits on shows. Code, error messages and tests read them from here.
 
-/// Limits on what comes from outside and on what is allocated for it.
+/// Limits on show files and on the memory for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Most bytes of a show's text.
     pub bytes_max: usize,
     /// Most entries of a show.
     pub entries_max: usize,
-    /// Most parameters that an entry of a show moves.
+    /// Most settings of an entry.
     pub settings_max: usize,
-    /// Most steps of one of their movements.
+    /// Most steps of a setting.
     pub steps_max: usize,
-    /// Pictures of a show of which one is held while another gives way, that are mixed into one.
+    /// Most frozen frames mixed into one image.
     pub held_max: usize,
-    /// Latest moment and longest length in a show, in seconds (a day).
+    /// Latest moment and longest length in a show file, in seconds (a day).
     pub seconds_max: f64,
 }
 

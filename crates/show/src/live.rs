@@ -1,64 +1,64 @@
-//! Chooses scenes while an input is listened to, of which nobody knows what comes.
+//! Chooses scenes for live input, without knowledge of the music to come.
 //!
-//! The next scene is chosen as soon as one is on, so that it can be prepared. When it comes the music decides: where it
-//! gets much louder or calmer, or when a scene was on for long, and then on a beat.
+//! The next scene is chosen as soon as the previous one appears, so that it can be prepared. It appears when the
+//! music gets much louder or calmer, or when the current scene has been shown for long, and then on a beat.
 
 use super::director::{SceneCard, next_scene};
 use super::timeline::{Clip, TimedTransition, Timeline};
 use mariana_field::lang::Way;
 
-/// A scene is on for at least so many seconds, and for about so many at most.
+/// Shortest and approximate longest time for a scene, in seconds.
 const CLIP: [f64; 2] = [12.0, 45.0];
-/// Energy counts over these times, in seconds: of what is new, and of what it is new against.
+/// Time constants of the short and the long average of the energy, in seconds.
 const OVER: [f64; 2] = [2.0, 20.0];
-/// By so much the energy has to change for another scene.
+/// Smallest difference of the two averages that causes a change.
 const NOVEL: f32 = 0.18;
-/// Music below this energy flows, and from the other one on it is cut.
+/// Energy below which music is calm and fades slowly, and from which it is loud and cuts.
 const CALM: f32 = 0.4;
 const LOUD: f32 = 0.65;
-/// Stays that are over and still known.
+/// Number of past clips that stay in the timeline.
 const KEPT: usize = 2;
-/// When the next scene comes, as long as nobody knows.
+/// Start time of the next scene while it is unknown.
 const SOME_DAY: f64 = 1e12;
 
-/// What is heard at a moment.
+/// Features of the live input at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hearing {
-    /// Seconds of the input.
+    /// Time since the input started, in seconds.
     pub time: f64,
     /// Energy, 0..1.
     pub energy: f32,
-    /// Beats per minute; 0 while unknown.
+    /// Tempo in beats per minute; 0 if unknown.
     pub tempo: f32,
-    /// Way from the last beat to the next.
+    /// Position between the last beat and the next, 0..1.
     pub phase: f32,
 }
 
-/// See the module.
+/// Chooses scenes for live input.
 #[derive(Debug, Clone)]
 pub struct LiveDirector {
     cards: Vec<SceneCard>,
     clips: Vec<Clip>,
     seen: Vec<usize>,
     last: Option<Hearing>,
-    /// Energy over each of [`OVER`].
+    /// Averages of the energy, with the time constants of [`OVER`].
     energies: [f32; 2],
 }
 
 impl LiveDirector {
-    /// Among these scenes.
+    /// A director that chooses among these scenes.
     pub fn new(cards: Vec<SceneCard>) -> Self {
         Self { cards, clips: Vec::new(), seen: Vec::new(), last: None, energies: [0.5; 2] }
     }
 
-    /// Takes in what is heard, and returns another plan if another scene comes.
+    /// Processes the features of a moment. Returns a new timeline if the scene changes.
     pub fn hear(&mut self, heard: Hearing) -> Option<Timeline> {
         let step = self.last.map_or(0.0, |last| heard.time - last.time);
         let has_jumped = !(0.0..5.0).contains(&step);
         let is_beat = heard.tempo <= 0.0 || self.last.is_some_and(|last| heard.phase < last.phase);
         self.last = Some(heard);
         if self.clips.is_empty() || has_jumped {
-            // Another input, or the first moment.
+            // The first moment, or another input.
             self.energies = [heard.energy; 2];
             self.clips.clear();
             return self.enter(heard, TimedTransition::new(Way::Fade, 1.0));
@@ -75,7 +75,7 @@ impl LiveDirector {
         let (way, seconds) = match is_new {
             true if now > before => (Way::Cut, 0.0),
             true => (Way::Fade, 2.0),
-            // Worlds are mixed only where the moment is known beforehand.
+            // Blends need a moment known in advance.
             false if now < CALM => (Way::Fade, 4.0),
             false if now < LOUD => (Way::Fade, 2.0),
             false => (Way::Cut, 0.0),
@@ -83,7 +83,7 @@ impl LiveDirector {
         self.enter(heard, TimedTransition::new(way, seconds))
     }
 
-    /// The scene that was next comes now, and another one is next.
+    /// Shows the prepared scene now and chooses the next one.
     fn enter(&mut self, heard: Hearing, transition: TimedTransition) -> Option<Timeline> {
         self.energies[1] = self.energies[0];
         let expected = self.clips.pop();
@@ -122,7 +122,7 @@ mod tests {
         LiveDirector::new(ranges.into_iter().enumerate().map(card).collect())
     }
 
-    /// When scenes begin, at a tempo of 120, with an energy for each second.
+    /// Returns the start and transition of each scene, at 120 beats a minute, with the given energy over time.
     fn starts(seconds: usize, energy: impl Fn(f64) -> f32) -> Vec<(f64, Way)> {
         let mut director = director();
         let mut found = Vec::new();
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn scenes_change_with_the_energy_and_else_after_a_while_and_on_a_beat() {
+    fn scenes_change_with_the_energy_or_after_a_while_and_on_a_beat() {
         let even = starts(200, |_| 0.3);
         assert!((4..=6).contains(&even.len()), "{even:?}");
         assert!(even.iter().skip(1).all(|(_, way)| *way == Way::Fade), "{even:?}");
@@ -147,13 +147,13 @@ mod tests {
         let loud = starts(60, |time| if time < 30.0 { 0.2 } else { 0.9 });
         let change = loud.iter().find(|(start, _)| *start > 1.0).unwrap();
         assert!((30.0..32.0).contains(&change.0) && change.1 == Way::Cut, "{loud:?}");
-        // What flickers is nothing new, and no scene has to leave at once.
+        // Flickering energy is no change, and every scene has its shortest time.
         let flicker = starts(100, |time| if (time * 4.0).fract() < 0.5 { 0.1 } else { 0.9 });
         assert!(flicker.windows(2).all(|pair| pair[1].0 - pair[0].0 >= CLIP[0]), "{flicker:?}");
     }
 
     #[test]
-    fn another_input_begins_anew_and_no_scene_follows_itself() {
+    fn a_new_input_starts_over_and_no_scene_follows_itself() {
         let mut director = director();
         let mut hear = |time| {
             director

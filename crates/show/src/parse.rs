@@ -1,4 +1,4 @@
-//! The text of a show file.
+//! Parser of show files.
 //!
 //! ```text
 //! # a comment
@@ -11,8 +11,8 @@
 //! at cue              letters  fade over 1 bar
 //! ```
 //!
-//! Each line is read for itself, so that one mistake hides no other. A line that begins with `->` adds steps to the `set`
-//! above it.
+//! Each line is parsed separately, so that a mistake does not hide later ones. A line that begins with `->` adds
+//! steps to the `set` above it.
 
 mod words;
 
@@ -25,33 +25,33 @@ use mariana_field::lang::{Diagnostic, Sources, Span, Way, nearest, render_all};
 use mariana_field::world::{BlendKind, PortalShape};
 use words::{Kind, Word, lines};
 
-/// A text that was read.
+/// The result of parsing.
 #[derive(Debug, Clone, Default)]
 pub struct Parsed {
-    /// The show; `None` if there are mistakes.
+    /// The cue list; `None` if there are mistakes.
     pub cue_list: Option<CueList>,
     /// The entries without mistakes.
     pub entries: Vec<Entry>,
     /// The mistakes.
     pub diagnostics: Vec<Diagnostic>,
-    /// The text.
+    /// The text, for rendering positions.
     pub sources: Sources,
 }
 
 impl Parsed {
-    /// The mistakes as text, for a terminal when `color` is set.
+    /// Renders the mistakes as text, with terminal colours if `color` is set.
     pub fn render(&self, color: bool) -> String {
         render_all(&self.diagnostics, &self.sources, color)
     }
 }
 
-/// The largest value of a parameter. Between two of them there are finite numbers only.
+/// Largest value of a parameter. Differences of two such values are finite.
 const VALUE_MAX: f32 = 1e30;
 
-/// Most mistakes that are reported at once.
+/// Most mistakes reported at once.
 pub(super) const DIAGNOSTICS_MAX: usize = 20;
 
-/// Reads the text of a show file that messages call `name`.
+/// Parses the text of a show file. Messages call it `name`.
 pub fn parse(name: &str, text: &str) -> Parsed {
     let mut sources = Sources::default();
     let too_long = text.len() > LIMITS.bytes_max || sources.add(name, text).is_none();
@@ -62,7 +62,7 @@ pub fn parse(name: &str, text: &str) -> Parsed {
     }
     let mut diagnostics = Vec::new();
     let mut cue_list = CueList::default();
-    // Takes the settings of an entry with a mistake, so that the entry before it does not get them.
+    // Receives the settings of a wrong entry, so that they are not added to the previous entry.
     let mut scrap: Option<CueList> = None;
     let mut was_wrong = false;
     for line in lines(text) {
@@ -71,7 +71,7 @@ pub fn parse(name: &str, text: &str) -> Parsed {
         }
         let first = line.first().map_or("", |word| word.text);
         if first == "->" && was_wrong {
-            // Steps of a `set` with a mistake.
+            // Steps of a `set` line with a mistake.
             continue;
         }
         let is_entry = !["set", "->"].contains(&first);
@@ -88,14 +88,14 @@ pub fn parse(name: &str, text: &str) -> Parsed {
             let max = LIMITS.entries_max;
             let span = cue_list.entries.last().map_or(Span::default(), |entry| entry.span);
             let many = Diagnostic::over_limit(span, format!("the show has more than {max} entries"));
-            diagnostics.push(many.hint("make several shows of it"));
+            diagnostics.push(many.hint("split it into several shows"));
             break;
         }
     }
     if cue_list.entries.is_empty() && diagnostics.is_empty() {
         let end = Span::new(text.len() as u32, text.len() as u32);
-        let empty = Diagnostic::new(end, "the show has no entry");
-        diagnostics.push(empty.hint("write which scene is on from when: `at start speakers`"));
+        let empty = Diagnostic::new(end, "the show has no entries");
+        diagnostics.push(empty.hint("add an entry, such as `at start speakers`"));
     }
     let entries = cue_list.entries.clone();
     let cue_list = diagnostics.is_empty().then_some(cue_list);
@@ -120,13 +120,12 @@ impl<'a> Reader<'a> {
             "set" if first.kind == Kind::Name => {
                 let setting = self.setting()?;
                 let Some(entry) = cue_list.entries.last_mut() else {
-                    let early =
-                        Diagnostic::new(first.span, "no scene is on yet whose parameter this could be");
+                    let early = Diagnostic::new(first.span, "`set` needs an entry above it");
                     return Err(Box::new(early.hint("write `at start` and a scene above it")));
                 };
                 if entry.settings.len() >= LIMITS.settings_max {
                     let max = LIMITS.settings_max;
-                    let many = format!("an entry has more than {max} lines that begin with `set`");
+                    let many = format!("the entry has more than {max} `set` lines");
                     return Err(Box::new(Diagnostic::over_limit(first.span, many)));
                 }
                 entry.settings.push(setting);
@@ -135,18 +134,18 @@ impl<'a> Reader<'a> {
                 self.at -= 1;
                 let moving = cue_list.entries.last_mut().and_then(|entry| entry.settings.last_mut());
                 let Some(Setting { param, steps, .. }) = moving else {
-                    let early = Diagnostic::new(first.span, "there is no movement above this line");
+                    let early = Diagnostic::new(first.span, "there is no `set` line above to continue");
                     return Err(Box::new(early.hint("write `set`, a parameter and its value above it")));
                 };
                 self.steps(steps, is_fraction(param), first.span)?;
             }
             _ => {
                 let unknown =
-                    Diagnostic::new(first.span, format!("{} begins no line of a show", first.shown()));
+                    Diagnostic::new(first.span, format!("a line cannot begin with {}", first.shown()));
                 let near = nearest(first.text, ["at", "set"]);
                 return Err(Box::new(match near {
                     Some(_) => unknown.did_you_mean(near),
-                    None => unknown.hint("a line begins with `at`, as in `at bar 17 tunnel`, or with `set`"),
+                    None => unknown.hint("begin the line with `at`, as in `at bar 17 tunnel`, or with `set`"),
                 }));
             }
         }
@@ -155,8 +154,8 @@ impl<'a> Reader<'a> {
             Some(word) => {
                 let more = Diagnostic::new(word.span, format!("{} is not expected here", word.shown()));
                 Err(Box::new(more.hint(
-                    "an entry is `at WHEN SCENE`, then `camera NAME`, then `cut`, `fade`, `melt` or `portal` with `over` and \
-                     a length",
+                    "an entry is `at WHEN SCENE`, then `camera NAME`, then `cut`, `fade`, `melt` or `portal` \
+                     with `over` and a length",
                 )))
             }
         }
@@ -192,7 +191,7 @@ impl<'a> Reader<'a> {
                 let is_letter =
                     letter.kind == Kind::Name && letter.text.bytes().all(|b| b.is_ascii_alphabetic());
                 if !is_letter {
-                    let wrong = format!("a section has letters, not {}", letter.shown());
+                    let wrong = format!("a section's name is a letter, not {}", letter.shown());
                     return Err(Box::new(
                         Diagnostic::new(letter.span, wrong).hint("write `section B` or `section B 2`"),
                     ));
@@ -200,11 +199,15 @@ impl<'a> Reader<'a> {
                 Anchor::Section(letter.text.to_ascii_uppercase(), self.count_or_first()?)
             }
             _ => {
-                let unknown = Diagnostic::new(word.span, format!("{} is no moment of a song", word.shown()));
+                let unknown =
+                    Diagnostic::new(word.span, format!("{} is not a moment of a song", word.shown()));
                 let near = nearest(word.text, ANCHORS);
                 return Err(Box::new(match near {
                     Some(_) => unknown.did_you_mean(near),
-                    None => unknown.hint("a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1`, `build 1` or `cue`"),
+                    None => unknown.hint(
+                        "a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1`, \
+                         `build 1` or `cue`",
+                    ),
                 }));
             }
         };
@@ -223,7 +226,7 @@ impl<'a> Reader<'a> {
         Ok(When { anchor, offset })
     }
 
-    /// `12`, `12 s` or `1:23.5`, of which the first number is read.
+    /// Reads `12`, `12 s` or `1:23.5`. `first` is the first number.
     fn clock(&mut self, first: Word<'_>) -> Read<f64> {
         let mut seconds = self.value(first)?;
         let mut span = first.span;
@@ -232,10 +235,10 @@ impl<'a> Reader<'a> {
             let number = self.value(rest)?;
             span = span.to(rest.span);
             if number >= 60.0 || rest.kind != Kind::Number {
-                let wrong = Diagnostic::new(rest.span, "behind the colon stand seconds, below 60");
+                let wrong = Diagnostic::new(rest.span, "the seconds after the colon must be below 60");
                 return Err(Box::new(wrong.hint("write `1:23.5` for a minute and 23.5 seconds")));
             }
-            // So that it is the number nearest to what stands there.
+            // Round to the `f64` nearest to the written time.
             let all = 60.0 * seconds + number;
             let whole = (all * 1e3).round() / 1e3;
             seconds = if (all - whole).abs() < 1e-9 { whole } else { all };
@@ -243,7 +246,7 @@ impl<'a> Reader<'a> {
             self.eat("s");
         }
         if seconds > LIMITS.seconds_max {
-            let late = format!("no song takes more than {:.0} s", LIMITS.seconds_max);
+            let late = format!("a time must not exceed {:.0} s", LIMITS.seconds_max);
             return Err(Box::new(Diagnostic::over_limit(span, late)));
         }
         Ok(seconds)
@@ -254,11 +257,10 @@ impl<'a> Reader<'a> {
         let Some(way) = Way::named(word.text).filter(|_| word.kind == Kind::Name) else {
             let ways = Way::ALL.map(Way::name);
             let near = nearest(word.text, ways.into_iter().chain(["camera"]));
-            let unknown =
-                Diagnostic::new(word.span, format!("{} is no way from scene to scene", word.shown()));
+            let unknown = Diagnostic::new(word.span, format!("{} is not a transition", word.shown()));
             return Err(Box::new(match near {
                 Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint(format!("the ways are {}", quoted(ways.into_iter()))),
+                None => unknown.hint(format!("the transitions are {}", quoted(ways.into_iter()))),
             }));
         };
         self.at += 1;
@@ -274,7 +276,7 @@ impl<'a> Reader<'a> {
         Ok(Some(Transition { kind, length, unfinished }))
     }
 
-    /// The shape of a portal, which need not be written.
+    /// Reads the optional shape of a portal.
     fn portal_shape(&mut self) -> Read<PortalShape> {
         let Some(word) = self.peek() else { return Ok(PortalShape::default()) };
         match BlendKind::named(word.text) {
@@ -312,36 +314,34 @@ impl<'a> Reader<'a> {
         Ok(Setting { param, from, steps, after, span })
     }
 
-    /// Reads further steps of a movement. `place` is underlined if there are too many.
+    /// Reads the steps of an animation. A message about too many steps points to `place`.
     fn steps(&mut self, steps: &mut Vec<Step>, is_fraction: bool, place: Span) -> Read<()> {
         while self.eat("->") {
             let to = self.number(is_fraction)?;
             if !self.eat("over") {
-                return Err(self.missing("`over` and how long it takes", "as in `0.2 -> 0.5 over 8 bars`"));
+                return Err(self.missing("`over` and a duration", "as in `0.2 -> 0.5 over 8 bars`"));
             }
             steps.push(Step { to, over: self.length()? });
             if steps.len() > LIMITS.steps_max {
-                let many = format!("a parameter moves in more than {} steps", LIMITS.steps_max);
+                let many = format!("the parameter has more than {} steps", LIMITS.steps_max);
                 let many = Diagnostic::over_limit(place, many);
-                return Err(Box::new(
-                    many.hint("write an entry for the rest, with the same scene and `cut`"),
-                ));
+                return Err(Box::new(many.hint("continue in another entry with the same scene and `cut`")));
             }
         }
         Ok(())
     }
 
-    /// A value of a parameter, or a share within 0..1.
+    /// Reads a value of a parameter, or a fraction in 0..1.
     fn number(&mut self, is_fraction: bool) -> Read<f32> {
         let sign = if self.eat("-") { -1.0 } else { 1.0 };
         let word = self.expect("a number", "the value of the parameter")?;
         let number = (sign * self.value(word)?) as f32;
         if number.abs() > VALUE_MAX {
-            let large = format!("no parameter takes a number as large as {}", word.shown());
+            let large = format!("the number {} is too large", word.shown());
             return Err(Box::new(Diagnostic::over_limit(word.span, large)));
         }
         if is_fraction && !(0.0..=1.0).contains(&number) {
-            let beyond = format!("{number} is no share of a picture");
+            let beyond = format!("{number} is not between 0 and 1");
             return Err(Box::new(Diagnostic::new(word.span, beyond).hint("write a number from 0 to 1")));
         }
         Ok(number)
@@ -353,13 +353,13 @@ impl<'a> Reader<'a> {
         let unit = self.expect("`bars`, `beats` or `s`", "as in `2 bars`")?;
         let known = Length::UNITS.iter().find(|known| known.names.contains(&unit.text));
         let Some(known) = known else {
-            let wrong = Diagnostic::new(unit.span, format!("{} is no unit of time", unit.shown()));
+            let wrong = Diagnostic::new(unit.span, format!("{} is not a unit of time", unit.shown()));
             return Err(Box::new(wrong.hint("the units are `bars`, `beats` and `s`")));
         };
         if number > LIMITS.seconds_max {
             let long = Diagnostic::over_limit(
                 word.span,
-                format!("no show takes more than {:.0}", LIMITS.seconds_max),
+                format!("a length must not exceed {:.0}", LIMITS.seconds_max),
             );
             return Err(Box::new(long));
         }
@@ -370,7 +370,10 @@ impl<'a> Reader<'a> {
         let word = self.expect(what, "counted from 1")?;
         let number = self.value(word)?;
         if number.fract() != 0.0 || !(1.0..=1e6).contains(&number) {
-            let wrong = Diagnostic::new(word.span, format!("{} is no number to count by", word.shown()));
+            let wrong = Diagnostic::new(
+                word.span,
+                format!("{} is not a whole number from 1 to 1000000", word.shown()),
+            );
             return Err(Box::new(wrong.hint("count from 1")));
         }
         Ok(number as u32)
@@ -383,7 +386,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The number that a word is; finite and not negative.
+    /// Parses a word as a finite number, zero or more.
     fn value(&self, word: Word<'_>) -> Read<f64> {
         let number = (word.kind == Kind::Number).then(|| word.text.parse::<f64>().ok()).flatten();
         number.filter(|number| number.is_finite()).ok_or_else(|| {
@@ -392,11 +395,11 @@ impl<'a> Reader<'a> {
     }
 
     fn named(&mut self, what: &str) -> Read<Word<'a>> {
-        let word = self.expect(what, "names with blanks or slashes stand in quotes")?;
+        let word = self.expect(what, "put names with spaces or slashes in quotes")?;
         if !matches!(word.kind, Kind::Name | Kind::Quoted) || word.text.is_empty() {
             let wrong = format!("{what} is expected here, not {}", word.shown());
             return Err(Box::new(
-                Diagnostic::new(word.span, wrong).hint("names with blanks or slashes stand in quotes"),
+                Diagnostic::new(word.span, wrong).hint("put names with spaces or slashes in quotes"),
             ));
         }
         Ok(word)
@@ -412,7 +415,7 @@ impl<'a> Reader<'a> {
         word
     }
 
-    /// Passes this word or sign, if it comes next.
+    /// Consumes this word or sign if it is next.
     fn eat(&mut self, text: &str) -> bool {
         let is_next = self.peek().is_some_and(|word| word.text == text && word.kind != Kind::Quoted);
         self.at += usize::from(is_next);
@@ -435,22 +438,22 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// True for parameters in the range 0..1.
+/// True for settings in the range 0..1.
 fn is_fraction(param: &str) -> bool {
     PICTURE_NUMBERS.contains(&param)
 }
 
-/// What is said of a shape that no portal has.
+/// The mistake for an unknown portal shape.
 fn no_shape(word: Word<'_>) -> Box<Diagnostic> {
     let shapes = || BlendKind::ALL.into_iter().filter(|(kind, ..)| matches!(kind, BlendKind::Portal(_)));
-    let unknown = Diagnostic::new(word.span, format!("{} is no shape of a portal", word.shown()));
+    let unknown = Diagnostic::new(word.span, format!("{} is not a portal shape", word.shown()));
     Box::new(match nearest(word.text, shapes().map(|(_, name, _)| name).chain(["over"])) {
         near @ Some(_) => unknown.did_you_mean(near),
         None => unknown.hint(format!("the shapes are {}", quoted(shapes().map(|(_, name, _)| name)))),
     })
 }
 
-/// What is said of `set first second` where names of two words are like that; none where none is.
+/// The mistake for `set first second` with an unknown second word; `None` if no setting of two words is similar.
 fn no_second_word(first: Word<'_>, second: Word<'_>) -> Option<Box<Diagnostic>> {
     let names = || CAMERA_TURNS.into_iter().chain(PICTURE_NUMBERS);
     let pairs = || names().filter_map(|name| name.split_once(' '));
@@ -465,11 +468,11 @@ fn no_second_word(first: Word<'_>, second: Word<'_>) -> Option<Box<Diagnostic>> 
     let unknown = Diagnostic::new(second.span, unknown);
     Some(Box::new(match nearest(second.text, words()) {
         near @ Some(_) => unknown.did_you_mean(near),
-        None => unknown.hint(format!("there are {}", quoted(words()))),
+        None => unknown.hint(format!("choose one of {}", quoted(words()))),
     }))
 }
 
-/// These names, with commas between.
+/// Joins quoted names with commas.
 fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }

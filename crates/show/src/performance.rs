@@ -1,7 +1,7 @@
-//! A performance: what was on in each picture of a song, whoever turned it, as a show that does the same again.
+//! Records a performance, frame by frame, as a cue list that repeats it.
 //!
-//! **Exact where it was seen.** At the moments that were noted the show has the same numbers, bit for bit; between two of
-//! them that follow each other closely it moves evenly. Whoever goes back in the song plays over what came later.
+//! At the recorded moments, the cue list reproduces all values bit for bit. Between two close moments it
+//! interpolates. When the song goes back, a new recording replaces the part after that moment.
 
 use std::collections::BTreeMap;
 
@@ -13,97 +13,98 @@ use super::timeline::{Move, TimedTransition};
 use crate::limits::LIMITS;
 use mariana_field::lang::Span;
 
-/// A value that stays for longer than this, in seconds, stays until it changes; else it is on its way.
+/// A value that is constant for longer than this, in seconds, is held until its next change; a shorter gap is
+/// interpolated.
 const REST: f64 = 0.1;
-/// A transition that ends so many seconds late ends in time.
+/// Tolerance in seconds for the end of a transition.
 const EXACT: f64 = 1e-6;
-/// Steps from moment to moment are whole billionths of a second, which a text holds exactly.
+/// Durations of steps are whole nanoseconds, which a text represents exactly.
 const TICKS: f64 = 1e9;
 
-/// What is on in a picture.
+/// The state of the show in one frame.
 #[derive(Debug, Clone)]
 pub struct OnStage<'a> {
-    /// The scene that is on or is coming, as shows call it.
+    /// The scene, or the incoming scene during a transition, by its name in shows.
     pub scene: &'a str,
-    /// One of its cameras; none is its own.
+    /// Name of a camera; `None` for the scene's default camera.
     pub camera: Option<&'a str>,
-    /// How it came.
+    /// The transition to the scene.
     pub transition: TimedTransition,
-    /// When it began to come, in seconds of the song.
+    /// Start of the transition, in seconds of the song.
     pub start: f64,
-    /// Its parameters.
+    /// The scene's parameters.
     pub params: Vec<Turned<'a>>,
-    /// What a show does with its parameters.
+    /// The clip's animations.
     pub moves: &'a [Move],
-    /// How the camera is moved by hand: the values of [`CAMERA_TURNS`].
+    /// Camera changes by the user: the values of [`CAMERA_TURNS`].
     pub turns: [f32; 3],
-    /// What is done to the whole picture.
+    /// The image settings.
     pub picture: Finish,
 }
 
-/// What is done to a whole picture.
+/// Image settings, applied to the whole frame of any scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Finish {
     /// The values of [`PICTURE_NUMBERS`].
     pub numbers: [f32; 2],
-    /// Whether only the show does it, and no hand.
+    /// True if the show made the settings and no user changed them.
     pub is_shown: bool,
 }
 
 impl Finish {
-    /// Nothing.
+    /// An unchanged image.
     pub const NOTHING: Self = Self { numbers: PLAIN_PICTURE, is_shown: true };
 }
 
-/// A parameter in a picture.
+/// A parameter in one frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Turned<'a> {
-    /// Its name.
+    /// The parameter's name.
     pub name: &'a str,
-    /// Its value.
+    /// The current value.
     pub value: f32,
-    /// The value that the scene's text gives it.
+    /// The default value in the scene's text.
     pub own: f32,
-    /// Whether a show moves it, and no other hand.
+    /// True if the show set the value and no user changed it.
     pub is_shown: bool,
 }
 
-/// See the module.
+/// A recording of a performance.
 #[derive(Debug, Clone)]
 pub struct Performance {
     scenes: Vec<Played>,
-    /// The last moment that was noted.
+    /// The last recorded moment.
     last: Option<f64>,
-    /// Whether there was more than a show may have.
+    /// True if a limit on cue lists was reached.
     is_full: bool,
-    /// What was done to the whole picture then.
+    /// The image settings at that moment.
     finish: [f32; 2],
 }
 
-/// A scene while it was on.
+/// A recorded scene.
 #[derive(Debug, Clone)]
 struct Played {
     scene: String,
     camera: Option<String>,
     transition: TimedTransition,
-    /// When the scene began to come.
+    /// Start of the transition, as reported in [`OnStage::start`].
     begun: f64,
-    /// When this part of it begins.
+    /// Start of this entry.
     start: f64,
-    /// Whether it plays over later pictures, since the song went back. An earlier picture may then be less than a
+    /// True if the song went back and this replaces later frames. An earlier frame may then be less than a
     /// millisecond before it.
     plays_over: bool,
-    /// What a show did with parameters.
+    /// The clip's animations.
     moves: Vec<Move>,
     lines: BTreeMap<String, Line>,
 }
 
-/// The values of a parameter, each from its moment on.
+/// The recorded values of one parameter.
 #[derive(Debug, Clone)]
 struct Line {
-    /// What the scene's text says.
+    /// The default value in the scene's text.
     own: f32,
-    /// Moments and values; at the first one it is set.
+    /// Times and values; the first is the initial value.
     points: Vec<(f64, f32)>,
 }
 
@@ -114,7 +115,7 @@ impl Default for Performance {
 }
 
 impl Performance {
-    /// Notes what is on at `time` seconds of the song.
+    /// Records the state of the show at `time` seconds of the song.
     pub fn note(&mut self, time: f64, seen: &OnStage<'_>) {
         if !time.is_finite() || time < 0.0 {
             return;
@@ -130,10 +131,10 @@ impl Performance {
                 self.is_full = true;
                 return;
             }
-            // What comes stands behind what was there.
+            // An entry starts after the previous one.
             let earliest = self.scenes.last().map_or(0.0, |before| before.start);
             let (start, transition) = match last {
-                // The same once more, because there is no room for more steps.
+                // The scene continues in a new entry, because the old one has the most steps.
                 Some(_) => (time, TimedTransition::CUT),
                 None => (seen.start.min(time).max(earliest), seen.transition),
             };
@@ -167,7 +168,7 @@ impl Performance {
         for Turned { name, value, own, is_shown } in seen.params.iter().copied().chain(turns) {
             if !played.lines.contains_key(name) {
                 if is_shown {
-                    // The show moves it more evenly than pictures tell.
+                    // The show's own animation is smoother than recorded frames.
                     continue;
                 }
                 if played.lines.len() >= LIMITS.settings_max {
@@ -183,7 +184,8 @@ impl Performance {
         }
     }
 
-    /// Notes what is done at `time` seconds to the picture that was noted last and still shows.
+    /// Records a change of the image settings at `time` seconds, while the last recorded frame is still
+    /// displayed.
     pub fn note_picture(&mut self, time: f64, picture: &Finish) {
         if !time.is_finite() || time < 0.0 {
             return;
@@ -195,7 +197,7 @@ impl Performance {
         self.note_finish(time, before, picture);
     }
 
-    /// Notes that the picture which was noted last is held from its own moment on.
+    /// Records that the last recorded frame is frozen from its own moment on.
     pub fn hold(&mut self, picture: &Finish) {
         let [_, name] = PICTURE_NUMBERS;
         let [brightness, given_way] = self.finish;
@@ -209,12 +211,12 @@ impl Performance {
         }
     }
 
-    /// The moment that was noted last, in seconds of the song.
+    /// Returns the last recorded moment, in seconds of the song.
     pub fn last(&self) -> Option<f64> {
         self.last
     }
 
-    /// The first scene begins with a picture to which something is done.
+    /// Records the initial image settings in the first entry.
     fn begin_finish(&mut self, picture: &Finish) {
         let Some(played) = self.scenes.last_mut().filter(|_| !picture.is_shown) else { return };
         for ((name, plain), value) in PICTURE_NUMBERS.into_iter().zip(PLAIN_PICTURE).zip(picture.numbers) {
@@ -227,7 +229,7 @@ impl Performance {
         self.finish = picture.numbers;
     }
 
-    /// Notes what is done to the whole picture. It stays from scene to scene, so only what changes is written.
+    /// Records changes of the image settings. They persist across scenes, so only changes are stored.
     fn note_finish(&mut self, time: f64, before: f64, picture: &Finish) {
         let Some(played) = self.scenes.last_mut() else { return };
         let known = PICTURE_NUMBERS.into_iter().zip(picture.numbers).zip(&mut self.finish);
@@ -251,12 +253,12 @@ impl Performance {
         }
     }
 
-    /// Whether more happened than a show may have, so that what came last is missing.
+    /// True if a limit was reached, so that the end of the performance is missing.
     pub fn is_full(&self) -> bool {
         self.is_full
     }
 
-    /// Whether nothing was noted.
+    /// True if no frame was recorded.
     pub fn is_empty(&self) -> bool {
         self.scenes.is_empty()
     }
@@ -273,11 +275,11 @@ impl Performance {
         }
     }
 
-    /// The show that does the same.
+    /// Returns the cue list that repeats the performance.
     pub fn cue_list(&self) -> CueList {
         let mut entries: Vec<Entry> = self.scenes.iter().map(Played::entry).collect();
         for ((played, next), entry) in self.scenes.iter().zip(self.scenes.iter().skip(1)).zip(&mut entries) {
-            // What a show made quick enough to be complete ends where the next one begins.
+            // A transition that the show shortened ends where the next entry starts.
             let breaks_off = next.start < played.start + played.transition.seconds - EXACT;
             if let Some(transition) = entry.transition.as_mut().filter(|one| one.kind != TransitionKind::Cut)
             {
@@ -289,7 +291,7 @@ impl Performance {
 }
 
 impl Line {
-    /// The value at a moment; `before` is the one that was noted last.
+    /// Records a value at a moment; `before` is the previous recorded moment.
     fn note(&mut self, time: f64, before: f64, value: f32) {
         let Some(&(at, last)) = self.points.last() else { return };
         if last.to_bits() == value.to_bits() {
@@ -299,22 +301,22 @@ impl Line {
             && *earlier == time
             && *latest == time
         {
-            // The song stands still: the last word counts.
+            // The song is paused: keep the last value.
             *last = value;
             return;
         }
         if before > at {
-            // It stayed until the picture before.
+            // The value was constant until the previous frame.
             self.points.push((before.max(at).min(time), last));
         }
         if time - before > REST {
-            // Nobody knows how it got there.
+            // The values in the gap are unknown, so the value jumps.
             self.points.push((time, last));
         }
         self.points.push((time, value));
     }
 
-    /// Before it came to where it is now, it was here at the same moment.
+    /// Inserts `value` before the last value at the same moment, so that the value jumps.
     fn leap_from(&mut self, value: f32) {
         let at = |time| (time, value);
         if let Some(&(time, now)) = self.points.last()
@@ -326,7 +328,7 @@ impl Line {
         }
     }
 
-    /// What it does, from `start` on; nothing if it never leaves what the text says.
+    /// Converts the values to a setting of an entry at `start`; `None` if the value was always the default.
     fn setting(&self, param: &str, start: f64) -> Option<Setting> {
         let (&(first, from), rest) = self.points.split_first()?;
         if rest.is_empty() && from.to_bits() == self.own.to_bits() {
@@ -336,7 +338,7 @@ impl Line {
         let after = seconds((first - start).max(0.0));
         let mut at = start + after.number();
         let steps = rest.iter().map(|&(moment, to)| {
-            // From where the steps before really end, so that errors do not add up.
+            // Measure from the rounded end of the previous step, so that errors do not add up.
             let over = seconds((moment - at).max(0.0));
             at += over.number();
             Step { to, over }
@@ -345,7 +347,7 @@ impl Line {
     }
 }
 
-/// What a show did, counted from `start` on.
+/// Converts an animation of the show to a setting of an entry at `start`.
 fn setting_of(one: &Move, start: f64) -> Setting {
     let step = Step { to: one.to, over: Length::Seconds(one.seconds) };
     let is_step = one.seconds > 0.0 || one.from.to_bits() != one.to.to_bits();
@@ -359,12 +361,12 @@ fn setting_of(one: &Move, start: f64) -> Setting {
 }
 
 impl Played {
-    /// Whether it is what is seen.
+    /// True if this is the scene in `seen`.
     fn is_of(&self, seen: &OnStage<'_>) -> bool {
         (self.scene.as_str(), self.camera.as_deref(), self.begun) == (seen.scene, seen.camera, seen.start)
     }
 
-    /// Whether there is no room for more steps.
+    /// True if a parameter has the most steps.
     fn is_long(&self) -> bool {
         self.lines.values().any(|line| line.points.len() + 3 > LIMITS.steps_max)
     }
@@ -372,7 +374,7 @@ impl Played {
     fn entry(&self) -> Entry {
         let TimedTransition { kind, seconds, .. } = self.transition;
         let length = if kind == TransitionKind::Cut { Length::ZERO } else { Length::Seconds(seconds) };
-        // A whole millisecond is kept, not made the one before by rounding.
+        // Keep whole milliseconds: rounding errors must not give the previous one.
         let ticks = if self.plays_over { 1e6 } else { 1e3 };
         let whole = (self.start * ticks).round() / ticks;
         let start = if whole <= self.start { whole } else { (self.start * ticks).floor() / ticks };

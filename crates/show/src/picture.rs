@@ -1,54 +1,54 @@
-//! What a show does to whole pictures, whatever scene they show: it leaves them a share of their light, and holds one.
+//! Image settings of a timeline, which persist across scenes: the brightness and frozen frames.
 
 use super::cue_list::{PICTURE_NUMBERS, PLAIN_PICTURE};
 use super::timeline::{Clip, Move};
 use crate::limits::LIMITS;
 
-/// Moments in texts are whole billionths of a second: a moment that is the sum of several is rounded to those.
+/// Times in show files are whole nanoseconds: a sum of several is rounded to that.
 const TICKS: f64 = 1e9;
 
-/// What is done to the picture of a moment.
+/// The image settings at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Picture {
-    /// The share of its light that is left, 0..1.
+    /// Factor on the linear light of the image, 0..1.
     pub brightness: f32,
-    /// The picture that is held in it.
+    /// The frozen frame over it, if any.
     pub held: Option<Held>,
 }
 
-/// A picture that is held.
+/// A frozen frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held {
-    /// Which moment of the song it shows, in seconds.
+    /// The moment of the song that the frame shows, in seconds.
     pub since: f64,
-    /// Its share of what is seen, above 0; at 1 nothing else is seen.
+    /// Its opacity, above 0; at 1 it covers everything.
     pub fraction: f32,
 }
 
 impl Picture {
-    /// Nothing is done to it.
+    /// An unchanged image.
     pub const PLAIN: Self = Self { brightness: 1.0, held: None };
 }
 
-/// What a show does to pictures, from its start to its end: movements of each of [`PICTURE_NUMBERS`], by their starts.
+/// The animations of each of [`PICTURE_NUMBERS`] over the whole timeline, sorted by start.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Pictures {
     moves: [Vec<Move>; 2],
 }
 
 impl Pictures {
-    /// What these stays do, which follow each other in time.
+    /// Collects the image settings of clips, which are sorted by start.
     pub(super) fn of(clips: &[Clip]) -> Self {
         Self { moves: PICTURE_NUMBERS.map(|name| all_moves(clips, name)) }
     }
 
-    /// Whether a picture has less than its light.
+    /// True if the image is dimmed at any moment.
     pub(super) fn dim(&self) -> bool {
         let [brightness, _] = &self.moves;
         brightness.iter().any(|one| one.from.min(one.to) < 1.0)
     }
 
-    /// What is done at `time` seconds.
+    /// Returns the image settings at `time` seconds.
     pub(super) fn at(&self, time: f64) -> Picture {
         let [brightness, freeze] = &self.moves;
         let [light, _] = PLAIN_PICTURE;
@@ -58,17 +58,17 @@ impl Pictures {
         }
     }
 
-    /// What is held at `time` seconds, as [`Timeline::held_at`] has it.
+    /// Implements [`Timeline::held_at`].
     ///
-    /// [`Timeline::held_at`]: super::Plan::held_at
+    /// [`Timeline::held_at`]: super::Timeline::held_at
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
         let [_, freeze] = &self.moves;
         held_at(freeze, time).take(LIMITS.held_max).collect()
     }
 }
 
-/// All that happens to a number, in the order of its starts. What a scene's entry begins to move later stands from the
-/// entry on where that movement begins, as parameters do.
+/// Collects all animations of a setting, sorted by start. From the start of a clip until its first animation, the
+/// setting has the initial value of that animation, like a parameter.
 fn all_moves(clips: &[Clip], name: &str) -> Vec<Move> {
     let mut moves = Vec::new();
     for clip in clips {
@@ -86,13 +86,13 @@ fn all_moves(clips: &[Clip], name: &str) -> Vec<Move> {
     moves
 }
 
-/// The place of the movement that counts at `time`, and its value.
+/// Returns the index of the animation in effect at `time`, and its value.
 fn last_at(moves: &[Move], time: f64) -> Option<(usize, f32)> {
     let place = moves.partition_point(|one| one.has_begun(time)).checked_sub(1)?;
     moves.get(place).map(|one| (place, one.at(time)))
 }
 
-/// The picture that is held at `time`, the one that gave way when that began to be held, and so on.
+/// Returns the frozen frame at `time`, then the frame that was fading out when that one was frozen, and so on.
 fn held_at(freeze: &[Move], time: f64) -> impl Iterator<Item = Held> {
     let mut next = last_at(freeze, time).map(|(last, fraction)| (last, fraction, time));
     std::iter::from_fn(move || {
@@ -104,13 +104,14 @@ fn held_at(freeze: &[Move], time: f64) -> impl Iterator<Item = Held> {
     })
 }
 
-/// Since when the picture is held that is held at `time`, of which the movement at the place `last` has begun: since the
-/// share of one rose from nothing, or leapt up. And the place of the movement with which that began; none at the start.
+/// Finds the time when the frame that is frozen at `time` was frozen: when the opacity rose from zero or jumped up.
+/// `last` is the index of the animation in effect. Also returns the index of the animation that froze it; `None` if
+/// it was frozen from the start.
 fn begin_of_hold(freeze: &[Move], last: usize, time: f64) -> (f64, Option<usize>) {
     for (place, one) in freeze.iter().enumerate().take(last + 1).rev() {
         let before = place.checked_sub(1).and_then(|before| freeze.get(before));
         let before = before.map_or(0.0, |before| before.at(one.start));
-        // A movement of no length is at its end at once.
+        // An animation without length is at its end at once.
         let first = if one.seconds > 0.0 { one.from } else { one.to };
         if (before <= 0.0 && first.max(one.to) > 0.0) || first > before {
             return (one.start, Some(place));
@@ -132,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_blackout_fades_and_stays_through_scenes_until_it_is_set_again() {
+    fn a_blackout_stays_across_scenes_until_it_is_set_again() {
         let timeline = timeline(
             "at 0 one\n set picture brightness = 1 -> 0 over 2 s after 4 s\nat 8 s two cut\nat 10 s three cut\n\
              set picture brightness = 0 -> 0.5 over 1 s after 1 s",
@@ -147,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_is_held_from_its_moment_on_and_fades_away() {
+    fn a_frame_is_frozen_at_its_moment_and_fades_out() {
         let timeline = timeline(
             "at 0 one\n set picture freeze = 1 after 3.3 s\nat 5 s two cut\n set picture freeze = 1 -> 0 over 2 s after 1 s\n\
              at 9 s three cut\n set picture freeze = 0 -> 1 over 1 s -> 0 over 0 s",
@@ -160,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn another_picture_is_held_while_one_fades_away() {
+    fn another_frame_is_frozen_while_one_fades_out() {
         let timeline = timeline(
             "at 0 one\n set picture freeze = 1 -> 0 over 2 s after 1 s\n set picture freeze = 1 after 2 s",
         );
@@ -169,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_that_is_held_has_a_share_of_those_that_gave_way_to_it() {
+    fn a_frozen_frame_contains_a_fraction_of_earlier_ones() {
         let timeline = timeline(
             "at 0 one\n set picture freeze = 1 -> 0 over 4 s -> 1 over 0 s after 1 s\n\
              at 3 s two cut\n set picture freeze = 0.5 -> 1 over 0 s -> 0 over 4 s\n\
@@ -186,13 +187,17 @@ mod tests {
     }
 
     #[test]
-    fn no_more_pictures_are_mixed_into_one_than_the_limit_says() {
+    fn the_number_of_mixed_frames_is_limited() {
         let mut text = "at 0 one\n set picture freeze = 1".to_owned();
         for _ in 0..LIMITS.held_max + 5 {
             text.push_str(" -> 0.5 over 1 s -> 1 over 0 s");
         }
         let held = timeline(&text).held_at(1_000.0);
         assert_eq!(held.len(), LIMITS.held_max);
-        assert_eq!(held.first().map(|held| held.since), Some(LIMITS.held_max as f64 + 5.0), "the last ones");
+        assert_eq!(
+            held.first().map(|held| held.since),
+            Some(LIMITS.held_max as f64 + 5.0),
+            "the limit drops the oldest frames"
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! From the words of a script to the seconds of a song.
+//! Resolves a cue list for a song: musical moments become seconds.
 
 use super::bar_lines::BarLines;
 use super::cue_list::{Anchor, CueList, Length, Setting, Step, Transition, TransitionKind, When};
@@ -6,16 +6,16 @@ use super::timeline::{Clip, Move, TimedTransition, Timeline};
 use mariana_field::lang::{Diagnostic, Span, Way};
 use mariana_music::SongStructure;
 
-/// How a scene comes of which neither the script nor the scene says more.
+/// The transition if neither the entry nor the scene specifies one.
 const USUAL: Transition =
     Transition { kind: TransitionKind::Fade, length: Length::Seconds(1.0), ..Transition::CUT };
-/// How long a transition takes of which only the way is known.
+/// Duration in bars of a scene's preferred transition.
 const USUAL_BARS: f64 = 1.0;
 
-/// The plan of a script for a song, and the entries that are left out because the song lacks their moments. The plan is
-/// `None` if all entries are left out or wait for a key. `cues` are the moments, in seconds, at which the key was pressed; each
-/// brings one of the entries that wait for it. `likes` returns the preferred transition from a scene, if there is one, to
-/// the next scene.
+/// Resolves a cue list for a song. Returns the timeline, and a diagnostic for each entry that is left out because the
+/// song lacks its moment. The timeline is `None` if all entries are left out or wait for a key. `cues` are the
+/// moments in seconds when the cue key was pressed; each triggers the next waiting entry. `likes` returns the
+/// preferred transition from a scene, if there is one, to the next scene.
 pub fn resolve(
     cue_list: &CueList,
     song: &SongStructure,
@@ -40,10 +40,11 @@ pub fn resolve(
             }
         };
         if let Some((before, span)) = last.filter(|(before, _)| start < *before && !is_cue) {
-            let back = format!("this is at {}, which is before {}", clock(start), clock(before));
+            let back =
+                format!("this entry is at {}, before the previous one at {}", clock(start), clock(before));
             let backwards =
-                Diagnostic::new(entry.span, back).label("left out").note(span, "what comes before it");
-            left_out.push(backwards.hint("write what comes first above what comes later"));
+                Diagnostic::new(entry.span, back).label("left out").note(span, "the previous entry");
+            left_out.push(backwards.hint("sort the entries by time"));
             continue;
         }
         if !is_cue {
@@ -68,7 +69,7 @@ pub fn resolve(
     (Timeline::new(clips), left_out)
 }
 
-/// The parts of a movement that belongs to an entry at `start`.
+/// Returns the steps of a setting in an entry at `start`.
 fn moves_of(setting: &Setting, start: f64, lines: &BarLines) -> Vec<Move> {
     let param = || setting.param.clone();
     let (mut begin, mut from) = (start + lasting(setting.after, start, lines), setting.from);
@@ -84,13 +85,13 @@ fn moves_of(setting: &Setting, start: f64, lines: &BarLines) -> Vec<Move> {
     setting.steps.iter().map(part).collect()
 }
 
-/// Why a moment is not in a song.
+/// The reason why a song lacks a moment.
 struct Missing {
     sentence: String,
     hint: String,
 }
 
-/// When that is; none if it waits for its cue.
+/// Returns the time of a moment in seconds; `None` if it waits for its cue.
 fn time_of(
     when: &When,
     song: &SongStructure,
@@ -139,7 +140,7 @@ fn time_of(
     Ok(Some(anchor + lasting(when.offset, anchor, lines)))
 }
 
-/// How many seconds a length takes from `start` on.
+/// Returns the duration of a length that starts at `start`, in seconds.
 fn lasting(length: Length, start: f64, lines: &BarLines) -> f64 {
     let bars = match length {
         Length::Seconds(seconds) => return seconds,
@@ -149,12 +150,12 @@ fn lasting(length: Length, start: f64, lines: &BarLines) -> f64 {
     lines.time_of(lines.bar_at(start) + bars) - start
 }
 
-/// A time as people write it, `1:23.5`, to the millisecond: no picture is short enough to tell it from the next.
+/// Formats a time as `1:23.5`, to the millisecond, which is shorter than any frame.
 pub(super) fn clock(seconds: f64) -> String {
     clock_to(seconds, 3)
 }
 
-/// The same with so many decimals, at most; zeros at the end are left out.
+/// Formats a time with at most this many decimals, without trailing zeros.
 pub(super) fn clock_to(seconds: f64, decimals: usize) -> String {
     let second = 10_u64.pow(decimals as u32);
     let all = (seconds.max(0.0) * second as f64).round() as u64;
@@ -241,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_song_does_not_have_is_left_out_and_told() {
+    fn entries_that_do_not_fit_the_song_are_left_out_and_reported() {
         let (timeline, left_out) = resolved(
             "at start one\nat section C two\nat section A 3 three\nat drop 2 four\nat 30 s five\nat bar 2 six",
         );
@@ -250,13 +251,13 @@ mod tests {
             "the song has no section C",
             "the song has no section A 3",
             "the song has no drop 2",
-            "this is at 0:02.5, which is before 0:30",
+            "this entry is at 0:02.5, before the previous one at 0:30",
         ];
         assert_eq!(left_out, wanted);
     }
 
     #[test]
-    fn what_waits_for_a_key_comes_when_it_was_pressed() {
+    fn cues_start_when_the_key_was_pressed() {
         let (timeline, left_out) = resolved(
             "at start one\nat cue two cut\nat 10 s three\nat cue + 1 bar four\nat 30 s five\nat cue six",
         );

@@ -1,4 +1,4 @@
-//! Facts about a show's scenes: cameras, parameters, preferences.
+//! Facts about the scenes of a show: cameras, parameters and preferences.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,14 +6,14 @@ use super::cue_list::{Entry, is_of_no_scene};
 use super::director::SceneCard;
 use mariana_field::lang::{About, Diagnostic, Scene, Span, Way};
 
-/// The facts about one scene.
+/// Facts about one scene.
 #[derive(Debug, Clone)]
 pub struct SceneFacts {
-    /// Its `about` block.
+    /// The scene's `about` block.
     pub about: About,
-    /// The names of its cameras.
+    /// Names of its cameras.
     pub cameras: Vec<String>,
-    /// The names of its parameters.
+    /// Names of its parameters.
     pub params: Vec<String>,
 }
 
@@ -28,24 +28,24 @@ impl From<Scene> for SceneFacts {
 /// The reason why a scene cannot be used.
 #[derive(Debug, Clone)]
 pub struct Refusal {
-    /// One sentence.
+    /// One sentence, for a message.
     pub sentence: String,
-    /// The mistakes in the scene's text with their places, if it has mistakes.
+    /// The rendered mistakes in the scene's text, if there are any.
     pub mistakes: Option<String>,
 }
 
 impl SceneFacts {
-    /// How the scene likes to come and to go.
+    /// Returns the preferred transitions to and from the scene.
     pub(super) fn ways(&self) -> (Option<Way>, Option<Way>) {
         (self.about.enter, self.about.leave)
     }
 
-    /// The card of the scene `name`.
+    /// Returns the director's card for the scene `name`.
     pub(super) fn card(&self, name: &str) -> SceneCard {
         SceneCard { scene: name.to_owned(), about: self.about.clone(), cameras: self.cameras.clone() }
     }
 
-    /// Cameras and parameters of an entry that this scene lacks.
+    /// Returns a diagnostic for each camera and parameter of an entry that this scene lacks.
     fn missing(&self, entry: &Entry) -> Vec<Diagnostic> {
         let scene = &entry.scene;
         let lacks = |span: Span, what: &str, name: &str, hint: String| {
@@ -65,19 +65,19 @@ impl SceneFacts {
     }
 }
 
-/// The scenes that a show's entries name.
+/// The scenes that a cue list names.
 #[derive(Default)]
 pub(super) struct NamedScenes {
-    /// By their names in the show.
+    /// Facts by the name in the cue list.
     pub facts: BTreeMap<String, SceneFacts>,
-    /// Scenes that are refused, and cameras and parameters that scenes lack.
+    /// Refused scenes, and missing cameras and parameters.
     pub mistakes: Vec<Diagnostic>,
-    /// The mistakes inside scenes, with their places there.
+    /// Rendered mistakes in the texts of scenes.
     pub reports: Vec<String>,
 }
 
 impl NamedScenes {
-    /// The scenes of these entries, as `find` finds them by name.
+    /// Collects the scenes of these entries. `find` is called once for each name.
     pub(super) fn of(entries: &[Entry], mut find: impl FnMut(&str) -> Result<SceneFacts, Refusal>) -> Self {
         let mut named = Self::default();
         let mut refused = BTreeSet::new();
@@ -103,23 +103,23 @@ impl NamedScenes {
         named
     }
 
-    /// Notes at the entry why its scene is refused.
+    /// Records at the entry why its scene is refused.
     fn refuse(&mut self, entry: &Entry, refusal: Refusal) {
         let reported = Diagnostic::new(entry.scene_span, refusal.sentence);
         self.mistakes.push(match refusal.mistakes {
             Some(report) => {
                 self.reports.push(report);
-                reported.hint("correct what is underlined in it")
+                reported.hint("correct the mistakes in the scene, which are listed below")
             }
             None => reported,
         });
     }
 }
 
-/// What to do about a wrong name, given the right ones.
+/// Returns a hint about a wrong name, with a list of the valid ones.
 fn listed(what: &str, names: &[String]) -> String {
     match names {
-        [] => format!("it has no {what} with names: leave it out"),
+        [] => format!("it has no named {what}: leave it out"),
         names => format!("its {what} are {}: choose one of them, or leave it out", names.join(", ")),
     }
 }

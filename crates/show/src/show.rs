@@ -1,4 +1,4 @@
-//! A show: a script, facts about its scenes, and the plan for one song.
+//! A show: a cue list, facts about its scenes, and the timeline for one song.
 
 use std::collections::BTreeMap;
 
@@ -19,36 +19,36 @@ pub enum CueListError {
     /// Mistakes in the text, or cameras and parameters that its scenes lack.
     #[error("the show has mistakes: correct what is underlined\n{}", .report.trim_end())]
     Mistakes {
-        /// The mistakes with their places.
+        /// The rendered mistakes.
         report: String,
     },
     /// Every entry names a moment that the song lacks.
     #[error(
-        "nothing of the show is in this song: give its first entry a moment that every song has, such as `at start`\n{}",
+        "no entry of the show fits this song: give the first entry a moment of every song, such as `at start`\n{}",
         .report.trim_end()
     )]
     NothingFits {
-        /// The entries that are left out, with their places.
+        /// The rendered list of entries that were left out.
         report: String,
     },
 }
 
-/// How a scene likes to come and to go.
+/// Preferred transitions to and from a scene.
 type Liked = (Option<Way>, Option<Way>);
 
-/// A script with its plan for one song.
+/// A cue list and its timeline for one song.
 #[derive(Debug, Clone, Default)]
 pub struct Show {
-    /// `None` as long as every entry waits for a key.
+    /// `None` if all entries wait for the cue key.
     timeline: Option<Timeline>,
     cue_list: CueList,
-    /// How scenes like to come and to go.
+    /// Preferred transitions by scene name.
     ways: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
 }
 
 impl Show {
-    /// The director's show of scenes, given by name; `None` without scenes.
+    /// Creates a show with the director from named scenes; `None` if there are no scenes.
     pub fn directed(song: &SongStructure, scenes: &BTreeMap<String, SceneFacts>) -> Option<Self> {
         let (ways, cards) = (ways_of(scenes), cards_of(scenes));
         let cue_list = direct(song, &cards, seed_of(song));
@@ -56,11 +56,12 @@ impl Show {
         Some(Self { timeline, cue_list, ways, cards })
     }
 
-    /// The show that a text describes for a song, and a report of the entries that do not fit the song. Messages call the
-    /// text `name`. `find` finds scenes by their names in the text, each once.
+    /// Creates a show from the text of a show file. Also returns a report of the entries that do not fit the
+    /// song. Messages call the text `name`. `find` is called once for each scene name.
     ///
     /// # Errors
-    /// [`CueListError::Mistakes`] with all mistakes of the text and of its scenes, and [`CueListError::NothingFits`].
+    /// [`CueListError::Mistakes`] with all mistakes of the text and of its scenes, and
+    /// [`CueListError::NothingFits`].
     pub fn of_text(
         name: &str,
         text: &str,
@@ -89,12 +90,12 @@ impl Show {
         Ok((Self { timeline, cue_list, ways, cards }, reported))
     }
 
-    /// The same show with another plan.
+    /// Returns this show with another timeline.
     pub fn with_timeline(&self, timeline: Option<Timeline>) -> Self {
         Self { timeline, ..self.clone() }
     }
 
-    /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
+    /// Returns this show with cues triggered at these times, in seconds.
     pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
         self.with_timeline(resolved(&self.cue_list, song, cues, &self.ways).0)
     }
@@ -105,27 +106,27 @@ impl Show {
         Some(self.with_timeline(Timeline::new(clips)))
     }
 
-    /// What is on when; `None` as long as every entry waits for a key.
+    /// Returns the timeline; `None` if all entries wait for the cue key.
     pub fn timeline(&self) -> Option<&Timeline> {
         self.timeline.as_ref()
     }
 
-    /// The stays in their order; none without a plan.
+    /// Returns the clips in their order; empty without a timeline.
     pub fn clips(&self) -> &[Clip] {
         self.timeline().map_or(&[], Timeline::clips)
     }
 
-    /// The scenes that wait for a key, in their order.
+    /// Returns the scenes that wait for the cue key, in their order.
     pub fn cues(&self) -> Vec<&str> {
         self.cue_list.cues().map(|entry| entry.scene.as_str()).collect()
     }
 
-    /// Descriptions of the scenes; for the director, of all that it may choose.
+    /// Returns the cards of the scenes. A directed show has the cards of all scenes it may choose.
     pub fn cards(&self) -> &[SceneCard] {
         &self.cards
     }
 
-    /// The text of a show file that is this show, below lines of comment.
+    /// Prints the show file, with these comment lines at the top.
     pub fn text(&self, comments: &[String]) -> String {
         print(&self.cue_list, comments)
     }
@@ -151,8 +152,8 @@ fn resolved(
     })
 }
 
-/// The seed of a song's show. It follows from the song's content, but not from anything that the arithmetic of another
-/// machine might round in another way.
+/// Returns the director's seed for a song. It depends only on rounded values, so that it is the same on every
+/// machine.
 pub fn seed_of(song: &SongStructure) -> u64 {
     let whole = |number: f64| number.round() as u64;
     let key = song.key.map_or(99, |key| u64::from(key.root));

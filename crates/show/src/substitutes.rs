@@ -1,13 +1,13 @@
 //! Replaces scenes of a show that this machine cannot draw.
 //!
-//! The substitute suits music of about the same energy and differs from its neighbours. It keeps the rhythm of the
-//! camera changes.
+//! A substitute suits music of about the same energy and differs from the neighbouring scenes. Camera changes keep
+//! their rhythm.
 
 use super::cue_list::is_of_no_scene;
 use super::director::SceneCard;
 use super::timeline::Clip;
 
-/// Replaces the scene of each refused stay. Returns `None` if all scenes are refused.
+/// Replaces the scenes of refused clips. Returns `None` if all scenes are refused.
 pub(super) fn with_substitutes(
     clips: &[Clip],
     cards: &[SceneCard],
@@ -15,7 +15,7 @@ pub(super) fn with_substitutes(
 ) -> Option<Vec<Clip>> {
     let usable: Vec<&SceneCard> = cards.iter().filter(|card| !is_refused(&card.scene)).collect();
     let mut found: Vec<Clip> = Vec::with_capacity(clips.len());
-    // The refused scene of the last stay, and its substitute.
+    // The refused scene of the previous clip, and its substitute.
     let mut last: Option<(&str, &SceneCard)> = None;
     for (index, clip) in clips.iter().enumerate() {
         if !is_refused(&clip.scene) {
@@ -48,7 +48,7 @@ pub(super) fn with_substitutes(
     Some(found)
 }
 
-/// The middle of the energies for which a scene is made.
+/// Returns the middle of a scene's energy range.
 fn energy(card: &SceneCard) -> f32 {
     0.5 * (card.about.energy.0 + card.about.energy.1)
 }
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_that_was_too_much_for_the_machine_left_the_show_without_one() {
+    fn refused_scenes_are_replaced_by_similar_ones() {
         let cards = [
             card("calm", 0.2, &[]),
             card("heavy", 0.7, &["near", "far"]),
@@ -110,7 +110,7 @@ mod tests {
             [&[("calm", None)][..], &like_it, &[("loud", None), ("calm", None), ("like it", None)]];
         assert_eq!(scenes, expected.concat());
         let moved = |clip: &Clip| clip.moves.iter().map(|one| one.param.clone()).collect::<Vec<_>>();
-        assert_eq!(moved(&found[1]), ["picture brightness"], "a parameter of another scene");
+        assert_eq!(moved(&found[1]), ["picture brightness"], "parameters of the refused scene are dropped");
         assert_eq!(found[4], clips[4]);
         assert_eq!(with_substitutes(&clips, &cards, |_| true), None);
     }

@@ -1,4 +1,4 @@
-//! A script as the text of a show file.
+//! Prints a cue list as the text of a show file.
 
 use std::fmt::Write;
 
@@ -6,10 +6,10 @@ use super::cue_list::{Anchor, CueList, Entry, Length, Setting, TransitionKind, i
 use super::resolve::clock_to;
 use mariana_field::world::{BlendKind, PortalShape};
 
-/// Most decimals of a moment in seconds. Recordings need more than three only where the song went back.
+/// Most decimals of a time in seconds. Recordings need more than three only where the song went back.
 const MOMENT_DECIMALS: usize = 6;
 
-/// The text of a script, below lines of comment.
+/// Prints a cue list, with comment lines at the top.
 pub fn print(cue_list: &CueList, comments: &[String]) -> String {
     let mut text = String::new();
     for comment in comments {
@@ -66,7 +66,7 @@ fn moment(entry: &Entry) -> String {
     }
 }
 
-/// Columns of a line. A longer movement is broken into several lines.
+/// Longest line. A longer animation is broken into several lines.
 const WIDTH: usize = 100;
 
 fn set(setting: &Setting) -> String {
@@ -95,7 +95,7 @@ fn set(setting: &Setting) -> String {
     text + "\n"
 }
 
-/// A length without its sign.
+/// Prints a length without its sign.
 fn length(length: Length) -> String {
     let number = length.number().abs();
     let names = Length::UNITS
@@ -107,7 +107,7 @@ fn length(length: Length) -> String {
     format!("{number} {unit}")
 }
 
-/// A name, in quotes where it needs them.
+/// Prints a name, with quotes if necessary.
 fn name(name: &str) -> String {
     let is_plain = name.starts_with(|c: char| c.is_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_alphanumeric() || c == '_');

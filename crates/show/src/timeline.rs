@@ -1,94 +1,94 @@
-//! A show in seconds.
+//! A cue list resolved to seconds of one song.
 
 use super::cue_list::{CAMERA_TURNS, TransitionKind, UNTURNED};
 use super::picture::{Held, Picture, Pictures};
 use mariana_field::lang::{Param, Scene};
 
-/// What is on when. There is something on at every moment.
+/// The clips of a show. Every moment has a clip: the first one extends to the start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timeline {
-    /// Stays that follow each other in time; at least one.
+    /// Clips sorted by start; at least one.
     clips: Vec<Clip>,
-    /// What is done to whole pictures.
+    /// The image settings.
     pictures: Pictures,
 }
 
-/// A scene for a while.
+/// A scene with its start, transition and animations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clip {
-    /// When its transition begins, in seconds.
+    /// Start of its transition, in seconds.
     pub start: f64,
-    /// The scene, by name or by file.
+    /// Name or file of the scene.
     pub scene: String,
-    /// One of its cameras; none is the scene's own.
+    /// Name of a camera; `None` for the scene's default camera.
     pub camera: Option<String>,
-    /// How it comes.
+    /// The transition to this clip.
     pub transition: TimedTransition,
-    /// What moves its parameters, in the order of their starts.
+    /// Animations of parameters, sorted by start.
     pub moves: Vec<Move>,
 }
 
-/// How a scene comes.
+/// A transition with its duration in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimedTransition {
-    /// The kind of its transition.
+    /// The kind.
     pub kind: TransitionKind,
-    /// How long it takes, in seconds.
+    /// Duration in seconds.
     pub seconds: f64,
-    /// Whether it breaks off where the next stay begins sooner; else it takes no longer than until then.
+    /// True if the next clip may cut the transition off. If false, the transition is at most as long as the clip.
     pub unfinished: bool,
 }
 
 impl TimedTransition {
-    /// At once.
+    /// A cut.
     pub const CUT: Self = Self { kind: TransitionKind::Cut, seconds: 0.0, unfinished: false };
 
-    /// By a transition that takes some seconds.
+    /// A transition of this kind and duration.
     pub fn new(kind: impl Into<TransitionKind>, seconds: f64) -> Self {
         Self { kind: kind.into(), seconds, ..Self::CUT }
     }
 }
 
-/// A parameter that moves from one value to another.
+/// A linear animation of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Move {
-    /// Its name in the scene.
+    /// The parameter's name in the scene.
     pub param: String,
-    /// When it begins, in seconds of the song.
+    /// Start in seconds of the song.
     pub start: f64,
-    /// How long it takes, in seconds; 0 sets it.
+    /// Duration in seconds; 0 sets the value at once.
     pub seconds: f64,
-    /// The value before.
+    /// The value at the start.
     pub from: f32,
-    /// The value behind.
+    /// The value at the end.
     pub to: f32,
 }
 
-/// What a show does with a parameter at a moment.
+/// The value of an animated parameter at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moved<'a> {
     /// The parameter's name.
     pub name: &'a str,
-    /// Its value.
+    /// The current value.
     pub value: f32,
-    /// The same number for as long as it is the same movement in the same stay.
+    /// Identifies the animation within the show: changes with the animation or the clip.
     pub part: u64,
 }
 
-/// What is on at a moment.
+/// The state of a timeline at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment<'a> {
-    /// Which stay it is.
+    /// Index of the clip.
     pub index: usize,
-    /// The scene that is on, or is coming.
+    /// The current or incoming clip.
     pub clip: &'a Clip,
-    /// The scene that goes, and how far the transition has come, above 0 and below 1; none between transitions.
+    /// During a transition: the outgoing clip, and the progress of the transition between 0 and 1.
     pub leaving: Option<(&'a Clip, f32)>,
 }
 
 impl Timeline {
-    /// The plan of stays that follow each other; `None` if there are none. A transition ends before the next one begins,
-    /// or breaks off there.
+    /// Creates a timeline of clips; `None` if there are none. A transition ends at the start of the next clip, or
+    /// is cut off there.
     pub fn new(mut clips: Vec<Clip>) -> Option<Self> {
         if clips.is_empty() {
             return None;
@@ -105,29 +105,29 @@ impl Timeline {
         Some(Self { clips, pictures })
     }
 
-    /// What is done to the whole picture at `time` seconds.
+    /// Returns the image settings at `time` seconds.
     pub fn picture_at(&self, time: f64) -> Picture {
         self.pictures.at(time)
     }
 
-    /// What is held at `time` seconds: the picture of [`Timeline::picture_at`]; the one that still had a share of that picture
-    /// when it began to be held, with this share; and so on. Empty if nothing is held; those that gave way longest ago are
-    /// left out above [`LIMITS`](crate::limits::LIMITS).
+    /// Returns the frozen frames at `time` seconds. The first is that of [`Timeline::picture_at`]. The next is
+    /// the frame that was still fading out when the first was frozen, with its opacity then, and so on. Empty if
+    /// no frame is frozen; the oldest are dropped above [`LIMITS`](crate::limits::LIMITS).
     pub fn held_at(&self, time: f64) -> Vec<Held> {
         self.pictures.held_at(time)
     }
 
-    /// Whether some picture has less than its light.
+    /// True if the image is dimmed at any moment.
     pub fn dims(&self) -> bool {
         self.pictures.dim()
     }
 
-    /// The stays in their order; at least one.
+    /// Returns the clips in their order; at least one.
     pub fn clips(&self) -> &[Clip] {
         &self.clips
     }
 
-    /// What is on at `time` seconds; before the first scene begins, this scene.
+    /// Returns the state at `time` seconds. Before the first clip, this is the first clip.
     pub fn at(&self, time: f64) -> Moment<'_> {
         let index = self.clips.partition_point(|clip| clip.start <= time).saturating_sub(1);
         let alone = |index: usize| Moment { index, clip: &self.clips[index], leaving: None };
@@ -141,26 +141,27 @@ impl Timeline {
         if fraction > 0.0 {
             return Moment { leaving: Some((&self.clips[before], fraction)), ..moment };
         }
-        // The first picture of a transition is that of the scene that goes.
+        // The first frame of a transition is that of the outgoing clip.
         alone(before)
     }
 }
 
-/// At so many seconds from its ends a movement is at them: no picture is that short, and texts round.
+/// Tolerance in seconds for the start and end of an animation: shorter than a frame, longer than the rounding in
+/// texts.
 const EXACT: f64 = 1e-6;
 
 impl Move {
-    /// Whether it has begun at `time` seconds.
+    /// True if the animation has started at `time` seconds.
     pub(super) fn has_begun(&self, time: f64) -> bool {
         time - self.start >= -EXACT
     }
 
-    /// Whether it goes nowhere.
+    /// True if the value is constant and set at once.
     pub(super) fn is_set_at_once(&self) -> bool {
         self.seconds <= 0.0 && self.from == self.to
     }
 
-    /// The value at `time` seconds; before it begins, the one with which it will.
+    /// Returns the value at `time` seconds; before the start, the initial value.
     pub(super) fn at(&self, time: f64) -> f32 {
         let gone = time - self.start;
         if gone >= self.seconds - EXACT && gone >= -EXACT {
@@ -174,19 +175,20 @@ impl Move {
 }
 
 impl Clip {
-    /// The parameters of its scene at `time` seconds of the song; those that it does not move are as `other` says.
+    /// Returns all parameters of the scene at `time` seconds of the song. `other` returns those that this clip
+    /// does not animate.
     pub fn numbers_at(&self, scene: &Scene, time: f64, other: impl Fn(&Param) -> f32) -> Vec<f32> {
         let moved = self.params_at(time);
         let value = |name: &str| moved.iter().find(|(moved, _)| *moved == name).map(|(_, value)| *value);
         scene.params.iter().map(|param| value(&param.name).unwrap_or_else(|| other(param))).collect()
     }
 
-    /// The values of the parameters that this stay moves, at `time` seconds of the song, the last word for each.
+    /// Returns the values of the parameters that this clip animates, at `time` seconds of the song.
     pub fn params_at(&self, time: f64) -> Vec<(&str, f32)> {
         self.moved_at(time).into_iter().map(|moved| (moved.name, moved.value)).collect()
     }
 
-    /// How it turns the camera of its scene at `time` seconds of the song: the values of [`CAMERA_TURNS`].
+    /// Returns the camera settings at `time` seconds of the song: the values of [`CAMERA_TURNS`].
     pub fn turns_at(&self, time: f64) -> [f32; 3] {
         let mut turns = UNTURNED;
         if self.moves.iter().any(|one| CAMERA_TURNS.contains(&one.param.as_str())) {
@@ -198,11 +200,11 @@ impl Clip {
         turns
     }
 
-    /// The same with which of its movements each value is part of.
+    /// Returns the animated values at `time` seconds of the song, with the identity of their animations.
     pub fn moved_at(&self, time: f64) -> Vec<Moved<'_>> {
         let mut values: Vec<Moved<'_>> = Vec::new();
         for one in &self.moves {
-            // Before its first move a parameter is where that begins.
+            // Before its first animation, a parameter has the initial value of that animation.
             let known = values.iter_mut().find(|known| known.name == one.param);
             if !one.has_begun(time) && (known.is_some() || one.is_set_at_once()) {
                 continue;
@@ -230,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_moment_has_its_scene_and_the_share_of_its_transition() {
+    fn a_moment_has_a_clip_and_the_progress_of_its_transition() {
         let timeline = Timeline::new(vec![
             clip(10.0, Way::Melt, 4.0),
             clip(0.0, Way::Fade, 9.0),
@@ -242,9 +244,9 @@ mod tests {
             (moment.index, moment.leaving.map(|(from, fraction)| (from.start, fraction)))
         };
         assert_eq!(at(-5.0), (0, None));
-        assert_eq!(at(3.0), (0, None), "the first scene has nothing to come from");
-        assert_eq!(at(10.0), (0, None), "the first picture of a transition is that of the scene that goes");
-        // It ends where the next one begins.
+        assert_eq!(at(3.0), (0, None), "the first clip has no transition");
+        assert_eq!(at(10.0), (0, None), "the first frame of a transition is that of the outgoing clip");
+        // The transition ends where the next one begins.
         assert_eq!(at(10.5), (1, Some((0.0, 0.25))));
         assert_eq!((at(12.0), at(1e9)), ((2, None), (2, None)));
         let broken_off = TimedTransition { unfinished: true, ..TimedTransition::new(Way::Fade, 4.0) };
@@ -252,19 +254,23 @@ mod tests {
             vec![clip(0.0, Way::Cut, 0.0), Clip { transition: broken_off, ..clip(10.0, Way::Fade, 4.0) }];
         let timeline = Timeline::new([clips, vec![clip(11.0, Way::Cut, 0.0)]].concat()).unwrap();
         let fraction = |time| timeline.at(time).leaving.map(|(_, fraction)| fraction);
-        assert_eq!((fraction(10.5), fraction(11.0)), (Some(0.125), None), "it goes at its own pace");
+        assert_eq!(
+            (fraction(10.5), fraction(11.0)),
+            (Some(0.125), None),
+            "an unfinished transition keeps its speed"
+        );
         assert_eq!(Timeline::new(Vec::new()), None);
     }
 
     #[test]
-    fn parameters_move_and_stay_where_they_got_to() {
+    fn parameters_keep_their_last_value() {
         let mut one = clip(0.0, Way::Cut, 0.0);
         let part = |start, seconds, from, to| Move { param: "swell".to_owned(), start, seconds, from, to };
         one.moves = vec![part(2.0, 4.0, 0.0, 1.0), part(8.0, 0.0, 0.3, 0.5)];
         let at = |time| one.params_at(time).first().map(|(_, value)| *value).unwrap();
         assert_eq!([0.0, 2.0, 3.0, 6.0, 7.0, 8.0, 99.0].map(at), [0.0, 0.0, 0.25, 1.0, 1.0, 0.5, 0.5]);
         let part = |time| one.moved_at(time).first().map(|moved| moved.part).unwrap();
-        assert!(part(3.0) == part(7.0) && part(7.0) != part(8.0), "another movement has another number");
+        assert!(part(3.0) == part(7.0) && part(7.0) != part(8.0), "each animation has its own number");
         let later = Clip { start: 1.0, ..one.clone() };
         assert_ne!(later.moved_at(3.0).first().map(|moved| moved.part), Some(part(3.0)));
     }

@@ -1,29 +1,29 @@
-//! The moments at which another scene may come.
+//! Finds the moments of a song where the scene may change.
 
 use crate::bar_lines::BarLines;
 use crate::cue_list::{Anchor, Length, When};
 use mariana_music::{Section, SongStructure};
 
-/// A scene is on for at least so many seconds, unless a drop comes.
+/// Shortest time for a scene, in seconds, unless a drop comes.
 const SECONDS_MIN: f64 = 8.0;
-/// A section longer than this gets several scenes: calm and loud, in seconds.
+/// Target time for a scene in a long section, in seconds: for calm and for loud music.
 const SECONDS_USUAL: [f64; 2] = [40.0, 24.0];
-/// Within a section scenes change on bars that are so many apart.
+/// Scene changes within a section are at multiples of this many bars.
 const BARS_STEP: f64 = 4.0;
-/// So many bars before the end of a build nothing changes any more.
+/// No scene changes in the last bars of a build.
 const BUILD_BARS: f64 = 8.0;
-/// A border this close to a drop is the drop, in bars.
+/// A section that starts this close to a drop, in bars, counts as the drop.
 const SAME_BARS: f64 = 1.0;
 
-/// The energy of a song whose sections differ by less than the least range, and of one without sections.
+/// Energy assumed for a song without sections, or if the energies of its sections differ by less than [`RANGE_MIN`].
 const EVEN: f32 = 0.5;
 const RANGE_MIN: f32 = 0.08;
-/// Shares of a song's time below its calm and its loud music.
+/// Percentiles of the energy over a song's time that count as calm and as loud.
 const SPREAD: [f64; 2] = [0.1, 0.9];
-/// What a song's calmest section is told as.
+/// Normalized energy of the calmest section.
 const CALMEST: f32 = 0.15;
 
-/// Why a scene changes.
+/// The reason for a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reason {
     /// The song begins.
@@ -32,25 +32,25 @@ pub(super) enum Reason {
     Section,
     /// A drop.
     Drop,
-    /// The section goes on for long.
+    /// A long section is split.
     Long,
 }
 
-/// A moment at which another scene comes.
+/// A moment where the scene changes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Change<'a> {
     pub(super) when: When,
-    /// The same, in seconds.
+    /// The moment in seconds.
     pub(super) time: f64,
     pub(super) reason: Reason,
     /// The letter of the section.
     pub(super) letter: Option<&'a str>,
-    /// Energy before and from there on, 0..1.
+    /// Energy before the change, and after it, 0..1.
     pub(super) before: f32,
     pub(super) energy: f32,
 }
 
-/// The changes of a song, in their order; at least that at its start.
+/// Returns the changes of a song in their order. The first is at the start of the song.
 pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Change<'a>> {
     let spread = Spread::of(song);
     let first = song.sections.first();
@@ -107,8 +107,8 @@ pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Chan
     kept
 }
 
-/// Energies of sections brought to a scale that the song uses all of: mastered music hardly gets quiet, and its verses
-/// should still be told from its choruses.
+/// Normalization of section energies to the range of the song: mastered music is hardly ever quiet, but verses should
+/// differ from choruses.
 struct Spread {
     least: f32,
     most: f32,
@@ -120,7 +120,7 @@ impl Spread {
             song.sections.iter().map(|section| (section.energy, section.end - section.start)).collect();
         sections.sort_by(|a, b| a.0.total_cmp(&b.0));
         let all: f64 = sections.iter().map(|(_, seconds)| seconds).sum();
-        // A short calm end should not make all that was before it loud.
+        // Percentiles by time: a short calm ending should not make the rest loud.
         let at = |fraction: f64| {
             let mut gone = 0.0;
             let found = sections.iter().find(|(_, seconds)| {
@@ -153,7 +153,7 @@ fn change(song: &SongStructure, when: When, time: f64, reason: Reason) -> Change
     Change { when, time, reason, letter, before: energy, energy }
 }
 
-/// Changes within a long section.
+/// Returns the changes within a long section.
 fn within<'a>(song: &'a SongStructure, lines: &BarLines, section: &Section) -> Vec<Change<'a>> {
     let calm = 1.0 - f64::from(section.energy);
     let usual = SECONDS_USUAL[1] + (SECONDS_USUAL[0] - SECONDS_USUAL[1]) * calm;
@@ -170,7 +170,7 @@ fn within<'a>(song: &'a SongStructure, lines: &BarLines, section: &Section) -> V
     bars.filter(fits).map(of_bar).collect()
 }
 
-/// Whether tension rises at a moment, and is not released yet. Only the last bars of a long build hold their breath.
+/// True during a build. In a long build only the last bars count.
 pub(super) fn in_build(song: &SongStructure, lines: &BarLines, time: f64) -> bool {
     song.builds.iter().any(|build| {
         let first = build.start.max(lines.time_of(lines.bar_at(build.end) - BUILD_BARS));

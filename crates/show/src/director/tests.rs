@@ -31,16 +31,16 @@ fn a_show_follows_the_song() {
     let timeline = timeline.unwrap();
     assert!(left_out.is_empty(), "{text}");
     let on = |time: f64| timeline.at(time).clip.scene.as_str();
-    // Calm, in between, and from the drop on loud; the calm section comes back with its scene.
+    // Calm, medium, and loud from the drop on. The calm section that returns brings its scene back.
     assert!(["lake", "wood"].contains(&on(1.0)), "{text}");
     assert_eq!(on(20.0), "street", "{text}");
     assert!(["fire", "storm"].contains(&on(33.0)), "{text}");
     assert_eq!(on(1.0), on(60.0), "{text}");
     let transition = |time: f64| timeline.at(time).clip;
     assert_eq!((transition(33.0).start, transition(33.0).transition.kind.way()), (32.5, Way::Cut), "{text}");
-    // Nothing happens in the build.
+    // No change during the build.
     assert!(timeline.clips().iter().all(|clip| clip.start < 24.5 || clip.start >= 32.5), "{text}");
-    // What flows has half come when the section begins.
+    // A blend is half complete when the section starts.
     let flowing =
         timeline.clips().iter().filter(|clip| matches!(clip.transition.kind.way(), Way::Melt | Way::Portal));
     for clip in flowing.filter(|clip| clip.start > 0.0) {
@@ -101,14 +101,15 @@ fn another_seed_makes_another_show_and_the_same_seed_the_same() {
 }
 
 #[test]
-fn a_song_of_which_nothing_is_known_has_a_show_of_one_scene() {
+fn a_song_without_structure_has_a_show_of_one_scene() {
     let cue_list = direct(&SongStructure::default(), &cards(), 5);
     assert_eq!(cue_list.entries.len(), 1);
     assert!(direct(&song(), &[], 5).entries.is_empty());
 }
 
 proptest! {
-    /// Whatever the song is like: the plan is complete, nobody has to leave at once, and it is what its text says.
+    /// For any song, the timeline has every entry, scenes have a minimum time, and the printed text gives the
+    /// same timeline.
     #[test]
     fn a_show_holds_for_any_song(
         lengths in proptest::collection::vec((1usize..40, 0.0f32..=1.0, 0u8..4), 1..8), seed: u64, drop in 0usize..8,

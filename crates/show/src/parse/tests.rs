@@ -36,30 +36,30 @@ fn a_show_is_read() {
 }
 
 #[test]
-fn each_mistake_says_what_where_and_what_to_do() {
+fn each_mistake_is_reported_with_a_position_and_a_hint() {
     let cases = [
-        ("", "the show has no entry", "at start speakers"),
-        ("on start speakers", "`on` begins no line of a show", "`at`"),
-        ("sett a = 1", "`sett` begins no line", "did you mean `set`"),
-        ("set a = 1", "no scene is on yet", "`at start`"),
+        ("", "the show has no entries", "at start speakers"),
+        ("on start speakers", "a line cannot begin with `on`", "`at`"),
+        ("sett a = 1", "a line cannot begin with `sett`", "did you mean `set`"),
+        ("set a = 1", "needs an entry above it", "`at start`"),
         ("at", "expected a moment, found the end of the line", "`start`"),
-        ("at strat x", "`strat` is no moment of a song", "did you mean `start`"),
-        ("at 1:75 x", "behind the colon stand seconds, below 60", "1:23.5"),
-        ("at bar 0 x", "`0` is no number to count by", "count from 1"),
-        ("at bar 1.5 x", "`1.5` is no number to count by", "count from 1"),
+        ("at strat x", "`strat` is not a moment of a song", "did you mean `start`"),
+        ("at 1:75 x", "the seconds after the colon must be below 60", "1:23.5"),
+        ("at bar 0 x", "`0` is not a whole number from 1", "count from 1"),
+        ("at bar 1.5 x", "`1.5` is not a whole number from 1", "count from 1"),
         ("at 1.2.3 x", "a number is expected here, not `1.2.3`", ""),
-        ("at section 2 x", "a section has letters, not `2`", "`section B`"),
+        ("at section 2 x", "a section's name is a letter, not `2`", "`section B`"),
         ("at start", "expected a scene's name, found the end of the line", "quotes"),
         ("at start 5", "a scene's name is expected here, not `5`", "quotes"),
-        ("at start x metl over 2 bars", "`metl` is no way from scene to scene", "did you mean `melt`"),
+        ("at start x metl over 2 bars", "`metl` is not a transition", "did you mean `melt`"),
         ("at start x melt over 2", "expected `bars`, `beats` or `s`, found the end", "2 bars"),
-        ("at start x melt over 2 years", "`years` is no unit of time", "`bars`"),
+        ("at start x melt over 2 years", "`years` is not a unit of time", "`bars`"),
         ("at start x cut over 2 bars", "`over` is not expected here", "at WHEN SCENE"),
         ("at start x\nset a 3", "expected `=` and a value, found `3`", "set swell"),
         ("at start x\nset a = 3 -> 4", "expected `over`", "8 bars"),
         ("at start x\nset a = b", "a number is expected here, not `b`", ""),
-        ("at start x\nset picture brightness = 2", "2 is no share of a picture", "from 0 to 1"),
-        ("at start x\nset picture freeze = 1 -> -1 over 1 s", "-1 is no share of a picture", "from 0 to 1"),
+        ("at start x\nset picture brightness = 2", "2 is not between 0 and 1", "from 0 to 1"),
+        ("at start x\nset picture freeze = 1 -> -1 over 1 s", "-1 is not between 0 and 1", "from 0 to 1"),
         (
             "at start x\nset picture frieze = 1",
             "there is no `frieze` in `set picture`",
@@ -69,12 +69,16 @@ fn each_mistake_says_what_where_and_what_to_do() {
         ("at start x\nset camera roll = 1", "there is no `roll` in `set camera`", "`yaw`, `pitch`, `zoom`"),
         ("at start x\nset pictur freeze = 1", "there is no `pictur freeze`", "did you mean `picture freeze`"),
         ("at start x\nset picture 3", "expected `=` and a value, found `3`", "set swell"),
-        ("at start x portal bal over 2 bars", "`bal` is no shape of a portal", "did you mean `ball`"),
-        ("at start x portal square over 2 bars", "`square` is no shape", "`ball`, `plane`, `shape`"),
-        ("at start x\n-> 1 over 1 s", "there is no movement above this line", "`set`"),
+        ("at start x portal bal over 2 bars", "`bal` is not a portal shape", "did you mean `ball`"),
+        (
+            "at start x portal square over 2 bars",
+            "`square` is not a portal shape",
+            "`ball`, `plane`, `shape`",
+        ),
+        ("at start x\n-> 1 over 1 s", "there is no `set` line above", "`set`"),
         ("at start x\nset = 1\n-> 1 over 1 s", "a parameter's name is expected here", "quotes"),
         ("at start x\nset a = 1\n-> 1 over 1 s after 1 s", "`after` is not expected here", ""),
-        ("at 99999999 x", "no song takes more than 86400 s", ""),
+        ("at 99999999 x", "a time must not exceed 86400 s", ""),
     ];
     for (text, message, hint) in cases {
         let parsed = parse("test.show", text);
@@ -89,7 +93,7 @@ fn each_mistake_says_what_where_and_what_to_do() {
 }
 
 #[test]
-fn a_movement_goes_on_in_lines_of_its_own() {
+fn an_animation_may_continue_on_further_lines() {
     let read = cue_list(
         "at start x\nset a = 1 after 2 s\n -> 2 over 1 s -> 3 over 1 s # up\n\n -> 1 over 4 s\nset b = 1",
     );
@@ -103,7 +107,7 @@ fn a_movement_goes_on_in_lines_of_its_own() {
 }
 
 #[test]
-fn what_is_too_much_is_over_a_limit() {
+fn too_long_shows_exceed_a_limit() {
     use mariana_field::lang::Fault;
     let fault = |text: &str| parse("test.show", text).diagnostics.first().map(|one| one.fault);
     assert_eq!(fault(&"at start x\n".repeat(LIMITS.entries_max + 1)), Some(Fault::OverLimit));
@@ -166,7 +170,7 @@ prop_compose! {
 
 proptest! {
     #[test]
-    fn what_is_printed_is_read_as_the_same(entries in proptest::collection::vec(entry(), 1..6)) {
+    fn a_printed_cue_list_is_parsed_as_the_same(entries in proptest::collection::vec(entry(), 1..6)) {
         let text = print(&CueList { entries: entries.clone() }, &[]);
         let mut read = cue_list(&text);
         for entry in &mut read.entries {
@@ -178,7 +182,7 @@ proptest! {
     }
 
     #[test]
-    fn no_text_makes_it_panic(text in "(at|set|bar|section|start|over|melt|[0-9.:]{1,4}|[-=>\"#+\\n ]|\\PC){0,40}") {
+    fn no_text_makes_the_parser_panic(text in "(at|set|bar|section|start|over|melt|[0-9.:]{1,4}|[-=>\"#+\\n ]|\\PC){0,40}") {
         let parsed = parse("test.show", &text);
         prop_assert_eq!(parsed.cue_list.is_some(), parsed.diagnostics.is_empty());
         let _ = parsed.render(false);

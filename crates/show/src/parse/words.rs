@@ -1,12 +1,12 @@
-//! The words of a show file, line by line.
+//! Splits the text of a show file into words, line by line.
 
 use mariana_field::lang::Span;
 
-/// A word, a number, a text in quotes or a sign.
+/// A word, a number, a quoted text or a sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Word<'a> {
     pub kind: Kind,
-    /// Without its quotes.
+    /// Without quotes.
     pub text: &'a str,
     pub span: Span,
 }
@@ -20,7 +20,7 @@ pub(super) enum Kind {
 }
 
 impl Word<'_> {
-    /// As messages show it.
+    /// The word as messages show it.
     pub(super) fn shown(&self) -> String {
         match self.kind {
             Kind::Quoted => format!("\"{}\"", self.text),
@@ -29,7 +29,7 @@ impl Word<'_> {
     }
 }
 
-/// Each line of a text that says anything. What follows `#` is a comment.
+/// Returns the words of each line, without comments and empty lines.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Vec<Word<'_>>> {
     let mut start = 0;
     let lines = text.split('\n').map(move |line| {
@@ -59,7 +59,7 @@ fn words(line: &str, base: usize) -> Vec<Word<'_>> {
             }
             _ if first.is_alphabetic() || first == '_' => {
                 let goes_on = |c: char, next: Option<char>| {
-                    // What joins the parts of a file's name belongs to it.
+                    // Signs that join the parts of a file name.
                     c.is_alphanumeric()
                         || c == '_'
                         || (matches!(c, '-' | '.' | '/') && next.is_some_and(char::is_alphanumeric))
@@ -78,7 +78,8 @@ fn words(line: &str, base: usize) -> Vec<Word<'_>> {
     words
 }
 
-/// How many bytes from the start go on, told by a character and the one behind it.
+/// Length of the prefix in bytes for whose characters `goes_on` is true. Its arguments are a character and the next
+/// one.
 fn length_of(text: &str, goes_on: impl Fn(char, Option<char>) -> bool) -> usize {
     let mut characters = text.char_indices().peekable();
     while let Some((at, character)) = characters.next() {

@@ -5,15 +5,15 @@ use crate::{parse, print, resolve};
 use mariana_field::lang::Way;
 use mariana_music::SongStructure;
 
-/// A picture: seconds since the one before, whether another scene comes, where a knob and the camera are, how bright it
-/// is.
+/// A frame: seconds since the previous frame, a possible scene change, and the values of a parameter, the camera's
+/// yaw and the brightness.
 type Picture = (f64, Option<u8>, f32, f32, f32);
 
 fn pictures() -> impl Strategy<Value = Vec<Picture>> {
     let since = prop_oneof![0.001..0.04f64, 0.5..3.0f64];
     let bright = prop_oneof![Just(1.0), 0.0..=1.0f32];
     let one = (since, proptest::option::weighted(0.1, 0..3u8), -2.0..2.0f32, -90.0..90.0f32, bright);
-    // Often nothing is turned.
+    // Half of the frames have default values.
     let one = (one, any::<bool>()).prop_map(|((since, scene, knob, yaw, bright), still)| match still {
         true => (since, scene, 0.5, 0.0, 1.0),
         false => (since, scene, knob, yaw, bright),
@@ -23,7 +23,7 @@ fn pictures() -> impl Strategy<Value = Vec<Picture>> {
 
 proptest! {
     #[test]
-    fn the_show_of_a_performance_has_each_picture_again(pictures in pictures(), back in 0usize..60) {
+    fn the_cue_list_of_a_performance_repeats_each_frame(pictures in pictures(), back in 0usize..60) {
         let mut performance = Performance::default();
         let (mut time, mut scene, mut start) = (0.0, "first", 0.0);
         let mut seen = Vec::new();
@@ -31,7 +31,7 @@ proptest! {
         for (number, (since, change, knob, yaw, bright)) in pictures.into_iter().enumerate() {
             time += since;
             if number == back {
-                // Back to the middle: what came later is played over.
+                // Go back to the middle: later frames are replaced.
                 time *= 0.5;
                 seen.retain(|(at, ..): &(f64, &str, f32, [f32; 3], f32)| *at < time);
                 (scene, start) = ("again", time);
@@ -72,9 +72,10 @@ proptest! {
     }
 }
 
-/// The show began the new scene at the millisecond before, where the picture before it still shows.
+/// The cue list must not start the new scene at the previous millisecond, where the frame before it is still
+/// displayed.
 #[test]
-fn a_picture_less_than_a_millisecond_before_a_step_back_got_the_scene_after_it() {
+fn a_frame_within_a_millisecond_before_a_step_back_keeps_its_scene() {
     let mut performance = Performance::default();
     let notes = [(8.0, "orb", 8.0), (8.6262, "orb", 8.0), (9.5, "orb", 8.0), (8.6264, "city", 8.6264)];
     for (time, scene, start) in notes {
@@ -101,7 +102,7 @@ fn a_picture_less_than_a_millisecond_before_a_step_back_got_the_scene_after_it()
 }
 
 #[test]
-fn what_nobody_turns_is_not_written() {
+fn unchanged_parameters_are_not_written() {
     let mut performance = Performance::default();
     assert!(performance.is_empty());
     for frame in 0..100 {
@@ -123,11 +124,11 @@ fn what_nobody_turns_is_not_written() {
 }
 
 #[test]
-fn what_a_show_moves_is_its_own_until_a_hand_takes_it() {
+fn an_animation_of_the_show_is_kept_until_a_user_changes_the_parameter() {
     let mut performance = Performance::default();
     let moves = [Move { param: "swell".to_owned(), start: 12.0, seconds: 8.0, from: 0.0, to: 1.0 }];
     for frame in 0..=160 {
-        // Ten pictures a second; a hand takes it at 20 s.
+        // Ten frames a second; a user takes over at 20 s.
         let time = 10.0 + f64::from(frame) / 10.0;
         let value = if time < 20.0 { 0.125 * (time - 12.0).clamp(0.0, 8.0) as f32 } else { 0.25 };
         performance.note(
@@ -149,7 +150,7 @@ fn what_a_show_moves_is_its_own_until_a_hand_takes_it() {
     assert_eq!(print(&performance.cue_list(), &[]), wanted);
 }
 
-/// A picture of the orb, at 60 a second, with its relief turned to a value.
+/// Records a frame of the orb, at 60 frames a second, with a value of its relief.
 fn note_relief(performance: &mut Performance, frame: u32, value: f32) {
     performance.note(
         f64::from(frame) / 60.0,
@@ -167,7 +168,7 @@ fn note_relief(performance: &mut Performance, frame: u32, value: f32) {
 }
 
 #[test]
-fn a_long_performance_goes_on_in_another_entry() {
+fn a_long_performance_continues_in_another_entry() {
     let mut performance = Performance::default();
     let frames = LIMITS.steps_max as u32 + 5;
     for frame in 0..frames {
@@ -185,9 +186,9 @@ fn a_long_performance_goes_on_in_another_entry() {
 }
 
 #[test]
-fn a_smoothed_turn_was_recorded_as_one_line_of_seventy_steps() {
+fn long_animations_are_broken_into_lines() {
     let mut performance = Performance::default();
-    // A controller that glides to its place, at 60 pictures a second.
+    // A smoothed controller at 60 frames a second.
     let value = |frame: u32| if frame < 30 { 0.5 } else { 1.0 - 0.5 * 0.93f32.powi(frame as i32 - 30) };
     for frame in 0..100 {
         note_relief(&mut performance, frame, value(frame));
@@ -205,7 +206,7 @@ fn a_smoothed_turn_was_recorded_as_one_line_of_seventy_steps() {
     }
 }
 
-/// A picture of the orb at `time` to which this is done by hand.
+/// Records a frame at `time` with these image settings.
 fn note_orb(performance: &mut Performance, time: f64, scene: &str, numbers: [f32; 2]) {
     let picture = Finish { numbers, is_shown: numbers == PLAIN_PICTURE };
     let start = if scene == "orb" { 0.0 } else { 7.0 };
@@ -216,7 +217,7 @@ fn note_orb(performance: &mut Performance, time: f64, scene: &str, numbers: [f32
 }
 
 #[test]
-fn a_picture_that_is_held_is_held_from_its_moment_on_while_scenes_change() {
+fn a_frozen_frame_stays_across_scene_changes() {
     let mut performance = Performance::default();
     for frame in 0..=120 {
         note_orb(&mut performance, f64::from(frame) / 60.0, "orb", PLAIN_PICTURE);
@@ -228,7 +229,7 @@ fn a_picture_that_is_held_is_held_from_its_moment_on_while_scenes_change() {
     for frame in 121..=480 {
         performance.note_picture(f64::from(frame) / 60.0, &held);
     }
-    // Another scene has come meanwhile, into which the picture fades.
+    // Meanwhile the scene has changed; the frozen frame fades into it.
     for frame in 0..=4u8 {
         let fraction = 1.0 - f32::from(frame) / 4.0;
         note_orb(&mut performance, 8.0 + f64::from(frame) / 64.0, "city", [1.0, fraction]);
@@ -249,14 +250,14 @@ fn a_picture_that_is_held_is_held_from_its_moment_on_while_scenes_change() {
 }
 
 #[test]
-fn a_picture_that_is_held_while_another_gives_way_keeps_that_one_s_share() {
+fn a_frame_frozen_during_a_fade_keeps_the_fraction_of_the_fading_frame() {
     let mut performance = Performance::default();
     note_orb(&mut performance, 1.0, "orb", PLAIN_PICTURE);
     performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
     for (time, fraction) in [(2.0, 1.0), (2.0625, 0.75), (2.125, 0.5)] {
         note_orb(&mut performance, time, "orb", [1.0, fraction]);
     }
-    // Once with the song running, once while it rests, in the picture that is noted for another moment.
+    // First while the song plays, then while it is paused, in the frame recorded for another moment.
     performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
     note_orb(&mut performance, 3.0, "orb", [1.0, 1.0]);
     note_orb(&mut performance, 8.0, "orb", [1.0, 0.25]);
@@ -273,7 +274,7 @@ fn a_picture_that_is_held_while_another_gives_way_keeps_that_one_s_share() {
 }
 
 #[test]
-fn only_a_transition_that_broke_off_is_unfinished() {
+fn only_a_transition_that_was_cut_off_is_unfinished() {
     let mut performance = Performance::default();
     for (time, scene, start, seconds) in
         [(1.0, "one", 1.0, 0.0), (3.0, "two", 2.0, 8.0), (7.0, "three", 6.0, 1.5), (9.0, "four", 7.5, 3.0)]
@@ -293,7 +294,7 @@ fn only_a_transition_that_broke_off_is_unfinished() {
 }
 
 #[test]
-fn a_light_that_was_low_from_the_start_is_set_once() {
+fn an_initially_dimmed_image_is_set_once() {
     let mut performance = Performance::default();
     for frame in 0..=60 {
         note_orb(&mut performance, f64::from(frame) / 60.0, "orb", [0.25, 0.0]);
