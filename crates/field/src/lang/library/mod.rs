@@ -1,8 +1,8 @@
-//! The library: shapes, operators and GLSL's other functions, written in the language and parsed once.
+//! The library: shapes, operators and the GLSL functions that are not built in, written in the scene language.
 //!
-//! A function's documentation precedes it in lines that begin with `##`; the last of them ends with `[exact;
-//! source]`, `[bound; source]` or `[source]`. *Exact*: the result is the distance to the surface. *Bound*: the result
-//! never exceeds that distance, so that a ray may step by it, but it may be less.
+//! The texts are parsed once, at the first use. Lines that begin with `##` document the function below them. The last
+//! of these lines ends with `[exact; source]`, `[bound; source]` or `[source]`. *Exact*: the function returns the
+//! distance to the surface. *Bound*: it returns at most that distance, so a ray may still step by it.
 
 mod pictures;
 
@@ -19,7 +19,7 @@ use super::symbol::{Interner, Symbol};
 use super::token::RESERVED;
 use crate::limits::LIMITS;
 
-/// The library's texts, with their titles.
+/// The title and text of each part of the library.
 pub(super) const TEXTS: &[(&str, &str)] = &[
     ("Functions of GLSL", include_str!("glsl.scene")),
     ("Shapes in space", include_str!("solids.scene")),
@@ -28,50 +28,50 @@ pub(super) const TEXTS: &[(&str, &str)] = &[
     ("Changing space and shapes", include_str!("space.scene")),
     ("Noise", include_str!("noise.scene")),
     ("Materials", include_str!("materials.scene")),
-    ("Cameras and ways", include_str!("camera.scene")),
+    ("Cameras and paths", include_str!("camera.scene")),
 ];
 
-/// Whether a shape's function is the distance or only a bound of it.
+/// The accuracy of a shape's distance function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Accuracy {
-    /// The distance.
+    /// Returns the distance.
     Exact,
-    /// Never more than the distance, possibly less.
+    /// Returns at most the distance.
     Bound,
 }
 
-/// A function of the library, for readers.
+/// The documentation of a function that scenes can call.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// Title of the group it belongs to.
+    /// The title of its group.
     pub group: &'static str,
-    /// The function's name.
+    /// The name.
     pub name: &'static str,
-    /// Name and parameters as in a declaration.
+    /// The name and the parameters, as in a declaration.
     pub signature: String,
-    /// What the function gives.
+    /// The description of the result.
     pub doc: String,
-    /// The accuracy of shapes and of functions that keep or lose exactness.
+    /// The accuracy of the distance; `None` for functions that return no distance.
     pub accuracy: Option<Accuracy>,
-    /// Where the formula comes from; empty for built-in functions.
+    /// The source of the formula; empty for built-in functions.
     pub source: String,
 }
 
-/// The definitions with which every scene begins.
+/// The definitions that every scene starts with.
 pub(super) struct Library {
     /// Reserved words, inputs, built-in functions and the library's names, in this order.
     pub names: Interner,
     pub ast: Ast,
     pub functions: Vec<Function>,
-    /// By symbol: 1 + the function's index; 0 if there is none.
+    /// By symbol: 1 + the function's index; 0 for other symbols.
     pub by_symbol: Vec<u32>,
-    /// By symbol: 1 + the number of arguments at the end that a fold leaves alone; 0 if the function is not a fold.
+    /// By symbol: 1 + the number of last arguments that a fold passes to each step; 0 for functions that do not fold.
     pub folds: Vec<u8>,
 }
 
 static LIBRARY: LazyLock<Library> = LazyLock::new(build);
 
-/// The library, parsed at the first call.
+/// Returns the library; the first call parses it.
 pub(super) fn library() -> &'static Library {
     &LIBRARY
 }
@@ -80,12 +80,12 @@ pub(super) const FIRST_INPUT: usize = RESERVED.len();
 pub(super) const FIRST_BUILTIN: usize = FIRST_INPUT + INPUTS.len();
 const BEHIND_BUILTINS: usize = FIRST_BUILTIN + BUILTINS.len();
 
-/// The row of [`INPUTS`] that a symbol names.
+/// The index in [`INPUTS`] of a symbol.
 pub(super) fn input_index(symbol: Symbol) -> Option<usize> {
     (FIRST_INPUT..FIRST_BUILTIN).contains(&symbol.index()).then(|| symbol.index() - FIRST_INPUT)
 }
 
-/// The row of [`BUILTINS`] that a symbol names.
+/// The index in [`BUILTINS`] of a symbol.
 pub(super) fn builtin_index(symbol: Symbol) -> Option<usize> {
     (FIRST_BUILTIN..BEHIND_BUILTINS).contains(&symbol.index()).then(|| symbol.index() - FIRST_BUILTIN)
 }
@@ -97,7 +97,7 @@ fn build() -> Library {
     for name in brought {
         names.intern(name);
     }
-    // A test finds mistakes in these texts.
+    // Ignored here: a test checks that these texts have no mistakes.
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
     let (mut ast, mut functions) = (Ast::default(), Vec::new());
     for (_, text) in TEXTS {
@@ -121,12 +121,12 @@ fn build() -> Library {
     Library { names, ast, functions, by_symbol, folds }
 }
 
-/// Every input, with its description.
+/// Returns the name and description of each input.
 pub fn inputs() -> impl Iterator<Item = (&'static str, &'static str)> {
     INPUTS.iter().map(|row| (row.name, row.doc))
 }
 
-/// Every function that a scene can call: first the built-in ones, then the library in the order of its texts.
+/// Returns all functions that a scene can call: the built-in ones, then the library in the order of its texts.
 pub fn entries() -> Vec<Entry> {
     let mut entries: Vec<Entry> = BUILTINS
         .iter()

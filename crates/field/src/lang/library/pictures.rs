@@ -1,6 +1,6 @@
-//! The formula that shows each function of the library: the one place where they are written down.
+//! Example formulas for the previews of the library's functions.
 
-/// Name of a function and the bare formula that its picture shows.
+/// Names of functions, each with the formula that its preview shows.
 pub const PICTURES: &[(&str, &str)] = &[
     // Shapes in space.
     ("sphere", "sphere(p, 1)"),

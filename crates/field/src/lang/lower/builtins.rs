@@ -1,4 +1,4 @@
-//! Built-in functions.
+//! Calls of built-in functions, which become operators and inputs of the graph.
 
 use super::super::builtin::{Builtin, BuiltinRow, Three, uses};
 use super::super::diagnostic::Diagnostic;
@@ -11,16 +11,14 @@ use super::expr::zip;
 use super::lowering::Lowering;
 use crate::graph::{BAND_COUNT, Graph, Input, NodeId, Op, SoundInput};
 
-/// With which number a function reads one of several numbers of the sound.
+/// The index with which a scene reads a band or a pitch class.
 enum Number {
-    /// This one.
     Known(usize),
-    /// One that is computed.
     Computed(NodeId),
 }
 
 impl Lowering<'_> {
-    /// Calls a function with the arguments from `mark` on.
+    /// Calls a built-in function with the arguments from `mark` on.
     pub(super) fn builtin(&mut self, row: &'static BuiltinRow, mark: usize, first: u32, span: Span) -> Value {
         let count = self.arguments.len() - mark;
         let (least, most) = row.arguments;
@@ -100,8 +98,8 @@ impl Lowering<'_> {
         zip(&mut self.graph, a, b, |graph, a, b| graph.binary(op, a, b))
     }
 
-    /// A vector from one number, from the first components of a longer vector, or from parts whose sizes add up to
-    /// its own.
+    /// Constructs a vector from one number, from the first components of a longer vector, or from parts with `len`
+    /// components in total.
     fn construct(&mut self, name: &str, len: u8, vectors: &[Option<Vector>; 4], span: Span) -> Value {
         let len = usize::from(len);
         let Some(first) = vectors[0] else { return Value::Unknown };
@@ -118,7 +116,8 @@ impl Lowering<'_> {
             Some(vector) if fit => Value::Vector(vector),
             _ => {
                 let message = format!("`{name}` needs {len} numbers, but gets {count}");
-                let hint = format!("write one number for all, or numbers and vectors that make up {len}");
+                let hint =
+                    format!("write one number for all components, or parts with {len} components in total");
                 self.reports.add(Diagnostic::new(span, message).hint(hint))
             }
         }
@@ -133,8 +132,9 @@ impl Lowering<'_> {
         }
     }
 
-    /// A computed number chooses among the twelve by comparing, clamped and rounded down as a band's is. The largest of
-    /// those that are not chosen is 0, so that an interval over several of them is as wide as they are.
+    /// Reads a pitch class. A computed index is clamped and rounded down, as for bands, and compared with each class.
+    /// The terms of the other classes are 0. The maximum of all terms, unlike their sum, keeps the interval over
+    /// several possible classes as narrow as their values.
     fn chroma(&mut self, index: Vector, span: Span) -> Value {
         let classes = SoundInput::CHROMA;
         let hint = "there are 12 pitch classes, 0 for C to 11 for B";
@@ -162,8 +162,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// The number with which the function `name` reads one of `count` numbers of the sound; reports one that there is
-    /// not.
+    /// The index in a call of `name`, which reads one of `count` numbers of the sound. Reports an index out of range
+    /// and returns `None`.
     fn number_among(
         &mut self,
         name: &'static str,
@@ -209,7 +209,7 @@ impl Lowering<'_> {
             Some(Value::Vector(vector)) if vector.len() == 2 => vector,
             Some(Value::Unknown) | None => return Value::Unknown,
             Some(other) => {
-                let message = format!("`texture` reads at a vec2, not {}", other.described());
+                let message = format!("`texture` takes a vec2 as its position, not {}", other.described());
                 let place = self.argument_span(first, 1, span);
                 return self
                     .reports
@@ -238,9 +238,9 @@ impl Lowering<'_> {
         }
         let max = self.limits.scene_textures_max;
         if self.declared.textures.len() >= max {
-            let message = format!("the scene reads more than {max} pictures");
+            let message = format!("the scene reads more than {max} images");
             self.reports
-                .add(Diagnostic::over_limit(place, message).hint("put several pictures into one file"));
+                .add(Diagnostic::over_limit(place, message).hint("combine several images into one file"));
             return None;
         }
         self.declared.textures.push(TextureRef { name, span: place });
@@ -248,13 +248,13 @@ impl Lowering<'_> {
     }
 }
 
-/// Whether all have the same size or are scalars, which fit every size.
+/// True if all vectors have the same size or are scalars, which fit every size.
 fn sizes_fit(vectors: &[Vector]) -> bool {
     let most = vectors.iter().map(|vector| vector.len()).max().unwrap_or(1);
     vectors.iter().all(|vector| vector.len() == 1 || vector.len() == most)
 }
 
-/// A function of three numbers on each component; their sizes are known to fit.
+/// Applies a function of three numbers to each component. The sizes must fit.
 fn triple(graph: &mut Graph, three: Three, a: Vector, b: Vector, c: Vector) -> Value {
     let len = a.len().max(b.len()).max(c.len());
     let mut parts = [a.first(); 4];

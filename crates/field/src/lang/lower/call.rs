@@ -1,4 +1,4 @@
-//! Calls: of the scene's functions, of the library's functions, and with any number of arguments.
+//! Calls of the scene's, the library's and the built-in functions, including folds over any number of arguments.
 
 use super::super::ast::{Expr, ExprId, Function, Type};
 use super::super::builtin::{BUILTINS, uses};
@@ -11,7 +11,7 @@ use super::super::value::Value;
 use super::lowering::Lowering;
 use crate::graph::NodeId;
 
-/// The function that a name calls.
+/// A called function, by its index.
 #[derive(Clone, Copy)]
 enum Callee {
     Scene(usize),
@@ -53,7 +53,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// Pushes an argument's value, or the values of all rounds of a loop.
+    /// Pushes an argument's value or, for a loop, the values of all iterations.
     fn argument(&mut self, id: ExprId, takes_loops: bool, name: Symbol) {
         let Expr::For(index) = self.ast.expr(id) else {
             let value = self.expr(id);
@@ -62,8 +62,9 @@ impl Lowering<'_> {
         };
         let span = self.ast.span(id);
         if !takes_loops {
-            let message = format!("`{}` cannot take a loop", self.name(name));
-            let hint = "loops go in `union`, `intersect`, `subtract`, their `smooth_` forms, `min`, `max`, `sum`, `product`";
+            let message = format!("`{}` cannot take a loop as an argument", self.name(name));
+            let hint = "loops are allowed in `union`, `intersect`, `subtract`, their `smooth_` forms, \
+                        `chamfer_union`, `min`, `max`, `sum` and `product`";
             let value = self.reports.add(Diagnostic::unsupported(span, message).hint(hint));
             self.arguments.push(value);
             return;
@@ -77,7 +78,7 @@ impl Lowering<'_> {
         };
         let max = self.limits.scene_loop_max;
         if end - start > max as i64 {
-            let message = format!("this loop has {} rounds, but {max} is the maximum", end - start);
+            let message = format!("this loop has {} iterations; the maximum is {max}", end - start);
             let value = self
                 .reports
                 .add(Diagnostic::over_limit(span, message).hint("repeat space instead: `repeat(p, size)`"));
@@ -102,7 +103,7 @@ impl Lowering<'_> {
         self.budget.depth -= 1;
     }
 
-    /// A whole number that is known when the scene is compiled.
+    /// Evaluates a loop's bound, a constant whole number.
     fn loop_bound(&mut self, id: ExprId) -> Option<i64> {
         let span = self.ast.span(id);
         let value = match self.expr(id) {
@@ -111,22 +112,22 @@ impl Lowering<'_> {
             _ => None,
         };
         let Some(value) = value else {
-            let wrong = Diagnostic::unsupported(span, "a loop's bounds must be known before the scene runs");
-            self.reports.add(wrong.hint("write whole numbers; to leave out rounds use `if` in the loop"));
+            let wrong = Diagnostic::unsupported(span, "a loop's bounds must be constants");
+            self.reports.add(wrong.hint("write whole numbers; to skip iterations use `if` in the loop"));
             return None;
         };
         if value.fract() != 0.0 || value.abs() > 1e6 {
             self.reports.add(Diagnostic::new(
                 span,
-                format!("a loop counts in small whole numbers, but this is {value}"),
+                format!("a loop's bounds must be whole numbers up to 1000000, but this is {value}"),
             ));
             return None;
         }
         Some(value as i64)
     }
 
-    /// Combines the arguments from `mark` on from the left, two at a time; the last `tail` arguments are passed to
-    /// each step.
+    /// Folds the arguments from `mark` on: combines them two at a time, from the left. The last `tail` arguments are
+    /// passed to each step.
     fn fold(&mut self, callee: Callee, name: Symbol, mark: usize, tail: usize, span: Span) -> Value {
         let count = self.arguments.len() - mark;
         if self.arguments.iter().skip(mark).any(|value| *value == Value::Unknown) {
@@ -135,12 +136,13 @@ impl Lowering<'_> {
         if count <= tail {
             let text = self.name(name);
             let message = match tail {
-                0 => format!("`{text}` of nothing has no value"),
+                0 => format!("`{text}` needs at least one value"),
                 _ => format!("`{text}` needs shapes followed by the radius of the blend"),
             };
-            return self
-                .reports
-                .add(Diagnostic::new(span, message).hint(format!("`{}`", self.signature(callee, name))));
+            return self.reports.add(
+                Diagnostic::new(span, message)
+                    .hint(format!("it is declared as `{}`", self.signature(callee, name))),
+            );
         }
         let values = self.arguments.split_off(mark);
         let (values, rest) = values.split_at(count - tail);
@@ -166,8 +168,8 @@ impl Lowering<'_> {
         result
     }
 
-    /// Calls with the arguments from `mark` on. `first` is the position of their expressions, from which their places
-    /// follow.
+    /// Calls a function with the arguments from `mark` on. `first` is the index of their expressions in the tree's
+    /// `extra`, for the locations in messages; `u32::MAX` if the arguments have no expressions.
     fn apply(&mut self, callee: Callee, name: Symbol, mark: usize, first: u32, span: Span) -> Value {
         match callee {
             Callee::Builtin(index) => match BUILTINS.get(index) {
@@ -209,7 +211,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The value of a function's body with the arguments from `mark` on, in the tree that is set.
+    /// Expands a function's body with the arguments from `mark` on. `self.ast` must be the tree of the body.
     pub(super) fn put_in(&mut self, function: &Function, mark: usize) -> Value {
         let outside = std::mem::replace(&mut self.scope.frame, self.scope.bindings.len());
         for (index, parameter) in function.parameters.iter().enumerate() {
@@ -222,7 +224,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// A library function that gives a colour for a direction.
+    /// Calls a library function that computes the sky's colour from a direction.
     pub(super) fn library_color(&mut self, name: &str) -> Option<[NodeId; 3]> {
         let symbol = self.names.get(name)?;
         let direction = self.names.get("direction")?;
@@ -240,7 +242,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The result of a library function for numbers, if that is a number.
+    /// Calls a library function with numbers and returns the first component of its result.
     pub(super) fn library_number(&mut self, name: &str, arguments: &[NodeId]) -> Option<NodeId> {
         let symbol = self.names.get(name)?;
         let mark = self.arguments.len();
@@ -253,7 +255,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The value of a library function with the arguments from `mark` on, for the builder itself.
+    /// Expands a library function for a default or a field, not for a call in the scene's text.
     fn library_value(&mut self, symbol: Symbol, mark: usize) -> Value {
         let library = self.library;
         let index = library.by_symbol.get(symbol.index()).copied().unwrap_or(0) as usize;
@@ -265,8 +267,8 @@ impl Lowering<'_> {
         value
     }
 
-    /// Whether number and types of the arguments are those that the function takes; a number becomes the vector it
-    /// stands for. Mistakes are reported at the argument where its place is known.
+    /// True if the arguments have the count and types that the function takes; otherwise reports the mistakes. A number
+    /// that is passed as a vector is widened.
     fn arguments_fit(
         &mut self,
         function: &Function,
@@ -313,7 +315,7 @@ impl Lowering<'_> {
         fit
     }
 
-    /// The place of the argument at `index` of a call whose arguments begin at `first`.
+    /// The location of argument `index` of a call whose arguments begin at `first`; `call` if it is not known.
     pub(super) fn argument_span(&self, first: u32, index: usize, call: Span) -> Span {
         if first == u32::MAX {
             return call;
@@ -328,7 +330,7 @@ impl Lowering<'_> {
         self.reports.count_message(name, count, takes, hint, span);
     }
 
-    /// Name and parameters of a function, for readers.
+    /// A function's name and parameters, for messages.
     #[cold]
     fn signature(&self, callee: Callee, name: Symbol) -> String {
         let parameters = match callee {
@@ -353,11 +355,11 @@ impl Lowering<'_> {
         let place = Span::new(span.start, span.start + name.len() as u32);
         let unknown = Diagnostic::new(place, format!("there is no function `{short}`"));
         if matches!(name, "mat2" | "mat3" | "mat4") {
-            return self
-                .reports
-                .add(unknown.hint(
-                    "there are no matrices: turn with `rotate_x`, `rotate_y`, `rotate_z` or `rotate`",
-                ));
+            return self.reports.add(
+                unknown.hint(
+                    "there are no matrices: rotate with `rotate_x`, `rotate_y`, `rotate_z` or `rotate`",
+                ),
+            );
         }
         let own = self.declared.functions.iter().map(|called| self.names.name(called.function.name.symbol));
         let shared = self.library.functions.iter().map(|function| self.names.name(function.name.symbol));
@@ -367,9 +369,9 @@ impl Lowering<'_> {
                 unknown.hint(format!("`{name}` is a value; to multiply write `{name} * (…)`"))
             }
             None => match name {
-                "texture2D" => unknown.hint("pictures are read with `texture(\"file\", uv)`"),
-                "atan2" => unknown.hint("as in GLSL: `atan(y, x)`"),
-                "lerp" => unknown.hint("as in GLSL: `mix(a, b, share)`"),
+                "texture2D" => unknown.hint("read an image with `texture(\"file\", uv)`"),
+                "atan2" => unknown.hint("use `atan(y, x)`, as in GLSL"),
+                "lerp" => unknown.hint("use `mix(a, b, share)`, as in GLSL"),
                 _ => unknown,
             },
             _ => unknown.did_you_mean(near),

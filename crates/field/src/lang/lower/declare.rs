@@ -1,4 +1,4 @@
-//! What items declare: values, parameters and functions of the scene, and what must be known before it runs.
+//! The scene's declarations: collects all names, and evaluates numbers that must be constant.
 
 use super::super::ast::{ExprId, Item, Name, Section};
 use super::super::builtin::{INPUTS, InputRow, InputValue, uses};
@@ -11,7 +11,7 @@ use super::declared::{GlobalFunction, GlobalLet, GlobalValue};
 use super::scene::SceneBuilder;
 
 impl<'a> SceneBuilder<'a> {
-    /// Notes all names before anything is lowered.
+    /// Records all names before anything is lowered, so that declarations may follow their uses.
     pub(super) fn declare(&mut self, items: &'a [Item]) {
         let mut taken: Vec<(Section, Name)> = Vec::new();
         let limits = self.lowering.limits;
@@ -55,7 +55,8 @@ impl<'a> SceneBuilder<'a> {
                     self.lowering.declared.globals[index].function =
                         self.lowering.declared.functions.len() as u32;
                 }
-                // Names need no comparing beyond the limit on all of them together, which is reported later.
+                // With more names than all limits together, some limit is exceeded. This is reported later, so further
+                // names are not compared.
                 Item::Section { section, name: Some(name), .. } if taken.len() < named_max => {
                     let first = taken.iter().find(|(of, one)| of == section && one.symbol == name.symbol);
                     if let Some((_, first)) = first {
@@ -79,13 +80,13 @@ impl<'a> SceneBuilder<'a> {
         self.lowering.reports.add(wrong.hint("give one of them another name"));
     }
 
-    /// Whether a value of the scene can have this name; reports it if not. It may hide a number of the song: those have
-    /// names that scenes gave to values of their own before there was such a number.
+    /// True if a value of the scene may have this name; otherwise reports the conflict. A value may have the name of a
+    /// number of the song: some scenes used these names before the numbers existed.
     fn may_declare(&mut self, name: Name) -> bool {
         let input = library::input_index(name.symbol).and_then(|index| INPUTS.get(index));
         let may_hide = |row: &InputRow| matches!(row.value, InputValue::One(input) if input.is_of_song());
         if input.is_some_and(|row| !may_hide(row)) {
-            let message = format!("`{}` is an input of every scene", self.lowering.name(name.symbol));
+            let message = format!("the name `{}` is taken by an input", self.lowering.name(name.symbol));
             self.lowering.reports.add(Diagnostic::new(name.span, message).hint("choose another name"));
             return false;
         }
@@ -107,7 +108,7 @@ impl<'a> SceneBuilder<'a> {
         let max = self.lowering.limits.scene_params_max;
         if self.lowering.declared.params.len() >= max {
             let message = format!("the scene has more than {max} parameters");
-            self.lowering.reports.stop(name.span, message, "turn some of them into `let`");
+            self.lowering.reports.stop(name.span, message, "declare some of them with `let`");
             return;
         }
         self.lowering.declared.globals[name.symbol.index()].broken = true;
@@ -133,7 +134,7 @@ impl<'a> SceneBuilder<'a> {
             let span = self.lowering.ast.span(value);
             self.lowering
                 .reports
-                .add(Diagnostic::new(span, message).hint("widen the range or move the default"));
+                .add(Diagnostic::new(span, message).hint("widen the range or change the default"));
             return;
         }
         let global = &mut self.lowering.declared.globals[name.symbol.index()];
@@ -149,16 +150,16 @@ impl<'a> SceneBuilder<'a> {
         });
     }
 
-    /// A number that is known before the music plays.
+    /// Evaluates an expression that must be a constant number. `what` names it in messages.
     pub(super) fn fixed(&mut self, value: ExprId, what: &'static str) -> Option<f32> {
         let span = self.lowering.ast.span(value);
         let result = self.lowering.within(uses::NOTHING, what, |this| this.expr(value));
         let part = self.lowering.one_number(result, what, span)?;
-        // An input was used here that was already reported.
+        // If the number is not constant, the use of an input was already reported.
         self.lowering.known(part).filter(|number| number.is_finite())
     }
 
-    /// Lowers functions that were never called, with unknown arguments, to find their mistakes.
+    /// Lowers functions that the scene never calls, with unknown arguments, to find their mistakes.
     pub(super) fn check_the_unused(&mut self) {
         self.lowering.within(u8::MAX, "", |this| {
             for index in 0..this.declared.functions.len() {

@@ -1,4 +1,4 @@
-//! Declarations at the top of a scene's text: values, parameters, functions and materials.
+//! The top-level declarations of a scene: lets, parameters, functions and materials.
 
 use super::super::ast::{ExprId, Function};
 use super::super::origins::Stretch;
@@ -7,39 +7,38 @@ use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::Value;
 
-/// The declarations of a scene.
 pub(super) struct Declared<'a> {
-    /// By symbol.
+    /// Indexed by symbol.
     pub globals: Vec<Global>,
     pub lets: Vec<GlobalLet>,
     pub functions: Vec<GlobalFunction<'a>>,
     pub params: Vec<Param>,
-    /// Pictures in the order of their first use.
+    /// Textures in the order of their first use.
     pub textures: Vec<TextureRef>,
 }
 
 impl Declared<'_> {
-    /// No declarations, with room for `names` names.
+    /// An empty table for the symbols below `names`.
     pub(super) fn new(names: usize) -> Self {
         let globals = vec![Global::default(); names];
         Self { globals, lets: Vec::new(), functions: Vec::new(), params: Vec::new(), textures: Vec::new() }
     }
 
-    /// The meaning of a name; nothing for one that is not declared.
+    /// The declarations of a name; all empty for an undeclared name.
     pub(super) fn global(&self, symbol: Symbol) -> Global {
         self.globals.get(symbol.index()).copied().unwrap_or_default()
     }
 }
 
-/// The meaning of a name at the top of the scene: values, functions and materials each have names of their own.
+/// The top-level declarations of one name. Values, functions and materials have separate namespaces.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Global {
     pub value: GlobalValue,
-    /// 1 + index of the function; 0 for none.
+    /// 1 + the function's index, or 0.
     pub function: u32,
-    /// 1 + index of the material; 0 for none.
+    /// 1 + the material's index, or 0.
     pub material: u32,
-    /// An item of this name was reported.
+    /// True if a mistake in a declaration of this name was already reported.
     pub broken: bool,
 }
 
@@ -51,20 +50,22 @@ pub(super) enum GlobalValue {
     Param(u32),
 }
 
-/// A `let` of the scene, lowered at its first use or in the order of the text.
+/// A `let` of the scene. Lets are lowered in the order of the text, or earlier if they are used earlier.
 pub(super) struct GlobalLet {
     pub name: Symbol,
     pub span: Span,
     pub value: ExprId,
-    /// The value and which inputs it uses.
+    /// The value and the inputs that it uses, as bits of `uses`; `None` until it is lowered.
     pub known: Option<(Value, u8)>,
-    /// What took part in it.
+    /// The notes of the text that computes the value (see `lang::origins`).
     pub by: Stretch,
+    /// True while the value is being lowered.
     pub open: bool,
 }
 
 pub(super) struct GlobalFunction<'a> {
     pub function: &'a Function,
     pub called: bool,
+    /// True while the body is being expanded.
     pub open: bool,
 }

@@ -1,4 +1,4 @@
-//! Expressions.
+//! The values of expressions: operators, swizzles, choices, blocks and names.
 
 use super::super::ast::{BinaryOp, Expr, ExprId};
 use super::super::builtin::INPUTS;
@@ -13,7 +13,7 @@ use super::lowering::Lowering;
 use crate::graph::{Graph, NodeId, Op};
 
 impl Lowering<'_> {
-    /// The value of an expression.
+    /// Lowers an expression. Chains of operators and swizzles are followed in a loop, so they need no recursion.
     pub(super) fn expr(&mut self, id: ExprId) -> Value {
         let base = self.spine.len();
         let from = self.origins.mark();
@@ -61,7 +61,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// Notes where a number comes from that was made since a mark.
+    /// If the value is a number, records that this expression computes it, with the notes since the mark `from`.
     #[inline]
     fn note_made(&mut self, value: Value, id: ExprId, from: u32) {
         if self.reports.library_call.is_none()
@@ -74,7 +74,7 @@ impl Lowering<'_> {
 
     /// [`Lowering::expr`], one level deeper.
     fn expr_below(&mut self, id: ExprId, span: Span) -> Value {
-        // Numbers and names do not go deeper.
+        // Numbers and names contain no further expressions.
         match self.ast.expr(id) {
             Expr::Number(value) => return self.written_number(value, id),
             Expr::Name(symbol) => {
@@ -98,13 +98,11 @@ impl Lowering<'_> {
             return Value::Unknown;
         }
         let max = self.limits.scene_depth_max;
-        let message = format!(
-            "with functions expanded where they are called, expressions are nested deeper than {max} levels"
-        );
-        self.reports.stop(span, message, "let functions call fewer functions")
+        let message = format!("expressions and function calls are nested deeper than {max} levels");
+        self.reports.stop(span, message, "nest fewer function calls")
     }
 
-    /// Expressions that nest.
+    /// Lowers an expression that contains others, except operators and swizzles.
     fn nested(&mut self, expr: Expr, span: Span) -> Value {
         match expr {
             Expr::Negate(inner) => {
@@ -134,7 +132,8 @@ impl Lowering<'_> {
                 value
             }
             Expr::For(_) => {
-                let wrong = Diagnostic::unsupported(span, "a loop has many values, not a single one");
+                let wrong =
+                    Diagnostic::unsupported(span, "a loop has many values, but a single one is needed here");
                 self.reports
                     .add(wrong.hint("combine them: `union(for …)`, `sum(for …)`, `min(for …)`, `max(for …)`"))
             }
@@ -167,7 +166,7 @@ impl Lowering<'_> {
                 None
             }
         };
-        // If the condition is a constant, the other side is left out, so that the rounds of a loop can differ.
+        // For a constant condition only one side is lowered, so that the iterations of a loop can differ.
         if let Some(value) = part.and_then(|part| self.graph.as_constant(part)) {
             return self.expr_below(if value != 0.0 { yes } else { no }, span);
         }
@@ -177,7 +176,7 @@ impl Lowering<'_> {
                 let len = a.len().max(b.len());
                 let (Some(a), Some(b)) = (a.widened(len), b.widened(len)) else {
                     let message = format!(
-                        "this is {} or {}: both sides must have the same type",
+                        "both results of `if` must have the same type, not {} and {}",
                         yes.described(),
                         no.described()
                     );
@@ -194,13 +193,12 @@ impl Lowering<'_> {
             }
             (Value::Text(a), Value::Text(b), _) if a == b => yes,
             (Value::Text(_), Value::Text(_), _) => {
-                let wrong =
-                    Diagnostic::unsupported(span, "which picture is read cannot change from point to point");
-                self.reports.add(wrong.hint("read both and choose between the colours"))
+                let wrong = Diagnostic::unsupported(span, "an `if` cannot choose between files");
+                self.reports.add(wrong.hint("read both textures and choose between their colours"))
             }
             _ => {
                 let message = format!(
-                    "this is {} or {}: both sides must have the same type",
+                    "both results of `if` must have the same type, not {} and {}",
                     yes.described(),
                     no.described()
                 );
@@ -209,7 +207,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// A vector; or a report that `what` works on numbers.
+    /// The vector in a value. Reports other values, with the message that `what` works on numbers and vectors.
     pub(super) fn number(
         &mut self,
         value: Value,
@@ -249,9 +247,7 @@ impl Lowering<'_> {
                 let zero = b.parts().iter().any(|&part| self.known(part) == Some(0.0));
                 if zero && self.reports.library_call.is_none() {
                     let wrong = Diagnostic::new(span, "this divides by zero");
-                    return self
-                        .reports
-                        .add(wrong.hint("if that is one round of a loop, leave it out with `if`"));
+                    return self.reports.add(wrong.hint("in a loop, skip this iteration with `if`"));
                 }
                 if op == BinaryOp::Divide { Op::Div } else { Op::Mod }
             }
@@ -305,10 +301,10 @@ impl Lowering<'_> {
             }
             _ => {
                 let (a, b) = (left.described(), right.described());
-                let message = format!("`{}` cannot work on {a} and {b}", op.sign());
+                let message = format!("`{}` cannot combine {a} and {b}", op.sign());
                 let hint = match op {
                     BinaryOp::Less | BinaryOp::LessEqual | BinaryOp::Greater | BinaryOp::GreaterEqual => {
-                        "two comparisons are joined by `&&`: `a < b && b < c`"
+                        "join two comparisons with `&&`: `a < b && b < c`"
                     }
                     BinaryOp::And | BinaryOp::Or => "it joins conditions, as in `a > 0 && b > 0`",
                     _ => "a condition becomes a number with `if a then 1 else 0`",
@@ -336,7 +332,7 @@ impl Lowering<'_> {
             let wrong = Diagnostic::new(span, message);
             return self
                 .reports
-                .add(wrong.hint("components are up to four of `xyzw` or of `rgba`, as in `.xz`"));
+                .add(wrong.hint("write up to four letters of `xyzw` or of `rgba`, as in `.xz`"));
         }
         let mut parts = [vector.first(); 4];
         for (part, byte) in parts.iter_mut().zip(text.bytes()) {
@@ -377,7 +373,7 @@ impl Lowering<'_> {
         self.reports.add(unknown)
     }
 
-    /// Whether a function of this name can be called here.
+    /// True if a function has this name.
     pub(super) fn is_function(&self, symbol: Symbol) -> bool {
         let own = self.declared.globals.get(symbol.index()).is_some_and(|global| global.function > 0);
         let shared = self.library.by_symbol.get(symbol.index()).is_some_and(|&index| index > 0);
@@ -385,7 +381,7 @@ impl Lowering<'_> {
     }
 }
 
-/// A component's letter: which set of four it belongs to, and its place there.
+/// The set of four letters that a component's letter belongs to, and its index in the set.
 fn component(letter: u8) -> Option<(u8, usize)> {
     Some(match letter {
         b'x' => (0, 0),
@@ -404,7 +400,7 @@ fn component(letter: u8) -> Option<(u8, usize)> {
     })
 }
 
-/// A function of two numbers on each pair of components; their sizes are known to fit.
+/// Applies a function of two numbers to each pair of components. The sizes must fit.
 pub(super) fn zip(
     graph: &mut Graph,
     a: Vector,

@@ -1,4 +1,4 @@
-//! Lights: what kind of light the fields say.
+//! The kinds of lights.
 
 use super::super::diagnostic::Diagnostic;
 use super::super::scene::LightKind;
@@ -7,7 +7,7 @@ use super::scene::SceneBuilder;
 use super::sections::Values;
 
 impl SceneBuilder<'_> {
-    /// The kind of a light, by which of its fields are given.
+    /// Returns the kind of a light, which follows from the fields that are set. Reports other combinations of fields.
     pub(super) fn light_kind(&mut self, name: &str, span: Span, values: &Values) -> Option<LightKind> {
         let given = |field: &str| values.given(field).map(|(_, span)| span);
         let wrong = match (given("position"), given("direction"), given("right"), given("up")) {
@@ -19,16 +19,19 @@ impl SceneBuilder<'_> {
                     second,
                     format!("the light `{name}` has both a position and a direction"),
                 );
-                let hint = "a lamp has a `position`; what is infinitely far away, such as the sun, has a `direction`";
+                let hint = "a lamp has a `position`; a light at infinity, such as the sun, has a `direction`";
                 both.hint(hint)
             }
             (None, Some(_), Some(side), _) | (None, Some(_), _, Some(side)) => {
                 let sun = Diagnostic::new(side, format!("the light `{name}` has both a direction and sides"));
-                sun.hint("a panel has a `position` in its middle; it shines to the side of cross(right, up)")
+                sun.hint("a panel has a `position`, its centre, and shines towards cross(right, up)")
             }
             (_, _, Some(side), None) | (_, _, None, Some(side)) => {
-                let half = Diagnostic::new(side, format!("the panel `{name}` has only one side"));
-                half.hint("a panel needs `right` and `up`: half of each side, as a vector")
+                let half =
+                    Diagnostic::new(side, format!("the panel `{name}` has only one of `right` and `up`"));
+                half.hint(
+                    "set both: the vectors from the centre to the middle of the right and of the upper side",
+                )
             }
             (None, None, ..) if values.broken => return None,
             (None, None, ..) => {

@@ -1,4 +1,4 @@
-//! The meaning of expressions, in the graph under construction.
+//! The state of lowering, and the lookup of names.
 
 use super::super::ast::{Ast, ExprId, Parameter};
 use super::super::builtin::{INPUTS, InputValue, uses};
@@ -15,10 +15,10 @@ use super::scope::Scope;
 use crate::graph::{Graph, Input, NodeId};
 use crate::limits::Limits;
 
-/// Lowers expressions, in `expr.rs`, `call.rs` and `builtins.rs`.
+/// Lowers expressions to nodes of a graph. Its methods are here, in `expr.rs`, in `call.rs` and in `builtins.rs`.
 pub(super) struct Lowering<'a> {
     pub graph: Graph,
-    /// The tree that is being walked: the scene's or the library's.
+    /// The tree of the current expression: the scene's or the library's.
     pub ast: &'a Ast,
     scene_ast: &'a Ast,
     pub library: &'static Library,
@@ -28,28 +28,27 @@ pub(super) struct Lowering<'a> {
     pub declared: Declared<'a>,
     pub scope: Scope,
     pub inputs: Inputs,
-    /// Numbers of the scene's text that are read as inputs.
+    /// Numbers of the scene's text that are being edited, and are read as inputs.
     pub changing: ChangingNumbers,
     pub budget: Budget,
-    /// Operators on the way down to the first operand.
+    /// A stack of operators and swizzles whose first operand is still being lowered.
     pub spine: Vec<ExprId>,
-    /// Arguments of the calls that are open.
+    /// A stack of the arguments of all calls that are being lowered.
     pub arguments: Vec<Value>,
-    /// Where what is made comes from.
     pub origins: Origins,
 }
 
-/// Inputs of the place that is being lowered, as bits of [`uses`].
+/// The inputs that the current section or let may use and does use, as bits of [`uses`].
 pub(super) struct Inputs {
-    /// Those that may be used here, and the name of this place.
     pub allowed: u8,
+    /// The name of the section in messages.
     pub place: &'static str,
-    /// Those that were used since this was last cleared.
+    /// The inputs used since this was last cleared.
     pub used: u8,
 }
 
 impl Inputs {
-    /// Notes that an input is used; reports it if it has no value here.
+    /// Records the use of inputs and reports it if they are not allowed here.
     pub(super) fn take(&mut self, kind: u8, symbol: Symbol, span: Span, reports: &mut Reports) {
         self.used |= kind;
         let missing = kind & !self.allowed;
@@ -65,22 +64,22 @@ impl Inputs {
         let (message, hint) = match missing {
             _ if missing & uses::POINT != 0 => (
                 format!("{here} is the same at all points, so `{name}` has no value here"),
-                "points are known in shapes and materials",
+                "positions are available in shapes and materials",
             ),
             _ if missing & uses::NORMAL != 0 => (
-                format!("`{name}` is a surface's normal and has no value in {here}"),
-                "normals are known in materials, and in functions that are called there",
+                format!("`{name}` depends on a surface's normal, which has no value in {here}"),
+                "normals are available in materials and in functions that materials call",
             ),
             _ if missing & uses::DIRECTION != 0 => (
-                format!("`{name}` is the direction of a ray and has no value in {here}"),
-                "it is known in the sky",
+                format!("`{name}` depends on a ray's direction, which has no value in {here}"),
+                "ray directions are available in the sky",
             ),
             _ if missing & uses::EYE != 0 => (
-                format!("{here} does not depend on who looks, so `{name}` has no value here"),
-                "the eye's place is known in materials and the sky",
+                format!("{here} cannot depend on the camera, so `{name}` has no value here"),
+                "the camera's position is available in materials and the sky",
             ),
             _ if missing & uses::TEXTURE != 0 => {
-                (format!("{here} cannot read pictures"), "materials and the sky can")
+                (format!("{here} cannot read images"), "images can be read in materials and the sky")
             }
             _ => (
                 format!("{here} is fixed before the music plays, so `{name}` has no value here"),
@@ -92,7 +91,7 @@ impl Inputs {
     }
 }
 
-/// Depth and steps so far, against the limits.
+/// The current depth and the steps so far; both have limits.
 #[derive(Default)]
 pub(super) struct Budget {
     pub depth: usize,
@@ -108,7 +107,7 @@ impl<'a> Lowering<'a> {
         diagnostics: &'a mut Diagnostics,
     ) -> Self {
         let mut graph = Graph::with_limits(limits);
-        // One to two nodes for an expression where little is repeated.
+        // An expression needs one to two nodes if the scene repeats few of them.
         graph.reserve(2 * ast.len());
         Self {
             graph,
@@ -133,21 +132,22 @@ impl<'a> Lowering<'a> {
         self.names.name(symbol)
     }
 
-    /// Counts a step and says whether work goes on.
+    /// Counts a step. Returns false once a limit is reached: the caller must stop.
     #[inline]
     pub(super) fn step(&mut self, span: Span) -> bool {
         self.budget.steps += 1;
         if self.budget.steps > self.limits.scene_expansion_max && !self.reports.stopped {
             let max = self.limits.scene_expansion_max;
             let message = format!("the scene expands to more than {max} operations");
-            self.reports.stop(span, message, "call fewer functions in functions, or shorten the loops");
+            self.reports.stop(span, message, "nest fewer function calls, or shorten the loops");
         }
         !self.reports.stopped
     }
 
-    /// A number of the text.
+    /// Lowers a number in the text: a constant or, if it is being edited, an input.
     pub(super) fn written_number(&mut self, value: f32, id: ExprId) -> Value {
-        // Only where a frame's inputs are known, and not in the library's texts, whose places are others.
+        // A number becomes an input only where inputs of a frame are allowed, and only in the scene: offsets in the
+        // library's texts are counted separately.
         let may_change = self.inputs.allowed & uses::FRAME != 0 && std::ptr::eq(self.ast, self.scene_ast);
         if self.reports.library_call.is_none() {
             self.origins.begins(self.ast.span(id));
@@ -164,12 +164,12 @@ impl<'a> Lowering<'a> {
         })
     }
 
-    /// The value of an expression that does not depend on anything, if it does not.
+    /// The value of a constant expression; `None` for other expressions. Numbers that are being edited are constant.
     pub(super) fn known(&self, value: NodeId) -> Option<f32> {
         self.changing.known(&self.graph, value)
     }
 
-    /// The same vector with what is known written as numbers.
+    /// The vector with each constant expression replaced by its value.
     pub(super) fn with_known(&mut self, vector: Vector) -> Vector {
         vector.map(|part| match self.known(part) {
             Some(value) => self.graph.constant(value),
@@ -185,7 +185,7 @@ impl<'a> Lowering<'a> {
         values.map(|value| self.graph.constant(value))
     }
 
-    /// The value of a name.
+    /// The value of a name: a local name, a parameter or `let` of the scene, or an input, in this order.
     #[inline]
     pub(super) fn lookup(&mut self, symbol: Symbol, span: Span) -> Value {
         let is_noted = self.reports.library_call.is_none();
@@ -240,6 +240,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    /// The value of a `let` of the scene, lowered at its first use.
     pub(super) fn global_let(&mut self, index: usize, span: Span) -> Value {
         let Some(global) = self.declared.lets.get_mut(index) else { return Value::Unknown };
         let name = global.name;
@@ -276,6 +277,7 @@ impl<'a> Lowering<'a> {
         value
     }
 
+    /// A list of parameters, for messages.
     pub(super) fn parameters(&self, parameters: &[Parameter]) -> String {
         let shown = |one: &Parameter| match one.of {
             Some(of) => format!("{}: {}", self.names.name(one.name.symbol), of.name()),
@@ -284,7 +286,7 @@ impl<'a> Lowering<'a> {
         parameters.iter().map(shown).collect::<Vec<_>>().join(", ")
     }
 
-    /// Lowers something with its own set of allowed inputs.
+    /// Runs `lower` with this set of allowed inputs; `place` names the section in messages.
     pub(super) fn within<T>(
         &mut self,
         allowed: u8,
@@ -298,7 +300,7 @@ impl<'a> Lowering<'a> {
         result
     }
 
-    /// The number that `what` must be; `None` if it is not one, which is then reported.
+    /// The number in a value that must be one. Reports other values; `what` names the value in messages.
     pub(super) fn one_number(&mut self, value: Value, what: &str, span: Span) -> Option<NodeId> {
         match value {
             Value::Unknown => None,
@@ -310,7 +312,7 @@ impl<'a> Lowering<'a> {
                 );
                 let wrong = match other {
                     Value::Vector(_) => {
-                        wrong.hint("a distance is made by `length(…)` or by a shape such as `sphere(p, 1)`")
+                        wrong.hint("get a distance with `length(…)` or a shape such as `sphere(p, 1)`")
                     }
                     _ => wrong,
                 };

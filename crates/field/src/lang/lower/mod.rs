@@ -1,9 +1,9 @@
-//! The tree to a checked scene: names are looked up, sizes are checked, functions are expanded where they are called,
-//! loops are unrolled, and everything is built into one graph.
+//! Lowers the syntax tree to a checked scene with one expression graph: resolves names, checks vector sizes, expands
+//! functions where they are called and unrolls loops.
 //!
-//! [`Lowering`] knows the meaning of expressions, [`SceneBuilder`] that of a scene's items. Recursion follows the nesting
-//! of the text and of calls and is bounded by `scene_depth_max`; chains of operators are loops. Every visited node counts
-//! against `scene_expansion_max`.
+//! [`Lowering`] handles expressions and [`SceneBuilder`] the items of a scene. Recursion follows the nesting of
+//! expressions and calls, up to `scene_depth_max`; a chain of operators is a loop. Each visited node counts towards
+//! `scene_expansion_max`.
 
 mod builtins;
 mod call;
@@ -29,7 +29,8 @@ use crate::limits::Limits;
 use lowering::Lowering;
 use scene::SceneBuilder;
 
-/// Makes a scene from a tree; `None` if the scene has no shape or has mistakes.
+/// Builds a scene from its tree. Returns `None` if it has no shape or exceeds a limit. The caller must also check
+/// `diagnostics`: a scene with mistakes may still be returned.
 pub(super) fn lower(
     loaded: Loaded,
     changing: ChangingNumbers,

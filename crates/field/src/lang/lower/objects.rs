@@ -1,7 +1,7 @@
-//! Objects, and those that melt into the one before them.
+//! Objects, and the field `melt`, which merges an object with the previous one.
 //!
-//! **Melting is the language's.** An object that melts into another becomes one object with it, with one shape and
-//! one material: the shader knows nothing of it.
+//! Melting happens entirely in this module: the merged object has one shape and one material, and shaders need no code
+//! for it.
 
 use super::super::diagnostic::Diagnostic;
 use super::super::material::Material;
@@ -42,17 +42,19 @@ impl SceneBuilder<'_> {
                 }
             }
             None => {
-                let alone =
-                    Diagnostic::new(melts, format!("the object `{}` has no object before it", object.name));
+                let alone = Diagnostic::new(
+                    melts,
+                    format!("the object `{}` has no previous object to melt into", object.name),
+                );
                 self.lowering
                     .reports
-                    .add(alone.hint("`melt` lets an object flow into the one that is declared before it"));
+                    .add(alone.hint("declare another object before it, or leave out `melt`"));
             }
         }
     }
 
-    /// Combines two objects into one. Their shapes flow together within `radius`, and their materials mix there: in
-    /// equal shares at the seam, where both shapes are equally near.
+    /// Combines two objects into one. Within `radius` their shapes blend and their materials mix, half and half where
+    /// both shapes are equally near. Returns `None` if a limit is reached.
     fn melted(&mut self, a: Object, b: Object, radius: NodeId) -> Option<Object> {
         let tiny = self.lowering.constant(1e-4);
         let radius = self.lowering.graph.max(radius, tiny);
@@ -66,8 +68,9 @@ impl SceneBuilder<'_> {
         } else {
             let max = self.lowering.limits.scene_materials_max;
             if self.parts.materials.len() >= max {
-                let message = format!("the scene has more than {max} materials, counting mixed ones");
-                self.lowering.reports.stop(b.span, message, "let one material depend on the point");
+                let message =
+                    format!("the scene has more than {max} materials, including mixtures made by `melt`");
+                self.lowering.reports.stop(b.span, message, "use one material whose fields depend on `p`");
                 return None;
             }
             let difference = self.lowering.graph.sub(a.shape, b.shape);
@@ -87,7 +90,7 @@ impl SceneBuilder<'_> {
     }
 }
 
-/// A mixture of two materials; at share 0 it is the first.
+/// A mixture of two materials; at fraction 0 it is the first.
 fn mixed(graph: &mut Graph, a: &Material, b: &Material, fraction: NodeId) -> Material {
     let both: Vec<_> = a.numbers().into_iter().zip(b.numbers()).collect();
     let mixed = both.into_iter().map(|(a, b)| graph.mix(a, b, fraction));

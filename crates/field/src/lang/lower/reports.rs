@@ -1,27 +1,28 @@
-//! Reports mistakes at places in the scene's own text.
+//! Reports of mistakes, always at a location in the scene's own text rather than in the library.
 
 use super::super::diagnostic::{Diagnostic, Diagnostics};
 use super::super::source::Span;
 use super::super::symbol::{Interner, Symbol};
 use super::super::value::Value;
 
-/// Most calls that a diagnostic lists on the way to its place.
+/// Most enclosing calls that a diagnostic lists.
 const CALLS_SHOWN: usize = 3;
 
-/// Where diagnostics go, and the calls that lead to the place that is being lowered.
+/// The list of diagnostics, and the calls that enclose the expression being lowered.
 pub(super) struct Reports<'a> {
     pub diagnostics: &'a mut Diagnostics,
     pub names: &'a Interner,
-    /// Scene functions and lets that are being expanded: the name and its place.
+    /// The scene's functions and lets that are being expanded, each with the location of its use.
     pub calls: Vec<(Symbol, Span)>,
-    /// Where the scene calls the library: mistakes inside the library are reported at the call.
+    /// The scene's outermost call of a library function, if one is being expanded.
     pub library_call: Option<(Symbol, Span)>,
-    /// A limit was reached: everything else is unknown.
+    /// True once a limit is reached: lowering has stopped.
     pub stopped: bool,
 }
 
 impl Reports<'_> {
-    /// Reports a mistake; a mistake in the library is placed where the scene called it.
+    /// Reports a mistake and returns [`Value::Unknown`]. A mistake inside a library function is reported at the scene's
+    /// call of it.
     #[cold]
     pub(super) fn add(&mut self, mut diagnostic: Diagnostic) -> Value {
         if let Some((_, span)) = self.library_call {
@@ -36,7 +37,7 @@ impl Reports<'_> {
         Value::Unknown
     }
 
-    /// Reports that a limit is reached and ends the work.
+    /// Reports that a limit is reached, and stops lowering.
     #[cold]
     pub(super) fn stop(&mut self, span: Span, message: String, hint: &str) -> Value {
         let value = self.add(Diagnostic::over_limit(span, message).hint(hint));
@@ -44,7 +45,7 @@ impl Reports<'_> {
         value
     }
 
-    /// Reports that a name is defined by itself, with the names in between.
+    /// Reports that a name depends on itself, with the names in between.
     #[cold]
     pub(super) fn circle(&mut self, symbol: Symbol, span: Span) -> Value {
         let first = self.calls.iter().position(|call| call.0 == symbol).unwrap_or(0);
@@ -53,22 +54,22 @@ impl Reports<'_> {
         let message = if way.len() <= 2 {
             format!("{} uses itself", way.first().map_or("this", String::as_str))
         } else {
-            format!("these use each other in a circle: {}", way.join(" → "))
+            format!("these names depend on each other in a circle: {}", way.join(" → "))
         };
-        let hint = "functions are expanded where they are called, so none can call itself: repeat with `for`";
-        // The calls on the way would only repeat the message.
+        let hint = "there is no recursion: repeat with `for`";
+        // The message already names the calls, so they need no notes.
         let calls = std::mem::take(&mut self.calls);
         let value = self.add(Diagnostic::unsupported(span, message).hint(hint));
         self.calls = calls;
         value
     }
 
-    /// Reports that `what` takes vectors of one size.
+    /// Reports that `what` needs vectors of the same size.
     #[cold]
     pub(super) fn sizes_differ(&mut self, what: &str, left: Value, right: Value, span: Span) -> Value {
         let (a, b) = (left.described(), right.described());
         let wrong = Diagnostic::new(span, format!("{what} needs vectors of the same size, not {a} and {b}"));
-        self.add(wrong.hint("take the same number of components of both, as in `p.xz`"))
+        self.add(wrong.hint("give both the same number of components, as in `p.xz`"))
     }
 
     /// Reports a call with the wrong number of arguments.

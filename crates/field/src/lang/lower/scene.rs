@@ -1,4 +1,4 @@
-//! The scene as a whole: its items, the order in which they are lowered, and its defaults.
+//! The scene as a whole: the order in which its items are lowered, and its defaults.
 
 use std::sync::Arc;
 
@@ -14,27 +14,27 @@ use super::lowering::Lowering;
 use super::sections::Values;
 use crate::graph::NodeId;
 
-/// A scene under construction.
+/// The parts of a scene under construction.
 #[derive(Default)]
 pub(super) struct Parts {
     pub objects: Vec<Object>,
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
     pub camera: Option<Camera>,
-    /// Further ones, with their names.
+    /// Named cameras.
     pub cameras: Vec<(String, Camera)>,
     pub sky: Option<Sky>,
     pub has_own_sky: bool,
     pub picture: Option<Picture>,
     pub about: Option<About>,
-    /// Index of the material of objects that name none.
+    /// Index of the material of objects that set no material; created when it is first needed.
     pub default_material: Option<usize>,
 }
 
-/// The name given to a bare expression.
+/// The object's name in a scene that is a bare expression.
 const BARE_NAME: &str = "shape";
 
-/// Makes a scene of its items. `declare.rs` knows what they declare, `sections.rs` those with fields.
+/// Builds a scene from its items. `declare.rs` handles declarations, `sections.rs` blocks with fields.
 pub(super) struct SceneBuilder<'a> {
     pub lowering: Lowering<'a>,
     pub parts: Parts,
@@ -45,7 +45,7 @@ impl<'a> SceneBuilder<'a> {
         Self { lowering, parts: Parts::default() }
     }
 
-    /// The scene of these items; `None` if it has no shape, or a limit was reached.
+    /// Builds the scene. Returns `None` if it has no shape or a limit is reached.
     pub(super) fn scene(
         mut self,
         items: &'a [Item],
@@ -54,7 +54,7 @@ impl<'a> SceneBuilder<'a> {
     ) -> Option<Scene> {
         self.declare(items);
         self.lower_lets();
-        // Materials come first because objects name them.
+        // Materials are lowered first because objects refer to them.
         for of_materials in [true, false] {
             let wanted = |section: &Section| (*section == Section::Material) == of_materials;
             for item in items {
@@ -104,7 +104,7 @@ impl<'a> SceneBuilder<'a> {
         })
     }
 
-    /// Lowers all lets in textual order, so that a long chain of them needs no deep recursion.
+    /// Lowers all lets in the order of the text, so that a long chain of them needs no deep recursion.
     fn lower_lets(&mut self) {
         self.lowering.within(u8::MAX, "", |this| {
             for index in 0..this.declared.lets.len() {
@@ -116,25 +116,27 @@ impl<'a> SceneBuilder<'a> {
         });
     }
 
-    /// Reports a graph that is over a limit.
+    /// Reports a graph that exceeds a limit.
     fn check_the_graph(&mut self) {
         if let Err(error) = self.lowering.graph.check()
             && !self.lowering.reports.stopped
         {
             let span = self.parts.objects.first().map_or(Span::default(), |object| object.span);
-            let hint = "call fewer functions in functions, or shorten the loops";
+            let hint = "nest fewer function calls, or shorten the loops";
             self.lowering.reports.stop(span, error.to_string(), hint);
         }
     }
 
-    /// The distance to the nearest object. A scene without one is reported, unless something else was.
+    /// The distance to the nearest object. Reports a scene without objects, unless it has other mistakes, and returns
+    /// `None`.
     fn distance(&mut self, sources: &Sources) -> Option<NodeId> {
         let shapes: Vec<NodeId> = self.parts.objects.iter().map(|object| object.shape).collect();
         let distance = shapes.into_iter().reduce(|a, b| self.lowering.graph.min(a, b));
         if distance.is_none() && self.lowering.reports.diagnostics.is_empty() {
             let text = sources.files().first().map_or(0, |file| file.text.len() as u32);
             let empty = Diagnostic::new(Span::new(text, text), "the scene has no shape");
-            let hint = "write an expression in x, y, z, as in `length(p) - 1`, or `object ball { shape = sphere(p, 1) }`";
+            let hint = "write an expression in x, y, z, as in `length(p) - 1`, or \
+                        `object ball { shape = sphere(p, 1) }`";
             self.lowering.reports.add(empty.hint(hint));
         }
         distance
@@ -151,7 +153,7 @@ impl<'a> SceneBuilder<'a> {
         }
     }
 
-    /// Numbers of the text that are being changed are inputs behind the parameters.
+    /// Appends the numbers of the text that are being edited to the parameters.
     fn add_changing_numbers(&mut self) {
         self.lowering.declared.params.extend(self.lowering.changing.numbers().map(|number| Param {
             name: String::new(),
@@ -163,7 +165,7 @@ impl<'a> SceneBuilder<'a> {
         }));
     }
 
-    /// Notes which text an object or a material is made of, of which the fields were noted from a mark on.
+    /// Records the text that makes up an object or a material. Its fields have the notes since the mark `from`.
     fn note_block(
         &mut self,
         (section, span): (Section, Span),
@@ -189,7 +191,7 @@ impl<'a> SceneBuilder<'a> {
             let second = second.note(first.span, "the first one is here");
             self.lowering
                 .reports
-                .add(second.hint("combine them: `union(a, b)`; or give this one a name with `let`"));
+                .add(second.hint("combine both with `union(a, b)`, or give this one a name with `let`"));
             return;
         }
         let from = self.lowering.origins.mark();
@@ -210,7 +212,11 @@ impl<'a> SceneBuilder<'a> {
         let max = self.lowering.limits.scene_objects_max;
         if self.parts.objects.len() >= max {
             let message = format!("the scene has more than {max} objects");
-            self.lowering.reports.stop(object.span, message, "combine shapes of one material by `union`");
+            self.lowering.reports.stop(
+                object.span,
+                message,
+                "combine shapes of the same material with `union`",
+            );
         } else {
             self.parts.objects.push(object);
         }

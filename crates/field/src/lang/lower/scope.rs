@@ -1,49 +1,49 @@
-//! Names in functions and blocks.
+//! Local names: parameters, loop variables and the lets of blocks.
 
 use super::super::origins::Stretch;
 use super::super::symbol::Symbol;
 use super::super::value::Value;
 
-/// A name in a function or a block.
+/// A local name with its value.
 pub(super) struct Binding {
     pub symbol: Symbol,
-    /// The binding of the same name that it hides, or [`NO_BINDING`].
+    /// Index of the binding of the same name that it hides, or [`NO_BINDING`].
     hidden: u32,
     value: Value,
-    /// What took part in it, if it is a `let`.
+    /// For a `let`, the notes of the text that computes the value (see `lang::origins`); otherwise empty.
     by: Stretch,
 }
 
 const NO_BINDING: u32 = u32::MAX;
 
-/// The bindings that are open, the innermost last.
+/// The current bindings, the innermost last.
 pub(super) struct Scope {
     pub bindings: Vec<Binding>,
-    /// By symbol: its innermost binding.
+    /// By symbol: the index of its innermost binding, or [`NO_BINDING`].
     innermost: Vec<u32>,
-    /// Where the bindings of the current function begin.
+    /// Index of the current function's first binding.
     pub frame: usize,
 }
 
 impl Scope {
-    /// No bindings, for symbols below `names`.
+    /// An empty scope for the symbols below `names`.
     pub(super) fn new(names: usize) -> Self {
         Self { bindings: Vec::new(), innermost: vec![NO_BINDING; names], frame: 0 }
     }
 
-    /// Binds a name until [`Scope::unbind`].
+    /// Binds a name until [`Scope::unbind`] removes it.
     pub(super) fn bind(&mut self, symbol: Symbol, value: Value) {
         self.bind_made(symbol, value, Stretch::default());
     }
 
-    /// The same of a value in which something took part.
+    /// Binds a name to a value, with the notes `by` of the text that computes it.
     pub(super) fn bind_made(&mut self, symbol: Symbol, value: Value, by: Stretch) {
         let Some(innermost) = self.innermost.get_mut(symbol.index()) else { return };
         let hidden = std::mem::replace(innermost, self.bindings.len() as u32);
         self.bindings.push(Binding { symbol, hidden, value, by });
     }
 
-    /// Forgets all bindings from `mark` on.
+    /// Removes all bindings from index `mark` on.
     pub(super) fn unbind(&mut self, mark: usize) {
         while self.bindings.len() > mark {
             if let Some(binding) = self.bindings.pop()
@@ -54,6 +54,7 @@ impl Scope {
         }
     }
 
+    /// The value and notes of a name, if the current function or block binds it.
     pub(super) fn local(&self, symbol: Symbol) -> Option<(Value, Stretch)> {
         let index = *self.innermost.get(symbol.index())? as usize;
         if index < self.frame {

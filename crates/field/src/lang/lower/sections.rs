@@ -1,7 +1,7 @@
-//! Blocks with fields: objects, materials, lights, cameras, the sky, the picture, and what a scene says of itself.
+//! Sections, the blocks with fields: objects, materials, lights, cameras, `sky`, `picture` and `about`.
 //!
-//! A section's rows (see `lang::fields`) say which fields it has. What the fields of an object mean together stands in
-//! `objects.rs`, and those of a light in `lights.rs`.
+//! The fields of each section are listed in rows (see `lang::fields`). This module evaluates and checks the fields.
+//! `objects.rs` and `lights.rs` then combine the fields of an object or a light.
 
 use super::super::about::{About, Way};
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
@@ -20,7 +20,7 @@ use super::reports::Reports;
 use super::scene::SceneBuilder;
 use crate::graph::NodeId;
 
-/// The fields of objects. `objects.rs` makes an object of them, so their defaults are not read.
+/// The fields of objects. Their defaults are unused: `objects.rs` handles missing fields.
 const OBJECT: &[Field] = &[
     of_object("shape", Holds::Number, POINT | FRAME, "the distance from `p` to the object"),
     of_object("material", Holds::Material, NOTHING, "the name of its material"),
@@ -28,9 +28,14 @@ const OBJECT: &[Field] = &[
         "bound",
         Holds::Number,
         POINT | FRAME,
-        "a simpler shape around it, outside of which it is not computed",
+        "a lower bound of the distance to everything that `shape` leaves out",
     ),
-    of_object("melt", Holds::Number, FRAME, "how far it melts into what it touches"),
+    of_object(
+        "melt",
+        Holds::Number,
+        FRAME,
+        "how far it flows into the previous object; their materials mix there",
+    ),
 ];
 
 const fn of_object(name: &'static str, holds: Holds, uses: u8, doc: &'static str) -> Field {
@@ -59,17 +64,17 @@ const SECTIONS: [Section; 7] = [
     Section::About,
 ];
 
-/// Whether any section has a field of this name.
+/// True if any section has a field of this name.
 fn is_field(name: &str) -> bool {
     SECTIONS.into_iter().flat_map(fields).any(|field| field.name == name)
 }
 
-/// The fields of each section, with the word that begins it.
+/// Returns the keyword and the fields of each section.
 pub fn section_fields() -> impl Iterator<Item = (&'static str, &'static [Field])> {
     SECTIONS.into_iter().map(|section| (word(section), fields(section)))
 }
 
-/// The word that begins a section.
+/// The keyword of a section.
 pub(super) fn word(section: Section) -> &'static str {
     match section {
         Section::Object => "object",
@@ -82,7 +87,7 @@ pub(super) fn word(section: Section) -> &'static str {
     }
 }
 
-/// The name of a section in messages about inputs that have no value in it.
+/// The name of a section in messages.
 fn place(section: Section) -> &'static str {
     match section {
         Section::Object => "a shape",
@@ -91,24 +96,24 @@ fn place(section: Section) -> &'static str {
         Section::Camera => "the camera",
         Section::Sky => "the sky",
         Section::Picture => "the picture",
-        Section::About => "what a scene says of itself",
+        Section::About => "the block `about`",
     }
 }
 
-/// The values of a section's fields in the order of [`fields`].
+/// The fields that a section sets, with their values.
 #[derive(Default)]
 pub(super) struct Values {
     given: Vec<(&'static str, Value, Span)>,
     /// Index of the material that an object names.
     pub(super) material: Option<usize>,
-    /// What took part in its values, apart from an object's shape.
+    /// The notes of the values (see `lang::origins`), except of an object's shape.
     pub(super) beside_the_shape: Vec<Stretch>,
-    /// Whether a field was wrong, so that the values are of no use.
+    /// True if a field has a mistake, so that the values cannot be used.
     pub(super) broken: bool,
 }
 
 impl Values {
-    /// The value of the field with that name, and the place where it is given.
+    /// The value of a field and the location of its name; `None` if the section does not set it.
     pub(super) fn given(&self, name: &str) -> Option<(Value, Span)> {
         debug_assert!(is_field(name), "no section has a field `{name}`");
         let given = self.given.iter().find(|(given, ..)| *given == name)?;
@@ -125,7 +130,7 @@ impl SceneBuilder<'_> {
                 let max = self.lowering.limits.scene_materials_max;
                 if self.parts.materials.len() >= max {
                     let message = format!("the scene has more than {max} materials");
-                    self.lowering.reports.stop(span, message, "let one material depend on the point");
+                    self.lowering.reports.stop(span, message, "use one material whose fields depend on `p`");
                     return;
                 }
                 let material = Material::of(title, self.lowering.numbers(Material::FIELDS, values));
@@ -141,7 +146,7 @@ impl SceneBuilder<'_> {
                 let max = self.lowering.limits.scene_lights_max;
                 if self.parts.lights.len() >= max {
                     let message = format!("the scene has more than {max} lights");
-                    self.lowering.reports.stop(span, message, "let surfaces shine with `emission` instead");
+                    self.lowering.reports.stop(span, message, "use materials with `emission` instead");
                 } else if let Some(kind) = self.light_kind(&title, span, values) {
                     let light = Light::of(kind, self.lowering.numbers(Light::FIELDS, values));
                     self.parts.lights.push(light);
@@ -155,8 +160,8 @@ impl SceneBuilder<'_> {
                 } else if self.parts.cameras.len() < max {
                     self.parts.cameras.push((title, camera));
                 } else {
-                    let message = format!("the scene has more than {max} cameras with names");
-                    self.lowering.reports.stop(span, message, "let one camera move");
+                    let message = format!("the scene has more than {max} named cameras");
+                    self.lowering.reports.stop(span, message, "move one camera instead");
                 }
             }
             Section::Sky => {
@@ -175,7 +180,7 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// Lowers a section's lets and fields in their order.
+    /// Lowers a section's lets and fields in the order of the text.
     pub(super) fn fields(&mut self, section: Section, entries: &[Entry], broken: bool) -> Values {
         let known = fields(section);
         let mut values = Values { broken, ..Values::default() };
@@ -198,7 +203,7 @@ impl SceneBuilder<'_> {
                 continue;
             };
             if let Some((_, first)) = values.given(text) {
-                let message = format!("`{text}` is given twice");
+                let message = format!("`{text}` is set twice");
                 let twice = Diagnostic::new(entry.name.span, message).note(first, "the first one is here");
                 self.lowering.reports.add(twice.hint("leave one of them out"));
                 continue;
@@ -210,7 +215,7 @@ impl SceneBuilder<'_> {
                 let message = format!("`{text}` is one value, not a range");
                 self.lowering.reports.add(
                     Diagnostic::new(self.lowering.ast.span(end), message)
-                        .hint("leave out `..` and what follows"),
+                        .hint("leave out `..` and the second value"),
                 );
                 continue;
             }
@@ -227,7 +232,7 @@ impl SceneBuilder<'_> {
                 }
                 Holds::Way => {
                     let numbered = |way: &Way| (way.name(), f32::from(*way as u8));
-                    self.one_of("way from scene to scene", &Way::ALL.each_ref().map(numbered), entry.value)
+                    self.one_of("transition", &Way::ALL.each_ref().map(numbered), entry.value)
                 }
                 Holds::Text => self.text(field.name, entry.value),
                 Holds::Range => self.range(field.name, entry.value, entry.end),
@@ -288,12 +293,12 @@ impl SceneBuilder<'_> {
         self.lowering.reports.add(wrong);
     }
 
-    /// The number of the one of `known` that an expression names.
+    /// Evaluates an expression that must be one of the names in `known`, to the number of that name.
     fn one_of(&mut self, what: &str, known: &[(&'static str, f32)], value: ExprId) -> Value {
         let span = self.lowering.ast.span(value);
         let names = || known.iter().map(|(name, _)| *name);
         let all = names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-        let all = format!("there is {all}");
+        let all = format!("choose one of {all}");
         let wrong = match self.lowering.ast.expr(value) {
             Expr::Error => return Value::Unknown,
             Expr::Name(symbol) => {
@@ -312,7 +317,7 @@ impl SceneBuilder<'_> {
         self.lowering.reports.add(wrong)
     }
 
-    /// A text in quotes.
+    /// Evaluates an expression that must be a text in quotes.
     fn text(&mut self, field: &str, value: ExprId) -> Value {
         match self.lowering.ast.expr(value) {
             Expr::Error => Value::Unknown,
@@ -325,7 +330,7 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// Two numbers of 0..1, the smaller one first.
+    /// Evaluates a range of two numbers in 0..1, the smaller one first.
     fn range(&mut self, field: &'static str, first: ExprId, last: Option<ExprId>) -> Value {
         let span = self.lowering.ast.span(first);
         let Some(last) = last else {
@@ -341,15 +346,18 @@ impl SceneBuilder<'_> {
         if !(0.0 <= low && low <= high && high <= 1.0) {
             let wrong = Diagnostic::new(
                 span.to(self.lowering.ast.span(last)),
-                format!("the range of `{field}` lies within 0 .. 1, but this is {low} .. {high}"),
+                format!("`{field}` must be a range within 0 .. 1, but this is {low} .. {high}"),
             );
-            return self.lowering.reports.add(wrong.hint("write the smaller number first"));
+            return self
+                .lowering
+                .reports
+                .add(wrong.hint("write two numbers from 0 to 1, the smaller number first"));
         }
         Vector::of([low, high].map(|number| self.lowering.constant(number)))
             .map_or(Value::Unknown, Value::Vector)
     }
 
-    /// What a scene says of itself.
+    /// Builds [`About`] from its fields.
     fn about(&self, values: &Values) -> About {
         let text = |name: &str| match values.given(name) {
             Some((Value::Text(symbol), _)) => Some(self.lowering.name(symbol).to_owned()),
@@ -378,12 +386,12 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// The material that an expression names, as its index.
+    /// The index of the material that an expression names.
     fn material_index(&mut self, value: ExprId) -> Option<usize> {
         let span = self.lowering.ast.span(value);
         let Expr::Name(symbol) = self.lowering.ast.expr(value) else {
             if self.lowering.ast.expr(value) != Expr::Error {
-                let wrong = Diagnostic::new(span, "an object's material must be given by its name");
+                let wrong = Diagnostic::new(span, "`material` must be the name of a material");
                 self.lowering
                     .reports
                     .add(wrong.hint("declare `material wood { … }` and write `material = wood`"));
@@ -415,7 +423,7 @@ impl SceneBuilder<'_> {
 }
 
 impl Lowering<'_> {
-    /// The numbers of a section, in the order of its fields.
+    /// The numbers of a section in the order of its fields, with defaults for missing ones.
     pub(super) fn numbers(&mut self, fields: &[Field], values: &Values) -> Vec<NodeId> {
         let mut numbers = Vec::new();
         for field in fields {
@@ -455,10 +463,10 @@ fn place_of_field(section: Section) -> &'static str {
     }
 }
 
-/// Keeps a section of which a scene has one, and reports a second one.
+/// Stores a section that a scene may have only once, or reports a second one.
 fn only<T>(reports: &mut Reports, place: &mut Option<T>, made: T, section: Section, span: Span) {
     if place.replace(made).is_some() {
-        let message = format!("the scene has a second {}", word(section));
+        let message = format!("the scene has a second block `{}`", word(section));
         reports.add(Diagnostic::new(span, message).hint("leave one of them out"));
     }
 }

@@ -1,4 +1,4 @@
-//! Expressions, by precedence climbing.
+//! Parses expressions by precedence climbing.
 
 use super::super::ast::{BinaryOp, Expr, ExprId};
 use super::super::diagnostic::Diagnostic;
@@ -7,10 +7,10 @@ use super::super::token::{Kind, word};
 use super::Parser;
 use super::items::Habit;
 
-/// How tightly a sign in front binds: less than a power but more than a product, so that -x^2 is -(x^2).
+/// The binding power of prefix operators: below a power and above a product, so that -x^2 is -(x^2).
 const PREFIX: u8 = 7;
 
-/// The operator between two expressions, how tightly it binds to the left, and how tightly its right side must bind.
+/// A binary operator with its binding powers to the left and to the right.
 fn infix(kind: Kind) -> Option<(BinaryOp, u8, u8)> {
     Some(match kind {
         Kind::Or => (BinaryOp::Or, 1, 2),
@@ -42,7 +42,7 @@ impl Parser<'_> {
         self.ast.push(Expr::Error, span)
     }
 
-    /// An expression of operators that bind at least as tightly as `least`.
+    /// Parses an expression whose operators have a binding power of at least `least`.
     fn binary(&mut self, least: u8) -> ExprId {
         if self.nesting >= self.nesting_max {
             return self.too_deep();
@@ -73,7 +73,7 @@ impl Parser<'_> {
         left
     }
 
-    /// Text behind characters without a meaning belongs to the same mistake.
+    /// Skips unknown characters with the expression after them: both are one mistake, already reported by the lexer.
     #[cold]
     fn behind_unknown(&mut self) -> ExprId {
         self.advance();
@@ -85,7 +85,7 @@ impl Parser<'_> {
         self.error_node()
     }
 
-    /// Whether a `-` on a new line is attached to its operand, and so begins an expression.
+    /// True at a `-` on a new line without a space after it, which begins an expression.
     fn begins_negation(&self) -> bool {
         let token = self.token();
         token.kind == Kind::Minus
@@ -120,7 +120,7 @@ impl Parser<'_> {
                 self.ast.push(node, span)
             }
             Kind::Plus => {
-                let extra = Diagnostic::new(token.span, "a `+` in front of an expression means nothing");
+                let extra = Diagnostic::new(token.span, "an expression cannot begin with `+`");
                 self.report(extra.hint("leave it out"));
                 self.advance();
                 self.binary(PREFIX)
@@ -182,7 +182,7 @@ impl Parser<'_> {
         let wrong = self.expected("an expression");
         self.report(wrong);
         let node = self.error_node();
-        // A token that can only stand between expressions is skipped, so that the next expression is found.
+        // Skip an operator, so that parsing continues with the next expression.
         if self.kind() == Kind::Unknown || infix(self.kind()).is_some() && self.kind() != Kind::Minus {
             self.advance();
         }
@@ -202,8 +202,7 @@ impl Parser<'_> {
         self.ast.push(Expr::Number(value), token.span)
     }
 
-    /// Runs `parse` between brackets, the opening one of which is already taken; `in_parens` makes line ends
-    /// meaningless.
+    /// Runs `parse` after an opening bracket. `in_parens` is true if line ends have no meaning inside.
     fn within<T>(&mut self, in_parens: bool, parse: impl FnOnce(&mut Self) -> T) -> T {
         let outside = std::mem::replace(&mut self.in_parens, in_parens);
         let result = parse(self);
@@ -216,18 +215,18 @@ impl Parser<'_> {
         let inner = self.within(true, Self::expression);
         if self.kind() == Kind::Comma {
             let wrong = self.expected("`)`");
-            self.report(wrong.hint("a vector is written `vec2(…)`, `vec3(…)` or `vec4(…)`"));
+            self.report(wrong.hint("write a vector as `vec2(…)`, `vec3(…)` or `vec4(…)`"));
         }
         if self.close_paren(open, "`)`") { inner } else { self.error_node() }
     }
 
-    /// Takes the `)` that belongs to `open`; or reports that it is missing and looks for it.
+    /// Consumes the `)` that matches `open`. If it is missing, reports this, skips to it and returns false.
     fn close_paren(&mut self, open: Span, what: &str) -> bool {
         if self.eat(Kind::CloseParen) {
             return true;
         }
         let wrong = self.expected(what).note(open, "for this `(`");
-        // An unclosed text has swallowed the bracket.
+        // An unclosed text contains the bracket. The lexer already reported it.
         let unknown =
             self.at > 0 && self.tokens.get(self.at - 1).is_some_and(|token| token.kind == Kind::Unknown);
         if !unknown {
@@ -260,7 +259,7 @@ impl Parser<'_> {
         self.ast.push(Expr::Call(name.symbol, first, count), span)
     }
 
-    /// Moves the entries of the list from `mark` on into the tree.
+    /// Moves the entries of `lists` from `mark` on into the tree, and returns their first index and their count.
     fn take_list(&mut self, mark: usize) -> (u32, u32) {
         let first = self.ast.extra.len() as u32;
         let count = (self.lists.len() - mark) as u32;
@@ -273,9 +272,9 @@ impl Parser<'_> {
         let condition = self.expression();
         if !self.eat_word(word::THEN) {
             let wrong = self.expected("`then` after the condition");
-            self.report(wrong.hint("a choice is written `if a then b else c`"));
+            self.report(wrong.hint("write a choice as `if a then b else c`"));
             if self.kind() == Kind::OpenBrace {
-                // As in GLSL: the braces are a block nevertheless.
+                // Braces as in GLSL: parse them as a block.
             } else if !self.token().is_word(word::ELSE) {
                 return self.ast.push(Expr::Error, start);
             }
@@ -283,7 +282,7 @@ impl Parser<'_> {
         let yes = self.expression();
         if !self.eat_word(word::ELSE) {
             let wrong = self.expected("`else`");
-            self.report(wrong.hint("an `if` has a value in both cases: `if a then b else c`"));
+            self.report(wrong.hint("an `if` needs a value in both cases: `if a then b else c`"));
             return self.ast.push(Expr::Error, start);
         }
         let no = self.expression();
@@ -295,7 +294,7 @@ impl Parser<'_> {
     fn ternary(&mut self, condition: ExprId, start: Span) -> ExprId {
         let sign = self.token().span;
         let unknown = Diagnostic::unsupported(sign, "there is no operator `?`");
-        self.report(unknown.hint("a choice is written `if a then b else c`"));
+        self.report(unknown.hint("write a choice as `if a then b else c`"));
         self.advance();
         let yes = self.expression();
         if !self.eat(Kind::Colon) {
@@ -310,13 +309,13 @@ impl Parser<'_> {
         let start = self.advance().span;
         if self.kind() == Kind::OpenParen {
             let wrong = self.expected("the loop's variable");
-            self.report(wrong.hint("a loop is written `union(for i in 0..32: expression)`"));
+            self.report(wrong.hint("write a loop as `union(for i in 0..32: expression)`"));
             return self.ast.push(Expr::Error, start);
         }
         let Some(variable) = self.name("the loop's variable") else {
             return self.ast.push(Expr::Error, start);
         };
-        let hint = "a loop is written `for i in 0..32: expression`";
+        let hint = "write a loop as `for i in 0..32: expression`";
         if !self.eat_word(word::IN) {
             let wrong = self.expected("`in` after the loop's variable");
             self.report(wrong.hint(hint));
@@ -330,7 +329,7 @@ impl Parser<'_> {
         }
         let end = self.expression();
         if !self.eat(Kind::Colon) {
-            let wrong = self.expected("`:` before what the loop repeats");
+            let wrong = self.expected("`:` before the loop's body");
             self.report(wrong.hint(hint));
         }
         let body = self.expression();
@@ -340,7 +339,7 @@ impl Parser<'_> {
         self.ast.push(Expr::For(index), span)
     }
 
-    /// `{ let a = … let b = … result }`, beginning at the brace.
+    /// Parses `{ let a = … let b = … result }`, from the opening brace.
     pub(super) fn block(&mut self) -> ExprId {
         let open = self.advance().span;
         let mark = self.lists.len();

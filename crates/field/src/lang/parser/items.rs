@@ -1,4 +1,4 @@
-//! Items: the top level of a scene.
+//! Parses items, the top level of a scene.
 
 use super::super::ast::{Entry, Expr, ExprId, Function, Item, Name, Parameter, Section, Type};
 use super::super::diagnostic::Diagnostic;
@@ -6,7 +6,7 @@ use super::super::suggest;
 use super::super::token::{Kind, word};
 use super::Parser;
 
-/// Words that begin an item if a name, a text or a brace follows.
+/// Words that begin an item if a name, a text or an opening brace follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Keyword {
     Param,
@@ -26,7 +26,7 @@ const KEYWORDS: &[(&str, Keyword)] = &[
     ("about", Keyword::Section(Section::About)),
 ];
 
-/// Whether a name begins an item.
+/// True for a name that begins an item.
 pub(crate) fn is_keyword(name: &str) -> bool {
     keywords().any(|keyword| keyword == name)
 }
@@ -36,13 +36,13 @@ pub(crate) fn keywords() -> impl Iterator<Item = &'static str> {
     KEYWORDS.iter().map(|(name, _)| *name)
 }
 
-/// GLSL types that people write out of habit.
+/// GLSL types and qualifiers that people write out of habit.
 const GLSL_TYPES: &[&str] = &[
     "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "const", "var",
     "void",
 ];
 
-/// The keyword of the item that begins at the current token.
+/// The keyword at the current token, if an item with a keyword begins there.
 pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
     let token = parser.token();
     let next = parser.ahead(1);
@@ -53,14 +53,14 @@ pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
     KEYWORDS.iter().find(|(name, _)| *name == text).map(|(_, keyword)| *keyword)
 }
 
-/// How a GLSL habit was handled.
+/// The handling of text written as in GLSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Habit {
-    /// There was none, or it was skipped.
+    /// The text is not as in GLSL, or only `return` was skipped.
     None,
-    /// The rest is read as if it followed a `let`.
+    /// The rest is parsed as if it followed a `let`.
     Let,
-    /// It was skipped up to the end of the line.
+    /// The line was skipped.
     Skipped,
 }
 
@@ -76,10 +76,11 @@ impl Parser<'_> {
                 items.push(item);
             } else {
                 self.skip_until(|parser| parser.token().newline && parser.token().is_word(word::LET));
-                // A bracket without an opening one.
                 if matches!(self.kind(), Kind::CloseParen | Kind::CloseBrace) {
-                    let wrong =
-                        Diagnostic::new(self.token().span, format!("{} closes nothing", self.found()));
+                    let wrong = Diagnostic::new(
+                        self.token().span,
+                        format!("{} has no opening bracket", self.found()),
+                    );
                     self.report(wrong.hint("leave it out"));
                     self.advance();
                 }
@@ -114,13 +115,14 @@ impl Parser<'_> {
         if token.is_name() && !next.newline && (next.is_name() || next.kind == Kind::OpenBrace) {
             let typed = self.names.name(token.symbol);
             let known = KEYWORDS.iter().map(|(name, _)| *name).chain(["fn", "let"]);
-            let unknown =
-                Diagnostic::new(token.span, format!("{} does not begin any part of a scene", self.found()));
+            let unknown = Diagnostic::new(token.span, format!("{} is not a keyword", self.found()));
             let near = suggest::nearest(typed, known);
             let diagnostic = match near {
                 Some(_) => unknown.did_you_mean(near),
-                None => unknown
-                    .hint("a scene has `object`, `material`, `light`, `camera`, `sky`, `picture`, `param`, `fn`, `let`"),
+                None => unknown.hint(
+                    "keywords are `object`, `material`, `light`, `camera`, `sky`, `picture`, \
+                     `about`, `param`, `include`, `fn` and `let`",
+                ),
             };
             self.report(diagnostic);
             self.advance();
@@ -139,7 +141,7 @@ impl Parser<'_> {
         Some(Item::Bare(value))
     }
 
-    /// A name that is not reserved; or a report that `what` is expected here.
+    /// Consumes a name that is not reserved, or reports that `what` is expected.
     pub(super) fn name(&mut self, what: &str) -> Option<Name> {
         let token = self.token();
         if token.is_name() {
@@ -156,7 +158,7 @@ impl Parser<'_> {
         None
     }
 
-    /// `name = value`, after `let`.
+    /// Parses `name = value`, after `let`.
     pub(super) fn binding(&mut self) -> Option<(Name, ExprId)> {
         let Some(name) = self.name("a name after `let`") else {
             self.skip_line();
@@ -171,12 +173,12 @@ impl Parser<'_> {
         Some((name, value))
     }
 
-    /// After a complete `name = value`: reports text that cannot follow it.
+    /// Reports text that cannot follow a complete `name = value`.
     fn end_of_entry(&mut self) {
         let kind = self.kind();
         let hint = match kind {
-            Kind::Comma => "entries are separated by a line end, a space or `;`",
-            Kind::CloseParen if !self.in_parens => "there is no `(` for it",
+            Kind::Comma => "separate entries by a line end, a space or `;`",
+            Kind::CloseParen if !self.in_parens => "it has no matching `(`",
             Kind::Assign => "`=` gives a name its value; to compare write `==`",
             _ => return,
         };
@@ -194,7 +196,7 @@ impl Parser<'_> {
         self.skip_until(|parser| parser.token().newline || parser.kind() == Kind::Semicolon);
     }
 
-    /// Recognizes what people who know GLSL write, and explains how to write it here.
+    /// Recognizes declarations and `return` as in GLSL, and reports how to write them here.
     pub(super) fn glsl_habit(&mut self) -> Habit {
         let (token, next) = (self.token(), self.ahead(1));
         if !token.is_name() {
@@ -216,7 +218,9 @@ impl Parser<'_> {
             true => format!("write `fn {name}(p) {{ … }}`"),
             false => format!("write `let {name} = …`"),
         };
-        self.report(Diagnostic::unsupported(token.span, "types are not written").hint(hint));
+        self.report(
+            Diagnostic::unsupported(token.span, "a declaration does not begin with a type").hint(hint),
+        );
         self.advance();
         if self.begins_assignment() {
             return Habit::Let;
@@ -238,7 +242,7 @@ impl Parser<'_> {
             let first = self.expression();
             if !self.eat(Kind::Range) {
                 let wrong = self.expected("`..` and the parameter's largest value");
-                self.report(wrong.hint("a parameter is written `param melt = 1.3 in 0.1 .. 3`"));
+                self.report(wrong.hint("write a parameter as `param melt = 1.3 in 0.1 .. 3`"));
                 return self.broken(name);
             }
             range = Some((first, self.expression()));
@@ -246,7 +250,7 @@ impl Parser<'_> {
         Some(Item::Param { name, value, range })
     }
 
-    /// Skips the rest of an item whose name is known.
+    /// Skips the rest of an item with a mistake, and returns it as [`Item::Broken`].
     fn broken(&mut self, name: Name) -> Option<Item> {
         self.skip_until(|parser| parser.token().newline && parser.kind() == Kind::Name);
         while matches!(self.kind(), Kind::CloseParen | Kind::CloseBrace) {
@@ -299,13 +303,13 @@ impl Parser<'_> {
         Some(Item::Fn(Function { name, parameters, body }))
     }
 
-    /// `name` or `name: type`.
+    /// Parses `name` or `name: type`.
     fn parameter(&mut self) -> Option<Parameter> {
         let token = self.token();
         if token.is_name() && self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(token.symbol)) {
             let (of, name) = (self.names.name(token.symbol), self.names.name(self.ahead(1).symbol));
-            let unknown = Diagnostic::unsupported(token.span, "a type does not go before its name");
-            let hint = format!("write `{name}`, or `{name}: {of}` to insist on the type");
+            let unknown = Diagnostic::unsupported(token.span, "a parameter's type follows its name");
+            let hint = format!("write `{name}: {of}`, or just `{name}`");
             self.report(unknown.hint(hint));
             self.advance();
         }
@@ -337,9 +341,7 @@ impl Parser<'_> {
             name = if self.token().is_name() { self.name("a name") } else { None };
         } else if self.token().is_name() {
             let wrong = self.expected("`{`");
-            self.report(
-                wrong.hint("a scene has one sky, one picture and one block `about`: they have no names"),
-            );
+            self.report(wrong.hint("`sky`, `picture` and `about` have no names: a scene has one of each"));
             self.advance();
         }
         let span = self.since(head);
@@ -397,7 +399,7 @@ impl Parser<'_> {
 
     fn stray_comma(&mut self) -> bool {
         let wrong = self.expected("a field");
-        self.report(wrong.hint("fields are separated by a line end, a space or `;`"));
+        self.report(wrong.hint("separate fields by a line end, a space or `;`"));
         self.advance();
         true
     }

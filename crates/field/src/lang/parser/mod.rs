@@ -1,18 +1,21 @@
-//! Tokens to a tree. Parsing never fails: a mistake is reported once, replaced by [`Expr::Error`], and parsing
-//! continues behind it.
+//! The parser: builds the syntax tree from tokens. It never fails: each mistake is reported once and becomes
+//! [`Expr::Error`](super::ast::Expr::Error), and parsing continues after it.
 //!
-//! Grammar (`?` may be missing, `*` repeats; `;` may stand between any two items, fields and lets):
+//! In the grammar, `?` marks an optional part and `*` a repeated one. `;` is allowed between any two items, fields or
+//! lets.
 //!
 //! ```text
 //! scene   = item*
 //! item    = "param" name "=" expr ("in" expr ".." expr)?
-//!         | "fn" name "(" names ")" (block | "=" expr)
+//!         | "fn" name "(" params ")" (block | "=" expr)
 //!         | "let" name "=" expr
 //!         | ("object" | "material" | "light") name fields
-//!         | ("camera" | "sky" | "picture") fields
+//!         | "camera" name? fields
+//!         | ("sky" | "picture" | "about") fields
 //!         | "include" text
 //!         | expr
-//! fields  = "{" (name "=" expr | "let" name "=" expr)* "}"
+//! params  = (name (":" type)?)*, separated by ","
+//! fields  = "{" (name "=" expr (".." expr)? | "let" name "=" expr)* "}"
 //! block   = "{" ("let" name "=" expr)* expr "}"
 //! expr    = "if" expr "then" expr "else" expr
 //!         | "for" name "in" expr ".." expr ":" expr
@@ -20,10 +23,10 @@
 //!         | number | text | name | name "(" exprs ")" | "(" expr ")" | block
 //! ```
 //!
-//! A line's end separates only where the next line could be read either way. On a new line `(…)` begins an expression
-//! instead of a call, and so does `-x` without a space, whereas `- x` continues. Inside parentheses line ends mean
-//! nothing. The words `param object material light camera sky picture include` are reserved only where an item
-//! begins.
+//! A line end matters only if the next line could either continue an expression or begin one. There, `(…)` begins an
+//! expression and is not a call, and `-x` without a space begins an expression; `- x` continues the previous one.
+//! Inside parentheses line ends have no meaning. The words `param include object material light camera sky picture
+//! about` are reserved only at the start of an item.
 
 mod expr;
 mod items;
@@ -38,7 +41,8 @@ use super::token::{Kind, Token, word};
 
 pub(super) use items::{is_keyword, keywords};
 
-/// Parses the tokens of one file; the last token must be of kind `End`. Expressions are added to `ast`.
+/// Parses the tokens of one file into items, and adds their expressions to `ast`. The last token must be of kind
+/// `End`.
 pub(super) fn parse(
     tokens: &[Token],
     names: &Interner,
@@ -69,19 +73,19 @@ struct Parser<'a> {
     at: usize,
     /// The token at `at`.
     current: Token,
-    /// The end of the token before the current one; 0 if there is none.
+    /// The end of the previous token; 0 at the start.
     end_before: u32,
     names: &'a Interner,
     ast: &'a mut Ast,
     diagnostics: &'a mut Diagnostics,
-    /// How many expressions are open.
+    /// The depth of nested expressions.
     nesting: usize,
     nesting_max: usize,
-    /// Whether line ends are meaningless.
+    /// True inside parentheses, where line ends have no meaning.
     in_parens: bool,
-    /// The token of the last report: a second report about it would only repeat the first.
+    /// Index of the last reported token. A second report about the same token would only repeat the mistake.
     reported: Option<usize>,
-    /// Children of the calls and blocks that are open.
+    /// A stack of the children of all calls and blocks that are being parsed.
     lists: Vec<u32>,
 }
 
@@ -104,7 +108,7 @@ impl Parser<'_> {
         self.current.kind
     }
 
-    /// Takes the current token. The last one, `End`, is never passed.
+    /// Consumes the current token, except the last one, `End`.
     #[inline]
     fn advance(&mut self) -> Token {
         let token = self.current;
@@ -132,7 +136,7 @@ impl Parser<'_> {
         found
     }
 
-    /// From `start` to the end of the last token taken.
+    /// The span from `start` to the end of the previous token.
     fn since(&self, start: Span) -> Span {
         Span::new(start.start, self.end_before.max(start.end))
     }
@@ -145,7 +149,7 @@ impl Parser<'_> {
         }
     }
 
-    /// A description of the current token, for readers.
+    /// The current token, for messages.
     fn found(&self) -> String {
         let token = self.token();
         match token.kind {
@@ -161,7 +165,7 @@ impl Parser<'_> {
         }
     }
 
-    /// A report that `what` is expected at the current token.
+    /// A diagnostic that `what` is expected at the current token.
     fn expected(&self, what: &str) -> Diagnostic {
         let diagnostic =
             Diagnostic::new(self.token().span, format!("expected {what}, found {}", self.found()));
@@ -171,7 +175,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Takes a token of `kind`, or reports that it is missing.
+    /// Consumes a token of `kind`, or reports that it is missing.
     fn demand(&mut self, kind: Kind, after: &str) -> bool {
         let found = self.eat(kind);
         if !found {
@@ -181,8 +185,8 @@ impl Parser<'_> {
         found
     }
 
-    /// Skips to a token where `stop` holds outside all brackets opened on the way. Stops before an unmatched closing
-    /// bracket, before a let, a field or an item on a new line, and at the end.
+    /// Skips tokens until `stop` returns true, outside of brackets that open in the skipped text. Also stops before an
+    /// unmatched closing bracket, a `let`, a field on a new line, an item on a new line, and the end of the text.
     fn skip_until(&mut self, stop: impl Fn(&Self) -> bool) {
         let mut open = 0_usize;
         loop {
@@ -200,27 +204,27 @@ impl Parser<'_> {
         }
     }
 
-    /// Whether `name =` follows.
+    /// True if the next tokens are `name =`.
     fn begins_assignment(&self) -> bool {
         self.token().is_name() && self.ahead(1).kind == Kind::Assign
     }
 
-    /// Whether a let or a field begins on a new line.
+    /// True at a `let`, and at a field on a new line.
     fn begins_entry(&self) -> bool {
         let token = self.token();
         token.is_word(word::LET) || (token.newline && self.begins_assignment())
     }
 
-    /// Whether an item other than a bare expression or a `let` begins here.
+    /// True at the start of an item that is not a bare expression or a `let`.
     fn begins_item(&self) -> bool {
         self.token().is_word(word::FN) || items::keyword(self).is_some()
     }
 }
 
-/// Longest part of a name that a message repeats.
+/// Length in characters after which messages cut names.
 const NAME_SHOWN: usize = 60;
 
-/// A sign as it is written; empty for kinds without a fixed text.
+/// The text of a sign; empty for kinds without a fixed text.
 fn sign(kind: Kind) -> &'static str {
     match kind {
         Kind::OpenParen => "(",

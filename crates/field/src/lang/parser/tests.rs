@@ -5,7 +5,7 @@ use super::super::library::library;
 use super::super::symbol::{Interner, Symbol};
 use super::parse;
 
-/// The items of a text, expressions in prefix form, and the messages.
+/// The items of a text, with expressions in prefix form, and the messages about it.
 fn parsed(text: &str) -> (Vec<String>, Vec<String>) {
     let mut names = library().names.clone();
     let (mut tokens, mut diagnostics, mut ast) = (Vec::new(), Diagnostics::new(20), Ast::default());
@@ -97,7 +97,7 @@ fn operators_bind_as_in_glsl_and_mathematics() {
 }
 
 #[test]
-fn line_ends_separate_where_the_next_line_could_go_either_way() {
+fn line_ends_separate_ambiguous_lines() {
     assert_eq!(items("let a = 1\n- b"), ["let a (- 1 b)"]);
     assert_eq!(items("let a = 1\n-b"), ["let a 1", "(neg b)"]);
     assert_eq!(items("let a = 1\n + b"), ["let a (+ 1 b)"]);
@@ -127,7 +127,7 @@ fn every_item_is_read() {
 }
 
 #[test]
-fn parsing_goes_on_behind_a_mistake() {
+fn parsing_continues_after_a_mistake() {
     let text = "let a = (1 + \nlet b = 2 *\nfn f(p) { c = 1  c }\nobject o { shape = sphere(p, 1  material = wood }\n\
                 object q { shape = p.y, material = )stone }\nlet z = 26";
     let (items, messages) = parsed(text);

@@ -1,4 +1,4 @@
-//! What scenes say of themselves, and cameras with names.
+//! The block `about`, and named cameras.
 
 use super::super::{About, Way, compile, no_includes};
 use crate::graph::FrameInputs;
@@ -11,7 +11,7 @@ fn about(text: &str) -> About {
 }
 
 #[test]
-fn a_scene_says_what_it_is_for() {
+fn about_describes_the_scene() {
     let said = about(
         "let low = 0.125\nabout { title = \"The sea\" author = \"A. N. Other\" license = \"CC0\"\n\
          energy = low .. 2 * 0.25; moods = \" calm, Wet,,\"\n enter = melt leave = cut }\ny",

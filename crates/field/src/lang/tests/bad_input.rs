@@ -4,13 +4,13 @@ use super::super::{Compiled, Fault, compile, compile_with_limits, no_includes};
 use super::scene;
 use crate::limits::{LIMITS, Limits};
 
-/// Compiles on the test's own thread, which has a small stack (2 MiB; `RUST_MIN_STACK` makes it smaller still).
+/// Compiles on the test's thread, whose stack is small: 2 MiB, or the value of `RUST_MIN_STACK`.
 fn on_a_small_stack(text: String) -> Compiled {
     compile("s", &text, &mut no_includes)
 }
 
 #[test]
-fn depth_in_every_form_gives_a_message_and_no_overflow() {
+fn deep_nesting_of_every_form_gives_a_message_and_no_overflow() {
     let deep = 100_000;
     for text in [
         "(".repeat(deep) + "1" + &")".repeat(deep),
@@ -33,13 +33,13 @@ fn depth_in_every_form_gives_a_message_and_no_overflow() {
 }
 
 #[test]
-fn chains_have_no_depth() {
+fn chains_do_not_count_as_nesting() {
     let long = 90_000;
     for text in ["x".to_owned() + &" + y".repeat(long), "p".to_owned() + &".zyx".repeat(long) + ".x"] {
         let compiled = on_a_small_stack(text);
         assert!(compiled.scene.is_some(), "{}", compiled.render(false));
     }
-    // Nesting up to the limit works on a small stack, through calls as well.
+    // Nesting up to the limit, also through calls, works on a small stack.
     for (open, depth) in [("(x+", 120), ("min(x, ", 250)] {
         assert!(on_a_small_stack(open.repeat(depth) + "1" + &")".repeat(depth)).scene.is_some(), "{open}");
     }
@@ -50,7 +50,7 @@ fn chains_have_no_depth() {
 
 fn message(text: &str, limits: Limits) -> String {
     let compiled = compile_with_limits("s", text, &mut no_includes, &limits);
-    assert!(compiled.scene.is_none(), "no limit met: {}", &text[..text.len().min(80)]);
+    assert!(compiled.scene.is_none(), "no limit was exceeded: {}", &text[..text.len().min(80)]);
     let over = compiled.diagnostics.iter().find(|one| one.fault == Fault::OverLimit);
     over.unwrap_or_else(|| panic!("{}", compiled.render(false))).message.clone()
 }
@@ -75,7 +75,7 @@ fn every_limit_has_its_message() {
     );
     assert_eq!(
         message("sum(for i in 0..5000: i)", all),
-        "this loop has 5000 rounds, but 4096 is the maximum"
+        "this loop has 5000 iterations; the maximum is 4096"
     );
     let nodes = Limits { graph_nodes_max: 100, ..all };
     assert!(message("sum(for i in 0..200: sin(x + i))", nodes).contains("more than 100 distinct operations"));
@@ -92,7 +92,7 @@ fn every_limit_has_its_message() {
     let pictures = names(13, "+ texture(\"#.png\", p.xy).rgb");
     assert_eq!(
         message(&format!("material a {{ color = 0 {pictures} }}\nx"), all),
-        "the scene reads more than 12 pictures"
+        "the scene reads more than 12 images"
     );
     let many = compile("s", &names(100, "let a# = zz#\n"), &mut no_includes);
     assert_eq!(many.diagnostics.len(), 21);
@@ -100,7 +100,7 @@ fn every_limit_has_its_message() {
 }
 
 #[test]
-fn includes_end() {
+fn includes_have_limits() {
     let mut files: HashMap<String, String> = HashMap::new();
     files.insert("a".to_owned(), "include \"b\"\nfn a(p) = 1".to_owned());
     files.insert("b".to_owned(), "include \"a\"\nfn b(p) = 1".to_owned());
@@ -131,7 +131,7 @@ fn includes_end() {
 }
 
 #[test]
-fn includes_that_fail_are_told_and_are_no_more_than_mistakes_are() {
+fn failing_includes_are_reported_up_to_the_limit_of_mistakes() {
     let failing: String = (0..1000).map(|index| format!("include \"none{index}\"\n")).collect();
     let mut asked = 0;
     let mut resolve = |_: &str| {
@@ -139,7 +139,7 @@ fn includes_that_fail_are_told_and_are_no_more_than_mistakes_are() {
         Err("there is no such file".to_owned())
     };
     let compiled = compile("main", &(failing + "x"), &mut resolve);
-    assert!(asked < 30, "{asked} files were asked for");
+    assert!(asked < 30, "the resolver was called {asked} times");
     assert_eq!(compiled.includes_asked.len(), asked);
     assert_eq!(compiled.includes_asked.first().map(String::as_str), Some("none0"));
 }
@@ -159,7 +159,7 @@ fn rubbish_gives_messages() {
 }
 
 #[test]
-fn constants_that_are_no_numbers_do_no_harm() {
+fn constants_that_are_not_finite_compile() {
     for text in
         ["sqrt(-1) + x", "log(0) + x", "exp(1000) * x", "normalize(vec3(0)).x", "3e38 * 10 - 3e38 * 10"]
     {

@@ -1,4 +1,4 @@
-//! The library's paths lead where they should, smoothly, and the weights of their points sum to 1.
+//! Camera paths of the library: they go through their points, are smooth, and have weights that sum to 1.
 
 use super::value;
 
@@ -37,7 +37,7 @@ fn an_orbit_keeps_its_distance_and_comes_back() {
 }
 
 #[test]
-fn a_swing_is_at_its_ends() {
+fn a_swing_reaches_its_ends() {
     let swing = |turns: f32| place(&format!("swing(vec3(0, 1, 2), vec3(4, 1, -2), {turns})"));
     assert_near(swing(0.0), [0.0, 1.0, 2.0], "one end");
     assert_near(swing(0.5), [4.0, 1.0, -2.0], "the other");
@@ -45,7 +45,7 @@ fn a_swing_is_at_its_ends() {
 }
 
 #[test]
-fn ways_go_through_their_points() {
+fn paths_go_through_their_points() {
     for count in [4_usize, 6] {
         for (index, point) in POINTS[..count].iter().enumerate() {
             for turn in [0.0, 1.0, -1.0] {
@@ -57,7 +57,7 @@ fn ways_go_through_their_points() {
             let formula = format!("path_{count}({at}{})", points(count));
             assert_near(place(&formula), *point, &formula);
         }
-        // A path stays at its ends.
+        // A path stops at its ends.
         for (at, point) in [(-3.0, POINTS[0]), (7.5, POINTS[count - 1])] {
             assert_near(place(&format!("path_{count}({at}{})", points(count))), point, "beyond the end");
         }
@@ -65,7 +65,7 @@ fn ways_go_through_their_points() {
 }
 
 #[test]
-fn ways_have_no_kinks() {
+fn paths_have_no_kinks() {
     let count = 6;
     let way = |name: &str, at: f32| place(&format!("{name}_{count}({at}{})", points(count)));
     for (name, whole) in [("loop", 6.0), ("path", 5.0)] {
@@ -81,7 +81,7 @@ fn ways_have_no_kinks() {
 }
 
 #[test]
-fn shares_of_any_number_of_points_are_whole() {
+fn weights_of_any_number_of_points_sum_to_one() {
     for count in [3, 4, 5, 9] {
         for at in [-0.7, 0.0, 0.3, 1.5, 2.9, 7.25] {
             for name in ["loop_share", "path_share"] {
@@ -91,6 +91,6 @@ fn shares_of_any_number_of_points_are_whole() {
             }
         }
     }
-    // Straight between two points.
+    // A path between two points is a straight line.
     assert_eq!(value("sum(for i in 0..2: (3 + 4 * i) * path_share(0.25, i, 2))", [0.0; 3]), 4.0);
 }

@@ -1,5 +1,5 @@
-//! Any change of a shipped scene gives a scene or messages, and does so quickly. `PROPTEST_CASES` makes the run
-//! longer.
+//! Random edits of a shipped scene, and random texts: each compiles to a scene or to messages. `PROPTEST_CASES` sets
+//! the number of cases.
 
 use proptest::prelude::*;
 
@@ -40,7 +40,7 @@ const PIECES: &[&str] = &[
     "speakers(p)",
 ];
 
-/// Deletes, doubles, moves or inserts text at some places.
+/// A shipped scene with pieces of its text deleted, repeated, moved or inserted.
 fn mutated(changes: &[(usize, usize, u8)]) -> String {
     let mut text: Vec<char> = SPEAKERS.chars().collect();
     for &(at, length, what) in changes {
@@ -75,17 +75,17 @@ fn check(text: &str) -> Result<(), TestCaseError> {
 
 proptest! {
     #[test]
-    fn mutated_scenes_are_scenes_or_messages(changes in prop::collection::vec(any::<(usize, usize, u8)>(), 1..6)) {
+    fn mutated_scenes_give_scenes_or_messages(changes in prop::collection::vec(any::<(usize, usize, u8)>(), 1..6)) {
         check(&mutated(&changes))?;
     }
 
     #[test]
-    fn any_text_is_a_scene_or_messages(text in "\\PC{0,200}") {
+    fn any_text_gives_a_scene_or_messages(text in "\\PC{0,200}") {
         check(&text)?;
     }
 
     #[test]
-    fn any_words_are_a_scene_or_messages(words in prop::collection::vec(prop::sample::select(PIECES), 0..60)) {
+    fn any_words_give_a_scene_or_messages(words in prop::collection::vec(prop::sample::select(PIECES), 0..60)) {
         check(&words.concat())?;
     }
 }

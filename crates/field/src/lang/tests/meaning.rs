@@ -3,7 +3,7 @@ use super::{distance, frame, scene, value};
 use crate::graph::{FrameInputs, Point};
 
 #[test]
-fn what_the_thesis_prints_can_be_pasted() {
+fn formulas_from_the_thesis_can_be_pasted() {
     assert_eq!(value("sqrt(x*x+y*y+z*z)-1", [0.0, 3.0, 4.0]), 4.0);
     let text = "min(y, sqrt((x-1)^2+(y-1)^2+(z-6)^2)-1)";
     assert_eq!(value(text, [1.0, 1.0, 6.0]), -1.0);
@@ -53,7 +53,7 @@ fn expressions_mean_what_they_mean_in_glsl() {
         ("band(3)", 0.03),
         ("band(z)", 0.03),
         ("chroma(3)", 0.3),
-        // Computed, clamped, and between two.
+        // Computed indices: clamped and rounded down.
         ("chroma(z) + chroma(z + 0.9)", 0.6),
         ("chroma(z - 50) + chroma(z + 50) + chroma(z + 1)", 1.1),
         ("energy + section", 0.75),
@@ -93,12 +93,12 @@ fn functions_lets_and_params_have_scopes() {
         let twice = 2 * size
         fn size_of(size) = size + twice          # a parameter hides the scene's name
         fn box(p, k) { let p = p * k  p.x }      # takes precedence over the library's
-        let sphere = box(p, 10)                  # values and functions have names of their own
+        let sphere = box(p, 10)                  # values and functions have separate namespaces
         sphere + size_of(1) + length(p.yz)";
     assert_eq!(value(text, [1.0, 3.0, 4.0]), 10.0 + 5.0 + 5.0);
-    // The library keeps using its own box.
+    // The library still calls its own `box`.
     assert_eq!(value("fn box(p, s) = 77\nround_box(p, 1, 0)", [3.0, 0.0, 0.0]), 2.0);
-    // A function does not see its caller's names.
+    // A function cannot use the local names of its caller.
     assert!(compile("s", "fn f() = a\n{ let a = 1  f() }", &mut super::no_includes).scene.is_none());
 }
 
@@ -135,7 +135,7 @@ fn a_scene_has_objects_materials_lights_camera_and_sky() {
 }
 
 #[test]
-fn includes_are_resolved_once_and_may_use_what_includes_them() {
+fn includes_are_resolved_once_and_may_use_the_including_scene() {
     let mut asked = Vec::new();
     let mut resolve = |name: &str| {
         asked.push(name.to_owned());
@@ -172,8 +172,7 @@ fn the_speakers_are_the_thesis_scene() {
     let text = include_str!("../../../../../tests/oracle/speakers.scene");
     let scene = scene(text);
     assert_eq!(scene.objects.len(), 3);
-    // The side and the top of a cabinet, the floor, the middle of the bridge, and between the cap and the rim of the
-    // dish.
+    // The side and the top of a cabinet, the floor, the middle of the bridge, and the side of the other cabinet.
     let loud = 1.0 - (-5.0_f32 * 0.375).exp();
     let radius = 0.2 + 0.22 * loud + 0.09 * loud * 4.0_f32.cos();
     for (at, expected) in [
@@ -186,7 +185,7 @@ fn the_speakers_are_the_thesis_scene() {
         let got = distance(&scene, at);
         assert!((got - expected).abs() < 1e-4, "{at:?}: {got}, not {expected}");
     }
-    // Bar 20 stands on the floor, as high as its band.
+    // The height of bar 20 follows its band.
     let top = 0.04 + 3.4 * 0.20;
     let got = distance(&scene, [4.5 * 0.16, top + 0.02, 8.7]);
     assert!((got - 0.02).abs() < 1e-4, "{got}");
@@ -197,7 +196,7 @@ fn the_speakers_are_the_thesis_scene() {
 }
 
 #[test]
-fn the_eye_is_known_where_it_is_seen_from_and_a_function_of_that_name_is_another() {
+fn eye_is_an_input_of_materials_and_sky_and_may_also_name_a_function() {
     let text = "fn eye() = vec3(0, 0, -9)
         material mist { haze = length(p - eye)  color = 0.1 * eye() }
         object ball { shape = sphere(p, 1)  material = mist }

@@ -1,7 +1,7 @@
 use super::super::{Fault, compile, no_includes};
 use super::broken;
 
-/// Texts, with the first message about each, the text that it underlines, and a part of its hint.
+/// Texts with mistakes. Each has the first message, the text that it underlines, and a part of its hint.
 const MISTAKES: &[(&str, &str, &str, &str)] = &[
     // Words and signs.
     ("1 @ 2", "the character `@` is not part of the language", "@", "leave it out"),
@@ -18,7 +18,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("sphere(p 1)", "expected `,` or `)`, found a number", "1", ""),
     ("(x, y)", "expected `)`, found `,`", ",", "`vec2(…)`"),
     ("x = 1", "expected an operator or the end of the expression, found `=`", "=", "`==`"),
-    ("+x", "a `+` in front of an expression means nothing", "+", "leave it out"),
+    ("+x", "an expression cannot begin with `+`", "+", "leave it out"),
     ("x > 0 ? 1 : 2", "there is no operator `?`", "?", "`if a then b else c`"),
     ("if x > 0 then 1", "expected `else`, found the end of the text", "", "in both cases"),
     (
@@ -42,13 +42,13 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("{ let a = 1 }", "expected the block's result, found `}`", "}", "last expression"),
     ("{ a = 1  a }", "a block declares its names with `let`", "a", "`let a = …`"),
     ("fn f(p) { return p.x }\nf(p)", "there is no `return`", "return", "last expression"),
-    ("fn f(p) { float a = 1; a }\nf(p)", "types are not written", "float", "`let a = …`"),
-    ("float f(vec3 p) { 1 }", "types are not written", "float", "`fn f(p) { … }`"),
-    ("fn f(vec3 p) = p.x\nf(p)", "a type does not go before its name", "vec3", "`p: vec3`"),
+    ("fn f(p) { float a = 1; a }\nf(p)", "a declaration does not begin with a type", "float", "`let a = …`"),
+    ("float f(vec3 p) { 1 }", "a declaration does not begin with a type", "float", "`fn f(p) { … }`"),
+    ("fn f(vec3 p) = p.x\nf(p)", "a parameter's type follows its name", "vec3", "`p: vec3`"),
     ("fn f(p: vec5) = p.x\nf(p)", "there is no type `vec5`", "vec5", "`vec2`"),
     ("x)", "expected an operator or the end of the expression, found `)`", ")", ""),
     // Items.
-    ("objct a { shape = x }", "`objct` does not begin any part of a scene", "objct", "`object`"),
+    ("objct a { shape = x }", "`objct` is not a keyword", "objct", "`object`"),
     ("object { shape = x }", "expected a name, found `{`", "{", ""),
     ("object a { shape x }", "expected a field, as in `name = value`, found `shape`", "shape", ""),
     ("object a { shape = x, }", "expected the end of the expression, found `,`", ",", "`;`"),
@@ -75,15 +75,20 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("let a = zz\nx", "there is no `zz` here", "zz", ""),
     ("fn f(p) = x\nfn f(q) = y\nf(p)", "two functions are called `f`", "f", "another name"),
     ("let a = 1\nparam a = 2\nx", "two values are called `a`", "a", "another name"),
-    ("let t = 1\nx", "`t` is an input of every scene", "t", "another name"),
+    ("let t = 1\nx", "the name `t` is taken by an input", "t", "another name"),
     (
         "fn f(a) = g(a)\nfn g(a) = f(a)\nf(x)",
-        "these use each other in a circle: `f` → `g` → `f`",
+        "these names depend on each other in a circle: `f` → `g` → `f`",
         "f(a)",
         "`for`",
     ),
     ("fn f(a) = f(a)\nx", "`f` uses itself", "f(a)", "`for`"),
-    ("let a = b\nlet b = a\na", "these use each other in a circle: `a` → `b` → `a`", "a", "`for`"),
+    (
+        "let a = b\nlet b = a\na",
+        "these names depend on each other in a circle: `a` → `b` → `a`",
+        "a",
+        "`for`",
+    ),
     // Types.
     ("p.xy + p", "`+` needs vectors of the same size, not a vec2 and a vec3", "p.xy + p", "`p.xz`"),
     ("min(p.xy, p).x", "`min` needs vectors of the same size, not a vec2 and a vec3", "min(p.xy, p)", ""),
@@ -101,7 +106,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("box(p)", "`box` takes 2 arguments, but gets 1", "box(p)", "`box(p: vec3, size: vec3)`"),
     ("sphere(p, p)", "`sphere` takes a number as `radius`, not a vec3", "p", "`sphere(p, radius: number)`"),
     ("box(p.xy, 1)", "`box` takes a vec3 as `p`, not a vec2", "p.xy", ""),
-    ("union()", "`union` of nothing has no value", "union()", ""),
+    ("union()", "`union` needs at least one value", "union()", ""),
     (
         "smooth_union(1)",
         "`smooth_union` needs shapes followed by the radius of the blend",
@@ -111,23 +116,33 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("if x then 1 else 2", "`if` needs a condition, but this is a number", "x", "`a > 0`"),
     (
         "if x > 0 then p else 1 > 2",
-        "this is a vec3 or a condition: both sides must have the same type",
+        "both results of `if` must have the same type, not a vec3 and a condition",
         "if x > 0 then p else 1 > 2",
         "",
     ),
-    ("(x > 0) + 1", "`+` cannot work on a condition and a number", "(x > 0) + 1", "`if a then 1 else 0`"),
-    ("if 0 < x < 1 then 1 else 2", "`<` cannot work on a condition and a number", "0 < x < 1", "`&&`"),
+    ("(x > 0) + 1", "`+` cannot combine a condition and a number", "(x > 0) + 1", "`if a then 1 else 0`"),
+    ("if 0 < x < 1 then 1 else 2", "`<` cannot combine a condition and a number", "0 < x < 1", "`&&`"),
     ("if p > 0 then 1 else 2", "`>` compares numbers, not vectors", "p > 0", "components"),
     ("sin(x > 0)", "`sin` works on numbers and vectors, but this is a condition", "x > 0", ""),
     ("-(x > 0)", "`-` works on numbers and vectors, but this is a condition", "-(x > 0)", ""),
     ("x / 0", "this divides by zero", "x / 0", "`if`"),
     ("p", "a shape must be a number, but this is a vec3", "p", "`length(…)`"),
     // Loops.
-    ("for i in 0..3: x", "a loop has many values, not a single one", "for i in 0..3: x", "`union(for …)`"),
-    ("vec3(for i in 0..3: i).x", "`vec3` cannot take a loop", "for i in 0..3: i", "`union`"),
-    ("union(for i in 0..x: y)", "a loop's bounds must be known before the scene runs", "x", "whole numbers"),
-    ("union(for i in 0..2.5: y)", "a loop counts in small whole numbers, but this is 2.5", "2.5", ""),
-    ("union(for i in 3..3: y)", "`union` of nothing has no value", "union(for i in 3..3: y)", ""),
+    (
+        "for i in 0..3: x",
+        "a loop has many values, but a single one is needed here",
+        "for i in 0..3: x",
+        "`union(for …)`",
+    ),
+    ("vec3(for i in 0..3: i).x", "`vec3` cannot take a loop as an argument", "for i in 0..3: i", "`union`"),
+    ("union(for i in 0..x: y)", "a loop's bounds must be constants", "x", "whole numbers"),
+    (
+        "union(for i in 0..2.5: y)",
+        "a loop's bounds must be whole numbers up to 1000000, but this is 2.5",
+        "2.5",
+        "",
+    ),
+    ("union(for i in 3..3: y)", "`union` needs at least one value", "union(for i in 3..3: y)", ""),
     ("sum(for i in -1..3: 1 / i)", "this divides by zero", "1 / i", "`if`"),
     // Inputs.
     ("band(32)", "there is no band 32", "band(32)", "0 to 31"),
@@ -136,11 +151,11 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("chroma(p)", "`chroma` takes a number, not a vec3", "chroma(p)", ""),
     (
         "length(p - eye) - 1",
-        "a shape does not depend on who looks, so `eye` has no value here",
+        "a shape cannot depend on the camera, so `eye` has no value here",
         "eye",
         "materials",
     ),
-    ("n.x", "`n` is a surface's normal and has no value in a shape", "n", "materials"),
+    ("n.x", "`n` depends on a surface's normal, which has no value in a shape", "n", "materials"),
     (
         "camera { position = p }\nx",
         "the camera is the same at all points, so `p` has no value here",
@@ -154,15 +169,20 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "shapes",
     ),
     ("sky { color = y }\nx", "the sky is the same at all points, so `y` has no value here", "y", "shapes"),
-    ("direction.x", "`direction` is the direction of a ray and has no value in a shape", "direction", "sky"),
-    ("texture(\"a.png\", p.xy).r", "a shape cannot read pictures", "texture(\"a.png\", p.xy)", "materials"),
+    (
+        "direction.x",
+        "`direction` depends on a ray's direction, which has no value in a shape",
+        "direction",
+        "sky",
+    ),
+    ("texture(\"a.png\", p.xy).r", "a shape cannot read images", "texture(\"a.png\", p.xy)", "materials"),
     (
         "param a = t\nx",
         "a parameter is fixed before the music plays, so `t` has no value here",
         "t",
         "write a number",
     ),
-    ("let a = n.x\na", "`a` is a surface's normal and has no value in a shape", "a", ""),
+    ("let a = n.x\na", "`a` depends on a surface's normal, which has no value in a shape", "a", ""),
     // Sections.
     ("param a = 5 in 1 .. 2\nx", "the default of `a`, 5, is outside its range 1 .. 2", "5", "widen"),
     (
@@ -173,7 +193,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ),
     ("object a { color = 1 }", "an object has no field `color`", "color", "`shape`"),
     ("object a { shap = x }", "an object has no field `shap`", "shap", "did you mean `shape`?"),
-    ("object a { shape = x shape = y }", "`shape` is given twice", "shape", ""),
+    ("object a { shape = x shape = y }", "`shape` is set twice", "shape", ""),
     ("object a { }", "the object `a` has no shape", "object a", ""),
     ("object a { shape = p }", "`shape` must be a number, but this is a vec3", "p", ""),
     (
@@ -182,7 +202,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "wod",
         "did you mean `wood`?",
     ),
-    ("object a { shape = x material = 1 }", "an object's material must be given by its name", "1", ""),
+    ("object a { shape = x material = 1 }", "`material` must be the name of a material", "1", ""),
     ("material a { color = p.xy }\nx", "`color` must be a vec3, but this is a vec2", "p.xy", ""),
     ("material a { } material a { }\nx", "two materials are called `a`", "a", ""),
     ("light a { color = 1 }\nx", "the light `a` has no position or direction", "light a", "`position"),
@@ -192,8 +212,8 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "direction",
         "sun",
     ),
-    ("camera { }\ncamera { }\nx", "the scene has a second camera", "camera", ""),
-    ("picture { }\npicture { }\nx", "the scene has a second picture", "picture", ""),
+    ("camera { }\ncamera { }\nx", "the scene has a second block `camera`", "camera", ""),
+    ("picture { }\npicture { }\nx", "the scene has a second block `picture`", "picture", ""),
     (
         "picture { exposre = 1 }\nx",
         "the picture has no field `exposre`",
@@ -212,18 +232,18 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("sky a { }\nx", "expected `{`, found `a`", "a", "no names"),
     ("camera a { }\ncamera a { }\nx", "two cameras are called `a`", "a", "another name"),
     ("camera { fov = 1 .. 2 }\nx", "`fov` is one value, not a range", "2", "leave out"),
-    // What a scene says of itself.
+    // The block `about`.
     ("about { title = 3 }\nx", "`title` must be a text", "3", "quotes"),
-    ("about { mood = \"calm\" }\nx", "what a scene says of itself has no field `mood`", "mood", "`moods`?"),
+    ("about { mood = \"calm\" }\nx", "the block `about` has no field `mood`", "mood", "`moods`?"),
     ("about { energy = 0.5 }\nx", "`energy` must be a range", "0.5", "0.2 .. 0.6"),
     (
         "about { energy = 0.8 .. 0.2 }\nx",
-        "the range of `energy` lies within 0 .. 1, but this is 0.8 .. 0.2",
+        "`energy` must be a range within 0 .. 1, but this is 0.8 .. 0.2",
         "0.8 .. 0.2",
         "the smaller number first",
     ),
-    ("about { enter = flash }\nx", "there is no way from scene to scene `flash`", "flash", "`melt`"),
-    ("about { }\nabout { }\nx", "the scene has a second about", "about", "leave one of them out"),
+    ("about { enter = flash }\nx", "there is no transition `flash`", "flash", "`melt`"),
+    ("about { }\nabout { }\nx", "the scene has a second block `about`", "about", "leave one of them out"),
     ("x\ny", "this is a second expression for the scene's shape", "y", "`union(a, b)`"),
     ("# nothing", "the scene has no shape", "", "`length(p) - 1`"),
     ("", "the scene has no shape", "", ""),
@@ -240,7 +260,12 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "p",
         "",
     ),
-    ("material m { color = texture(\"a\", p).rgb }\nx", "`texture` reads at a vec2, not a vec3", "p", ""),
+    (
+        "material m { color = texture(\"a\", p).rgb }\nx",
+        "`texture` takes a vec2 as its position, not a vec3",
+        "p",
+        "",
+    ),
     ("include \"/etc/passwd\"\nx", "a scene cannot read absolute paths", "\"/etc/passwd\"", ""),
     (
         "include \"a\"\nx",
@@ -251,7 +276,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
 ];
 
 #[test]
-fn every_mistake_is_explained_where_it_is() {
+fn every_mistake_is_explained_at_its_location() {
     let mut wrong = Vec::new();
     for (text, message, under, hint) in MISTAKES {
         let compiled = broken(text);
@@ -268,7 +293,7 @@ fn every_mistake_is_explained_where_it_is() {
 }
 
 #[test]
-fn one_mistake_is_one_message() {
+fn one_mistake_gives_one_message() {
     let many = MISTAKES.iter().map(|row| broken(row.0)).filter(|compiled| compiled.diagnostics.len() > 1);
     let many: Vec<String> = many.map(|compiled| compiled.render(false)).collect();
     assert!(many.is_empty(), "{}", many.join("\n"));
@@ -295,7 +320,7 @@ fn several_mistakes_are_reported_at_once_in_the_order_of_the_text() {
 }
 
 #[test]
-fn a_diagnostic_looks_like_this() {
+fn a_diagnostic_has_a_location_an_underline_and_a_hint() {
     let text = "# tab and wide\r\nobject a {\r\n\tshape = /* 音 */ smoth_union(x, y, 1)\r\n}\r\n";
     let expected = "\
 error: there is no function `smoth_union`
@@ -311,7 +336,7 @@ error: there is no function `smoth_union`
 }
 
 #[test]
-fn calls_on_the_way_and_other_places_are_shown() {
+fn enclosing_calls_are_shown() {
     let text = "fn inner(q) = q + vec2(1)\nfn outer(q) = inner(q).x\n\n\n\n\n\n\n\nouter(p)";
     let expected = "\
 error: `+` needs vectors of the same size, not a vec3 and a vec2
@@ -327,7 +352,7 @@ error: `+` needs vectors of the same size, not a vec3 and a vec2
    |
 10 | outer(p)
    | -------- `outer` is used here
-   = help: take the same number of components of both, as in `p.xz`
+   = help: give both the same number of components, as in `p.xz`
 ";
     assert_eq!(broken(text).render(false), expected);
 }
@@ -353,7 +378,7 @@ fn a_text_can_have_windows_line_ends_a_mark_and_tabs() {
 }
 
 #[test]
-fn faults_are_reported_apart() {
+fn faults_have_their_kinds() {
     let fault = |text: &str| broken(text).diagnostics[0].fault;
     assert_eq!(fault("1 +"), Fault::Malformed);
     assert_eq!(fault("fn f(a) = f(a)\nx"), Fault::Unsupported);

@@ -1,4 +1,4 @@
-//! The language from text to numbers, and from mistakes to messages.
+//! Tests of the language: values of expressions, and messages about mistakes.
 
 #[cfg(test)]
 mod about;
@@ -20,7 +20,7 @@ use super::{Compiled, Scene, compile, no_includes};
 use crate::graph::{FrameInputs, Point};
 use crate::graph::{SoundInput, SoundInputs};
 
-/// A scene that must be free of mistakes.
+/// Compiles a text that must have no mistakes.
 pub(super) fn scene(text: &str) -> Scene {
     let compiled = compile("test.scene", text, &mut no_includes);
     match compiled.scene {
@@ -29,13 +29,14 @@ pub(super) fn scene(text: &str) -> Scene {
     }
 }
 
+/// Compiles a text that must have mistakes.
 pub(super) fn broken(text: &str) -> Compiled {
     let compiled = compile("test.scene", text, &mut no_includes);
     assert!(compiled.scene.is_none() && !compiled.diagnostics.is_empty(), "no mistake found in: {text}");
     compiled
 }
 
-/// A frame whose sounds tests can tell apart: band i is i / 100.
+/// The inputs of a frame, with a different value for each sound that tests read: band i is i / 100.
 pub(super) fn frame(scene: &Scene) -> FrameInputs {
     FrameInputs {
         time: 2.0,

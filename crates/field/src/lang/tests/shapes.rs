@@ -2,10 +2,10 @@ use super::super::library::{self, Accuracy, TEXTS};
 use super::super::{Fault, compile, entries, no_includes};
 use super::{distance, scene, value};
 
-/// A point and the distance there.
+/// A point with the distance there.
 pub(crate) type Sample = ([f32; 3], f32);
 
-/// A call of each shape, and points with their distances.
+/// A call of each shape, with the expected distances at some points.
 pub(crate) const SHAPES: &[(&str, &[Sample])] = &[
     ("sphere(p, 1)", &[([2.0, 0.0, 0.0], 1.0), ([0.0, 0.0, 0.0], -1.0)]),
     ("box(p, vec3(1, 0.5, 0.75))", &[([4.0, 4.5, 0.0], 5.0), ([0.0, 0.0, 0.0], -0.5)]),
@@ -86,11 +86,11 @@ fn shapes_have_their_distances() {
     }
 }
 
-/// Points all over a cube, the same in every run.
+/// Well distributed points in the cube from -2 to 2, the same in every run.
 fn points(count: u32) -> impl Iterator<Item = [f32; 3]> {
     (0..count).map(|index| {
         let at = |step: f64| ((f64::from(index) * step).fract() * 4.0 - 2.0) as f32;
-        // Roberts' generalized golden ratio.
+        // The R3 sequence: powers of the generalized golden ratio (Martin Roberts).
         [at(0.819_172_513_396_164_4), at(0.671_043_606_703_789_3), at(0.549_700_477_901_960_5)]
     })
 }
@@ -122,7 +122,7 @@ fn no_shape_overestimates_and_exact_ones_have_slope_one() {
             total += 1;
             exact += usize::from((slope - 1.0).abs() < 0.01);
         }
-        // Some of the differences are taken across creases.
+        // Some differences are taken across creases, where the slope differs from 1.
         let fraction = exact as f32 / total as f32;
         match accuracy(call) {
             Some(Accuracy::Exact) => {
@@ -199,7 +199,7 @@ fn noise_is_smooth_and_keeps_its_bounds() {
 #[test]
 fn the_library_has_no_mistakes_and_documents_every_function() {
     let text: String = TEXTS.iter().map(|(_, text)| *text).collect();
-    // As a scene of its own, so that its functions are checked one by one.
+    // As a scene, so that each function is checked even if nothing calls it.
     let compiled = compile("library", &format!("{text}\nlength(p)"), &mut no_includes);
     assert!(compiled.scene.is_some(), "{}", compiled.render(false));
     let library = library::library();
