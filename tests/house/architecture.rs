@@ -1,6 +1,7 @@
-//! What Cargo cannot say of the walls. Cargo holds those between the crates; the tables in `walls` say which packages each may
-//! take along, which rooms of the program may use which, and where the outside world may be touched. ARCHITECTURE.md
-//! explains them. Clippy holds `unwrap` and `unsafe` (see `[workspace.lints]`).
+//! Dependency rules that Cargo cannot express. Cargo enforces those between crates. The tables in `walls` add the
+//! packages that each crate may depend on, the modules of the program that each module may use, and the modules that
+//! may access the outside world. ARCHITECTURE.md explains the rules. Clippy checks `unwrap` and `unsafe` (see
+//! `[workspace.lints]`).
 
 #![allow(clippy::unwrap_used)]
 
@@ -12,13 +13,13 @@ use std::process::Command;
 use crate::walls::{CRATES, EVERYTHING, IMPURE, OUTSIDE, PURE, ROOMS, UNSAFE};
 
 const LINES_MAX: usize = 600;
-/// Files that may be longer than [`LINES_MAX`], and why.
+/// Files that may be longer than [`LINES_MAX`], with the reason.
 const LONG_FILES: &[(&str, &str)] = &[(
     "crates/player/tests/decoding/decoding.rs",
-    "every format and every kind of damage is measured against one signal",
+    "measures every format and every kind of damage against one signal",
 )];
 
-/// Everything that the repository holds at its top.
+/// All entries at the top of the repository.
 const TOP_LEVEL: &[&str] = &[
     ".cargo",
     ".ci",
@@ -53,7 +54,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Every file under `folder`, as paths from the repository's root with `/` between, sorted.
+/// Every file under `folder`, as sorted paths from the repository's root with `/` as separator.
 fn files_under(folder: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut folders = vec![PathBuf::from(folder)];
@@ -78,22 +79,22 @@ fn read(file: &str) -> String {
 
 pub(super) fn sources(folder: &str) -> Vec<(String, String)> {
     let files: Vec<String> = files_under(folder).into_iter().filter(|file| file.ends_with(".rs")).collect();
-    assert!(!files.is_empty(), "no sources were found under {folder}: the walk is broken");
+    assert!(!files.is_empty(), "no sources under {folder}: the search is broken");
     files.into_iter().map(|file| (file.clone(), read(&file))).collect()
 }
 
-/// The lines of code with their numbers, without comments.
+/// Numbered lines of code, without comments.
 fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines().enumerate().map(|(number, line)| (number + 1, line.split("//").next().unwrap_or_default()))
 }
 
-/// Those that are not in the file's own tests, which stand last.
+/// The lines of code before the file's own test module, which is at its end.
 fn shipped_code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let tests = text.find("\n#[cfg(test)]\nmod tests {").unwrap_or(text.len());
     code(&text[..tests])
 }
 
-/// The room of a file under `src/`.
+/// The module of the program (a folder or file under `src/`) that a file belongs to.
 fn room_of(file: &str) -> &str {
     let inner = file.strip_prefix("src/").unwrap();
     inner.split('/').next().unwrap().trim_end_matches(".rs")
@@ -103,7 +104,7 @@ fn row(room: &str) -> Option<&'static [&'static str]> {
     ROOMS.iter().find(|(name, _)| *name == room).map(|(_, allowed)| *allowed)
 }
 
-/// The names that stand in `line` behind `prefix`, as whole words.
+/// The identifiers that follow `prefix` in `line`, if `prefix` begins a path.
 fn names_behind<'a>(line: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a str> {
     let starts = line.match_indices(prefix).map(|(at, _)| at);
     let whole = starts.filter(move |&at| {
@@ -115,7 +116,7 @@ fn names_behind<'a>(line: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a 
     })
 }
 
-/// What is wrong with a line of code of `file`, in its own module or, `deeper`, in modules within it.
+/// The rules that a line of code in `file` breaks. `deeper` counts the inline modules around the line.
 fn broken_walls(file: &str, deeper: usize, line: &str) -> Vec<String> {
     let room = room_of(file);
     let mut wrong = Vec::new();
@@ -124,24 +125,24 @@ fn broken_walls(file: &str, deeper: usize, line: &str) -> Vec<String> {
             match row(room).unwrap_or_default() {
                 allowed if allowed == EVERYTHING || name == room || allowed.contains(&name) => {}
                 _ if row(name).is_some() => wrong.push(format!("{room} must not use {name}")),
-                _ => wrong.push("name the room behind `crate::`, one in each path".to_owned()),
+                _ => wrong.push("name the module after `crate::`, one in each path".to_owned()),
             }
         }
     }
     if line.contains("crate as ") {
-        wrong.push("name the room behind `crate::`, one in each path".to_owned());
+        wrong.push("name the module after `crate::`, one in each path".to_owned());
     }
     let inner = file.strip_prefix("src/").unwrap();
     let is_top = inner.ends_with("/mod.rs") || inner.ends_with("/lib.rs");
     let depth = inner.matches('/').count() + 1 - usize::from(is_top) + deeper;
     if line.contains(&"super::".repeat(depth)) && row(room) != Some(EVERYTHING) {
-        wrong.push("`super` leaves the room: write `crate::`".to_owned());
+        wrong.push("`super` leaves the module: write `crate::`".to_owned());
     }
     for (package, rooms) in OUTSIDE {
         let uses = line.match_indices(package).any(|(at, _)| {
             let (before, rest) = (&line[..at], &line[at + package.len()..]);
             let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-            // Of `glutin_winit`, the row of `glutin` says nothing.
+            // `glutin_winit` has its own row, so the row of `glutin` does not apply to it.
             let own_row = OUTSIDE.iter().any(|(other, _)| *other == format!("{package}{}", &rest[..end]));
             let is_path =
                 rest[end..].starts_with("::") || rest[end..].starts_with(" as ") || rest[end..] == *";";
@@ -162,13 +163,13 @@ pub(super) fn assert_none(found: &[String], advice: &str) {
 }
 
 #[test]
-fn crates_take_along_what_their_row_allows() {
-    // The tool for developers knows the program.
+fn crates_have_the_allowed_dependencies() {
+    // The developers' tool depends on the program, so it has no row.
     let folders = fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().file_name());
     let folders: BTreeSet<String> =
         folders.filter_map(|name| name.into_string().ok()).filter(|name| name != "xtask").collect();
     let rows: BTreeSet<String> = CRATES.iter().map(|(name, _)| (*name).to_owned()).collect();
-    assert_eq!(folders, rows, "the crates, and the rows here");
+    assert_eq!(folders, rows, "the crates do not match the rows in the table CRATES");
     for (name, allowed) in CRATES {
         let manifest: toml::Table = read(&format!("crates/{name}/Cargo.toml")).parse().unwrap();
         let of_systems = manifest.get("target").and_then(toml::Value::as_table).into_iter().flatten();
@@ -177,15 +178,18 @@ fn crates_take_along_what_their_row_allows() {
         let names: BTreeSet<&str> =
             tables.flat_map(|t| t.as_table().unwrap().keys()).map(String::as_str).collect();
         let known: BTreeSet<&str> = allowed.iter().copied().collect();
-        assert_eq!(names, known, "the packages that crates/{name} takes along, and its row here");
+        assert_eq!(
+            names, known,
+            "the dependencies of crates/{name} do not match its row in the table CRATES"
+        );
     }
 }
 
 #[test]
-fn rooms_keep_to_their_walls() {
+fn modules_use_only_allowed_modules() {
     let mut found = Vec::new();
     for (file, text) in sources("src") {
-        assert!(row(room_of(&file)).is_some(), "{file} is in a room without a row in the table of this test");
+        assert!(row(room_of(&file)).is_some(), "{file} belongs to a module without a row in the table ROOMS");
         let own_tests = shipped_code(&text).count();
         for (number, line) in code(&text) {
             let deeper = usize::from(number > own_tests + 2);
@@ -196,11 +200,11 @@ fn rooms_keep_to_their_walls() {
             );
         }
     }
-    assert_none(&found, "these lines break the walls between the rooms");
+    assert_none(&found, "these lines use modules or packages that their module must not use");
 }
 
 #[test]
-fn what_is_pure_touches_nothing() {
+fn pure_modules_have_no_side_effects() {
     let mut found = Vec::new();
     for (file, text) in PURE.iter().flat_map(|folder| sources(folder)) {
         for (number, line) in shipped_code(&text).filter(|_| !file.contains("test")) {
@@ -208,15 +212,15 @@ fn what_is_pure_touches_nothing() {
             found.extend(touched.map(|impure| format!("{file}:{number}: {impure}")));
         }
     }
-    assert_none(&found, "these rooms do no I/O, read no clock and start no thread");
+    assert_none(&found, "these modules do no I/O, read no clock and start no threads");
 }
 
-/// The clock itself, and files of the session that measure how long something takes, whatever time is simulated.
+/// The clock itself, and files of the session that measure durations in real time even when time is simulated.
 const MEASURES: &[&str] =
     &["crates/ui/src/clock.rs", "src/session/offscreen.rs", "src/session/scene/region_builder.rs"];
 
 #[test]
-fn a_session_takes_its_time_from_its_clock() {
+fn a_session_reads_the_time_from_its_clock() {
     let mut found = Vec::new();
     for (file, text) in ["src/session", "crates/ui/src"].into_iter().flat_map(sources) {
         if MEASURES.contains(&file.as_str()) || file.contains("test") {
@@ -225,25 +229,27 @@ fn a_session_takes_its_time_from_its_clock() {
         let lines = shipped_code(&text).filter(|(_, line)| line.contains("Instant::now("));
         found.extend(lines.map(|(number, _)| format!("{file}:{number}")));
     }
-    assert_none(&found, "write `clock::now()`, so that tests can let the time pass");
+    assert_none(&found, "write `clock::now()`, so that tests can simulate the time");
 }
 
-/// Whether a line excuses itself from the lint that keeps code safe, or from those that forbid to panic on what comes
-/// from outside.
+/// True if a line disables a lint with `expect` or `allow`.
 fn is_excuse(line: &str) -> bool {
     let attribute = line.trim_start().trim_start_matches("#!").trim_start_matches('#');
     ["[expect(", "[allow("].iter().any(|start| attribute.starts_with(start))
 }
 
 #[test]
-fn unsafe_code_keeps_to_its_rooms_and_every_excuse_has_its_reason() {
+fn unsafe_code_is_in_allowed_folders_and_disabled_lints_have_reasons() {
     let mut found = Vec::new();
     for (file, text) in ["src", "crates"].into_iter().flat_map(sources) {
         for (number, line) in shipped_code(&text).filter(|(_, line)| is_excuse(line)) {
             let start = text.split_inclusive('\n').take(number - 1).map(str::len).sum::<usize>();
             let excuse = text[start..].split(']').next().unwrap_or_default();
             if excuse.contains("unsafe_code") && !UNSAFE.iter().any(|folder| file.starts_with(folder)) {
-                found.push(format!("{file}:{number}: unsafe code belongs to {} alone", UNSAFE.join(" and ")));
+                found.push(format!(
+                    "{file}:{number}: unsafe code is allowed only in {}",
+                    UNSAFE.join(" and ")
+                ));
             }
             let is_test = ["/tests", "/testing", "/examples/", "/benches/", "tests.rs"]
                 .iter()
@@ -253,11 +259,11 @@ fn unsafe_code_keeps_to_its_rooms_and_every_excuse_has_its_reason() {
             }
         }
     }
-    assert_none(&found, "these lines excuse themselves from a lint");
+    assert_none(&found, "these lines disable a lint");
 }
 
 #[test]
-fn the_scanner_finds_what_it_must() {
+fn the_scanner_finds_forbidden_paths() {
     for (file, line) in [
         ("src/sending/mod.rs", "use crate::gpu;"),
         ("src/sending/stream.rs", "    let gl = <crate::gpu::Gl as Default>::default();"),
@@ -304,14 +310,19 @@ fn files_stay_small() {
         long.iter().filter(|file| !excused(file)).map(|file| (*file).clone()).collect();
     assert_none(
         &too_long,
-        "split these files of more than 600 lines, or give a reason in the table of this test",
+        "split these files of more than 600 lines, or add a reason to the table LONG_FILES",
     );
     for (file, _) in LONG_FILES {
-        assert!(long.iter().any(|name| *name == file), "{file} is no longer long: take it out of the table");
+        assert!(
+            long.iter().any(|name| *name == file),
+            "{file} is not too long any more: delete its row in \
+            LONG_FILES"
+        );
     }
 }
 
-/// What git tracks at the top; without git (an unpacked archive) what lies there and is not ignored.
+/// Git's tracked entries at the top. Without Git (in an unpacked archive), the existing entries that .gitignore does
+/// not list.
 fn top_level_entries() -> BTreeSet<String> {
     let git = Command::new("git")
         .args(["-c", "safe.directory=*", "ls-files", "-z"])
@@ -332,10 +343,10 @@ fn top_level_entries() -> BTreeSet<String> {
 }
 
 #[test]
-fn the_top_of_the_repository_holds_the_agreed_entries() {
+fn the_repository_has_only_known_top_level_entries() {
     let entries = top_level_entries();
-    assert!(entries.contains("src") && entries.contains("Cargo.toml"), "only {entries:?} were found");
+    assert!(entries.contains("src") && entries.contains("Cargo.toml"), "found only {entries:?}");
     let strangers: Vec<String> =
         entries.into_iter().filter(|name| !TOP_LEVEL.contains(&name.as_str())).collect();
-    assert_none(&strangers, "find these a place in a folder, or a row in the table of this test");
+    assert_none(&strangers, "move these into a folder, or add them to the table TOP_LEVEL");
 }

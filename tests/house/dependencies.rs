@@ -1,5 +1,5 @@
-//! What other people's code may be part of the program: by its licence, and in one version of each crate. The lists are
-//! those of deny.toml, which `cargo deny` reads as well.
+//! Rules for dependencies: their licences, and one version of each crate. The lists are in deny.toml, which `cargo
+//! deny` reads as well.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -16,7 +16,8 @@ fn texts(value: &toml::Value) -> BTreeSet<String> {
     value.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
 }
 
-/// Name and licence of each crate, as cargo knows them: of all systems, or of this one where only its crates are there.
+/// Name and licence of each crate, from cargo: for all systems, or only for this one if the other crates are not
+/// available offline.
 fn licences() -> Vec<(String, String)> {
     let ask = |more: &[&str]| {
         let run = Command::new(env!("CARGO"))
@@ -24,16 +25,16 @@ fn licences() -> Vec<(String, String)> {
             .args(more)
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .output()
-            .expect("cargo runs this test");
+            .expect("cargo must run this test");
         if run.status.success() {
             Ok(run.stdout)
         } else {
             Err(String::from_utf8_lossy(&run.stderr).into_owned())
         }
     };
-    let about = Command::new("rustc").arg("-vV").output().expect("rustc made this test").stdout;
+    let about = Command::new("rustc").arg("-vV").output().expect("rustc must be installed").stdout;
     let about = String::from_utf8(about).unwrap();
-    let host = about.lines().find_map(|line| line.strip_prefix("host: ")).expect("rustc names its system");
+    let host = about.lines().find_map(|line| line.strip_prefix("host: ")).expect("rustc prints its host");
     let output =
         ask(&[]).or_else(|_| ask(&["--filter-platform", host])).unwrap_or_else(|error| panic!("{error}"));
     let metadata: serde_json::Value = serde_json::from_slice(&output).unwrap();
@@ -45,7 +46,7 @@ fn licences() -> Vec<(String, String)> {
     packages.iter().map(of).collect()
 }
 
-/// Whether an SPDX expression leaves a choice of nothing but what is allowed. AND binds tighter than OR; old manifests
+/// True if an SPDX expression can be satisfied with the allowed licences only. AND binds tighter than OR; old manifests
 /// write `/` for OR.
 fn fits(expression: &str, allowed: &BTreeSet<String>) -> bool {
     let spaced = expression.replace('/', " OR ").replace('(', " ( ").replace(')', " ) ");
@@ -90,10 +91,10 @@ fn one(words: &[&str], at: &mut usize, allowed: &BTreeSet<String>) -> bool {
 }
 
 #[test]
-fn every_licence_is_one_that_may_be_shipped() {
+fn every_licence_is_allowed() {
     let allowed = texts(&read("deny.toml")["licenses"]["allow"]);
     let licences = licences();
-    assert!(licences.len() > 150, "only {} crates were found", licences.len());
+    assert!(licences.len() > 150, "found only {} crates", licences.len());
     let wrong: Vec<String> = licences
         .iter()
         .filter(|(_, licence)| !fits(licence, &allowed))
@@ -103,7 +104,7 @@ fn every_licence_is_one_that_may_be_shipped() {
 }
 
 #[test]
-fn licences_are_read_as_spdx_means_them() {
+fn spdx_expressions_are_evaluated() {
     let allowed = BTreeSet::from(["MIT".to_owned(), "ISC".to_owned()]);
     for (expression, wanted) in [
         ("MIT", true),
@@ -125,7 +126,7 @@ fn licences_are_read_as_spdx_means_them() {
 }
 
 #[test]
-fn no_crate_comes_twice_without_a_reason() {
+fn duplicate_crates_have_reasons() {
     let deny = read("deny.toml");
     let skipped: BTreeSet<&str> = deny["bans"]["skip"]
         .as_array()
@@ -156,9 +157,9 @@ fn no_crate_comes_twice_without_a_reason() {
     }
     assert!(
         wrong.is_empty(),
-        "make one version do, or give deny.toml a row with a reason:\n  {}",
+        "use one version, or add a row with a reason to deny.toml:\n  {}",
         wrong.join("\n  ")
     );
     let idle: Vec<&&str> = skipped.iter().filter(|row| !used.contains(**row)).collect();
-    assert!(idle.is_empty(), "these rows of deny.toml are of no use any more: {idle:?}");
+    assert!(idle.is_empty(), "delete these unused rows of deny.toml: {idle:?}");
 }

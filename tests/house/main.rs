@@ -1,4 +1,4 @@
-//! The house itself: its walls, its licences, its unsafe code, its front page.
+//! Checks of the project itself: dependencies between modules, licences, unsafe code, documentation.
 
 mod architecture;
 mod dependencies;

@@ -1,4 +1,4 @@
-//! The README and the book in `docs/` agree with the program, and their links work.
+//! Checks that the README and the book in `docs/` match the program, and that their links work.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -93,7 +93,7 @@ fn the_book_has_every_page() {
     }
 }
 
-/// Checks nothing where mdbook is not installed: not every distribution has a package of it.
+/// Skipped where mdbook is not installed: not every distribution packages it.
 #[test]
 fn mdbook_builds_the_book() {
     let folder = tempfile::tempdir().unwrap();
@@ -101,7 +101,7 @@ fn mdbook_builds_the_book() {
     command.arg("build").arg("--dest-dir").arg(folder.path()).arg(root().join("docs"));
     let output = match command.output() {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            eprintln!("mdbook is not installed: the book is not built");
+            eprintln!("mdbook is not installed: skipping the book");
             return;
         }
         result => result.unwrap(),

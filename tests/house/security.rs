@@ -1,4 +1,4 @@
-//! SECURITY.md lists every place where Rust's checks are lifted, and nothing else.
+//! Checks that SECURITY.md lists every use of `unsafe`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -22,7 +22,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The sources of the crates that users get: these two serve the developers.
+/// The sources of the crates that are shipped; `testing` and `xtask` are for developers.
 fn of_crates(found: &mut Vec<PathBuf>) {
     for folder in fs::read_dir(root().join("crates")).unwrap() {
         let folder = folder.unwrap().path();
@@ -32,7 +32,7 @@ fn of_crates(found: &mut Vec<PathBuf>) {
     }
 }
 
-/// A row for each file that holds `unsafe`: how many places there are, and the reason that the file gives.
+/// The rows of the table: each file that contains `unsafe`, the number of uses, and the file's reason.
 fn rows() -> String {
     let mut files = Vec::new();
     sources(&root().join("src"), &mut files);
@@ -43,14 +43,17 @@ fn rows() -> String {
         let text = fs::read_to_string(&file).unwrap();
         let name = file.strip_prefix(root()).unwrap().to_str().unwrap().replace('\\', "/");
         let (places, unexplained) = places(&text);
-        assert!(unexplained.is_empty(), "{name}: give line {unexplained:?} a comment `// SAFETY: ...`");
+        assert!(
+            unexplained.is_empty(),
+            "{name}: add a comment `// SAFETY: ...` to the lines {unexplained:?}"
+        );
         let reason = text
             .split_once("#![expect(unsafe_code, reason = \"")
             .and_then(|(_, rest)| rest.split_once("\")]"));
         assert_eq!(
             reason.is_some(),
             places > 0,
-            "{name} gives a reason for unsafe code exactly if it holds some"
+            "{name} must give a reason for unsafe code if and only if it contains some"
         );
         if let Some((reason, _)) = reason {
             rows += &format!("| `{name}` | {places} | {reason} |\n");
@@ -59,8 +62,8 @@ fn rows() -> String {
     rows
 }
 
-/// How often the word `unsafe` stands outside of comments and lints, and the lines without an explanation above or beside
-/// them.
+/// The number of times that the word `unsafe` occurs outside of comments and lints, and the lines without a SAFETY
+/// comment above or beside them.
 fn places(text: &str) -> (usize, Vec<usize>) {
     let lines: Vec<&str> = text.lines().collect();
     let (mut count, mut unexplained) = (0, Vec::new());
@@ -88,10 +91,10 @@ fn places(text: &str) -> (usize, Vec<usize>) {
 }
 
 #[test]
-fn security_md_lists_every_unsafe_place_with_its_reason() {
+fn security_md_lists_every_use_of_unsafe_with_its_reason() {
     let path = root().join("SECURITY.md");
     let text = fs::read_to_string(&path).unwrap();
-    let (before, after) = text.split_once(HEAD).expect("SECURITY.md has the table of unsafe places");
+    let (before, after) = text.split_once(HEAD).expect("SECURITY.md contains the table of unsafe code");
     let end = after.find("\n\n").map_or(after.len(), |end| end + 1);
     let end = if after.starts_with('\n') { 0 } else { end };
     let rows = rows();
@@ -102,19 +105,19 @@ fn security_md_lists_every_unsafe_place_with_its_reason() {
     assert_eq!(
         &after[..end],
         rows,
-        "MARIANA_BLESS=1 cargo test --workspace --test house writes the table anew"
+        "run MARIANA_BLESS=1 cargo test --workspace --test house to update the table"
     );
 }
 
 #[test]
-fn unsafe_places_are_found_however_they_are_written() {
+fn every_form_of_unsafe_is_found() {
     let text = "#![expect(unsafe_code, reason = \"x\")]\n// unsafe in words\n// SAFETY: so.\nunsafe { f() }\n\
                 let a = g(unsafe { h() });\nfn not_unsafe() {}\n/// # Safety\n// SAFETY: because\n// of that.\n#[inline]\n\
                 unsafe impl Send for X {}\n";
     assert_eq!(places(text), (3, vec![5]));
 }
 
-/// A source file without its unit tests.
+/// The text of a source file without its unit tests.
 fn without_tests(path: &Path) -> String {
     let text = fs::read_to_string(path).unwrap();
     let of_tests = path.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with("tests"));
@@ -122,7 +125,7 @@ fn without_tests(path: &Path) -> String {
 }
 
 #[test]
-fn ffmpeg_is_started_and_given_inputs_by_one_builder() {
+fn one_builder_starts_ffmpeg_and_adds_its_inputs() {
     let mut files = Vec::new();
     of_crates(&mut files);
     sources(&root().join("src"), &mut files);
@@ -137,7 +140,7 @@ fn ffmpeg_is_started_and_given_inputs_by_one_builder() {
     assert_eq!(
         with("Command::new("),
         [builder, "crates/scenes/src/thumbnails/drawing.rs"],
-        "only these start programs"
+        "only these files may start programs"
     );
-    assert_eq!(with("\"-i\""), [builder], "only the builder names inputs");
+    assert_eq!(with("\"-i\""), [builder], "only the builder may add inputs");
 }

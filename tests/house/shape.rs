@@ -1,9 +1,9 @@
-//! Walls within the crates: how many modules may depend on each other in a circle, how large a type and how long a
-//! function may be. [`OVER`] lists what is still over a limit; its numbers may only shrink.
+//! Limits on the structure of crates: the number of modules in a dependency cycle, the size of types and the length of
+//! functions. [`OVER`] lists the current violations; its numbers may only shrink.
 //!
-//! A module is a file, with the modules inside it. It depends on the modules that define what its paths name, through
-//! re-exports. Declaring or re-exporting a module is no dependency. Code for tests alone does not count, except for the
-//! length of functions.
+//! A module is a file together with its inline modules. It depends on the modules that define the names in its paths;
+//! re-exports are followed. Declaring or re-exporting a module does not count as a dependency. Test code does not
+//! count, except for the length of functions.
 
 mod measure;
 mod scope;
@@ -14,35 +14,35 @@ use super::architecture::{assert_none, sources};
 use measure::{Measure, Size, functions, knots};
 use scope::Krate;
 
-/// Modules that may depend on each other in a circle.
+/// The largest number of modules in a dependency cycle.
 const KNOT_MAX: usize = 5;
 const FIELDS_MAX: usize = 15;
-/// Methods in all inherent `impl` blocks of a type, in whichever file.
+/// Methods in all inherent `impl` blocks of a type, in all files.
 const METHODS_MAX: usize = 60;
 /// Lines of a function, from its signature to its closing brace.
 const FUNCTION_MAX: usize = 80;
 
-/// Current violations, one line each: the kind, the type (for knots the end of the path of one of its files), the
-/// size. Lower a number when the thing shrinks, and delete the line when it is within the limit.
+/// Current violations, one line each: the kind, the type, and the size. A cycle is named by the end of the path of one
+/// of its files. Lower a number when the size shrinks, and delete the line when it is within the limit.
 const OVER: &[(Kind, &str, usize)] = &[];
 
-/// Functions of more than [`FUNCTION_MAX`] lines in the whole repository. Lower it when one is taken apart.
+/// The number of functions in the repository with more than [`FUNCTION_MAX`] lines. Lower it when one is split.
 const LONG_FUNCTIONS: usize = 2;
 
-/// Types with more than [`FIELDS_MAX`] fields that are plain records, and what each records. Their fields are open, or
-/// they have no methods at all.
+/// Types with more than [`FIELDS_MAX`] fields that are plain records, with a description. All their fields are
+/// readable, or they have no methods.
 const RECORDS: &[(&str, &str)] = &[
-    ("Limits", "the ceilings of a crate"),
-    ("ModeReport", "what `bench` measured of one mode"),
-    ("OverlayContent", "what the overlay shows in one frame"),
+    ("Limits", "the limits of a crate"),
+    ("ModeReport", "the measurements of `bench` in one mode"),
+    ("OverlayContent", "the contents of the overlay in one frame"),
     ("PlayArguments", "the command line of `play`"),
     ("PlaySettings", "the settings of a run"),
     ("PlayerStatus", "the player's state, for display"),
-    ("SongStructure", "all that is known of a song"),
+    ("SongStructure", "the analysis of a song"),
     ("VideoArguments", "the command line of `video`"),
     ("VideoRequest", "the settings of a video"),
 ];
-/// A record may read its own fields with a few methods.
+/// A record may have a few methods that read its fields.
 const RECORD_METHODS_MAX: usize = 5;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,7 +53,7 @@ enum Kind {
 }
 use Kind::{Fields, Methods, Modules};
 
-/// What is larger than a limit allows, under the keys of [`OVER`].
+/// The sizes above a limit, by the keys of [`OVER`].
 type Found = BTreeMap<(Kind, String), usize>;
 
 /// The sources of everything that Cargo builds here, by path.
@@ -69,11 +69,12 @@ fn measures(texts: &BTreeMap<String, String>) -> Vec<Measure> {
         ["src/lib.rs", "src/main.rs"].contains(&inner)
     };
     let roots: Vec<&String> = texts.keys().filter(|file| is_root(file)).collect();
-    assert!(roots.len() > 8, "only {roots:?} were found");
+    assert!(roots.len() > 8, "found only {roots:?}");
     roots.into_iter().map(|root| Krate::read(root, texts).measure()).collect()
 }
 
-/// Knots that are too large. Each is named by the row of `rows` that names one of its files, or by its first file.
+/// The cycles that are too large. Each is named by the entry of `rows` that names one of its files, or by its first
+/// file.
 fn large_knots(measure: &Measure, rows: &[(Kind, &str, usize)]) -> Found {
     let large = knots(&measure.edges).into_iter().filter(|knot| knot.len() > KNOT_MAX);
     large
@@ -90,7 +91,7 @@ fn is_record(size: &Size) -> bool {
     size.methods.is_empty() || size.is_open && size.methods.len() <= RECORD_METHODS_MAX
 }
 
-/// Types that are too large. Of several with one name the largest counts.
+/// The types that are too large. Of several types with the same name, the largest counts.
 fn large_types(measure: &Measure) -> Found {
     let mut found = Found::new();
     for ((_, name), size) in &measure.types {
@@ -106,7 +107,7 @@ fn large_types(measure: &Measure) -> Found {
     found
 }
 
-/// How `found` differs from the table `rows`, one sentence each.
+/// Describes the differences between `found` and the table `rows`, one sentence each.
 fn differences(found: &Found, rows: &[(Kind, &str, usize)]) -> Vec<String> {
     let mut table = Found::new();
     for (kind, name, size) in rows {
@@ -116,19 +117,19 @@ fn differences(found: &Found, rows: &[(Kind, &str, usize)]) -> Vec<String> {
     let say = |key: &(Kind, String)| {
         let (kind, name) = key;
         let what = match kind {
-            Modules => format!("the knot of modules around {name}"),
+            Modules => format!("the cycle of modules around {name}"),
             Fields => format!("the fields of {name}"),
             Methods => format!("the methods of {name}"),
         };
         match (found.get(key), table.get(key)) {
-            (Some(now), None) => Some(format!("{what}: {now} are too many, take it apart")),
+            (Some(now), None) => Some(format!("{what}: {now} are too many, split it")),
             (Some(now), Some(before)) if now > before => {
-                Some(format!("{what}: {now} are more than the {before} of the table, take out what came"))
+                Some(format!("{what}: {now} are more than the {before} of the table, remove the added ones"))
             }
             (Some(now), Some(before)) if now < before => {
-                Some(format!("{what}: {now} are less than the {before} of the table, lower its number"))
+                Some(format!("{what}: {now} are fewer than the {before} of the table, lower its number"))
             }
-            (None, Some(_)) => Some(format!("{what}: within the limit now (or renamed), delete its row")),
+            (None, Some(_)) => Some(format!("{what}: now within the limit (or renamed), delete its row")),
             _ => None,
         }
     };
@@ -136,7 +137,7 @@ fn differences(found: &Found, rows: &[(Kind, &str, usize)]) -> Vec<String> {
 }
 
 #[test]
-fn knots_and_types_stay_small() {
+fn cycles_and_types_stay_small() {
     let mut found = Found::new();
     let mut records = BTreeSet::new();
     for measure in measures(&texts()) {
@@ -148,13 +149,13 @@ fn knots_and_types_stay_small() {
         records.extend(large.map(|((_, name), _)| name.clone()));
     }
     let advice = format!(
-        "a circle has at most {KNOT_MAX} modules, a type at most {FIELDS_MAX} fields and {METHODS_MAX} methods \
-         (see OVER and RECORDS in tests/house/shape.rs)"
+        "a cycle has at most {KNOT_MAX} modules, a type at most {FIELDS_MAX} fields and {METHODS_MAX} \
+         methods (see OVER and RECORDS in tests/house/shape.rs)"
     );
     assert_none(&differences(&found, OVER), &advice);
     let stale: Vec<String> =
         RECORDS.iter().map(|(name, _)| (*name).to_owned()).filter(|name| !records.contains(name)).collect();
-    assert_none(&stale, "these need no excuse any more, delete their rows in RECORDS");
+    assert_none(&stale, "these types are small enough now, delete their rows in RECORDS");
 }
 
 #[test]
@@ -166,21 +167,21 @@ fn functions_stay_short() {
     }
     assert!(
         long.len() <= LONG_FUNCTIONS,
-        "more than {LONG_FUNCTIONS} functions have over {FUNCTION_MAX} lines, take one apart:\n  {}",
+        "more than {LONG_FUNCTIONS} functions have over {FUNCTION_MAX} lines, split one of them:\n  {}",
         long.join("\n  ")
     );
     let count = long.len();
-    assert!(count == LONG_FUNCTIONS, "{count} functions are long now: lower LONG_FUNCTIONS to that");
+    assert!(count == LONG_FUNCTIONS, "only {count} functions are too long now: lower LONG_FUNCTIONS to that");
 }
 
-/// A crate with these files in `src/`.
+/// Measures a crate with these files in `src/`.
 fn made_up(files: &[(&str, &str)]) -> Measure {
     let texts = files.iter().map(|(file, text)| (format!("src/{file}"), (*text).to_owned())).collect();
     Krate::read("src/lib.rs", &texts).measure()
 }
 
 #[test]
-fn a_circle_of_six_is_found_and_one_of_five_is_not() {
+fn a_cycle_of_six_is_found_and_one_of_five_is_not() {
     let files = |declared: &'static str, last: &'static str| {
         made_up(&[
             ("lib.rs", declared),
@@ -197,13 +198,13 @@ fn a_circle_of_six_is_found_and_one_of_five_is_not() {
     assert_eq!(six, Found::from([((Modules, "src/a.rs".to_owned()), 6)]));
     let five = large_knots(&files(declared, "pub fn one() { let _ = crate::b::B; }"), &[]);
     assert_eq!(five, Found::new());
-    // Neither what tests use nor a word in a text counts.
+    // Neither imports of tests nor names in string literals count.
     let open = "pub fn one() { let _ = \"crate::A\"; } #[cfg(test)] mod tests { use crate::a::A; }";
     assert_eq!(large_knots(&files(declared, open), &[]), Found::new());
 }
 
 #[test]
-fn edges_lead_to_the_module_that_defines() {
+fn edges_lead_to_the_defining_module() {
     let edges = made_up(&[
         ("lib.rs", "mod deep; mod user; mod other; pub use deep::*;"),
         ("deep/mod.rs", "mod inner; mod glob; pub use inner::{Thing as Renamed}; pub use glob::*;"),
@@ -221,7 +222,7 @@ fn edges_lead_to_the_module_that_defines() {
 }
 
 #[test]
-fn a_large_type_is_found_though_its_methods_are_spread() {
+fn methods_of_a_type_are_counted_in_all_files() {
     let methods = |from: usize, to: usize| -> String {
         let all: Vec<String> = (from..to).map(|i| format!("fn m{i}(&self) {{}}")).collect();
         format!("{} #[cfg(test)] fn only_for_tests() {{}}", all.join(" "))
@@ -242,7 +243,7 @@ fn a_large_type_is_found_though_its_methods_are_spread() {
 }
 
 #[test]
-fn the_table_must_be_true() {
+fn the_table_must_match() {
     let found = Found::from([((Fields, "Large".to_owned()), 20), ((Modules, "src/a.rs".to_owned()), 7)]);
     assert_eq!(differences(&found, &[(Fields, "Large", 20), (Modules, "src/a.rs", 7)]), [""; 0]);
     let wrong = |rows: &[(Kind, &str, usize)]| differences(&found, rows).join("; ");

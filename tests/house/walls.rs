@@ -1,7 +1,6 @@
-//! The tables of the walls: which crates and rooms may use which. `architecture` checks them.
+//! Tables of the allowed dependencies of crates and modules, which `architecture` checks.
 
-/// What each crate may depend on besides the standard library. None of them knows the program, nor does any name a crate whose
-/// row names it.
+/// The packages that each crate may depend on. No crate depends on the program, and there are no cycles.
 pub(super) const CRATES: &[(&str, &[&str])] = &[
     ("editing", &["mariana-field", "thiserror"]),
     ("commands", &["bitflags", "mariana-control", "mariana-player", "mariana-scenes", "mariana-settings"]),
@@ -123,17 +122,17 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// What stands in a row of [`ROOMS`] for a room that may use every other one.
+/// The row in [`ROOMS`] of a module that may use all others.
 pub(super) const EVERYTHING: &[&str] = &["*"];
 
-/// Each room (a folder or a file under `src/`) and the rooms it may use besides itself.
+/// Each module of the program (a folder or a file under `src/`) and the other modules that it may use.
 pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("main", EVERYTHING),
     ("lib", EVERYTHING),
     ("cli", EVERYTHING),
     ("limits", &[]),
     ("demo_track", &[]),
-    // Crates and their modules, by the names that lib.rs gives them.
+    // Crates and their modules, under their names in lib.rs.
     ("atomic_file", &[]),
     ("clock", &[]),
     ("commands", &[]),
@@ -221,9 +220,10 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("config", &["program_cache", "sending", "show"]),
 ];
 
-/// Packages that only some rooms may use. `egui` stands for `egui_glow` and its like, too.
+/// Packages that only some modules may use. A row applies to packages with that prefix as well: `egui` covers
+/// `egui_glow`.
 pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
-    // By their names in lib.rs, for which each room has a row.
+    // Other modules use these crates under their names in lib.rs, which have rows above.
     ("mariana_commands", &["lib"]),
     ("mariana_files", &["lib", "config"]),
     ("mariana_render", &["lib"]),
@@ -238,7 +238,7 @@ pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
     ("x11rb", &["shell"]),
     ("egui", &["session", "shell"]),
     ("mpris_server", &["shell"]),
-    // Whoever draws knows features of the sound, not where it comes from.
+    // Drawing code uses features of the sound, not its source.
     ("mariana_player", &["cli", "demo_track", "export", "session", "shell", "song_structures"]),
 ];
 
@@ -265,7 +265,7 @@ pub(super) const IMPURE: &[&str] = &[
     "dbg!(",
 ];
 
-/// Where code may be unsafe.
+/// Folders and files that may contain unsafe code.
 pub(super) const UNSAFE: &[&str] = &[
     "crates/render/examples/",
     "crates/render/src/gpu/",

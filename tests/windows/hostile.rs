@@ -1,4 +1,4 @@
-//! What a hostile evening does to the program: displays that go, too little memory.
+//! Failures around the program: displays that end, compositors that hang, and too little memory.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -10,34 +10,34 @@ use crate::support::desktop::{Desktop, PROGRAM};
 use crate::support::wayland::Compositor;
 use mariana_testing::wave::write_wav;
 
-/// A small window with a scene that is there at once.
+/// Options for a small window with a scene that is ready at once.
 const SMALL: [&str; 5] = ["--silent", "--size", "160x90", "--scene", "length(p) - 1"];
 
-/// What is said of a display that goes.
+/// The message after the display has ended.
 pub(crate) const DISPLAY_LOST: &str = "mariana: the window is gone because its display ended or closed the connection: start \
                             Mariana in a running session\n";
 
-/// How long the program may take to find that out.
+/// The longest time until the program notices that.
 const END_LIMIT: Duration = Duration::from_secs(30);
 
 #[test]
-fn an_x_server_that_was_killed_ended_the_show_by_xlibs_words_and_exit() {
+fn a_killed_x_server_ends_the_program_with_a_message() {
     let desktop = Desktop::start();
     let song = desktop.folder().join("song.wav");
     write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
     let mut app = desktop.open(&song, &SMALL);
-    app.wait_for_title("that the scene is shown", |title| title.contains('('));
-    assert_threads_fraction_heaps(app.process_id());
+    app.wait_for_title("the scene", |title| title.contains('('));
+    assert_threads_share_heaps(app.process_id());
     desktop.kill_server();
     let (status, reported) = app.wait_for_end(END_LIMIT);
     assert_eq!((status.code(), reported.as_str()), (Some(1), DISPLAY_LOST));
 }
 
-/// Each thread kept a heap of its own.
-fn assert_threads_fraction_heaps(process: u32) {
-    /// glibc's heaps, but for the first one, begin at multiples of this, and have this size at most.
+/// Fails if each thread has a separate heap.
+fn assert_threads_share_heaps(process: u32) {
+    /// glibc's heaps, except the first, begin at multiples of this size and are at most this large.
     const HEAP: u64 = 64 << 20;
-    /// The second heap goes over into another of that size when it is full. Before, there were fifteen.
+    /// A full heap continues in another one. Before the limit there were fifteen.
     const HEAPS_MAX: usize = 4;
     let of_process = |name: &str| format!("/proc/{}/{name}", process);
     let threads = std::fs::read_dir(of_process("task")).unwrap().count();
@@ -46,21 +46,21 @@ fn assert_threads_fraction_heaps(process: u32) {
         let mut words = line.split_whitespace();
         let range = words.next().and_then(|range| range.split_once('-'));
         let start = range.and_then(|(start, _)| u64::from_str_radix(start, 16).ok()).unwrap();
-        // Memory that can be written, of no file.
+        // Writable memory without a file.
         start.is_multiple_of(HEAP) && words.next() == Some("rw-p") && words.count() == 3
     };
     let heaps: Vec<&str> = maps.lines().filter(is_heap).collect();
     assert!(
         threads > 3 * HEAPS_MAX && heaps.len() <= HEAPS_MAX,
-        "{threads} threads have {} heaps beside the first: {heaps:?}",
+        "{threads} threads have {} heaps besides the first: {heaps:?}",
         heaps.len()
     );
 }
 
 #[test]
-fn a_wayland_compositor_that_stood_still_or_was_killed_left_a_show_that_never_ended() {
+fn the_program_ends_when_its_compositor_hangs_or_is_killed() {
     let mut compositor = Compositor::weston();
-    // The demo track; what it logs tells when it shows.
+    // The log shows when the first frame of the demo track is drawn.
     let mut show = compositor.open(&[], &SMALL[1..]);
     show.wait_until_reported("first picture");
     compositor.stop();
@@ -79,7 +79,7 @@ fn a_wayland_compositor_that_stood_still_or_was_killed_left_a_show_that_never_en
 }
 
 #[test]
-fn a_gibibyte_of_address_space_killed_the_program_within_a_driver() {
+fn the_program_runs_in_a_gibibyte_of_address_space() {
     let desktop = Desktop::start();
     let song = desktop.folder().join("song.wav");
     write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
@@ -87,7 +87,7 @@ fn a_gibibyte_of_address_space_killed_the_program_within_a_driver() {
     limited.args(["-c", "ulimit -v 1048576; exec \"$@\"", "bash", PROGRAM]).args(SMALL).arg(&song);
     limited.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut app = desktop.show(limited, &song);
-    app.wait_for_title("that the scene is shown", |title| title.contains('('));
+    app.wait_for_title("the scene", |title| title.contains('('));
     for _ in 0..3 {
         app.press(&["n"]);
         std::thread::sleep(Duration::from_millis(300));

@@ -1,8 +1,8 @@
-//! Keys pressed at random in a window, quickly and for long: the program must live, answer and stay of one size.
+//! Random keys in a window, pressed quickly for a long time: the program must keep running and responding.
 //!
-//! A slice runs with the other tests. `scripts/storm` runs as much of it as is asked for, by these variables:
-//! `STORM_RUNS`, `STORM_KEYS` (each run), `STORM_LETTERS` (keys by their X11 names), `STORM_PAUSE_MS` (the longest pause
-//! between two keys), `STORM_CACHE` (`fresh` or `warm`), `STORM_SEED`, `STORM_SIZE`.
+//! A few runs are part of the tests. `scripts/storm` runs more, controlled by these variables: `STORM_RUNS`,
+//! `STORM_KEYS` (per run), `STORM_LETTERS` (keys by their X11 names), `STORM_PAUSE_MS` (the longest pause between two
+//! keys), `STORM_CACHE` (`fresh` or `warm`), `STORM_SEED`, `STORM_SIZE`.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -13,15 +13,15 @@ use crate::support::desktop::Desktop;
 use crate::support::pings::{Answers, Pings};
 use mariana_testing::wave::write_wav;
 
-/// Keys that change what is drawn and by which program, as they do the most to drivers.
+/// Keys that change the frame and the shader program, because they stress drivers most.
 const LETTERS: &str = "n p c v n v r Tab i h space Left Right";
 
-/// A number or text of the environment, or what stands in for it.
+/// The value of an environment variable, or `otherwise`.
 fn change<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
     std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(otherwise)
 }
 
-/// Numbers that look random and are the same at each run (xorshift; Marsaglia 2003).
+/// Pseudo-random numbers, the same in each run (xorshift; Marsaglia 2003, DOI 10.18637/jss.v008.i14).
 struct Dice(u64);
 
 impl Dice {
@@ -35,7 +35,7 @@ impl Dice {
 }
 
 #[test]
-fn keys_pressed_at_random_killed_the_program() {
+fn the_program_survives_random_keys() {
     let (runs, keys) = (change("STORM_RUNS", 2_u64), change("STORM_KEYS", 40_u64));
     let (pause, seed) = (change("STORM_PAUSE_MS", 600_u64), change("STORM_SEED", 1_u64));
     let (letters, size) =
@@ -59,19 +59,20 @@ fn keys_pressed_at_random_killed_the_program() {
         for _ in 0..keys {
             let key = letters[dice.below(letters.len() as u64) as usize];
             pressed.push(key);
-            assert!(app.runs(), "run {run}: it died after {pressed:?}; it told: {}", app.reported());
+            assert!(app.runs(), "run {run}: the program ended after {pressed:?}: {}", app.reported());
             app.press(&[key]);
             std::thread::sleep(Duration::from_millis(50 + dice.below(pause.max(51) - 50)));
         }
-        assert!(app.runs(), "run {run}: it died after {pressed:?}; it told: {}", app.reported());
+        assert!(app.runs(), "run {run}: the program ended after {pressed:?}: {}", app.reported());
         let answers = pings.stop();
         let memory = app.memory_mib();
         let begun = Instant::now();
         app.press(&["q"]);
         let (status, reported) = app.wait_for_end(Duration::from_secs(60));
-        assert!(status.success(), "run {run}: it ended by {status} after {pressed:?}: {reported}");
+        assert!(status.success(), "run {run}: exit with {status} after {pressed:?}: {reported}");
         println!(
-            "run {run}: {keys} keys, {memory:.0} MiB, {} pings: median {:?}, 99.9 % {:?}, worst {:?} at {:.1?}; gone after {:?}",
+            "run {run}: {keys} keys, {memory:.0} MiB, {} pings: median {:?}, 99.9 % {:?}, worst {:?} at \
+             {:.1?}; ended after {:?}",
             answers.count,
             answers.median,
             answers.permille,
@@ -83,6 +84,10 @@ fn keys_pressed_at_random_killed_the_program() {
             worst = answers;
         }
     }
-    // It answers from a thread that waits for nothing: a window that was away told of drivers that compiled.
-    assert!(worst.count > 0 && worst.worst < Duration::from_secs(10), "the window did not answer: {worst:?}");
+    // The event thread never blocks, not even while a driver compiles.
+    assert!(
+        worst.count > 0 && worst.worst < Duration::from_secs(10),
+        "the window did not answer in time: \
+        {worst:?}"
+    );
 }

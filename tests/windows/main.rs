@@ -1,4 +1,4 @@
-//! The program in a real window, under an X server of the test's own.
+//! The program in a real window, on a private X server or Wayland compositor.
 
 mod hostile;
 mod key_storm;

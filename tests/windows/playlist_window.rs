@@ -1,4 +1,4 @@
-//! The player on the desktop: media keys and other programs by D-Bus.
+//! Control of the player over D-Bus, as by media keys and other programs.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
@@ -15,7 +15,7 @@ use mariana_testing::wave::write_wav;
 const SMALL: &[&str] = &["--silent", "--size", "320x180"];
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
-/// A tone of some seconds.
+/// Writes a tone of `seconds`.
 fn write_song(path: &Path, seconds: f64) {
     let samples = (0..(seconds * 96_000.0) as usize).map(|n| (f64::from(n as u32) * 0.02).sin() as f32 * 0.4);
     write_wav(path, 48_000, 2, samples);
@@ -33,11 +33,11 @@ fn wait_for_track(app: &mut App, name: &str, place: &str) {
 }
 
 #[test]
-fn the_desktop_steers_the_player_over_d_bus_as_long_as_there_is_a_bus() {
+fn the_player_is_controlled_over_d_bus() {
     let desktop = Desktop::start();
     let bus = SessionBus::start(desktop.folder());
     let folder = folder_of(&desktop, &["1.wav", "2.wav"], 60.0);
-    // The first picture is late: nothing plays before it.
+    // The first frame is delayed. The song must not start before it.
     let slow = [("MARIANA_FAULT", "slow-compiler@0")];
     let mut app = desktop.open_with(&slow, &folder, &[SMALL, &["-v"]].concat());
     wait_until("the player on the bus", || bus.players().len() == 1);
@@ -51,7 +51,7 @@ fn the_desktop_steers_the_player_over_d_bus_as_long_as_there_is_a_bus() {
     let mut last = 0;
     wait_until("half a second of the song", || {
         let now = position();
-        assert!(now >= last, "back from {last} to {now} us");
+        assert!(now >= last, "the position went back from {last} to {now} us");
         last = now;
         !waits(&app) && now > 500_000
     });
@@ -69,7 +69,7 @@ fn the_desktop_steers_the_player_over_d_bus_as_long_as_there_is_a_bus() {
     let before = position();
     bus.call("Player.Seek", &["int64:20000000"]);
     wait_until("the seek", || (position() - before - 20_000_000).abs() < 1_000_000);
-    // Of another track, and beyond the end: ignored.
+    // Positions of another track or beyond the end are ignored.
     bus.call("Player.SetPosition", &["objpath:/org/mariana/track/1", "int64:50000000"]);
     bus.call("Player.SetPosition", &["objpath:/org/mariana/track/0", "int64:61000000"]);
     bus.call("Player.SetPosition", &["objpath:/org/mariana/track/0", "int64:40000000"]);
@@ -91,18 +91,18 @@ fn the_desktop_steers_the_player_over_d_bus_as_long_as_there_is_a_bus() {
         bus.set_property("Player.Volume", volume);
     }
     wait_for("Player.Volume", "double 1");
-    // A second one has a name of its own, and takes it along.
+    // A second program registers under a different name, and removes that name when it ends.
     let second = desktop.open(&folder, SMALL);
     wait_until("the second player", || bus.players().len() == 2);
     drop(second);
-    wait_until("the second one's end", || bus.players().len() == 1);
+    wait_until("the end of the second player", || bus.players().len() == 1);
     bus.call("Quit", &[]);
     let (status, reported) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && !reported.contains("mariana: "), "{status}: {reported}");
     end_with_the_bus(&desktop, bus, &folder);
 }
 
-/// A bus that dies, or is none, is nothing to speak of.
+/// The program works without a message when the bus ends, and without a bus.
 fn end_with_the_bus(desktop: &Desktop, bus: SessionBus, folder: &Path) {
     let mut app = desktop.open(folder, SMALL);
     wait_until("the player on the bus", || bus.players().len() == 1);
@@ -112,7 +112,7 @@ fn end_with_the_bus(desktop: &Desktop, bus: SessionBus, folder: &Path) {
     app.press(&["q"]);
     let (status, reported) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && reported.is_empty(), "{status}: {reported}");
-    // Its socket is left behind, and nobody answers there.
+    // The socket of the bus still exists, but no process answers.
     let app = desktop.open(folder, SMALL);
     app.press(&["q"]);
     let (status, reported) = app.wait_for_end(QUIT_LIMIT);

@@ -1,4 +1,4 @@
-//! Windows with such scenes.
+//! Windows with the scenes of the `walls` helpers.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -13,7 +13,7 @@ use mariana_testing::process::wait_until;
 
 pub(crate) const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
-/// A folder with scenes on a desktop.
+/// A desktop whose folder contains scenes.
 pub(crate) struct Place {
     pub(crate) desktop: Desktop,
 }
@@ -27,12 +27,12 @@ impl Place {
         Self { desktop }
     }
 
-    /// The window with a scene and no words, when its first picture shows.
+    /// Opens a scene without overlay and waits for its first frame.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App<'_> {
         self.open_with(&[], scene, options)
     }
 
-    /// The same with these variables in the program's environment.
+    /// Like [`Self::open`], with these environment variables.
     pub(crate) fn open_with(&self, variables: &[(&str, &str)], scene: &str, options: &[&str]) -> App<'_> {
         let scene = self.path(scene);
         let own = ["-v", "--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
@@ -46,7 +46,7 @@ impl Place {
     }
 }
 
-/// Whether [`TWO_COLOURS`] fill a whole picture.
+/// True if [`TWO_COLOURS`] fill the whole image.
 pub(crate) fn fills(picture: &RgbaImage) -> bool {
     is_red(at(picture, 0.0, 0.0))
         && is_red(at(picture, 0.49, 1.0))
@@ -54,7 +54,7 @@ pub(crate) fn fills(picture: &RgbaImage) -> bool {
         && is_blue(at(picture, 1.0, 1.0))
 }
 
-/// Waits until the window looks as wanted.
+/// Waits until `wanted` accepts a screenshot of the window.
 pub(crate) fn wait_for(app: &App, what: &str, wanted: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
     let mut found = None;
     wait_until(what, || {

@@ -1,5 +1,4 @@
-//! The window as a user meets it: the program on a desktop of the test's own, its keys pressed, its picture looked at,
-//! its sound recorded.
+//! The window on a private desktop: keys are pressed, frames are compared and the sound is recorded.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -19,12 +18,12 @@ use mariana_testing::wave::write_wav;
 use x11rb::protocol::xproto::{AtomEnum, ConnectionExt};
 use x11rb::rust_connection::RustConnection;
 
-/// Longest time from the wish to quit to the end.
+/// The longest time from the request to quit to the end.
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
-/// The window of most tests: small, because it is drawn without a graphics card.
+/// The window size of most tests: small, because there is no graphics card.
 const SMALL: &str = "320x180";
 
-/// A song that is silent until `loud_from` seconds: noise on the left, then, and a tone on the right.
+/// Writes a song that is silent until `loud_from` seconds. Then it has noise on the left and a tone on the right.
 fn song(folder: &Path, name: &str, seconds: f64, loud_from: f64) -> PathBuf {
     let path = folder.join(name);
     let rate = f64::from(SINK_RATE);
@@ -44,7 +43,7 @@ fn silent_song(folder: &Path, seconds: f64) -> PathBuf {
     song(folder, "quiet.wav", seconds, f64::INFINITY)
 }
 
-/// Pauses and goes to the song's start, the one moment that is known exactly.
+/// Pauses and seeks to the song's start, the only time that is known exactly.
 fn pause_at_start(app: &mut App) -> RgbaImage {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
@@ -52,13 +51,13 @@ fn pause_at_start(app: &mut App) -> RgbaImage {
     app.wait_for_moment(0.0)
 }
 
-/// Fails unless the picture moves.
+/// Fails unless the frames change.
 fn assert_moves(app: &App) {
     let before = app.picture();
     wait_until("another picture", || difference(&before, &app.picture(), TIGHT.visible).fraction > 0.0);
 }
 
-/// Level of both channels, as root of the mean square.
+/// The root mean square of both channels.
 fn level(frames: &[StereoFrame]) -> f64 {
     let sum: f64 = frames.iter().flatten().map(|sample| f64::from(*sample).powi(2)).sum();
     (sum / (2 * frames.len()) as f64).sqrt()
@@ -77,40 +76,40 @@ fn is_loud(level: f64) -> bool {
 }
 
 #[test]
-fn a_song_is_seen_and_heard_and_obeys_the_keys() {
+fn a_song_is_shown_and_played_and_keys_control_it() {
     let desktop = Desktop::start();
     let _server = SoundServer::start(desktop.folder());
     let recorder = Recorder::start(desktop.folder());
     let song = song(desktop.folder(), "lantern.wav", 60.0, 10.0);
     let mut app = desktop.open(&song, &["-v", "--size", SMALL]);
     app.wait_until_reported("first picture after");
-    app.wait_for_title("the song and the scene alone", |title| {
+    app.wait_for_title("a title of the song and the scene only", |title| {
         title.starts_with("lantern.wav - Mariana (speakers, ") && title.matches(", ").count() == 1
     });
     assert_eq!(app.size(), (320, 180));
     assert_moves(&app);
     let playing = app.load(Duration::from_millis(500));
 
-    // Paused: the start of the song, and it stands still and costs nothing, once the whole song was read.
+    // While paused at the start, the frame does not change, and needs no processor time once the whole song has been
+    // analysed.
     let start = pause_at_start(&mut app);
     assert_shows_the_speakers(&start);
     app.wait_until_reported("is known after");
-    wait_until("rest while it is paused", || app.load(Duration::from_secs(1)) < 0.1);
-    assert!(app.picture() == start, "paused it moves");
-    assert!(is_silent(level(&recorder.next(0.2))), "paused it sounds");
+    wait_until("an idle program while paused", || app.load(Duration::from_secs(1)) < 0.1);
+    assert!(app.picture() == start, "the frame changes while paused");
+    assert!(is_silent(level(&recorder.next(0.2))), "sound is played while paused");
 
-    // Seeking, while it stands: the picture is that of the moment, with the bars of its sound.
+    // A seek while paused shows the frame of the new time, with its sound bars.
     app.press(&["Right", "Right", "Right"]);
     let loud = app.wait_for_moment(15.0);
-    assert!(difference(&start, &loud, TIGHT.visible).fraction > 0.05, "sound does not show");
+    assert!(difference(&start, &loud, TIGHT.visible).fraction > 0.05, "the sound does not change the frame");
     assert_shows_the_speakers(&loud);
 
-    // Playing.
     app.press(&["space"]);
-    app.wait_for_title("nothing of a pause", |title| !title.contains("paused"));
+    app.wait_for_title("a title without a pause", |title| !title.contains("paused"));
     assert_moves(&app);
     wait_for_level(&recorder, "sound", is_loud);
-    // Out of sight the song goes on and no picture is drawn.
+    // While minimized, the song plays and no frames are drawn.
     app.xdotool(&["windowminimize", app.window()]);
     wait_until("rest", || app.load(Duration::from_millis(300)) < 0.5 * playing);
     wait_for_level(&recorder, "sound", is_loud);
@@ -121,23 +120,23 @@ fn a_song_is_seen_and_heard_and_obeys_the_keys() {
     app.press(&["Right", "Right", "Right"]);
     wait_for_level(&recorder, "the loud part", is_loud);
 
-    // Volume: quieter to the ear, and in the title.
+    // The volume changes the sound and the title.
     let full = level(&recorder.next(0.5));
     app.press(&["Down"; 10]);
     app.wait_for_title("volume 50 %", |title| title.contains("volume 50 %"));
     wait_for_level(&recorder, "half the volume", |level| (0.05..0.75).contains(&(level / full)));
     app.press(&["Up"; 12]);
-    app.wait_for_title("nothing of the volume", |title| !title.contains("volume"));
+    app.wait_for_title("a title without the volume", |title| !title.contains("volume"));
     wait_for_level(&recorder, "the full volume", |level| (level / full - 1.0).abs() < 0.1);
     app.press(&["m"]);
     app.wait_for_title("muted", |title| title.contains("muted"));
     wait_for_level(&recorder, "silence", is_silent);
     assert_moves(&app);
     app.press(&["M"]);
-    app.wait_for_title("nothing of mute", |title| !title.contains("muted"));
+    app.wait_for_title("a title without mute", |title| !title.contains("muted"));
     wait_for_level(&recorder, "sound again", is_loud);
 
-    // With Ctrl a letter is another key; a letter alone ends the show.
+    // With Ctrl, a letter is a different key. Q alone ends the program.
     app.press(&["ctrl+q"]);
     assert_moves(&app);
     app.press(&["q"]);
@@ -146,7 +145,7 @@ fn a_song_is_seen_and_heard_and_obeys_the_keys() {
     assert!(!reported.contains("mariana: "), "it complains: {reported}");
 }
 
-/// Checks what the window says to whom it belongs.
+/// Checks the window's class and icon.
 fn assert_is_known(desktop: &Desktop, app: &App<'_>) {
     let (connection, _) = RustConnection::connect(Some(desktop.display())).unwrap();
     let property = |name: &str| {
@@ -156,14 +155,14 @@ fn assert_is_known(desktop: &Desktop, app: &App<'_>) {
     };
     let class = String::from_utf8(property("WM_CLASS").value).unwrap();
     assert_eq!(class, format!("mariana\0{APP_ID}\0"));
-    // Width, height, then ARGB: the wood above the woofer is opaque.
+    // Width and height, then ARGB pixels: the wood above the woofer is opaque.
     let icon: Vec<u32> = property("_NET_WM_ICON").value32().unwrap().collect();
     assert_eq!((&icon[..2], icon.len()), (&[128, 128][..], 2 + 128 * 128));
     assert_eq!(icon[2 + 10 * 128 + 64], 0xFFB3_561F);
 }
 
 #[test]
-fn full_screen_comes_and_goes_in_a_window_that_the_desktop_knows() {
+fn full_screen_is_entered_and_left_in_different_ways() {
     let desktop = Desktop::start();
     let song = silent_song(desktop.folder(), 60.0);
     let mut app = desktop.open(&song, &["--silent", "--size", SMALL]);
@@ -174,7 +173,7 @@ fn full_screen_comes_and_goes_in_a_window_that_the_desktop_knows() {
     assert_shows_the_speakers(&app.wait_for_moment(0.0));
     app.press(&["Escape"]);
     app.wait_for_size((320, 180));
-    // Esc is no way out of the program.
+    // Outside of full screen, Esc does not end the program.
     app.press(&["Escape"]);
     app.wait_for_moment(0.0);
     app.press(&["F11"]);
@@ -189,7 +188,7 @@ fn full_screen_comes_and_goes_in_a_window_that_the_desktop_knows() {
     app.wait_for_title("paused alone", |title| {
         title.starts_with("quiet.wav - Mariana (speakers, ") && title.ends_with("compiled, paused)")
     });
-    // The window manager's way to close a window.
+    // Closes the window as a window manager does.
     output_of(desktop.command("wmctrl").args(["-i", "-c", app.window()]), "wmctrl").unwrap();
     let (status, reported) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success(), "{status}: {reported}");
@@ -197,18 +196,18 @@ fn full_screen_comes_and_goes_in_a_window_that_the_desktop_knows() {
 }
 
 #[test]
-fn a_window_takes_any_size_prints_nothing_and_is_closed_without_asking() {
+fn a_window_takes_any_size_prints_nothing_and_closes_at_once() {
     let desktop = Desktop::start();
     let info = output_of(desktop.command(PROGRAM).arg("--gl-info"), "mariana").unwrap();
     let info = String::from_utf8_lossy(&info);
     for part in ["renderer ", "version "] {
         assert!(info.contains(part), "no {part} in {info}");
     }
-    // An OpenGL that is too old for a window.
+    // This OpenGL version is too old for a window.
     let mut command = desktop.command(PROGRAM);
     let error = output_of(command.env("MESA_GL_VERSION_OVERRIDE", "3.1"), "mariana").unwrap_err();
     assert!(error.contains("OpenGL") && error.contains("3.3") && !error.contains("panicked"), "{error}");
-    // Nowhere to print to: the keys are shown in the window, and nothing is printed.
+    // Standard output cannot be written. The window still shows the keys and prints nothing.
     let song = silent_song(desktop.folder(), 60.0);
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let mut app = desktop.open_printing_to(full.into(), &song, &["--silent", "--size", SMALL]);
@@ -219,7 +218,7 @@ fn a_window_takes_any_size_prints_nothing_and_is_closed_without_asking() {
     let resize = |app: &App<'_>, (width, height): (u32, u32)| {
         app.xdotool(&["windowsize", app.window(), &width.to_string(), &height.to_string()]);
     };
-    // Larger than the screen, too, and many sizes in a row, as by dragging a corner.
+    // Sizes larger than the screen, and many sizes in a row, like dragging a corner.
     for size in [(1, 1), (1_700, 900)] {
         resize(&app, size);
         app.wait_for_size(size);

@@ -1,4 +1,4 @@
-//! The window answers while the show rests, while a scene takes minutes, and while a driver compiles.
+//! The window responds while the show is idle, while a scene takes minutes and while a driver compiles.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -11,20 +11,20 @@ use crate::walls::{QUIT_LIMIT, foam, wait_for, wait_for_refusal, wall};
 use mariana_testing::process::wait_until;
 use mariana_testing::wave::write_wav;
 
-/// A desktop with a quiet song.
+/// A desktop with a silent song.
 fn desktop() -> Desktop {
     let desktop = Desktop::start();
     write_wav(&desktop.folder().join("quiet.wav"), 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 200));
     desktop
 }
 
-/// How often a ping arrives together with the reply that the last frame waits for.
+/// The number of times that a ping arrives together with the reply for the last frame.
 const STOPS: usize = 12;
-/// A show that stands still for 0.4 s is drawn once more. Longer than that.
+/// A paused show draws one more frame after 0.4 s. This time is longer.
 const LAST_FRAME: Duration = Duration::from_millis(700);
 
 #[test]
-fn pings_are_answered_while_the_picture_stands_still_and_while_a_scene_takes_minutes() {
+fn pings_are_answered_while_paused_and_while_a_scene_takes_minutes() {
     let desktop = desktop();
     let (song, scene) = (desktop.folder().join("quiet.wav"), desktop.folder().join("own.scene"));
     std::fs::write(&scene, "object ball { shape = sphere(p - vec3(0, 1, 0), 0.7 + 0.1 * sin(3 * t)) }")
@@ -37,7 +37,7 @@ fn pings_are_answered_while_the_picture_stands_still_and_while_a_scene_takes_min
     for stop in 0..STOPS {
         app.press(&["space"]);
         app.wait_for_title("paused", |title| title.contains("paused"));
-        // The last frame waits for the X server, whose reply comes in one piece with the ping.
+        // The last frame waits for a reply of the X server, which arrives together with the ping.
         desktop.halt_server(true);
         drop(pinger.send());
         std::thread::sleep(LAST_FRAME);
@@ -58,7 +58,9 @@ fn pings_are_answered_while_the_picture_stands_still_and_while_a_scene_takes_min
         },
     );
     app.press(&["space"]);
-    app.wait_for_title("the scene before, paused", |title| title.contains("own") && title.contains("paused"));
+    app.wait_for_title("the previous scene, paused", |title| {
+        title.contains("own") && title.contains("paused")
+    });
     let answers = pings.stop();
     assert!(answers.count > 0 && answers.worst < Duration::from_secs(10), "{answers:?}");
 }
@@ -68,7 +70,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
     let desktop = desktop();
     let (song, scene) = (desktop.folder().join("quiet.wav"), desktop.folder().join("own.scene"));
     std::fs::write(&scene, wall("vec3(1, 0, 0)")).unwrap();
-    // Of twice as many the text would be refused as too long.
+    // A scene of twice the size would be rejected as too long.
     let heavy = "object balls { shape = smooth_union(5 - p.z, union(for i in 0..600: \
                  sphere(p - vec3(sin(i), cos(1.7 * i), 9 + i), 0.3 + 0.1 * sin(t + i))), 0.1) }";
     std::fs::write(desktop.folder().join("own2.scene"), heavy).unwrap();
@@ -76,7 +78,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
         ["--silent", "--size", "32x18", "--scene", scene.to_str().unwrap(), "--sdf", "compiled", "-v"];
     let stuck = [("MARIANA_FAULT", "endless-compiler@0")];
     let mut app = desktop.open_with(&stuck, &song, &options);
-    // Most of the upper half, where no panel for mistakes is.
+    // The majority of the upper half, which error panels do not cover.
     let is_red = |picture: &image::RgbaImage| {
         let upper = picture.enumerate_pixels().filter(|(_, y, _)| 2 * y < picture.height());
         let (red, others): (Vec<_>, Vec<_>) = upper.partition(|(_, _, pixel)| {
@@ -88,7 +90,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
     wait_for(&app, "the first scene", is_red);
     app.press(&["n"]);
     app.wait_until_reported("own2 is requested, compiled");
-    // Meanwhile it draws in another size, as before, beside the words that say what is being prepared.
+    // Meanwhile the first scene is drawn in another size, next to the message about the scene in preparation.
     app.xdotool(&["windowsize", app.window(), "160", "240"]);
     app.wait_for_size((160, 240));
     wait_for(&app, "the first scene in another size", |picture| {

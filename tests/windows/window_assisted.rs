@@ -1,4 +1,4 @@
-//! The window as a screen reader meets it, by the interface that Linux has for them.
+//! The window for a screen reader, through Linux's accessibility interface (AT-SPI).
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
@@ -27,7 +27,7 @@ fn wait_for(reader: &ScreenReader<'_>, role: u32, begin: &str) -> Control {
 }
 
 #[test]
-fn a_screen_reader_finds_the_buttons_and_steers_the_song() {
+fn a_screen_reader_finds_the_buttons_and_controls_the_song() {
     let desktop = Desktop::start();
     let bus = SessionBus::start(desktop.folder());
     let reader = ScreenReader::start(&bus);
@@ -37,7 +37,7 @@ fn a_screen_reader_finds_the_buttons_and_steers_the_song() {
     app.wait_for_title("the song", |title| title.starts_with("song.wav"));
     assert!(!reader.controls().iter().any(|control| control.name.contains("Space")), "nobody listens");
 
-    // Nothing of the bar is seen, and yet all of it is there.
+    // The bar is hidden, but the screen reader finds its controls.
     reader.listen(true);
     let pause = wait_for(&reader, TOGGLE, "pause or resume (Space)");
     assert!(!reader.is_on(&pause));
@@ -55,7 +55,7 @@ fn a_screen_reader_finds_the_buttons_and_steers_the_song() {
     wait_until("the seek", || {
         reader.value(&position).parse().is_ok_and(|value: f64| (value - 30.0).abs() < 1.0)
     });
-    // Lists open, and what is in them can be chosen.
+    // Lists can be opened, and their entries are found.
     reader.press(&wait_for(&reader, TOGGLE, "track list"));
     wait_until("the track in the list", || {
         reader.controls().iter().any(|control| control.name.starts_with("song.wav") && control.role != LABEL)

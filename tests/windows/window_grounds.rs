@@ -1,4 +1,4 @@
-//! The picture as the ground of a Wayland desktop.
+//! Wallpapers on Wayland desktops.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -7,7 +7,7 @@ use crate::hostile::DISPLAY_LOST;
 use crate::support::wayland::{Compositor, Show};
 use crate::walls::{BREATHES, TWO_COLOURS, at, fills, is_blue, is_red, wall};
 
-/// The wallpaper with a scene of one wall that shines in these colours, when its first picture shows.
+/// Starts a wallpaper with a wall in these colours and waits for its first frame.
 fn wallpaper(compositor: &Compositor, emission: &str, variables: &[(&str, &str)]) -> Show {
     let scene = compositor.folder().join("wallpaper.scene");
     std::fs::write(&scene, wall(emission)).unwrap();
@@ -18,7 +18,7 @@ fn wallpaper(compositor: &Compositor, emission: &str, variables: &[(&str, &str)]
 }
 
 #[test]
-fn on_wayland_a_wallpaper_fills_every_monitor_with_its_own_pixels() {
+fn a_wayland_wallpaper_fills_every_monitor_at_its_resolution() {
     let compositor = Compositor::sway(
         "output HEADLESS-1 resolution 320x180 position 0 0\n\
          output HEADLESS-2 resolution 300x240 scale 1.5 position 320 0\n",
@@ -27,19 +27,19 @@ fn on_wayland_a_wallpaper_fills_every_monitor_with_its_own_pixels() {
     compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| {
         screen.dimensions() == (320, 180) && fills(screen)
     });
-    // A monitor that is plugged in, with one and a half pixels for each unit.
+    // A monitor is connected, at a scale of 1.5.
     compositor.order("create_output");
     compositor.wait_for_screen("HEADLESS-2", "the wallpaper", |screen| {
         screen.dimensions() == (300, 240) && fills(screen)
     });
     show.wait_until_reported("the wallpaper is on HEADLESS-2 (300x240)");
-    // One that is turned.
+    // A monitor is rotated.
     compositor.order("output HEADLESS-1 transform 90");
     compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| {
         screen.dimensions() == (180, 320) && fills(screen)
     });
     show.wait_until_reported("the wallpaper is on HEADLESS-1 (180x320)");
-    // A window is above it.
+    // A window opens above the wallpaper.
     compositor.order("workspace 1");
     let scene = compositor.folder().join("other.scene");
     std::fs::write(&scene, wall(TWO_COLOURS)).unwrap();
@@ -54,7 +54,7 @@ fn on_wayland_a_wallpaper_fills_every_monitor_with_its_own_pixels() {
 }
 
 #[test]
-fn on_wayland_a_wallpaper_outlives_a_lost_context_rests_while_nobody_sees_it_and_ends_with_its_compositor() {
+fn a_wayland_wallpaper_survives_a_lost_context_pauses_when_covered_and_ends_with_its_compositor() {
     let mut compositor = Compositor::sway("output HEADLESS-1 resolution 320x180\n");
     let mut show = wallpaper(&compositor, BREATHES, &[("MARIANA_FAULT", "context-lost@4")]);
     show.wait_until_reported("the driver has lost its context");
@@ -64,7 +64,7 @@ fn on_wayland_a_wallpaper_outlives_a_lost_context_rests_while_nobody_sees_it_and
     assert!(!show.reported().contains("the wallpaper pauses"), "{}", show.reported());
     let options = ["--clean", "--fullscreen", "--scene", "length(p) - 1"];
     let window = compositor.open(&[], &options);
-    // It says so when no picture was shown for a second.
+    // The wallpaper reports the pause when no frame has been shown for a second.
     show.wait_until_reported("the wallpaper pauses");
     window.end();
     show.wait_until_reported("the wallpaper continues");
@@ -73,18 +73,18 @@ fn on_wayland_a_wallpaper_outlives_a_lost_context_rests_while_nobody_sees_it_and
     compositor.kill();
     let (status, reported) = show.wait_for_end();
     assert_eq!(status.code(), Some(1), "{reported}");
-    // The wall's thread may note that it hears no more before or after.
+    // The wallpaper's thread may log the end of its connection before or after.
     let is_own = |line: &&str| !line.contains("the compositor tells no more");
     let reported: String = reported.split_inclusive('\n').filter(is_own).collect();
     assert!(reported.ends_with(DISPLAY_LOST), "{reported}");
 }
 
 #[test]
-fn on_wayland_a_wallpaper_takes_no_input_and_outlives_monitors_that_are_pulled_out() {
+fn a_wayland_wallpaper_takes_no_input_and_survives_disconnected_monitors() {
     let compositor = Compositor::sway_in_windows(
         "output X11-1 resolution 320x180\noutput X11-2 resolution 200x240\noutput X11-3 resolution 240x160\n",
     );
-    // It tells all that the compositor says to it.
+    // The Wayland library logs all messages of the compositor.
     let mut show = wallpaper(&compositor, TWO_COLOURS, &[("WAYLAND_DEBUG", "client")]);
     assert!(show.reported().contains(".get_pointer("), "there is no pointer: {}", show.reported());
     compositor.order("seat * cursor set 40 40");
@@ -100,10 +100,10 @@ fn on_wayland_a_wallpaper_takes_no_input_and_outlives_monitors_that_are_pulled_o
     );
     compositor.pull("X11-2");
     show.wait_until_reported("the wallpaper leaves X11-2");
-    compositor.wait_for_screen("X11-1", "the wallpaper that is left", fills);
+    compositor.wait_for_screen("X11-1", "the remaining wallpaper", fills);
     compositor.pull("X11-1");
     show.wait_until_reported("the wallpaper leaves X11-1");
-    // None is left; the next one has it.
+    // No monitor is left; the next one gets the wallpaper.
     compositor.order("create_output");
     compositor.wait_for_screen("X11-3", "the wallpaper", |screen| {
         screen.dimensions() == (240, 160) && fills(screen)

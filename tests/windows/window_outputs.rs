@@ -1,4 +1,4 @@
-//! The picture on another monitor, as the ground of the desktop, and in a screen saver's window.
+//! Output on another monitor, as wallpaper and in the window of a screen saver.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -16,7 +16,7 @@ use mariana_testing::process::{output_of, wait_until};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt as _, CreateWindowAux, WindowClass};
 
-/// Waits until a half of the screen looks as wanted: the left one, or the right one.
+/// Waits until `wanted` accepts a screenshot of the left or right half of the screen.
 fn wait_for_half(place: &Place, right: bool, what: &str, wanted: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
     let (width, height) = (SCREEN.0 / 2, SCREEN.1);
     let mut found = None;
@@ -30,7 +30,7 @@ fn wait_for_half(place: &Place, right: bool, what: &str, wanted: impl Fn(&RgbaIm
     found.unwrap()
 }
 
-/// Where the small picture of two colours is on a desk, in pixels: left, top, right, bottom.
+/// The bounds of the small output image in the control window, in pixels: left, top, right, bottom.
 fn small_picture(desk: &RgbaImage) -> Option<[u32; 4]> {
     let mut found: Option<[u32; 4]> = None;
     for (x, y, pixel) in desk.enumerate_pixels() {
@@ -41,7 +41,7 @@ fn small_picture(desk: &RgbaImage) -> Option<[u32; 4]> {
         }
     }
     let is_small = |[left, _, right, _]: &[u32; 4]| right - left < desk.width() / 2;
-    // Red at the left, blue at the right.
+    // The image is red on the left and blue on the right.
     found.filter(is_small).filter(|[left, top, right, bottom]| {
         let row = (top + bottom) / 2;
         let colour = |x: u32| desk.get_pixel(x, row).0;
@@ -55,11 +55,11 @@ fn is_dark(half: &RgbaImage) -> bool {
     half.pixels().all(|pixel| pixel.0[..3].iter().all(|value| *value < 80))
 }
 
-/// How far a pixel may be from its half's colour, per channel: the picture's grain.
+/// The largest difference of a pixel from the colour of its half, per channel. Dithering causes it.
 const GRAIN: u8 = 2;
 
-/// Checks that [`TWO_COLOURS`] fill a picture without anything else on it. The columns around the middle are left out:
-/// they hold the edge between the colours, which later pictures draw with more samples.
+/// True if [`TWO_COLOURS`] fill an image without an overlay. The middle columns are skipped: they contain the edge
+/// between the colours, which later frames draw with more samples.
 fn fills_cleanly(picture: &RgbaImage) -> bool {
     let is_near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= GRAIN);
     let (red, blue) = (at(picture, 0.0, 0.0), at(picture, 1.0, 0.0));
@@ -71,11 +71,11 @@ fn fills_cleanly(picture: &RgbaImage) -> bool {
         })
 }
 
-/// Half the width of the edge between two colours, in pixels, in a first picture drawn with few pixels.
+/// Half the width of the edge between the colours, in pixels, in a first frame of reduced resolution.
 const EDGE: u32 = 8;
 
 #[test]
-fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_with_its_monitor() {
+fn an_output_fills_its_monitor_and_survives_a_lost_context_and_a_lost_monitor() {
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let half = SCREEN.0 as u16 / 2;
     place.desktop.plug_monitor("left", 0, half);
@@ -84,8 +84,8 @@ fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_wi
     let mut app = place.open_with(&lost, "two.scene", &["--output", "RIGHT"]);
     app.wait_until_reported("the driver has lost its context");
     app.xdotool(&["windowmove", "--sync", app.window(), "20", "60"]);
-    wait_for_half(&place, true, "the output, clean", fills_cleanly);
-    // The desk shows the same picture small, in its own shape, and nothing beside it.
+    wait_for_half(&place, true, "the output without overlay", fills_cleanly);
+    // The control window shows only the output image, small and in its aspect ratio.
     let (width, height) = app.size();
     let desk = wait_for(&app, "the desk", |picture| small_picture(picture).is_some());
     let [left, top, right, bottom] = small_picture(&desk).unwrap();
@@ -97,23 +97,24 @@ fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_wi
     );
     let around = at(&desk, 0.3, 0.5);
     assert!(around == at(&desk, 0.99, 0.9) && !is_black(around) && around.iter().all(|part| *part < 40));
-    // Words and panels are the desk's alone, beside the picture, and so is the keyboard.
+    // Messages, panels and the keyboard focus belong to the control window only, and the overlay does not cover the
+    // small image.
     app.press(&["h"]);
     let keys =
         wait_for(&app, "the keys", |picture| picture.pixels().any(|pixel| pixel.0[..3] > [180; 3][..]));
     assert_eq!(small_picture(&keys), Some([left, top, right, bottom]));
     let output = wait_for_half(&place, true, "the output", fills);
-    assert!(fills_cleanly(&output), "something is drawn over the output");
+    assert!(fills_cleanly(&output), "an overlay covers the output");
     app.press(&["h", "x"]);
     wait_for_half(&place, true, "black", is_dark);
     app.press(&["x"]);
     wait_for_half(&place, true, "the output", fills);
-    // It is as large as it can be where nothing else is to be seen, and while its corners are moved.
+    // The image is enlarged when everything else is hidden, and while its corners are moved.
     let shown = f64::from(height) * f64::from(half) / f64::from(SCREEN.1) / f64::from(width);
     let edge = 0.5 - 0.5 * shown as f32;
     for key in ["w", "y"] {
         app.press(&[key]);
-        wait_for(&app, "the large picture", |picture| {
+        wait_for(&app, "the large image", |picture| {
             is_black(at(picture, edge - 0.03, 0.4))
                 && is_red(at(picture, edge + 0.05, 0.4))
                 && is_blue(at(picture, 0.95 - edge, 0.4))
@@ -125,9 +126,9 @@ fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_wi
     for _ in 0..2 {
         place.desktop.pull_monitor("right");
         app.wait_until_reported("the monitor RIGHT was disconnected: the image returns with it");
-        wait_for_half(&place, true, "nothing on a monitor that is gone", is_dark);
-        wait_for(&app, "the picture in the window alone", |picture| is_red(at(picture, 0.02, 0.5)));
-        // It comes back at another place, too.
+        wait_for_half(&place, true, "an empty disconnected monitor", is_dark);
+        wait_for(&app, "the output in the window", |picture| is_red(at(picture, 0.02, 0.5)));
+        // The output returns every time.
         place.desktop.plug_monitor("right", half as i16, half);
         wait_for_half(&place, true, "the output", fills);
     }
@@ -136,7 +137,7 @@ fn an_output_fills_its_monitor_cleanly_outlives_a_lost_context_and_comes_back_wi
 }
 
 #[test]
-fn a_monitor_is_named_by_its_number_and_what_is_aimed_at_the_small_picture_of_a_desk_is_aimed_right() {
+fn a_monitor_is_selected_by_number_and_the_small_image_takes_pointer_input() {
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let half = SCREEN.0 as u16 / 2;
     place.desktop.plug_monitor("left", 0, half);
@@ -157,7 +158,7 @@ fn a_monitor_is_named_by_its_number_and_what_is_aimed_at_the_small_picture_of_a_
     let to = |app: &App<'_>, x: u32, y: u32| {
         app.xdotool(&["mousemove", "--window", app.window(), &x.to_string(), &y.to_string()]);
     };
-    // A drag beside the picture moves nothing; one on it turns the camera, by as much as on a large one.
+    // A drag outside the image does nothing. A drag on it turns the camera, by the same angle as on a large image.
     let drag = |app: &App<'_>, from: (u32, u32), way: u32| {
         to(app, from.0, from.1);
         app.xdotool(&["mousedown", "1"]);
@@ -167,14 +168,14 @@ fn a_monitor_is_named_by_its_number_and_what_is_aimed_at_the_small_picture_of_a_
     };
     drag(&app, (30, 50), right - left - 8);
     app.press(&["x"]);
-    wait_for_half(&place, true, "black, and so all that came before", is_dark);
+    wait_for_half(&place, true, "a black output, drawn after all earlier input", is_dark);
     app.press(&["x"]);
     wait_for_half(&place, true, "the same view", fills);
     drag(&app, (left + 4, (top + bottom) / 2), right - left - 8);
     wait_for_half(&place, true, "another view", |half| !fills(half));
     app.press(&["Home"]);
     wait_for_half(&place, true, "the scene's own view", fills);
-    // The probe of the editor finds the wall where it is seen.
+    // The editor's probe finds the wall under the pointer.
     app.press(&["e"]);
     let (middle, quarter) = ((left + right) / 2, (right - left) / 4);
     for (number, x) in [middle - quarter, middle + quarter].into_iter().enumerate() {
@@ -185,15 +186,15 @@ fn a_monitor_is_named_by_its_number_and_what_is_aimed_at_the_small_picture_of_a_
         let probed = reported.lines().filter(|line| line.contains("probed: Probed")).nth(number).unwrap();
         let (_, position) = probed.split_once("position: [").unwrap();
         let wall: Vec<f64> = position.split([',', ']']).map_while(|part| part.trim().parse().ok()).collect();
-        // A quarter of the picture's width from its middle, on the wall at z = 5.
+        // A quarter of the image's width from its middle, on the wall at z = 5.
         assert!(wall[0].signum() == [-1.0, 1.0][number] && wall[1].abs() < 0.4, "{probed}");
     }
-    // It goes with the other window, also when a panel is open there.
+    // The output window closes with the control window, even while a panel is open.
     quit(app);
-    wait_for_half(&place, true, "nothing after the end", is_dark);
+    wait_for_half(&place, true, "an empty monitor after the end", is_dark);
 }
 
-/// The program for the eyes alone, with these variables.
+/// Starts a wallpaper or screen saver with these environment variables.
 fn ground<'d>(place: &'d Place, variables: &[(&str, &str)], options: &[&str]) -> App<'d> {
     let mut command = place.desktop.command(PROGRAM);
     let scene = place.path("two.scene");
@@ -205,7 +206,7 @@ fn ground<'d>(place: &'d Place, variables: &[(&str, &str)], options: &[&str]) ->
 }
 
 #[test]
-fn a_wallpaper_is_below_everything_on_every_monitor_takes_no_input_and_rests_while_it_is_covered() {
+fn a_wallpaper_is_below_all_windows_takes_no_input_and_pauses_when_covered() {
     let place = Place::new(&[("two.scene", TWO_COLOURS), ("breathes.scene", BREATHES)]);
     let half = SCREEN.0 as u16 / 2;
     place.desktop.plug_monitor("left", 0, half);
@@ -214,10 +215,10 @@ fn a_wallpaper_is_below_everything_on_every_monitor_takes_no_input_and_rests_whi
     for right in [false, true] {
         wait_for_half(&place, right, "the wallpaper", fills);
     }
-    // Clicks go through it, to what is below.
+    // Clicks go to the window below.
     let under_pointer = wallpaper.xdotool(&["mousemove", "100", "300", "getmouselocation", "--shell"]);
     assert!(!under_pointer.contains(&format!("WINDOW={}\n", wallpaper.window())), "{under_pointer}");
-    // A window that opens later is above it.
+    // A window that opens later is above the wallpaper.
     let app = place.open("two.scene", &["--flip", "horizontal"]);
     app.xdotool(&["windowmove", "--sync", app.window(), "40", "200"]);
     wait_for_half(&place, false, "a window above the wallpaper", |half| {
@@ -226,11 +227,11 @@ fn a_wallpaper_is_below_everything_on_every_monitor_takes_no_input_and_rests_whi
     wallpaper.xdotool(&["windowraise", wallpaper.window()]);
     wait_for(&app, "the window above the wallpaper", |picture| is_blue(at(picture, 0.2, 0.5)));
     quit(app);
-    // The monitors change.
+    // The monitors are replaced by one.
     place.desktop.pull_monitor("right");
     place.desktop.pull_monitor("left");
     wait_until("the wallpaper of one monitor", || fills(&place.desktop.screen()));
-    // Covered, it rests.
+    // A covered wallpaper pauses.
     let app = place.open("breathes.scene", &[]);
     assert!(!wallpaper.reported().contains("the wallpaper pauses"), "{}", wallpaper.reported());
     app.press(&["f"]);
@@ -242,7 +243,7 @@ fn a_wallpaper_is_below_everything_on_every_monitor_takes_no_input_and_rests_whi
 }
 
 #[test]
-fn a_screen_saver_s_window_is_drawn_into_and_its_end_is_the_end() {
+fn a_screen_saver_draws_into_its_window_and_ends_with_it() {
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let (server, root) = place.desktop.connect();
     let saver = server.generate_id().unwrap();
@@ -251,14 +252,14 @@ fn a_screen_saver_s_window_is_drawn_into_and_its_end_is_the_end() {
     server.create_window(0, saver, root, 400, 0, 400, 600, 0, kind, 0, &colors).unwrap().check().unwrap();
     server.map_window(saver).unwrap().check().unwrap();
     let app = ground(&place, &[("XSCREENSAVER_WINDOW", &format!("{saver:#x}"))], &[]);
-    wait_for_half(&place, true, "the picture in the screen saver's window", fills);
+    wait_for_half(&place, true, "the frame in the screen saver's window", fills);
     server.destroy_window(saver).unwrap().check().unwrap();
     let (status, reported) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && !reported.contains("panicked"), "{status}: {reported}");
 }
 
 #[test]
-fn on_wayland_an_output_is_a_full_screen_window_too_and_a_wallpaper_needs_layers() {
+fn a_wayland_output_is_a_full_screen_window_and_a_wallpaper_needs_the_layer_shell() {
     let compositor = Compositor::weston();
     let mut show =
         compositor.open(&[], &["--size", "160x90", "--scene", "length(p) - 1", "--output", "headless"]);

@@ -1,4 +1,4 @@
-//! What the next run finds of the window.
+//! The window's saved position and size.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -11,7 +11,7 @@ use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN};
 use crate::walls::quit;
 use mariana_testing::process::wait_until;
 
-/// A scene that costs little.
+/// A simple scene.
 const SCENE: &str = "length(p - vec3(0, 1, 0)) - 1";
 
 fn settings_file(desktop: &Desktop) -> PathBuf {
@@ -32,7 +32,7 @@ fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> App<'d> {
 }
 
 #[test]
-fn the_window_opens_where_it_was_unless_that_is_nowhere() {
+fn the_window_opens_at_its_last_visible_position() {
     let desktop = Desktop::start();
     let place = |app: &App| {
         let text = app.xdotool(&["getwindowgeometry", "--shell", app.window()]);
@@ -51,7 +51,7 @@ fn the_window_opens_where_it_was_unless_that_is_nowhere() {
     let mut app = open(&desktop, &options);
     wait_until("its place", || place(&app) == left_at);
     assert_eq!(app.size(), (320, 180));
-    // Full screen is no place.
+    // Full screen does not change the saved position.
     app.press(&["f"]);
     app.wait_for_size(SCREEN);
     quit(app);
@@ -69,6 +69,6 @@ fn the_window_opens_where_it_was_unless_that_is_nowhere() {
     std::fs::write(settings_file(&desktop), text.replace(line, "place = [9000, 9000]")).unwrap();
     let app = open(&desktop, &options);
     let (x, y) = place(&app);
-    assert!(x < 700 && y < 500, "the window is at {x}, {y}, where nobody sees it");
+    assert!(x < 700 && y < 500, "the window is at {x}, {y}, outside the screen");
     quit(app);
 }

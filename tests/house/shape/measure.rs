@@ -1,4 +1,4 @@
-//! Measures a crate: which modules name which, which of them form a knot, and how large each type is.
+//! Measures a crate: the dependencies between its modules, their cycles, and the sizes of its types.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,26 +8,26 @@ use syn::visit::{self, Visit};
 
 use super::scope::{Id, Krate, attributes, imports_of, is_for_tests};
 
-/// The size of a type: of its fields (for an enum none), and of its methods in all inherent `impl` blocks of the crate.
+/// The size of a type: its fields (none for an enum) and its methods in all inherent `impl` blocks of the crate.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
 pub(super) struct Size {
     pub(super) fields: BTreeSet<String>,
     pub(super) methods: BTreeSet<String>,
-    /// Whether every field can be read from outside the module.
+    /// True if every field can be read from outside the module.
     pub(super) is_open: bool,
 }
 
-/// What [`Krate::measure`] finds.
+/// The measurements of a crate; see [`Krate::measure`].
 #[derive(Debug, Default)]
 pub(super) struct Measure {
-    /// From each file to those that define what it names.
+    /// The files that a file depends on, by the path of that file.
     pub(super) edges: BTreeMap<String, BTreeSet<String>>,
-    /// By file and name.
+    /// The sizes of types, by file and name.
     pub(super) types: BTreeMap<(String, String), Size>,
 }
 
 impl Krate {
-    /// Walks all code of the crate.
+    /// Measures all code of the crate.
     pub(super) fn measure(&self) -> Measure {
         let mut measure = Measure::default();
         for (id, module) in self.modules.iter().enumerate() {
@@ -54,7 +54,7 @@ impl Walk<'_> {
 
     fn name(&mut self, path: &[String]) {
         let Some(target) = self.krate.resolve(self.module, path) else { return };
-        // A module is no value and no type: a single word that is its name is a variable.
+        // A single word that equals a module's name is a variable, because a module is neither a value nor a type.
         if path.len() == 1 && target.name.is_none() {
             return;
         }
@@ -64,7 +64,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Names the paths within the arguments of a macro, which are no syntax tree.
+    /// Finds the paths in a macro's arguments, which are tokens without a syntax tree.
     fn name_tokens(&mut self, tokens: TokenStream) {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
         let word = |at: usize| match tokens.get(at) {
@@ -86,7 +86,7 @@ impl Walk<'_> {
                 path.push(next);
                 at += 3;
             }
-            // `name: Type` and `0..END` are seen as well: only what stands behind a single dot is a member.
+            // A word after a single dot is a member. A word after `name:` or `0..` is a path.
             let is_range = before.is_some_and(|before| before > 0 && is(before, '.') && is(before - 1, '.'));
             let is_typed =
                 before.is_some_and(|before| is(before, ':') && (before == 0 || !is(before - 1, ':')));
@@ -114,7 +114,7 @@ impl<'ast> Visit<'ast> for Walk<'_> {
     fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
 
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
-        // A re-export hands on. Whoever uses the name has the edge.
+        // A re-export adds no edge. The module that uses the name has it.
         if !matches!(item.vis, syn::Visibility::Inherited) {
             return;
         }
@@ -180,7 +180,7 @@ impl<'ast> Visit<'ast> for Walk<'_> {
     }
 }
 
-/// Files that reach each other, as sets of two or more, the largest first.
+/// Cycles: sets of two or more files that reach each other, the largest first.
 pub(super) fn knots(edges: &BTreeMap<String, BTreeSet<String>>) -> Vec<BTreeSet<String>> {
     let reach: BTreeMap<&str, BTreeSet<&str>> =
         edges.keys().map(|from| (from.as_str(), reachable(edges, from))).collect();
@@ -207,7 +207,7 @@ fn reachable<'a>(edges: &'a BTreeMap<String, BTreeSet<String>>, from: &str) -> B
     reached
 }
 
-/// The functions of a file, also of its tests, with the line of each and how many lines it has from its signature to its
+/// The functions of a file and of its tests: name, line of the signature, and number of lines from the signature to the
 /// closing brace.
 pub(super) fn functions(file: &str, text: &str) -> Vec<(String, usize, usize)> {
     let parsed = syn::parse_file(text).unwrap_or_else(|error| panic!("{file}: {error}"));

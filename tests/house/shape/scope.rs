@@ -1,36 +1,36 @@
-//! Modules of a crate, read from its sources with `syn`: what each defines, imports and re-exports, and which module
-//! defines the item that a path names. Code that is compiled for tests alone is left out.
+//! Reads the modules of a crate from its sources with `syn`: the names that each defines, imports and re-exports. Finds
+//! the module that defines the item of a path. Skips test code.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use syn::{Attribute, Item, Meta, UseTree};
 
-/// Chains of re-exports are followed no farther than this.
+/// The longest chain of re-exports that is followed.
 const DEPTH_MAX: usize = 24;
 
-/// The place of a module in [`Krate::modules`].
+/// The index of a module in [`Krate::modules`].
 pub(super) type Id = usize;
 
-/// A file, or a module within one.
+/// A file, or an inline module.
 pub(super) struct Module {
-    /// From the repository's root.
+    /// The path of the file, from the repository's root.
     pub(super) file: String,
     parent: Option<Id>,
     children: HashMap<String, Id>,
     items: HashSet<String>,
-    /// Names that are imported, with the path behind each.
+    /// Imported names, with the path of each.
     imports: HashMap<String, Vec<String>>,
     globs: Vec<Vec<String>>,
-    /// What the module holds besides modules and what only tests use.
+    /// The items of the module, without its submodules and its test code.
     pub(super) code: Vec<Item>,
 }
 
-/// All modules of a crate. The first is its root.
+/// All modules of a crate. The first one is the root.
 pub(super) struct Krate {
     pub(super) modules: Vec<Module>,
 }
 
-/// The item that a path names; `name` is `None` for a module itself.
+/// The item that a path names; `name` is `None` for a module.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Target {
     pub(super) module: Id,
@@ -38,7 +38,7 @@ pub(super) struct Target {
 }
 
 impl Krate {
-    /// Reads the crate whose root is the file `root`, which `texts` holds with all others.
+    /// Reads the crate with the root file `root`. `texts` contains all files.
     pub(super) fn read(root: &str, texts: &BTreeMap<String, String>) -> Self {
         let mut krate = Self { modules: Vec::new() };
         let folder = root.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
@@ -47,7 +47,7 @@ impl Krate {
         krate
     }
 
-    /// Adds a module whose own modules lie in `folder`.
+    /// Adds a module whose submodules are in `folder`.
     fn add(
         &mut self,
         file: &str,
@@ -94,7 +94,7 @@ impl Krate {
         id
     }
 
-    /// The item of this crate that `path` names in module `from`, or `None` where it names something else.
+    /// Finds the item of this crate that `path` names in module `from`; `None` if it is not in this crate.
     pub(super) fn resolve(&self, from: Id, path: &[String]) -> Option<Target> {
         self.follow(from, path, DEPTH_MAX)
     }
@@ -116,7 +116,7 @@ impl Krate {
             at = if next == "super" {
                 Target { module: self.modules[at.module].parent?, name: None }
             } else {
-                // What a macro defines is not seen: the module that is named has it.
+                // Definitions by macros are not visible here, so the named module is assumed to define the item.
                 let unseen = Target { module: at.module, name: Some(next.clone()) };
                 self.lookup(at.module, next, rest.is_empty(), depth).unwrap_or(unseen)
             };
@@ -124,7 +124,7 @@ impl Krate {
         Some(at)
     }
 
-    /// What `name` means in `module`. Items come before modules only where nothing follows the name.
+    /// Finds `name` in `module`. Items are preferred to modules only at the end of a path.
     fn lookup(&self, module: Id, name: &str, is_last: bool, depth: usize) -> Option<Target> {
         let here = &self.modules[module];
         let item = here.items.contains(name).then(|| Target { module, name: Some(name.to_owned()) });
@@ -136,14 +136,15 @@ impl Krate {
             here.globs.iter().find_map(|path| {
                 let depth = depth.checked_sub(1)?;
                 let from = self.follow(module, path, depth)?;
-                // Variants of an enum have its module's edge already.
+                // An enum's variants are in the same module as the enum, to which there is an edge already.
                 from.name.is_none().then(|| self.lookup(from.module, name, is_last, depth))?
             })
         };
         own.or_else(imported).or_else(from_globs)
     }
 
-    /// `use error::Error` and `use error` in a module without an `error` of its own must not look for themselves.
+    /// In a module without a submodule `error`, `use error::Error` and `use error` refer to a crate. Following them
+    /// would recurse.
     fn follow_import(&self, module: Id, name: &str, path: &[String], depth: usize) -> Option<Target> {
         let is_itself = path.first().is_some_and(|first| first == name);
         if is_itself && !self.modules[module].children.contains_key(name) {
@@ -153,7 +154,7 @@ impl Krate {
     }
 }
 
-/// Collects the names of a module, also those that are imported within functions.
+/// Collects the names of a module, including imports within functions.
 struct Scope<'a> {
     module: &'a mut Module,
 }
@@ -191,13 +192,13 @@ impl<'ast> syn::visit::Visit<'ast> for Scope<'_> {
     }
 }
 
-/// A name that a `use` brings in, or `None` for all names behind `path`.
+/// A name imported by a `use`; `None` for a glob import of all names in `path`.
 pub(super) struct Import {
     name: Option<String>,
     pub(super) path: Vec<String>,
 }
 
-/// The single imports of a `use` with braces.
+/// Splits a `use` into its single imports.
 pub(super) fn imports_of(tree: &UseTree) -> Vec<Import> {
     let mut found = Vec::new();
     collect_imports(tree, &mut Vec::new(), &mut found);
@@ -235,7 +236,7 @@ fn collect_imports(tree: &UseTree, before: &mut Vec<String>, found: &mut Vec<Imp
     }
 }
 
-/// The file of `mod name;`, and the folder of its own modules.
+/// The file of `mod name;`, and the folder of its submodules.
 fn file_of(
     attributes: &[Attribute],
     parent: &str,
@@ -248,7 +249,7 @@ fn file_of(
         let file = format!("{beside}/{path}");
         assert!(
             texts.contains_key(&file),
-            "{parent} declares the module {name} in {file}, which is not there"
+            "{parent} declares the module {name} in {file}, which does not exist"
         );
         return (file, beside.to_owned());
     }
@@ -268,7 +269,7 @@ fn parse(file: &str, text: &str) -> Vec<Item> {
     syn::parse_file(text).unwrap_or_else(|error| panic!("{file}: {error}")).items
 }
 
-/// Whether an attribute compiles its item for tests alone: `cfg(test)`, or `cfg(all(test, ...))`.
+/// True if an attribute compiles its item for tests only: `test`, `cfg(test)` or `cfg(all(test, ...))`.
 pub(super) fn is_for_tests(attribute: &Attribute) -> bool {
     attribute.path().is_ident("test")
         || attribute.path().is_ident("cfg")
@@ -292,7 +293,6 @@ fn demands_tests(condition: &Meta) -> bool {
     }
 }
 
-/// The attributes of an item.
 pub(super) fn attributes(item: &Item) -> &[Attribute] {
     match item {
         Item::Const(i) => &i.attrs,
