@@ -1,4 +1,4 @@
-//! The program's jobs as users ask for them: what it prints and what it writes. `cli_bad_input` has what it refuses.
+//! The subcommands: their output and the files that they write. `cli_bad_input` tests refusals.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -14,7 +14,7 @@ use mariana_testing::process::{Process, output_of, wait_until};
 use serde_json::Value;
 
 #[test]
-fn a_still_has_its_size_and_the_same_bytes_at_every_run() {
+fn a_still_has_its_size_and_is_reproducible() {
     let place = Workplace::new();
     let still = |at: &str, output: &str| {
         place.run(&["still", "--at", at, "--size", "96x54", "-o", output]).done();
@@ -22,8 +22,8 @@ fn a_still_has_its_size_and_the_same_bytes_at_every_run() {
     };
     let first = still("12.5", "first.png");
     assert_eq!(image::load_from_memory(&first).unwrap().dimensions(), (96, 54));
-    assert!(first == still("12.5", "again.png"), "two runs gave two pictures");
-    assert!(first != still("40", "first.png"), "two moments gave one picture");
+    assert!(first == still("12.5", "again.png"), "two runs differ");
+    assert!(first != still("40", "first.png"), "two times of the song gave the same image");
     assert_eq!(place.names(), ["again.png", "first.png"]);
 }
 
@@ -45,10 +45,10 @@ fn a_still_shows_the_song() {
         place.run(&["still", song, "--at", "0.5", "--size", "96x54", "-o", "frame.png"]).done();
         place.read("frame.png")
     };
-    assert!(still("quiet.wav") != still("loud.wav"), "silence and a loud tone gave one picture");
+    assert!(still("quiet.wav") != still("loud.wav"), "silence and a loud tone gave the same image");
 }
 
-/// The JSON objects that `analyze` prints, one of each line.
+/// Parses the output of `analyze --json`: one JSON object per line.
 fn analyze(place: &Workplace, arguments: &[&str]) -> Vec<Value> {
     let text = place.run(&[&["analyze", "--json"], arguments].concat()).done();
     text.lines()
@@ -56,30 +56,30 @@ fn analyze(place: &Workplace, arguments: &[&str]) -> Vec<Value> {
         .collect()
 }
 
-/// The numbers of an array, which must all be finite.
+/// The finite numbers of an array.
 fn numbers(value: &Value) -> Vec<f64> {
-    let array = value.as_array().unwrap_or_else(|| panic!("{value} is no array"));
-    array.iter().map(|number| number.as_f64().unwrap_or_else(|| panic!("{number} is no number"))).collect()
+    let array = value.as_array().unwrap_or_else(|| panic!("{value} is not an array"));
+    array.iter().map(|number| number.as_f64().unwrap_or_else(|| panic!("{number} is not a number"))).collect()
 }
 
-/// The band in which `hz` lies.
+/// The index of the band that contains `hz`.
 fn band_of(hz: f64) -> usize {
     (0..BAND_COUNT).find(|&band| (band_edge(band)..band_edge(band + 1)).contains(&hz)).unwrap()
 }
 
-/// The tallest of an object's bands.
+/// The index of an object's highest band.
 fn tallest_band(line: &Value) -> usize {
     let bands = numbers(&line["bands"]);
     (0..bands.len()).max_by(|&a, &b| bands[a].total_cmp(&bands[b])).unwrap()
 }
 
 #[test]
-fn analysis_tells_time_volume_and_bands_of_every_frame() {
+fn analysis_reports_time_volume_and_bands_of_every_frame() {
     let place = Workplace::new();
     let peak = 0.6;
     place.write_tone("left.wav", 1000.0, 2.0, [peak, 0.0]);
 
-    assert_eq!(analyze(&place, &["left.wav"]).len(), 120, "60 lines a second unless asked otherwise");
+    assert_eq!(analyze(&place, &["left.wav"]).len(), 120, "the default is 60 lines per second");
 
     let lines = analyze(&place, &["left.wav", "--fps", "25", "--start", "0.6", "--duration", "0.8"]);
     assert_eq!(lines.len(), 20);
@@ -87,7 +87,7 @@ fn analysis_tells_time_volume_and_bands_of_every_frame() {
     let mean_magnitude = peak * std::f64::consts::FRAC_2_PI;
     for (index, line) in lines.iter().enumerate() {
         let time = line["t"].as_f64().unwrap();
-        assert!((time - (0.6 + index as f64 / 25.0)).abs() < 1e-9, "line {index} is of {time} s");
+        assert!((time - (0.6 + index as f64 / 25.0)).abs() < 1e-9, "line {index} is at {time} s");
         let volume = numbers(&line["volume"]);
         assert_eq!(volume.len(), 2);
         assert!((volume[0] - mean_magnitude).abs() < 0.02 * mean_magnitude, "left: {volume:?}");
@@ -100,7 +100,7 @@ fn analysis_tells_time_volume_and_bands_of_every_frame() {
 }
 
 #[test]
-fn every_format_is_read_with_its_tone_and_its_length() {
+fn every_format_has_the_right_pitch_and_length() {
     let place = Workplace::new();
     place.write_tone("tone.wav", 1000.0, 1.5, [0.5, 0.25]);
     for format in FORMATS {
@@ -123,7 +123,7 @@ fn analysis_as_text_has_a_line_for_each_frame() {
 }
 
 #[test]
-fn a_reader_that_has_read_enough_is_no_error() {
+fn a_closed_output_pipe_is_no_error() {
     let place = Workplace::new();
     for arguments in [
         &["analyze", "--json"][..],
@@ -149,7 +149,7 @@ fn a_reader_that_has_read_enough_is_no_error() {
 }
 
 #[test]
-fn bench_tells_times_and_evaluations() {
+fn bench_reports_times_and_evaluations() {
     let place = Workplace::new();
     let arguments = ["bench", "--sdf", "compiled", "--frames", "3", "--size", "64x36"];
     let report: Value =
@@ -160,7 +160,7 @@ fn bench_tells_times_and_evaluations() {
     let clauses = |name: &str| report["clauses"][name].as_u64().unwrap();
     assert!(clauses("distance") > 50 && clauses("total") > clauses("distance") + clauses("materials"));
     let modes = report["modes"].as_array().unwrap();
-    assert_eq!(modes.len(), 2, "with and without regions: {report}");
+    assert_eq!(modes.len(), 2, "one row with regions and one without: {report}");
     let row = &modes[0];
     assert_eq!((&row["mode"], &row["regions"]), (&"compiled".into(), &true.into()));
     assert_eq!((&modes[1]["mode"], &modes[1]["regions"]), (&"compiled".into(), &false.into()));
@@ -188,7 +188,7 @@ fn bench_tells_times_and_evaluations() {
     let kinds = ["primary", "normal", "shadow", "occlusion", "reflection"];
     let per_kind: Vec<f64> = kinds.iter().map(|kind| evaluations[kind].as_f64().unwrap()).collect();
     assert!(per_kind.iter().all(|&count| count > 0.0), "{report}");
-    assert_eq!(evaluations["clauses"], 0.0, "compiled scenes run no clauses: {report}");
+    assert_eq!(evaluations["clauses"], 0.0, "compiled scenes have no clauses to run: {report}");
     let total = row["evaluations_per_pixel_total"].as_f64().unwrap();
     assert!((per_kind.iter().sum::<f64>() - total).abs() < 1e-9 * total, "{report}");
 
@@ -198,7 +198,7 @@ fn bench_tells_times_and_evaluations() {
     }
 }
 
-/// Fails if a number in `value` is missing, below zero or no number at all.
+/// Fails if a number in `value` is missing, negative or not finite.
 fn assert_measured(value: &Value, name: &str) {
     match value {
         Value::Object(fields) => fields.iter().for_each(|(name, value)| assert_measured(value, name)),
@@ -206,14 +206,14 @@ fn assert_measured(value: &Value, name: &str) {
         Value::Number(number) => {
             assert!(number.as_f64().is_some_and(|number| number >= 0.0), "{name}: {number}")
         }
-        // Numbers that are not finite are written as null, too.
+        // Numbers that are not finite appear as null as well.
         Value::Null => assert!(["error", "gpu_p50_ms", "edges"].contains(&name), "{name} is missing"),
         Value::Bool(_) | Value::String(_) => {}
     }
 }
 
 #[test]
-fn bench_measures_all_scenes_and_goes_on_where_one_fails() {
+fn bench_measures_all_scenes_and_continues_after_a_failure() {
     let place = Workplace::new();
     let arguments =
         ["bench", "--all", "--only", "first_st", "--only", "quadric", "--frames", "1", "--size", "32x18"];
@@ -245,7 +245,7 @@ fn bench_measures_all_scenes_and_goes_on_where_one_fails() {
     }
     assert_measured(&report, "the report");
 
-    // Shaders that no driver takes.
+    // A shader that does not compile.
     let (folder, _) = changed_shaders(&[]);
     let scene = folder.path().join("scene.frag");
     let text = std::fs::read_to_string(&scene).unwrap();
@@ -284,7 +284,7 @@ fn bench_measures_both_modes_of_any_formula() {
 #[test]
 fn devices_are_listed_where_there_is_no_sound_server() {
     let place = Workplace::new();
-    assert!(!place.run(&["devices"]).done().trim().is_empty(), "it says nothing");
+    assert!(!place.run(&["devices"]).done().trim().is_empty(), "the output is empty");
     let report: Value = serde_json::from_str(&place.run(&["devices", "--json"]).done()).unwrap();
     for host in report["hosts"].as_array().unwrap() {
         assert!(
@@ -295,7 +295,7 @@ fn devices_are_listed_where_there_is_no_sound_server() {
 }
 
 #[test]
-fn help_is_complete_and_its_examples_use_flags_that_exist() {
+fn help_is_complete_and_its_examples_use_existing_flags() {
     let place = Workplace::new();
     let subcommands = ["still", "video", "analyze", "bench", "check", "eval", "scenes", "devices"];
     let main_help = place.run(&["--help"]).done();
@@ -337,7 +337,7 @@ fn help_is_complete_and_its_examples_use_flags_that_exist() {
 }
 
 #[test]
-fn the_version_is_the_crates() {
+fn the_version_is_the_crate_version() {
     assert_eq!(
         Workplace::new().run(&["--version"]).done(),
         format!("mariana {}\n", env!("CARGO_PKG_VERSION"))
@@ -355,7 +355,7 @@ fn gl_info_needs_no_display() {
 #[test]
 fn a_video_has_its_size_rate_length_and_the_song() {
     let place = Workplace::new();
-    // A name that ffmpeg must not take for a protocol.
+    // ffmpeg must not take this name for a protocol.
     place.write_tone("take:one.wav", 440.0, 3.0, [0.5, 0.5]);
     let arguments = ["--start", "1", "--duration", "1", "--fps", "10", "--size", "64x36", "-o", "song.mp4"];
     let text = place.run(&[&["video", "take:one.wav"], &arguments[..]].concat()).done();
@@ -382,7 +382,7 @@ fn a_video_has_its_size_rate_length_and_the_song() {
 }
 
 #[test]
-fn a_still_that_was_called_a_jpeg_was_a_png() {
+fn a_stills_format_follows_its_extension() {
     let place = Workplace::new();
     place.write_tone("one.wav", 440.0, 2.0, [0.5, 0.5]);
     let look = ["--size", "32x18", "--at", "0:01.5"];
@@ -405,7 +405,7 @@ fn a_still_that_was_called_a_jpeg_was_a_png() {
 }
 
 #[test]
-fn a_video_left_its_colours_to_the_player_s_guess() {
+fn a_video_declares_its_colour_space() {
     let place = Workplace::new();
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
     place.write(
@@ -433,12 +433,12 @@ fn a_video_left_its_colours_to_the_player_s_guess() {
     ] {
         assert_eq!(report["streams"][0][what], value, "{what}");
     }
-    // As a player shows it that believes this.
+    // Decode the frame with the declared colour space.
     place.ffmpeg(&["-i", "flat.mkv", "-frames:v", "1"], "seen.png");
     let [drawn, seen] = ["flat.png", "seen.png"]
         .map(|name| *image::open(place.path(name)).unwrap().to_rgb8().get_pixel(16, 9));
     for (drawn, seen) in drawn.0.into_iter().zip(seen.0) {
-        assert!(drawn.abs_diff(seen) <= 3, "{drawn:?} is shown as {seen:?}");
+        assert!(drawn.abs_diff(seen) <= 3, "{drawn:?} is decoded as {seen:?}");
     }
 }
 
@@ -451,6 +451,6 @@ fn a_video_into_a_folder_is_numbered_stills() {
     let frames: Vec<Vec<u8>> =
         (0..3).map(|index| place.read(&format!("new/stills/frame-{index:05}.png"))).collect();
     assert_eq!(std::fs::read_dir(place.path("new/stills")).unwrap().count(), 3);
-    assert!(frames[0] == place.read("still.png"), "the first frame is not the still of its moment");
+    assert!(frames[0] == place.read("still.png"), "the first frame differs from the still of its time");
     assert!(frames[0] != frames[2], "nothing moves");
 }

@@ -1,5 +1,5 @@
-//! What the program refuses, as users meet it: one sentence that says what, where and what to do, an exit code, no
-//! panic, and no file harmed.
+//! Refusals of the command line: one sentence that says what is wrong, where, and what to do. Also the exit code, no
+//! panic, and unharmed files.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -18,13 +18,13 @@ use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 use serde_json::Value;
 
-/// Small and fast.
+/// A small, fast output.
 const SIZE: [&str; 2] = ["--size", "16x9"];
 
-/// How long the program may work on a damaged file of a second.
+/// The longest time for a damaged file of one second.
 const DAMAGED_LIMIT: Duration = Duration::from_secs(10);
 
-/// A sequence of numbers without a pattern, the same at every run (SplitMix64).
+/// Pseudo-random numbers, the same in every run (SplitMix64).
 struct Numbers(u64);
 
 impl Numbers {
@@ -41,7 +41,7 @@ impl Numbers {
 }
 
 #[test]
-fn files_that_are_no_songs_are_refused_by_name() {
+fn files_without_audio_are_refused_by_name() {
     let place = Workplace::new();
     std::fs::create_dir(place.path("empty-folder")).unwrap();
     std::fs::create_dir(place.path("music")).unwrap();
@@ -62,7 +62,7 @@ fn files_that_are_no_songs_are_refused_by_name() {
     ] {
         place.run(&["analyze", song]).refused(&[song, what]);
         place.run(&[&["still", song, "-o", "frame.png"], &SIZE[..]].concat()).refused(&[song, what]);
-        // A folder of songs is a list of them.
+        // Played by itself, a folder of songs is a playlist.
         if song != "music" {
             place.run(&[song]).refused(&[song, if song == "empty-folder" { "no tracks" } else { what }]);
         }
@@ -75,7 +75,7 @@ fn files_that_are_no_songs_are_refused_by_name() {
 }
 
 #[test]
-fn streams_beyond_the_limits_are_refused_with_what_they_have() {
+fn streams_beyond_the_limits_are_refused_with_their_values() {
     let place = Workplace::new();
     let silence = || std::iter::repeat_n(0.0, 6400);
     write_wav(&place.path("standing.wav"), 0, 2, silence());
@@ -86,7 +86,7 @@ fn streams_beyond_the_limits_are_refused_with_what_they_have() {
     place.run(&["analyze", "nothing.wav"]).refused(&["nothing.wav"]);
 }
 
-/// Runs `analyze` on damaged bytes: it does what can be done or refuses in one sentence.
+/// Runs `analyze` on damaged bytes: it succeeds or refuses with one sentence.
 fn survive(place: &Workplace, name: &str, what: &str, bytes: &[u8]) {
     let name = format!("{what}-{name}");
     place.write(&name, bytes);
@@ -105,7 +105,7 @@ fn survive(place: &Workplace, name: &str, what: &str, bytes: &[u8]) {
 }
 
 #[test]
-fn damaged_files_of_every_format_are_survived() {
+fn damaged_files_of_every_format_are_handled() {
     let place = Workplace::new();
     place.write_tone("tone.wav", 1000.0, 1.0, [0.5, 0.25]);
     let mut numbers = Numbers(2);
@@ -116,7 +116,7 @@ fn damaged_files_of_every_format_are_survived() {
             let end = whole.len() * percent / 100;
             survive(&place, format.file, &format!("first-{percent}-percent"), &whole[..end]);
         }
-        // The head tells what a file is: damage there meets other code than damage in the sound.
+        // Damage in the header reaches other code than damage in the audio data.
         for (index, (span, flips)) in
             [(64, 1), (64, 8), (400, 4), (whole.len(), 10), (whole.len(), 300)].into_iter().enumerate()
         {
@@ -132,7 +132,7 @@ fn damaged_files_of_every_format_are_survived() {
 }
 
 #[test]
-fn without_opengl_it_says_what_to_install() {
+fn without_opengl_the_message_says_what_to_install() {
     let place = Workplace::new();
     for arguments in [
         &["still", "-o", "frame.png"][..],
@@ -149,7 +149,7 @@ fn without_opengl_it_says_what_to_install() {
 }
 
 #[test]
-fn an_old_opengl_is_told_from_none() {
+fn an_old_opengl_has_its_own_message() {
     let place = Workplace::new();
     for arguments in [&["still", "-o", "frame.png"][..], &["--gl-info"]] {
         let mut command = place.command(arguments);
@@ -179,7 +179,7 @@ fn outputs_that_cannot_be_written_are_refused_by_name() {
     let place = Workplace::new();
     place.write_tone("song.wav", 440.0, 0.5, [0.5, 0.5]);
     std::fs::create_dir(place.path("folder.png")).unwrap();
-    // Renaming a file over it would destroy it, as it would a device.
+    // Renaming a file over a socket or a device would destroy it.
     let _socket = UnixListener::bind(place.path("socket")).unwrap();
     let (names, song) = (place.names(), place.read("song.wav"));
     for output in
@@ -199,7 +199,7 @@ fn outputs_that_cannot_be_written_are_refused_by_name() {
 }
 
 #[test]
-fn results_that_cannot_be_printed_are_a_sentence() {
+fn unprintable_results_are_reported() {
     let place = Workplace::new();
     for arguments in [&["analyze", "--json"][..], &["devices"], &["--gl-info"]] {
         let full = File::options().write(true).open("/dev/full").unwrap();
@@ -209,7 +209,7 @@ fn results_that_cannot_be_printed_are_a_sentence() {
 }
 
 #[test]
-fn absurd_arguments_are_refused_with_what_would_be_right() {
+fn invalid_arguments_are_refused_with_the_valid_range() {
     let place = Workplace::new();
     for (size, what) in [
         ("0x0", "1 to 16384"),
@@ -269,14 +269,14 @@ fn absurd_arguments_are_refused_with_what_would_be_right() {
 }
 
 #[test]
-fn a_scene_that_is_a_pipe_was_waited_for_without_end() {
+fn a_scene_that_is_a_pipe_is_refused() {
     let place = Workplace::new();
     output_of(Command::new("mkfifo").arg(place.path("pipe.scene")), "coreutils").unwrap();
     place.run(&["check", "pipe.scene"]).refused(&["pipe.scene", "not a regular file"]);
 }
 
 #[test]
-fn a_scene_whose_name_is_no_utf8_was_refused() {
+fn a_scene_name_may_be_invalid_utf8() {
     let place = Workplace::new();
     let name = OsStr::from_bytes(b"caf\xe9.scene");
     std::fs::write(place.path("").join(name), "length(p) - 1").unwrap();
@@ -287,7 +287,7 @@ fn a_scene_whose_name_is_no_utf8_was_refused() {
 }
 
 #[test]
-fn a_scale_factor_that_is_none_was_a_panic() {
+fn an_invalid_scale_factor_is_refused() {
     let place = Workplace::new();
     for factor in ["nonsense", "-5", "0", "NaN", "1e9"] {
         let mut command = place.command(&["--silent"]);
@@ -297,7 +297,7 @@ fn a_scale_factor_that_is_none_was_a_panic() {
 }
 
 #[test]
-fn what_the_system_said_of_a_song_was_told_twice() {
+fn the_system_error_of_a_song_is_reported_once() {
     let place = Workplace::new();
     symlink("loop.wav", place.path("loop.wav")).unwrap();
     let reported = place.run(&["analyze", "loop.wav"]).refused(&["loop.wav could not be read"]);
@@ -323,7 +323,7 @@ fn a_time_after_the_end_is_refused_with_the_length() {
 }
 
 #[test]
-fn a_shader_folder_that_lacks_a_file_is_refused_with_its_name() {
+fn a_shader_folder_without_a_file_is_refused_with_its_name() {
     let place = Workplace::new();
     std::fs::create_dir(place.path("empty")).unwrap();
     for folder in ["empty", "none"] {
@@ -338,7 +338,7 @@ fn a_shader_folder_that_lacks_a_file_is_refused_with_its_name() {
 }
 
 #[test]
-fn a_mistake_in_a_shader_is_told_with_its_file_and_line() {
+fn a_shader_error_is_reported_with_file_and_line() {
     let place = Workplace::new();
     for file in ["scene.frag", "light.glsl"] {
         let (folder, _) = changed_shaders(&[]);
@@ -363,12 +363,12 @@ fn without_ffmpeg_a_video_is_refused_and_stills_are_offered() {
 }
 
 #[test]
-fn what_was_there_outlives_every_failure() {
+fn existing_outputs_survive_every_failure() {
     let place = Workplace::new();
     place.write("good.png", "a good picture");
     place.write("good.mp4", "a good video");
     place.write("text.mp3", "no music");
-    // An encoder that dies in the middle.
+    // An encoder that fails in the middle.
     std::fs::create_dir(place.path("tools")).unwrap();
     let script =
         "#!/bin/sh\nfor last; do :; done\necho half > \"${last#file:}\"\necho 'disk on fire' >&2\nexit 1\n";
@@ -396,7 +396,7 @@ fn what_was_there_outlives_every_failure() {
     assert_eq!(place.read("good.mp4"), b"a good video");
 }
 
-/// What went wrong: ffmpeg's complaints about a damaged song filled a pipe that nobody read, and the video never ended.
+/// ffmpeg's messages about a damaged song once filled a pipe that nothing read, and the video never ended.
 #[test]
 fn a_video_of_a_damaged_song_ends() {
     let place = Workplace::new();

@@ -1,4 +1,4 @@
-//! `scripts/install`: what it puts in place, that the desktop's own judges accept it, and that it takes it out again.
+//! `scripts/install`: the files that it installs, their validity by the desktop's own tools, and their removal.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -14,7 +14,7 @@ use mariana::shell::identity::APP_ID;
 use mariana_player::playlist::AUDIO_EXTENSIONS;
 use mariana_testing::process::output_of;
 
-/// Runs `scripts/install`, which must work, and gives what it says.
+/// Runs `scripts/install`, which must succeed, and returns its messages.
 fn install(arguments: &[&str], variables: &[(&str, &Path)]) -> String {
     let mut command = Command::new("bash");
     command.arg(script()).args(arguments).env_remove("DESTDIR").envs(variables.iter().copied());
@@ -28,12 +28,12 @@ fn script() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/install")
 }
 
-/// Installs the program of the tests into `prefix`.
+/// Installs the program under test into `prefix`.
 fn install_into(prefix: &Path) -> String {
     install(&["--prefix", prefix.to_str().unwrap(), "--binary", PROGRAM], &[])
 }
 
-/// Every file and, with a slash at its end, every folder below `folder`; of files what is in them.
+/// Every file below `folder` with its contents, and every folder, with a slash at its end.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -61,9 +61,9 @@ fn text(prefix: &Path, file: &str) -> String {
 }
 
 #[test]
-fn what_is_installed_is_where_desktop_and_shell_look() {
+fn installed_files_are_in_the_standard_places() {
     let place = tempfile::tempdir().unwrap();
-    // A blank, because home folders may have one.
+    // A prefix with a space, because home folders may have one.
     let prefix = place.path().join("a prefix");
     let reported = install_into(&prefix);
     assert!(reported.contains("Installed ") && reported.contains("is not in your PATH"), "{reported}");
@@ -75,7 +75,7 @@ fn what_is_installed_is_where_desktop_and_shell_look() {
     );
     wanted.push(format!("share/icons/hicolor/scalable/apps/{APP_ID}.svg"));
     for file in wanted {
-        assert!(first.contains_key(&file), "{file} is missing of {:?}", first.keys());
+        assert!(first.contains_key(&file), "{file} is missing in {:?}", first.keys());
     }
     let version =
         output_of(Command::new(prefix.join("bin/mariana")).arg("--version"), "the program").unwrap();
@@ -92,17 +92,17 @@ fn what_is_installed_is_where_desktop_and_shell_look() {
     let release = format!("<release version=\"{}\"", env!("CARGO_PKG_VERSION"));
     assert!(text(&prefix, metainfo.to_str().unwrap()).contains(&release), "metainfo.xml has no {release}");
 
-    // The database that the desktop asks, made of the file that was installed.
+    // The desktop's databases, built from the installed files.
     assert!(text(&prefix, "share/mime/globs2").contains("50:text/x-mariana-scene:*.scene"));
     assert!(text(&prefix, "share/applications/mimeinfo.cache").contains("text/x-mariana-scene"));
 
-    // Once more, over what is there.
+    // Install again, over the existing files.
     install_into(&prefix);
-    assert!(contents(&prefix) == first, "installing again changed something");
+    assert!(contents(&prefix) == first, "installing again changed a file");
 }
 
 #[test]
-fn what_is_removed_leaves_nothing_but_what_others_put_there() {
+fn removal_keeps_only_files_of_others() {
     let place = tempfile::tempdir().unwrap();
     let prefix = place.path();
     let others = ["bin/other", "share/applications/other.desktop", "share/man/man1/other.1"];
@@ -112,11 +112,11 @@ fn what_is_removed_leaves_nothing_but_what_others_put_there() {
     }
     let before: Vec<String> = contents(prefix).into_keys().collect();
     install_into(prefix);
-    // What an earlier version installed and this one does not.
+    // A file that an earlier version installed and this version does not.
     let old = "share/man/man1/mariana-old.1";
     std::fs::write(prefix.join(old), "").unwrap();
     let manifest = prefix.join("share/mariana/installed.txt");
-    // And what nobody may have written there.
+    // Paths outside of the prefix, which the list must never contain.
     let outside = place.path().with_extension("kept");
     std::fs::write(&outside, "").unwrap();
     let upward = format!("../{}", outside.file_name().unwrap().to_str().unwrap());
@@ -130,7 +130,7 @@ fn what_is_removed_leaves_nothing_but_what_others_put_there() {
     let left: Vec<String> =
         contents(prefix).into_keys().filter(|name| name != "share/applications/mimeinfo.cache").collect();
     assert_eq!(left, before);
-    assert!(outside.exists(), "a file out of the prefix was removed");
+    assert!(outside.exists(), "a file outside of the prefix was removed");
     std::fs::remove_file(&outside).unwrap();
     assert!(install(&remove, &[]).contains("Nothing to remove"));
 
@@ -141,13 +141,13 @@ fn what_is_removed_leaves_nothing_but_what_others_put_there() {
 }
 
 #[test]
-fn makers_of_packages_and_users_without_options_are_served() {
+fn staged_and_default_installations_work() {
     let place = tempfile::tempdir().unwrap();
     let (package, home) = (place.path().join("package"), place.path().join("home"));
     install(&["--prefix", "/usr", "--binary", PROGRAM], &[("DESTDIR", &package)]);
     let entry = text(&package, &format!("usr/share/applications/{APP_ID}.desktop"));
     assert!(entry.contains("\nExec=/usr/bin/mariana %F\n"), "{entry}");
-    // Whoever installs the package renews the databases.
+    // The installation of the package updates the databases.
     assert!(!contents(&package).keys().any(|name| name.contains("cache") || name.contains("globs")));
     install(&["--remove", "--prefix", "/usr"], &[("DESTDIR", &package)]);
     assert_eq!(contents(&package).into_keys().collect::<Vec<_>>(), ["usr/"]);
@@ -180,22 +180,22 @@ fn completions_know_every_subcommand() {
     let offered = String::from_utf8(offered).unwrap();
     let [zsh, fish] = ["_mariana", "mariana.fish"].map(|file| text(&folder, file));
     for name in subcommands() {
-        assert!(offered.lines().any(|word| word == name), "bash offers no {name}: {offered}");
-        assert!(zsh.contains(&format!("'{name}:")), "zsh offers no {name}");
-        assert!(fish.contains(&format!("-a \"{name}\"")), "fish offers no {name}");
+        assert!(offered.lines().any(|word| word == name), "bash does not complete {name}: {offered}");
+        assert!(zsh.contains(&format!("'{name}:")), "zsh does not complete {name}");
+        assert!(fish.contains(&format!("-a \"{name}\"")), "fish does not complete {name}");
     }
 }
 
-/// The types that the system's database gives to files with this extension.
+/// The MIME types of files with this extension in the system's database.
 fn types_of(extension: &str) -> Vec<String> {
-    let globs = std::fs::read_to_string("/usr/share/mime/globs2").expect("shared-mime-info is needed");
+    let globs = std::fs::read_to_string("/usr/share/mime/globs2").expect("install shared-mime-info");
     let rows = globs.lines().map(|line| line.splitn(4, ':').collect::<Vec<_>>());
     let of_it = rows.filter(|row| row.get(2) == Some(&format!("*.{extension}").as_str()));
     of_it.map(|row| row[1].to_owned()).collect()
 }
 
 #[test]
-fn the_desktop_entry_names_the_types_of_what_is_played() {
+fn the_desktop_entry_lists_all_playable_types() {
     let entry = text(Path::new(env!("CARGO_MANIFEST_DIR")), &format!("assets/desktop/{APP_ID}.desktop"));
     let named: Vec<&str> =
         entry.lines().find_map(|line| line.strip_prefix("MimeType=")).unwrap().split(';').collect();
@@ -204,15 +204,15 @@ fn the_desktop_entry_names_the_types_of_what_is_played() {
     for extension in AUDIO_EXTENSIONS.iter().chain(&["m3u", "m3u8", "pls", "cue"]) {
         let types = types_of(extension);
         known += usize::from(!types.is_empty());
-        // What else has such an extension: films, and object files, which end in mod, too.
+        // Skip other types with the same extension, such as videos, or object files that end in mod.
         for of_sound in types.iter().filter(|name| name.starts_with("audio/")) {
             assert!(
                 named.contains(&of_sound.as_str()),
-                "files *.{extension} are {of_sound}: name it in MimeType"
+                "*.{extension} files have the type {of_sound}: add it to MimeType"
             );
         }
     }
     assert!(known > 15, "the system's database knows only {known} of the extensions");
     let videos: Vec<&&str> = named.iter().filter(|name| name.starts_with("video/")).collect();
-    assert!(videos.is_empty(), "videos belong to other programs: {videos:?}");
+    assert!(videos.is_empty(), "the entry must not list video types: {videos:?}");
 }

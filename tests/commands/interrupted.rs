@@ -1,5 +1,4 @@
-//! Jobs that are ended in the middle, by signals, by a full disk or by drivers at the end: what they leave behind, and
-//! what they say.
+//! Interrupted jobs, by signals, by a full disk or by crashing drivers: the files that they leave and their messages.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -14,14 +13,14 @@ use std::process::{Command, Stdio};
 use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
 use mariana_testing::process::{Process, output_of, wait_until};
 
-/// A scene that is there at once.
+/// A scene that is ready at once.
 const SCENE: [&str; 2] = ["--scene", "length(p) - 1"];
 
-/// A video that takes minutes, of the demo track. A frame is more than a pipe holds.
+/// A video of the demo track that takes minutes. One frame does not fit into a pipe.
 const LONG_VIDEO: [&str; 9] =
     ["video", SCENE[0], SCENE[1], "--size", "256x144", "--fps", "1000", "-o", "song.mp4"];
 
-/// A workplace whose temporary files lie in its folder `tmp`, with a video from before.
+/// A workplace with the folder `tmp` for temporary files, and an existing video.
 fn workplace() -> Workplace {
     let place = Workplace::new();
     std::fs::create_dir(place.path("tmp")).unwrap();
@@ -29,8 +28,8 @@ fn workplace() -> Workplace {
     place
 }
 
-/// The program's `arguments` with `place`'s folder for temporary files. Signals do what they do at a terminal, whatever
-/// the test itself was started to ignore.
+/// The command with `arguments` and the temporary folder of `place`. Signals have their default effect, even if the
+/// test itself ignores some.
 fn command(place: &Workplace, arguments: &[&str]) -> Command {
     let program = place.command(arguments);
     let mut command = Command::new("env");
@@ -55,19 +54,19 @@ fn names_in(folder: &Path) -> Vec<String> {
     entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
 }
 
-/// The unfinished files of a folder.
+/// The unfinished files in a folder.
 fn unfinished_in(folder: &Path) -> Vec<String> {
     names_in(folder).into_iter().filter(|name| name.starts_with(".mariana-")).collect()
 }
 
-/// The processes that a process has started and that have not ended, by number.
+/// The ids of a process's running child processes.
 fn children_of(process: &Process) -> Vec<u32> {
     let path = format!("/proc/{0}/task/{0}/children", process.id());
     let text = std::fs::read_to_string(path).unwrap_or_default();
     text.split_whitespace().map(|number| number.parse().unwrap()).collect()
 }
 
-/// Whether a process is there and has not ended.
+/// True if the process exists and has not ended.
 fn lives(number: u32) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
     stat.rsplit_once(") ").is_some_and(|(_, state)| !state.starts_with('Z'))
@@ -78,20 +77,20 @@ fn send(signal: &str, number: u32) {
     output_of(kill.args([&format!("-{signal}"), &number.to_string()]), "procps").unwrap();
 }
 
-/// Starts a video and waits until it is being encoded; its ffmpeg's number.
+/// Starts a video and waits until it is being encoded. Returns ffmpeg's process id as well.
 fn start_video(place: &Workplace, command: &mut Command) -> (Process, u32) {
     let mut process = Process::start(command, "coreutils");
     let mut encoder = None;
     wait_until("the encoder", || {
-        assert!(process.ended().is_none(), "it ended by itself");
+        assert!(process.ended().is_none(), "the video ended by itself");
         encoder = children_of(&process).first().copied();
         encoder.is_some()
     });
-    assert!(!unfinished_in(&place.path("")).is_empty(), "it writes in its place");
+    assert!(!unfinished_in(&place.path("")).is_empty(), "the video has no unfinished file");
     (process, encoder.unwrap())
 }
 
-/// Sends `signal`, and looks at what there is after the end.
+/// Sends `signal`, and checks the exit code, the message and the remaining files.
 #[track_caller]
 fn assert_ends_cleanly(place: &Workplace, mut process: Process, signal: &str, code: i32) {
     let names = place.names();
@@ -109,18 +108,18 @@ fn assert_ends_cleanly(place: &Workplace, mut process: Process, signal: &str, co
 }
 
 #[test]
-fn a_video_that_was_interrupted_left_hidden_files() {
+fn an_interrupted_video_leaves_no_hidden_files() {
     let place = workplace();
     for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         let (process, encoder) = start_video(&place, &mut command(&place, &LONG_VIDEO));
         assert_eq!(unfinished_in(&place.path("tmp")).len(), 1, "the demo track for ffmpeg");
         assert_ends_cleanly(&place, process, signal, code);
-        assert!(!lives(encoder), "ffmpeg outlived it");
+        assert!(!lives(encoder), "ffmpeg is still running");
         assert_eq!(place.read("song.mp4"), b"a good video");
     }
 }
 
-/// Puts a program into `place` that is found in place of ffmpeg.
+/// Installs a script that replaces ffmpeg.
 fn with_encoder<'c>(place: &Workplace, command: &'c mut Command, script: &str) -> &'c mut Command {
     std::fs::create_dir_all(place.path("tools")).unwrap();
     place.write("tools/ffmpeg", script);
@@ -129,10 +128,10 @@ fn with_encoder<'c>(place: &Workplace, command: &'c mut Command, script: &str) -
 }
 
 #[test]
-fn a_video_whose_encoder_reads_nothing_could_not_be_interrupted_cleanly() {
+fn a_video_with_a_blocked_encoder_is_interrupted_cleanly() {
     let place = workplace();
     let mut command = command(&place, &LONG_VIDEO);
-    // Nor does it hear of signals that ask. It takes one byte, which tells that the rest is being written.
+    // The encoder ignores signals. It reads one byte, which shows that the program is writing the rest.
     let script =
         "#!/bin/sh\ntrap '' INT TERM HUP\ndd bs=1 count=1 of=\"${0%/*}/begun\" 2>&-\nexec sleep 1000\n";
     let (process, encoder) = start_video(&place, with_encoder(&place, &mut command, script));
@@ -140,11 +139,11 @@ fn a_video_whose_encoder_reads_nothing_could_not_be_interrupted_cleanly() {
         std::fs::read(place.path("tools/begun")).is_ok_and(|byte| byte.len() == 1)
     });
     assert_ends_cleanly(&place, process, "INT", 130);
-    assert!(!lives(encoder), "it outlived the video");
+    assert!(!lives(encoder), "the encoder is still running");
 }
 
 #[test]
-fn a_still_that_was_interrupted_left_a_hidden_file() {
+fn an_interrupted_still_leaves_no_hidden_file() {
     let place = workplace();
     let arguments = ["still", "--size", "8192x8192", "-o", "still.png"];
     let process = Process::start(&mut command(&place, &arguments), "coreutils");
@@ -153,14 +152,14 @@ fn a_still_that_was_interrupted_left_a_hidden_file() {
 }
 
 #[test]
-fn what_a_killed_video_left_was_never_removed() {
+fn files_of_a_killed_video_are_removed_later() {
     let place = workplace();
     let (mut killed, encoder) = start_video(&place, &mut command(&place, &LONG_VIDEO));
     killed.kill();
-    wait_until("the end of its ffmpeg", || !lives(encoder));
+    wait_until("the end of the killed video's ffmpeg", || !lives(encoder));
     assert!(!unfinished_in(&place.path("")).is_empty() && !unfinished_in(&place.path("tmp")).is_empty());
 
-    // What another one writes now must stay.
+    // The files of a running job must stay.
     let (living, _) = start_video(&place, &mut command(&place, &LONG_VIDEO));
     let written = unfinished_in(&place.path(""));
     assert_eq!(written.len(), 1, "{written:?}");
@@ -175,7 +174,7 @@ fn what_a_killed_video_left_was_never_removed() {
 }
 
 #[test]
-fn a_video_under_nohup_goes_on_without_its_terminal() {
+fn a_video_under_nohup_ignores_hangups() {
     let place = workplace();
     let mut ignoring = Command::new("env");
     let usual = command(&place, &LONG_VIDEO);
@@ -184,15 +183,15 @@ fn a_video_under_nohup_goes_on_without_its_terminal() {
     ignoring.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let (process, _) = start_video(&place, &mut ignoring);
     send("HUP", process.id());
-    // Signals are answered in the order of their numbers, of which this one's is the higher.
+    // Pending signals are handled in the order of their numbers, and TERM has a higher one than HUP.
     assert_ends_cleanly(&place, process, "TERM", 143);
 }
 
-/// What went wrong: drivers' threads were still compiling while `exit` took away what they work with.
+/// Driver threads that still compile must not run during exit handlers, which free resources that they use.
 #[test]
-fn exit_handlers_ran_under_the_threads_of_drivers() {
+fn exit_handlers_do_not_run_while_drivers_have_threads() {
     let place = Workplace::new();
-    // A library whose end ends the program, if it has one: 77 tells that `exit` was called.
+    // A library whose destructor ends the process with code 77, which shows that `exit` was called.
     place.write(
         "late.c",
         "#include <unistd.h>\n__attribute__((destructor)) static void late(void) { _exit(77); }\n",
@@ -204,11 +203,11 @@ fn exit_handlers_ran_under_the_threads_of_drivers() {
         let mut command = place.command(arguments);
         Outcome::of(command.env("LD_PRELOAD", place.path("late.so")), RUN_LIMIT)
     };
-    assert_eq!(run(&["--version"]).code, 77, "the library works, and no driver is loaded there");
+    assert_eq!(run(&["--version"]).code, 77, "the library has no effect without a driver");
     run(&["still", "--size", "16x9", "-o", "still.png"]).done();
     run(&["video", "--size", "16x9", "--fps", "10", "--duration", "0.2", "-o", "stills/"]).done();
     let lines = run(&["analyze", "--fps", "10", "--duration", "2"]).done();
-    assert_eq!(lines.lines().count(), 20, "what was printed is flushed");
+    assert_eq!(lines.lines().count(), 20, "the printed lines were not flushed");
     run(&["bench", "--sdf", "compiled", "--frames", "1", "--size", "16x9"]).done();
     run(&["--gl-info"]).done();
     assert_eq!(run(&["eval", "length(p)", "--at", "0,2,0"]).done().trim(), "2");
@@ -216,11 +215,11 @@ fn exit_handlers_ran_under_the_threads_of_drivers() {
     run(&["analyze", "missing.wav"]).refused(&["missing.wav"]);
 }
 
-/// The program, where no file may be larger than some bytes: as on a full disk, a write fails in the middle.
+/// Runs the program with a limit on file sizes: a write fails in the middle, as on a full disk.
 fn on_a_full_disk(place: &Workplace, arguments: &[&str]) -> Outcome {
     let program = place.command(arguments);
     let mut shell = Command::new("sh");
-    // In blocks of 512 bytes, or of 1024.
+    // The unit is 512 or 1024 bytes.
     shell.args(["-c", "ulimit -f 1; exec \"$0\" \"$@\""]).arg(program.get_program()).args(program.get_args());
     shell.envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))));
     shell.current_dir(place.path("")).stdin(Stdio::null()).env("MESA_SHADER_CACHE_DISABLE", "true");
@@ -228,27 +227,27 @@ fn on_a_full_disk(place: &Workplace, arguments: &[&str]) -> Outcome {
 }
 
 #[test]
-fn a_full_disk_ended_a_still_without_a_word() {
+fn a_still_on_a_full_disk_is_refused() {
     let place = Workplace::new();
     place.write("good.png", "a good picture");
     place.write_tone("song.wav", 440.0, 0.5, [0.5, 0.5]);
     on_a_full_disk(&place, &["still", "song.wav", "--size", "256x144", "-o", "good.png"])
         .refused(&["good.png", "-o"]);
     assert_eq!((place.names().len(), place.read("good.png")), (2, b"a good picture".to_vec()));
-    // A picture that is small enough does fit.
+    // A small image fits.
     on_a_full_disk(&place, &["still", "song.wav", "--size", "2x2", "-o", "good.png"]).done();
     assert!(place.read("good.png").starts_with(b"\x89PNG"));
 }
 
 #[test]
-fn a_full_disk_ended_a_video_without_a_word() {
+fn a_video_on_a_full_disk_is_refused() {
     let place = Workplace::new();
     place.write("good.mp4", "a good video");
     place.write_tone("song.wav", 440.0, 2.0, [0.5, 0.5]);
     let video = ["video", "--duration", "1.5", "--fps", "10", "--size", "64x36", "-o"];
     let of_the_song = [&video[..], &["good.mp4", "song.wav"]].concat();
     on_a_full_disk(&place, &of_the_song).refused(&["good.mp4", "enough space"]);
-    // The demo track for ffmpeg has no room elsewhere.
+    // The demo track for ffmpeg does not fit into the temporary folder.
     let reported = on_a_full_disk(&place, &[&video[..], &["good.mp4"]].concat()).refused(&["TMPDIR"]);
     assert!(!reported.contains("good.mp4"), "{reported}");
     on_a_full_disk(&place, &[&video[..], &["stills/", "song.wav"]].concat()).refused(&["frame-00000.png"]);
@@ -258,7 +257,7 @@ fn a_full_disk_ended_a_video_without_a_word() {
 }
 
 #[test]
-fn a_video_of_several_files_left_hidden_ones_that_its_list_names() {
+fn formats_of_several_files_are_refused() {
     let place = Workplace::new();
     place.write_tone("song.wav", 440.0, 0.5, [0.5, 0.5]);
     for output in ["list.m3u8", "LIST.M3U8", "list.mpd"] {
@@ -270,7 +269,7 @@ fn a_video_of_several_files_left_hidden_ones_that_its_list_names() {
 }
 
 #[test]
-fn names_that_mean_something_to_ffmpeg_are_names() {
+fn special_names_for_ffmpeg_are_plain_file_names() {
     let place = Workplace::new();
     let names = [
         &b"-y.mp4"[..],
@@ -287,7 +286,7 @@ fn names_that_mean_something_to_ffmpeg_are_names() {
     ];
     for (index, name) in names.into_iter().enumerate() {
         let name = OsStr::from_bytes(name);
-        // As the video, and then as the song.
+        // As the video, then as the song.
         let folder = place.path(&format!("folder %d {index}"));
         std::fs::create_dir(&folder).unwrap();
         place.write_tone(&format!("folder %d {index}/song.wav"), 440.0, 0.5, [0.5, 0.5]);

@@ -1,4 +1,4 @@
-//! The program on a terminal, and what it reads from files.
+//! The program on the command line, and the files that it reads.
 
 mod cli;
 mod cli_bad_input;

@@ -1,5 +1,4 @@
-//! Flags of how the picture comes onto screens and into other programs: what they take, and what they refuse with a
-//! sentence before anything shows.
+//! Flags for outputs to screens and to other programs: accepted values, and refusals before a window opens.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -9,7 +8,7 @@ use std::net::TcpListener;
 use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
 
 #[test]
-fn places_that_nothing_can_be_sent_to_are_refused() {
+fn invalid_targets_for_sending_are_refused() {
     let place = Workplace::new();
     place.write("file", "kept");
     let send = |to: &str| place.run(&["--silent", "--send", to]);
@@ -26,14 +25,14 @@ fn places_that_nothing_can_be_sent_to_are_refused() {
     {
         send(to).refused_arguments("--send", &[part]);
     }
-    // One more than there may be.
+    // One more than the limit.
     let many: Vec<String> = (0..9).map(|n| format!("y4m:{n}")).collect();
     let flags: Vec<&str> = many.iter().flat_map(|to| ["--send", to.as_str()]).collect();
     place.run(&flags).refused(&["at most 8 places, not 9"]);
 }
 
 #[test]
-fn numbers_that_no_picture_can_have_are_refused() {
+fn numbers_out_of_range_are_refused() {
     let place = Workplace::new();
     for (flag, value, part) in [
         ("--brightness", "101", "0 to 100"),
@@ -50,13 +49,13 @@ fn numbers_that_no_picture_can_have_are_refused() {
         assert_eq!(reported.code, 2, "{reported:?}");
         assert!(
             reported.stderr.contains(flag) && reported.stderr.contains(part),
-            "'{part}' is not told: {reported:?}"
+            "'{part}' is missing in the message: {reported:?}"
         );
     }
 }
 
 #[test]
-fn without_an_x_server_there_are_no_monitors_to_list_and_no_ground_to_draw_on() {
+fn without_an_x_server_monitor_lists_wallpapers_and_savers_are_refused() {
     let place = Workplace::new();
     place.run(&["--output", "list"]).refused(&["monitors can be listed on X11 only", "start Mariana"]);
     place.run(&["--wallpaper"]).refused(&["monitors can be listed on X11 only", "start Mariana"]);

@@ -1,4 +1,4 @@
-//! Lists of files as they are played: features, loudness, and files that are damaged or change.
+//! Playing lists of files: features, loudness, and files that are damaged or change.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
@@ -25,7 +25,7 @@ fn play(paths: &[PathBuf], repeat: Repeat) -> Player {
     Player::start(opened.first, Box::new(opened.list), options).unwrap()
 }
 
-/// Writes a noisy tone in each of the formats, some seconds long.
+/// Writes a tone of `seconds` in each of the formats.
 fn write_songs(place: &Workplace, seconds: f64) -> Vec<PathBuf> {
     let source = format!("sine=frequency=300:sample_rate=44100:duration={seconds}");
     let write = |format: &crate::support::program::Format| {
@@ -37,11 +37,11 @@ fn write_songs(place: &Workplace, seconds: f64) -> Vec<PathBuf> {
 }
 
 #[test]
-fn the_features_of_every_track_are_those_of_its_file_alone_bit_for_bit() {
+fn every_tracks_features_equal_its_file_alone_bit_for_bit() {
     let place = Workplace::new();
     place.write_tone("1.wav", 440.0, 0.7, [0.6, 0.2]);
     place.write_tone("2.wav", 97.0, 0.9, [0.1, 0.5]);
-    // Another rate, and a level of its own.
+    // Another sample rate, and another loudness.
     let louder =
         ["-i", &*place.path("1.wav").to_string_lossy(), "-ar", "44100", "-metadata"].map(str::to_owned);
     let louder = [&louder[..], &["REPLAYGAIN_TRACK_GAIN=-9.5 dB".to_owned()]].concat();
@@ -52,11 +52,11 @@ fn the_features_of_every_track_are_those_of_its_file_alone_bit_for_bit() {
     let mut compared = [0; 3];
     let start = Instant::now();
     while !player.status().ended {
-        assert!(start.elapsed() < Duration::from_secs(20), "it does not end");
+        assert!(start.elapsed() < Duration::from_secs(20), "the playlist does not end");
         let moment = player.now(0.0);
         let track = player.status().track.entry;
-        // Between the two looks another track may have begun.
-        // At the very start the analysis, which runs beside the sound, may not have come to it yet.
+        // Another track may start between the two calls.
+        // At the start of the song, the analysis may still be behind the playback.
         let begun = track > 0 || moment.song_time > 0.2;
         if begun && player.now(0.0).lap == moment.lap && moment.segment > 0 {
             let wanted = alone[track].at(moment.song_time).unwrap();
@@ -71,7 +71,7 @@ fn the_features_of_every_track_are_those_of_its_file_alone_bit_for_bit() {
 }
 
 #[test]
-fn files_tell_their_loudness_in_every_way() {
+fn loudness_tags_of_every_kind_are_read() {
     let place = Workplace::new();
     place.write_tone("plain.wav", 440.0, 0.5, [0.5; 2]);
     let plain = place.path("plain.wav").to_string_lossy().into_owned();
@@ -88,7 +88,7 @@ fn files_tell_their_loudness_in_every_way() {
         let gain = Decoder::open(&place.path(file)).unwrap().info().scene_gain;
         assert!((20.0 * gain.log10() - db).abs() < 0.01, "{file}: {} dB", 20.0 * gain.log10());
     }
-    // The features are those of a sound of that level.
+    // The features have the loudness of the tag.
     let volume = |name: &str| {
         let song = Song::File(place.path(name));
         let sound = SongFeatures::open_with(&song, 0.0, Gain::Off).unwrap().require(0.3).unwrap();
@@ -98,14 +98,14 @@ fn files_tell_their_loudness_in_every_way() {
     assert!((20.0 * ratio.log10() + 6.0).abs() < 0.05, "{ratio}");
 }
 
-/// The next number of a plain linear congruential generator.
+/// The next number of a linear congruential generator.
 fn random(state: &mut u64) -> usize {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 33) as usize
 }
 
 #[test]
-fn damaged_files_of_every_format_are_passed_by() {
+fn damaged_files_of_every_format_are_skipped() {
     let place = Workplace::new();
     let good = write_songs(&place, 0.25);
     let mut state = 7;
@@ -134,19 +134,23 @@ fn damaged_files_of_every_format_are_passed_by() {
     let mut heard = BTreeSet::new();
     let start = Instant::now();
     while !player.status().ended {
-        assert!(start.elapsed() < Duration::from_secs(60), "it does not end: {:?}", player.status());
+        assert!(
+            start.elapsed() < Duration::from_secs(60),
+            "the playlist does not end: {:?}",
+            player.status()
+        );
         heard.insert(player.status().track.entry);
         std::thread::sleep(Duration::from_millis(4));
     }
     for (index, path) in list.iter().enumerate().filter(|(_, path)| good.contains(path)) {
-        assert!(heard.contains(&index), "{} was not heard", path.display());
+        assert!(heard.contains(&index), "{} was not played", path.display());
     }
-    // The empty ones and the missing one at least.
+    // At least the empty files and the missing one.
     assert!(player.status().track_errors.count > good.len() as u64, "{:?}", player.status().track_errors);
 }
 
 #[test]
-fn files_that_change_while_they_play_lead_on() {
+fn the_next_track_plays_after_a_file_that_changes() {
     let place = Workplace::new();
     let songs = write_songs(&place, 30.0);
     place.write_tone("end.wav", 440.0, 30.0, [0.5; 2]);
@@ -161,14 +165,15 @@ fn files_that_change_while_they_play_lead_on() {
             1 => fs::write(song, (0..length).map(|_| random(&mut state) as u8).collect::<Vec<_>>()).unwrap(),
             _ => fs::File::options().write(true).open(song).unwrap().set_len(length as u64 / 3).unwrap(),
         }
-        // Wherever that leads, the next track comes.
+        // The next track must follow in any case.
         player.seek_to(25.0);
         player.seek_by(1000.0);
         let (mut looks, mut heard_at) = (0, f64::NAN);
         wait_until(&format!("what follows {}", song.display()), || {
             looks += 1;
             let status = player.status();
-            // Only where the song sounds on: another seek would begin anew what a slow machine still prepares.
+            // Seek only while the song is playing: another seek would restart a slow machine's preparation of the last
+            // one.
             if looks % 50 == 0 && std::mem::replace(&mut heard_at, status.position) != status.position {
                 player.seek_by(10.0);
             }
@@ -178,11 +183,11 @@ fn files_that_change_while_they_play_lead_on() {
 }
 
 #[test]
-fn what_never_ends_can_be_skipped() {
+fn endless_files_can_be_skipped() {
     let place = Workplace::new();
     place.write_tone("end.wav", 440.0, 1.0, [0.5; 2]);
     place.write_tone("endless.wav", 440.0, 1.0, [0.5; 2]);
-    // A header that tells of 4 GB, and a file of a terabyte without anything in it.
+    // A header with a length of 4 GB, and an empty file of a terabyte.
     let mut bytes = place.read("endless.wav");
     for length in [4, 40] {
         bytes[length..length + 4].copy_from_slice(&u32::MAX.to_le_bytes());
@@ -200,16 +205,16 @@ fn what_never_ends_can_be_skipped() {
         "{track_errors:?}"
     );
     let mut player = play(&files, Repeat::All);
-    wait_until("the endless one", || player.status().track.entry == 2 && player.status().position > 1.2);
+    wait_until("the endless track", || player.status().track.entry == 2 && player.status().position > 1.2);
     player.seek_by(3600.0);
-    wait_until("an hour later", || player.status().position > 3600.0);
+    wait_until("an hour later in the song", || player.status().position > 3600.0);
     player.skip(true);
     wait_until("the end", || player.status().track.entry == 3);
     wait_until("all again", || player.status().track.entry == 2);
 }
 
 #[test]
-fn lists_are_refused_or_played_by_the_program() {
+fn playlists_are_refused_or_played() {
     let place = Workplace::new();
     let write = |name: &str, bytes: &[u8]| fs::write(place.path(name), bytes).unwrap();
     write("binary.m3u", &[0x7f, b'E', b'L', b'F', 0, 1, 2]);
@@ -230,7 +235,7 @@ fn lists_are_refused_or_played_by_the_program() {
     place.run(&["a.flac", "b.flac", "--once"]).refused(&["do not exist", "a.flac, b.flac"]);
     place.run(&["a.flac", "--once", "--repeat", "all"]).refused_arguments("--once", &["--repeat"]);
     place.run(&["a.flac", "--repeat", "twice"]).refused_arguments("--repeat", &["twice"]);
-    // What is named may come yet: the window would open.
+    // The files of a list may appear later, so the program tries to open a window.
     write("list.m3u", b"a.flac\nb.flac\n");
     place.run(&["list.m3u"]).refused(&["window"]);
 }

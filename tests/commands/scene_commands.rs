@@ -1,4 +1,4 @@
-//! `check`, `tape` and `eval`: scenes as text, numbers and mistakes.
+//! The subcommands `check`, `tape` and `eval`: scenes as text, numbers, and mistakes.
 
 #![cfg(target_os = "linux")]
 
@@ -27,7 +27,7 @@ fn glsl_and_graph_are_printed_on_demand() {
 }
 
 #[test]
-fn distances_are_those_of_the_formula() {
+fn eval_returns_the_distances_of_the_formula() {
     let place = Workplace::new();
     let at = |scene: &str, arguments: &[&str]| {
         let printed = place.run(&[&["eval", scene], arguments].concat()).done();
@@ -45,17 +45,17 @@ fn distances_are_those_of_the_formula() {
 }
 
 #[test]
-fn the_shipped_scene_is_checked_and_its_cost_told() {
+fn the_shipped_scene_is_checked_and_its_cost_reported() {
     let place = Workplace::new();
     let printed = place.run(&["check", "speakers"]).done();
     for part in ["speakers.scene", "clauses", "constants", "registers", "volume.x", "bands"] {
-        assert!(printed.contains(part), "'{part}' is not told: {printed}");
+        assert!(printed.contains(part), "'{part}' is missing: {printed}");
     }
 }
 
-/// Rays ended in front of such a shape, and nothing said why.
+/// Rays can stop in front of a shape whose formula is not a distance, so `check` reports it.
 #[test]
-fn a_shape_that_is_no_distance_passed_without_a_word() {
+fn check_reports_a_shape_that_is_no_distance() {
     let place = Workplace::new();
     let advice = |formula: &str| place.run(&["check", formula]).done();
     let non_lipschitz = advice("3 * (length(p) - 1)");
@@ -70,7 +70,7 @@ fn a_shape_that_is_no_distance_passed_without_a_word() {
 }
 
 #[test]
-fn every_mistake_is_shown_where_it_is_with_a_hint() {
+fn every_mistake_is_shown_with_its_position_and_a_hint() {
     let place = Workplace::new();
     place.write("bad.scene", "object a {\r\n  shape = smoth_union(sphere(p, 1), p.y, 0.2) + foo\r\n}\r\n");
     let checked = place.run(&["check", "bad.scene", "speakers"]);
@@ -78,24 +78,24 @@ fn every_mistake_is_shown_where_it_is_with_a_hint() {
     checked.assert_advises();
     for part in ["bad.scene:2:11", "smoth_union(sphere(p, 1)", "^^^^", "did you mean `smooth_union`?", "foo"]
     {
-        assert!(checked.stdout.contains(part), "'{part}' is not told: {checked:?}");
+        assert!(checked.stdout.contains(part), "'{part}' is missing: {checked:?}");
     }
-    assert!(checked.stdout.contains("speakers.scene: "), "the good one is checked too: {checked:?}");
+    assert!(checked.stdout.contains("speakers.scene: "), "the valid scene is checked as well: {checked:?}");
     place.run(&["eval", "bad.scene", "--at", "0,0,0"]).refused_with_details(&["bad.scene:2:11"]);
 }
 
 #[test]
-fn a_scene_that_could_not_be_read_hid_those_after_it() {
+fn scenes_after_an_unreadable_one_are_checked() {
     let place = Workplace::new();
     place.write("bad.scene", "lngth(p) - 1");
     let checked = place.run(&["check", "none.scene", "bad.scene", "gone.scene", "speakers"]);
     assert_eq!(checked.code, 1, "{checked:?}");
     checked.assert_advises();
     for part in ["none.scene cannot be read", "gone.scene cannot be read", "a scene has mistakes"] {
-        assert!(checked.stderr.contains(part), "'{part}' is not told: {checked:?}");
+        assert!(checked.stderr.contains(part), "'{part}' is missing: {checked:?}");
     }
     for part in ["bad.scene:1:1", "speakers.scene: "] {
-        assert!(checked.stdout.contains(part), "'{part}' is not told: {checked:?}");
+        assert!(checked.stdout.contains(part), "'{part}' is missing: {checked:?}");
     }
     let checked = place.run(&["check", "none.scene", "speakers"]);
     assert_eq!(checked.code, 1, "{checked:?}");
@@ -103,7 +103,7 @@ fn a_scene_that_could_not_be_read_hid_those_after_it() {
 }
 
 #[test]
-fn a_picture_that_is_not_there_is_a_mistake_with_its_place() {
+fn a_missing_texture_is_a_mistake_with_its_position() {
     let place = Workplace::new();
     place.write(
         "own.scene",
@@ -112,12 +112,12 @@ fn a_picture_that_is_not_there_is_a_mistake_with_its_place() {
     let checked = place.run(&["check", "own.scene"]);
     assert_eq!(checked.code, 1, "{checked:?}");
     for part in ["own.scene:1:", "wod.png", "wood.png"] {
-        assert!(checked.stdout.contains(part), "'{part}' is not told: {checked:?}");
+        assert!(checked.stdout.contains(part), "'{part}' is missing: {checked:?}");
     }
 }
 
 #[test]
-fn rubbish_is_refused_with_a_sentence_and_in_time() {
+fn invalid_input_is_refused_with_a_message_and_in_time() {
     let place = Workplace::new();
     place.write("nested.scene", "(".repeat(100_000) + "x" + &")".repeat(100_000));
     place.write("binary.scene", [0xff, 0x00, 0xfe, b'x']);
@@ -142,7 +142,7 @@ fn rubbish_is_refused_with_a_sentence_and_in_time() {
 }
 
 #[test]
-fn a_scene_that_cannot_be_shown_at_the_start_ends_the_program_with_what_is_wrong() {
+fn a_broken_first_scene_ends_the_program_with_its_mistakes() {
     let place = Workplace::new();
     place.write_tone("song.wav", 440.0, 0.1, [0.5, 0.5]);
     place.write("broken.scene", "object wall { shape = 5 - p.z }\nobject ball { shape = vec3(1, 0 0) }\n");

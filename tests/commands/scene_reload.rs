@@ -1,4 +1,4 @@
-//! A scene is saved, in all the ways in which editors save, and loaded again: once, whole, and only if it changed.
+//! Reloading a saved scene: once per save, whole, and only if it changed, however the editor saves.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -20,10 +20,10 @@ use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use tempfile::TempDir;
 
 const WAIT_LIMIT: Duration = Duration::from_secs(60);
-/// For how long nothing is loaded where nothing should be: many times what a loader takes.
+/// The time for which nothing must be loaded: many times longer than the loader needs.
 const STILLNESS: Duration = Duration::from_millis(200);
 
-/// What a test sees of a scene: its distance at (0, 0, 0) and the widths of its pictures, or what is wrong.
+/// The loaded scene in these tests: the distance at (0, 0, 0) and the widths of the textures, or the errors.
 type Seen = Result<(f32, Vec<u32>), String>;
 
 struct Place {
@@ -58,7 +58,7 @@ impl Place {
             count.fetch_add(1, Ordering::SeqCst);
             load(source, &mut cache)
         };
-        // The end of a test may come before that of the thread.
+        // The test may end before the thread.
         let loader = Loader::start(load, move || wake.send(()).unwrap_or_default()).unwrap();
         let place = Self { folder: tempfile::tempdir().unwrap(), loader, woken, loads };
         fs::create_dir(place.folder.path().join("scenes")).unwrap();
@@ -73,7 +73,7 @@ impl Place {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// Writes a file as if long ago, so that nobody takes it for one that changes just now.
+    /// Writes a file with an old modification time, so that it does not count as just modified.
     fn old(&self, name: &str, bytes: impl AsRef<[u8]>) {
         self.write(name, bytes);
         let file = fs::File::options().append(true).open(self.path(name)).unwrap();
@@ -94,14 +94,14 @@ impl Place {
         loop {
             let left = until.saturating_duration_since(Instant::now());
             self.woken.recv_timeout(left).expect("nothing was loaded");
-            // A wake may be left over from a result that a newer one took the place of.
+            // A wake-up may belong to a result that a newer one has replaced.
             if let Some(loaded) = self.loader.poll() {
                 return loaded;
             }
         }
     }
 
-    /// Waits for a scene at this distance; meanwhile there may be others.
+    /// Waits for a scene with this distance, ignoring other results.
     #[track_caller]
     fn comes_to(&self, distance: f32) {
         let until = Instant::now() + WAIT_LIMIT;
@@ -110,11 +110,11 @@ impl Place {
             if last == Ok((distance, vec![])) {
                 return;
             }
-            assert!(Instant::now() < until, "the last was {last:?}");
+            assert!(Instant::now() < until, "the last result was {last:?}");
         }
     }
 
-    /// The next result is a scene at this distance, and `loads` were needed from the beginning.
+    /// Fails unless the next result is a scene with this distance, after `loads` loads in total.
     #[track_caller]
     fn shows(&self, distance: f32, loads: usize) {
         assert_eq!(self.result().value, Ok((distance, vec![])));
@@ -125,12 +125,12 @@ impl Place {
     fn stays_still(&self) {
         let loads = self.loads.load(Ordering::SeqCst);
         sleep(STILLNESS);
-        assert_eq!(self.loads.load(Ordering::SeqCst), loads, "something was loaded again");
+        assert_eq!(self.loads.load(Ordering::SeqCst), loads, "a scene was loaded again");
         assert_eq!(self.loader.poll(), None);
     }
 }
 
-/// A formula at this distance from (0, 0, 0).
+/// A formula with this distance at (0, 0, 0).
 fn at(distance: f32) -> String {
     format!("length(p) + {distance}\n")
 }
@@ -171,7 +171,7 @@ fn a_save_by_rename_is_loaded_once() {
     place.stays_still();
 }
 
-/// vim: moves the file aside, writes another, deletes the old one. Emacs: copies it aside and writes in place.
+/// vim renames the file, writes a new one and deletes the old one. Emacs copies the file and overwrites it.
 #[test]
 fn saves_with_backups_are_loaded_once() {
     let place = Place::new();
@@ -191,7 +191,7 @@ fn saves_with_backups_are_loaded_once() {
 }
 
 #[test]
-fn a_file_that_is_deleted_and_created_again_is_loaded_once() {
+fn a_deleted_and_recreated_file_is_loaded_once() {
     let place = Place::new();
     place.begin(&at(1.0));
     for save in [2_u8, 3] {
@@ -204,17 +204,17 @@ fn a_file_that_is_deleted_and_created_again_is_loaded_once() {
 }
 
 #[test]
-fn a_file_that_is_written_in_two_halves_ends_whole() {
+fn a_file_written_in_two_halves_is_loaded_whole() {
     let place = Place::new();
     place.begin(&at(1.0));
-    // Kept open in between.
+    // The file stays open in between.
     let mut file = fs::File::create(place.path("main.scene")).unwrap();
     file.write_all(b"length(p) +").unwrap();
     sleep(Duration::from_millis(50));
     file.write_all(b" 2").unwrap();
     drop(file);
     place.comes_to(2.0);
-    // Closed in between: nobody can know that more will come.
+    // The file is closed in between, so the loader cannot know that more follows.
     place.write("main.scene", "length(p) +");
     sleep(Duration::from_millis(100));
     let mut file = fs::File::options().append(true).open(place.path("main.scene")).unwrap();
@@ -224,11 +224,11 @@ fn a_file_that_is_written_in_two_halves_ends_whole() {
 }
 
 #[test]
-fn the_last_of_two_hundred_saves_is_what_is_shown() {
+fn the_last_of_two_hundred_saves_is_loaded() {
     let place = Place::new();
     place.begin(&at(0.0));
     for save in 1..=200_u8 {
-        // Half of them by rename; all of one length, so that only the bytes tell them apart.
+        // Half of the saves by rename. All texts have the same length, so that they differ only in their bytes.
         let text = format!("length(p) + {save:03}\n");
         if save % 2 == 0 {
             place.write("main.scene", text);
@@ -239,18 +239,18 @@ fn the_last_of_two_hundred_saves_is_what_is_shown() {
     }
     place.comes_to(200.0);
     place.stays_still();
-    assert!(place.loads.load(Ordering::SeqCst) < 200, "saves in a burst were not gathered");
+    assert!(place.loads.load(Ordering::SeqCst) < 200, "saves in a burst were not combined");
 }
 
 #[test]
-fn what_changes_nothing_loads_nothing() {
+fn saves_without_changes_load_nothing() {
     let place = Place::new();
     place.begin(&at(1.0));
     place.write("other.scene", at(5.0));
     place.write("main.scene~", at(5.0));
     fs::create_dir(place.path("sub")).unwrap();
     place.stays_still();
-    // Saved without a change, touched, renamed there and back.
+    // Saved without a change, touched, renamed and renamed back.
     place.write("main.scene", at(1.0));
     let file = fs::File::options().append(true).open(place.path("main.scene")).unwrap();
     file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
@@ -263,7 +263,7 @@ fn what_changes_nothing_loads_nothing() {
 }
 
 #[test]
-fn a_mistake_is_shown_and_its_correction_too() {
+fn a_mistake_and_its_correction_are_loaded() {
     let place = Place::new();
     place.begin(&at(1.0));
     place.write("main.scene", "length(p) + zz");
@@ -291,7 +291,7 @@ fn a_changed_include_loads_the_scene_again() {
     place.shows(12.0, 2);
     place.write("deeper.scene", "let deeper = 20");
     place.shows(22.0, 3);
-    // What is included no more is not watched any more.
+    // A file is not watched any more once it is not included.
     place.write("main.scene", at(1.0));
     place.shows(1.0, 4);
     place.write("deeper.scene", "let deeper = 30");
@@ -299,7 +299,7 @@ fn a_changed_include_loads_the_scene_again() {
 }
 
 #[test]
-fn an_include_that_is_missing_mends_the_scene_when_it_is_created() {
+fn creating_a_missing_include_mends_the_scene() {
     let place = Place::new();
     let text = "include \"part.scene\"\ninclude \"new/folder/far.scene\"\nlength(p) + part + far";
     let wrong = place.begin(text).value.unwrap_err();
@@ -307,7 +307,7 @@ fn an_include_that_is_missing_mends_the_scene_when_it_is_created() {
     place.write("part.scene", "let part = 1");
     let wrong = place.result().value.unwrap_err();
     assert!(!wrong.contains("`part.scene`") && wrong.contains("`new/folder/far.scene`"), "{wrong}");
-    // The folders were not there to be watched.
+    // These folders did not exist when the scene was loaded.
     fs::create_dir_all(place.path("new/folder")).unwrap();
     sleep(Duration::from_millis(50));
     place.write("new/folder/far.scene", "let far = 2");
@@ -331,7 +331,7 @@ fn a_replaced_texture_loads_the_scene_again() {
 }
 
 #[test]
-fn a_texture_that_is_missing_mends_the_scene_when_it_is_created() {
+fn creating_a_missing_texture_mends_the_scene() {
     let place = Place::new();
     let wrong = place.begin(TEXTURED).value.unwrap_err();
     assert!(wrong.contains("there is no image `a.png`"), "{wrong}");
@@ -340,7 +340,7 @@ fn a_texture_that_is_missing_mends_the_scene_when_it_is_created() {
 }
 
 #[test]
-fn a_scene_behind_links_is_watched_where_it_lies() {
+fn a_scene_behind_links_is_watched_at_its_target() {
     let place = Place::new();
     fs::create_dir(place.folder.path().join("dotfiles")).unwrap();
     let real = place.folder.path().join("dotfiles/real.scene");
@@ -351,7 +351,7 @@ fn a_scene_behind_links_is_watched_where_it_lies() {
     place.shows(1.0, 1);
     fs::write(&real, at(2.0)).unwrap();
     place.shows(2.0, 2);
-    // A link on the way is led elsewhere.
+    // A link in the chain gets another target.
     fs::write(place.folder.path().join("dotfiles/other.scene"), at(3.0)).unwrap();
     symlink("../dotfiles/other.scene", place.path("next")).unwrap();
     fs::rename(place.path("next"), place.path("link.scene")).unwrap();
@@ -359,7 +359,7 @@ fn a_scene_behind_links_is_watched_where_it_lies() {
 }
 
 #[test]
-fn a_folder_that_is_replaced_is_watched_again() {
+fn a_replaced_folder_is_watched_again() {
     let place = Place::new();
     place.begin(&at(1.0));
     let scenes = place.path("");
@@ -370,7 +370,7 @@ fn a_folder_that_is_replaced_is_watched_again() {
     place.shows(2.0, 2);
     place.write("main.scene", at(3.0));
     place.shows(3.0, 3);
-    // The number of a folder that is deleted is given to the next one.
+    // The new folder gets the inode number of the deleted one.
     fs::remove_dir_all(&scenes).unwrap();
     fs::create_dir(&scenes).unwrap();
     place.write("main.scene", at(4.0));
@@ -393,14 +393,14 @@ fn only_the_last_request_is_watched() {
     place.loader.request(SceneSource::Shipped("speakers".into()));
     let shipped = place.result();
     assert_eq!((shipped.value.unwrap().1.len(), shipped.files), (2, vec![]));
-    // The same again, as for a key that asks for it.
+    // The same request again, as if a key repeats it.
     place.loader.request(SceneSource::Shipped("speakers".into()));
     assert!(place.result().value.is_ok());
 }
 
-/// The loader is held in its first load while more is asked for.
+/// Holds the loader in its first load during further requests.
 #[test]
-fn a_request_that_was_not_begun_is_replaced() {
+fn a_waiting_request_is_replaced() {
     let (begun, begins) = channel();
     let (release, held) = channel::<()>();
     let load = move |source: &SceneSource| {
@@ -427,9 +427,9 @@ fn a_request_that_was_not_begun_is_replaced() {
     assert_eq!(loader.poll(), None);
 }
 
-/// What the loader's function holds is dropped with the thread.
+/// The thread drops everything that its load function owns.
 #[test]
-fn a_loader_that_is_dropped_ends_its_thread() {
+fn dropping_the_loader_ends_its_thread() {
     let folder = tempfile::tempdir().unwrap();
     let path: &Path = &folder.path().join("main.scene");
     fs::write(path, at(1.0)).unwrap();

@@ -1,5 +1,4 @@
-//! The pictures that a scene gets: from its own folder and nowhere else, or shipped ones; and what it is told of those
-//! that it does not get.
+//! The textures of a scene, from its own folder or from the shipped ones, and the errors for other files.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -33,7 +32,7 @@ impl Place {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// A scene file that reads these pictures, compiled.
+    /// A compiled scene file that reads these textures.
     fn scene(&self, textures: &[&str]) -> (SceneSource, Compiled) {
         self.write("main.scene", text(textures));
         let source = SceneSource::File(self.path("main.scene"));
@@ -56,7 +55,7 @@ impl Place {
     }
 }
 
-/// A scene whose material is the sum of these pictures, a line each from the second on.
+/// A scene whose material is the sum of these textures, one per line from the second line on.
 fn text(textures: &[&str]) -> String {
     let reads: Vec<String> = textures.iter().map(|name| format!("texture(\"{name}\", p.xy).rgb")).collect();
     let color = reads.join("\n  + ");
@@ -87,7 +86,7 @@ fn asset(name: &str) -> RgbaImage {
 }
 
 #[test]
-fn png_and_jpeg_are_read_from_the_scenes_folder_by_what_they_hold() {
+fn png_and_jpeg_are_recognized_by_their_contents() {
     let place = Place::new();
     place.write("a.png", png(3, 2));
     place.write("sub/b.jpg", jpeg(16, 8));
@@ -102,9 +101,9 @@ fn png_and_jpeg_are_read_from_the_scenes_folder_by_what_they_hold() {
     }
 }
 
-/// The picture of a camera that was held upright lies on its side, and its header says so.
+/// A photograph that was taken upright is stored rotated, with the rotation in its header.
 #[test]
-fn a_photograph_stands_as_it_was_taken() {
+fn a_photograph_is_rotated_as_its_header_says() {
     let place = Place::new();
     let plain = jpeg(16, 8);
     // APP1 with an Exif block of one entry: orientation 6, a quarter turn.
@@ -119,7 +118,7 @@ fn a_photograph_stands_as_it_was_taken() {
 }
 
 #[test]
-fn shipped_scenes_and_formulas_read_shipped_pictures() {
+fn shipped_scenes_and_formulas_read_shipped_textures() {
     let speakers = SceneSource::Shipped("speakers".into());
     let scene = speakers.compile().unwrap().scene.unwrap();
     let names: Vec<&str> = scene.textures.iter().map(|texture| texture.name.as_str()).collect();
@@ -136,18 +135,18 @@ fn shipped_scenes_and_formulas_read_shipped_pictures() {
 }
 
 #[test]
-fn a_copy_of_a_shipped_scene_finds_shipped_pictures_unless_its_folder_has_its_own() {
+fn files_in_the_folder_take_precedence_over_shipped_textures() {
     let place = Place::new();
     assert!(*place.textures(&["wood.png"]).unwrap()[0] == asset("wood.png"));
     place.write("wood.png", png(2, 2));
     assert_eq!(place.textures(&["wood.png"]).unwrap()[0].dimensions(), (2, 2));
-    // One's own that is broken is not passed over in silence.
+    // A broken file in the folder is reported, not skipped.
     place.write("wood.png", "none");
     assert_eq!(place.refused("wood.png").1, "`wood.png` is not an image in a known format");
 }
 
 #[test]
-fn a_missing_picture_is_told_with_what_may_be_meant() {
+fn a_missing_texture_is_reported_with_a_suggestion() {
     let place = Place::new();
     place.write("tiger.jpeg", jpeg(8, 8));
     place.write("sub/leaf.png", png(1, 1));
@@ -164,7 +163,7 @@ fn a_missing_picture_is_told_with_what_may_be_meant() {
 }
 
 #[test]
-fn every_refusal_has_its_own_sentence() {
+fn every_refusal_has_its_own_message() {
     let place = Place::new();
     place.write("text.png", "this is no picture");
     place.write("gif.png", b"GIF89a\x01\0\x01\0\0\0\0;");
@@ -200,13 +199,13 @@ fn every_refusal_has_its_own_sentence() {
 }
 
 #[test]
-fn a_picture_that_is_too_large_is_refused_by_its_header() {
+fn a_too_large_texture_is_refused_by_its_header() {
     let place = Place::new();
     let side = LIMITS.texture_side_max;
     place.write("side.png", png(side, 1));
     assert_eq!(place.textures(&["side.png"]).unwrap()[0].dimensions(), (side, 1));
     let too_wide = png(side + 1, 1);
-    // Behind the header comes nothing: who decodes it finds it damaged.
+    // The file ends after its header, so decoding it would report damage.
     for bytes in [&too_wide[..], &too_wide[..45]] {
         place.write("wide.png", bytes);
         let (fault, message, hint) = place.refused("wide.png");
@@ -222,7 +221,7 @@ fn a_picture_that_is_too_large_is_refused_by_its_header() {
 
 #[cfg(unix)]
 #[test]
-fn nothing_outside_of_the_folder_is_read() {
+fn no_file_outside_of_the_folder_is_read() {
     use std::os::unix::fs::symlink;
     let place = Place::new();
     fs::write(place.0.path().join("outside.png"), png(1, 1)).unwrap();
@@ -230,7 +229,7 @@ fn nothing_outside_of_the_folder_is_read() {
     symlink("../outside.png", place.path("link.png")).unwrap();
     symlink("..", place.path("up")).unwrap();
     symlink("own.png", place.path("alias.png")).unwrap();
-    // Nor is a shipped one taken for one that leads out.
+    // A link out of the folder is not replaced by a shipped texture.
     symlink("../outside.png", place.path("wood.png")).unwrap();
     for name in ["link.png", "up/outside.png", "wood.png"] {
         let (fault, message, hint) = place.refused(name);
@@ -249,7 +248,7 @@ fn nothing_outside_of_the_folder_is_read() {
 }
 
 #[test]
-fn all_that_is_wrong_is_shown_where_the_text_asks_for_it() {
+fn all_texture_errors_are_shown_with_their_positions() {
     let place = Place::new();
     place.write("good.png", png(1, 1));
     place.write("bad.png", "none");
@@ -268,7 +267,7 @@ fn all_that_is_wrong_is_shown_where_the_text_asks_for_it() {
 }
 
 #[test]
-fn a_cache_decodes_again_only_what_has_changed() {
+fn the_cache_decodes_only_changed_textures_again() {
     let place = Place::new();
     place.write("a.png", png(2, 2));
     place.write("b.png", png(3, 3));
@@ -282,10 +281,10 @@ fn a_cache_decodes_again_only_what_has_changed() {
     let second = load(&["b.png", "a.png"]).unwrap();
     assert!(Arc::ptr_eq(&first[0], &second[1]));
     assert_eq!(second[0].dimensions(), (5, 5));
-    // Another that cannot be read costs nothing of what can.
+    // Another texture's error does not clear the cache.
     assert!(load(&["a.png", "none.png"]).is_err());
     assert!(Arc::ptr_eq(&first[0], &load(&["a.png"]).unwrap()[0]));
-    // What no scene reads any more is not kept.
+    // Unused textures are dropped.
     let weak = Arc::downgrade(&first[1]);
     drop((first, second));
     assert!(weak.upgrade().is_none());

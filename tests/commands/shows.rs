@@ -1,4 +1,4 @@
-//! Shows: written down, rendered, and what is wrong with them.
+//! Shows: writing, rendering, and their mistakes.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -8,7 +8,7 @@ use mariana::srgb::linear;
 
 const LOOK: [&str; 2] = ["--size", "48x27"];
 
-/// A ball of a colour, of a size that is a parameter, above a floor; and a camera that is nearer.
+/// Writes a scene with a coloured ball above a floor, a parameter for its size, and a second, nearer camera.
 fn write_ball(place: &Workplace, name: &str, colour: &str, energy: &str) {
     let text = format!(
         "about {{ energy = {energy} }}\nparam size = 1 in 0.2 .. 2\n\
@@ -29,14 +29,14 @@ fn place_with_balls() -> Workplace {
     place
 }
 
-/// The bytes of a still.
+/// Renders a still and returns its bytes.
 fn still(place: &Workplace, arguments: &[&str]) -> Vec<u8> {
     place.run(&[&["still"], arguments, &LOOK[..], &["-o", "still.png"]].concat()).done();
     place.read("still.png")
 }
 
 #[test]
-fn a_video_of_a_show_is_made_of_the_stills_of_its_moments() {
+fn a_video_of_a_show_equals_its_stills() {
     let place = place_with_balls();
     place.write(
         "my.show",
@@ -47,25 +47,25 @@ fn a_video_of_a_show_is_made_of_the_stills_of_its_moments() {
     place.run(&[&video[..], &LOOK[..], &["-o", "out/"]].concat()).done();
     let frame = |time: f64| place.read(&format!("out/frame-{:05}.png", (2.0 * time) as usize));
     let at = |time: f64| still(&place, &["--show", "my.show", "--at", &time.to_string()]);
-    // A melt, a fade, a portal, a cut, and between them.
+    // A melt, a fade, a portal, a cut, and times between them.
     for time in [0.0, 2.0, 3.0, 3.5, 5.0, 6.5, 9.5, 10.5, 12.0] {
         assert!(frame(time) == at(time), "the moment {time}");
     }
-    // A transition begins with the picture of what goes, and ends with that of what comes.
+    // A transition begins with the frame of the old scene and ends with the frame of the new one.
     let alone = |scene: &str, time: &str, set: &[&str]| {
         still(&place, &[&["--scene", scene, "--at", time], set].concat())
     };
     assert!(frame(2.0) == alone("red.scene", "2", &[]));
     assert!(frame(8.0) == alone("blue.scene", "8", &[]));
     assert!(frame(9.0) == alone("blue.scene", "9", &[]));
-    // Between them it is neither, and a parameter has moved.
+    // In between, the frame equals neither scene, and a parameter moves.
     assert!(frame(3.0) != alone("red.scene", "3", &[]) && frame(3.0) != alone("green.scene", "3", &[]));
     let (moved, at_rest) = (frame(5.5), frame(6.0));
-    assert!(moved != at_rest && frame(11.5) != alone("red.scene", "11.5", &[]), "another camera sees it");
+    assert!(moved != at_rest && frame(11.5) != alone("red.scene", "11.5", &[]), "another camera is used");
 }
 
 #[test]
-fn a_show_dims_and_holds_pictures_whatever_scene_is_on() {
+fn a_show_dims_and_freezes_frames_of_any_scene() {
     let place = place_with_balls();
     place.write(
         "dark.show",
@@ -85,14 +85,14 @@ fn a_show_dims_and_holds_pictures_whatever_scene_is_on() {
         assert!(frame(time) == at(time), "the moment {time}");
     }
     let alone = |scene: &str, time: &str| still(&place, &["--scene", scene, "--at", time]);
-    // The picture of its moment is held, also when another scene comes, and fades into what is on then.
+    // The frozen frame stays when another scene starts, and fades to the current scene at its end.
     let held = frame(1.0);
     assert!(frame(0.5) != held && [1.0, 2.5, 3.5].iter().all(|time| frame(*time) == held));
     assert!(frame(5.0) != held && frame(5.0) != alone("green.scene", "5"));
     assert!(frame(6.5) == alone("green.scene", "6.5"));
     video(&["--start", "2.5", "--duration", "1"], "late/");
-    assert!(place.read("late/frame-00000.png") == held, "a video may begin while a picture is held");
-    // Half the light is left half way, and none until it is set again.
+    assert!(place.read("late/frame-00000.png") == held, "a video may begin during a freeze");
+    // Halfway, half of the light is left. Then the frame stays black until the brightness is set again.
     let light = |picture: Vec<u8>| {
         let picture = image::load_from_memory(&picture).unwrap().to_rgb8();
         let sum =
@@ -106,10 +106,10 @@ fn a_show_dims_and_holds_pictures_whatever_scene_is_on() {
 }
 
 #[test]
-fn what_the_director_chose_is_written_down_and_is_the_same_show() {
+fn the_directors_show_can_be_written_and_rendered_again() {
     let place = place_with_balls();
     let scenes = ["--scene", "red.scene", "--scene", "green.scene", "--scene", "blue.scene"];
-    // The demo track: its sections follow each other in less than half a minute.
+    // The demo track's sections are shorter than half a minute.
     place.run(&[&["show", "-o", "demo.show"], &scenes[..]].concat()).done();
     let text = String::from_utf8(place.read("demo.show")).unwrap();
     assert!(text.starts_with("# A show for") && text.matches("\nat ").count() > 4, "{text}");
@@ -126,7 +126,7 @@ fn what_the_director_chose_is_written_down_and_is_the_same_show() {
 }
 
 #[test]
-fn a_show_of_which_the_song_has_nothing_drew_nothing() {
+fn a_show_without_a_matching_cue_is_refused() {
     let place = place_with_balls();
     place.write_tone("one.wav", 440.0, 2.0, [0.5, 0.5]);
     place.write("foreign.show", "at section Q 2 red.scene\nat drop 7 green.scene\n");
@@ -137,12 +137,12 @@ fn a_show_of_which_the_song_has_nothing_drew_nothing() {
         place.run(&[&[job], &show[..], &["-o", output]].concat()).refused_with_details(&reported);
         assert!(!place.path(output).exists(), "{output}");
     }
-    // Of cues alone, which wait for keys.
+    // Cues that wait for keys are not enough.
     place.write("cues.show", "at cue red.scene\nat cue green.scene\n");
     let outcome = place.run(&["video", "one.wav", "--show", "cues.show", "-o", "a.mp4"]);
     assert!(outcome.code == 1 && outcome.stderr.contains("only a window has"), "{outcome:?}");
     assert!(!place.path("a.mp4").exists());
-    // No scene is left for the director.
+    // The director has no scene left.
     place.write("bad.scene", "lngth(p)");
     let outcome = place.run(&["video", "one.wav", "--show", "auto", "--scene", "bad.scene", "-o", "a.mp4"]);
     assert!(outcome.code == 1 && outcome.stderr.contains("no scene to show"), "{outcome:?}");
@@ -150,7 +150,7 @@ fn a_show_of_which_the_song_has_nothing_drew_nothing() {
 }
 
 #[test]
-fn mistakes_of_a_show_were_told_one_at_a_time_and_some_without_a_line() {
+fn all_mistakes_of_a_show_are_reported_with_their_lines() {
     let place = place_with_balls();
     place.write("bad.scene", "lngth(p)");
     place.write(
@@ -174,7 +174,7 @@ fn mistakes_of_a_show_were_told_one_at_a_time_and_some_without_a_line() {
 }
 
 #[test]
-fn what_is_wrong_with_a_show_is_told_with_its_place() {
+fn mistakes_of_a_show_are_reported_with_their_positions() {
     let place = place_with_balls();
     let refused = |text: &str, parts: &[&str]| {
         place.write("bad.show", text);
@@ -190,11 +190,11 @@ fn what_is_wrong_with_a_show_is_told_with_its_place() {
     );
     refused("at start red.scene camera far\n", &["`far`", "its cameras are near"]);
     place.run(&["video", "--show", "none.show", "-o", "a.mp4"]).refused(&["none.show"]);
-    // What the song does not have costs a sentence, not the video.
+    // A cue that the song does not have is reported, and the rest is rendered.
     place.write("some.show", "at start red.scene\nat section Q green.scene\nat 0 s blue.scene cut\n");
     let outcome = place.run(&["still", "--show", "some.show", "-o", "a.png"]);
     assert!(outcome.code == 0 && outcome.stderr.contains("the song has no section Q"), "{outcome:?}");
-    // A song of silence has a show, too.
+    // A silent song has a show as well.
     place.write_tone("silence.wav", 440.0, 3.0, [0.0; 2]);
     place.run(&["show", "silence.wav", "--scene", "red.scene", "-o", "silence.show"]).done();
     let text = String::from_utf8(place.read("silence.show")).unwrap();

@@ -1,4 +1,4 @@
-//! Numbers of the whole song in scenes: the same for stills, videos and text, and nothing where nothing is known.
+//! Values of the whole song in scenes: equal for stills, videos and text, and neutral if unknown.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -8,7 +8,7 @@ use serde_json::Value;
 
 const LOOK: [&str; 4] = ["--size", "32x18", "--tone-map", "none"];
 
-/// A wall that shines in three numbers.
+/// A wall whose colour depends on three values.
 fn write_wall(place: &Workplace, name: &str, colour: &str) {
     let text = format!(
         "material paint {{ color = 0  roughness = 1  emission = {colour} }}\n\
@@ -19,7 +19,7 @@ fn write_wall(place: &Workplace, name: &str, colour: &str) {
     place.write(name, text);
 }
 
-/// The colour in the middle of a picture.
+/// The colour in the middle of an image.
 fn colour(place: &Workplace, name: &str) -> [u8; 3] {
     let picture = image::load_from_memory(&place.read(name)).unwrap().to_rgb8();
     picture.get_pixel(16, 9).0
@@ -31,26 +31,30 @@ fn srgb(light: f64) -> f64 {
 }
 
 #[test]
-fn stills_videos_and_text_know_the_same_of_a_song() {
+fn stills_videos_and_text_have_the_same_song_values() {
     let place = Workplace::new();
-    // A pitch class that is computed for each point, too.
+    // The pitch class is computed at each point.
     write_wall(&place, "song.scene", "vec3(progress, build, chroma(7.5 + 0.02 * p.x))");
     let run = |arguments: &[&str]| place.run(&[arguments, &LOOK[..]].concat()).done();
     run(&["still", "song.scene", "--at", "20.5", "-o", "first.png"]);
     let kept = colour(&place, "first.png");
-    // What was found out is kept from now on, and is the same.
+    // The analysis is cached now; the result stays the same.
     run(&["still", "song.scene", "--at", "20.5", "-o", "again.png"]);
     assert_eq!(place.read("first.png"), place.read("again.png"));
     let video = ["--start", "20.4", "--duration", "0.2", "--fps", "10", "-o", "out/"];
     run(&[&["video", "song.scene"], &video[..]].concat());
     assert_eq!(colour(&place, "out/frame-00001.png"), kept);
-    assert_ne!(colour(&place, "out/frame-00000.png"), kept, "the song goes on");
+    assert_ne!(colour(&place, "out/frame-00000.png"), kept, "the values do not change with time");
     let moment = ["--start", "20.5", "--duration", "0.01", "--json"];
     let text = place.run(&[&["analyze", "--song"], &moment[..]].concat()).done();
     let reported: Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
     let numbers =
         [&reported["progress"], &reported["build"], &reported["chroma"][7]].map(|it| it.as_f64().unwrap());
-    assert!(numbers.iter().all(|number| (0.05..=1.0).contains(number)), "a moment of a build: {numbers:?}");
+    assert!(
+        numbers.iter().all(|number| (0.05..=1.0).contains(number)),
+        "the values are not those of a \
+        build: {numbers:?}"
+    );
     for (shown, number) in kept.iter().zip(numbers) {
         assert!((f64::from(*shown) - srgb(number)).abs() <= 1.0, "{kept:?} shows {numbers:?}");
     }
@@ -59,7 +63,7 @@ fn stills_videos_and_text_know_the_same_of_a_song() {
 }
 
 #[test]
-fn a_song_of_which_nothing_is_known_is_neutral_and_breaks_nothing() {
+fn a_song_without_structure_has_neutral_values() {
     let place = Workplace::new();
     write_wall(&place, "song.scene", "vec3(section + beat_in_bar + energy, 0.5, chroma(0) + key + drop)");
     place.write_tone("silence.wav", 440.0, 3.0, [0.0; 2]);
@@ -70,10 +74,10 @@ fn a_song_of_which_nothing_is_known_is_neutral_and_breaks_nothing() {
     };
     let [red, green, blue] = still("silence.wav", &[]);
     assert!(red == 0 && green > 150 && blue == 0);
-    // Any of them can be held.
+    // Each value can be set by hand.
     let [red, _, blue] = still("silence.wav", &["--set", "section=1", "--set", "chroma(0)=1"]);
     assert!(red > 250 && blue > 250);
-    // Half of a file is a song, too.
+    // A truncated file is still a song.
     place.write_tone("tone.wav", 440.0, 6.0, [0.5; 2]);
     let bytes = place.read("tone.wav");
     place.write("tone.wav", &bytes[..bytes.len() / 2]);

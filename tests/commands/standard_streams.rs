@@ -1,4 +1,4 @@
-//! What comes by standard input, words that were nearly right, and what editors and terminals are told.
+//! Standard input, misspelt arguments, and output for editors and terminals.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
@@ -17,7 +17,7 @@ fn fed(place: &Workplace, file: &str, arguments: &[&str]) -> Outcome {
 }
 
 #[test]
-fn songs_of_every_format_come_by_standard_input() {
+fn songs_of_every_format_are_read_from_standard_input() {
     let place = Workplace::new();
     place.write_tone("tone.wav", 1000.0, 1.0, [0.5, 0.25]);
     for format in FORMATS {
@@ -41,7 +41,7 @@ fn songs_of_every_format_come_by_standard_input() {
 }
 
 #[test]
-fn points_come_by_standard_input() {
+fn points_are_read_from_standard_input() {
     let place = Workplace::new();
     place.write("points.csv", "0,2,0\n3,0,4\n");
     assert_eq!(fed(&place, "points.csv", &["eval", "length(p)", "--points", "-"]).done(), "2\n5\n");
@@ -51,7 +51,7 @@ fn points_come_by_standard_input() {
 }
 
 #[test]
-fn scenes_come_by_standard_input() {
+fn scenes_are_read_from_standard_input() {
     let place = Workplace::new();
     place.write("ball.scene", "fn ball(p) { length(p) - 1 }");
     place.write("text", "include \"ball.scene\"\nobject o { shape = ball(p) + tiem }\n");
@@ -72,17 +72,17 @@ fn scenes_come_by_standard_input() {
 }
 
 #[test]
-fn a_misspelt_command_was_a_song_that_is_missing() {
+fn a_misspelt_command_gets_a_suggestion() {
     let place = Workplace::new();
     place.run(&["stil", "song.ogg", "--at", "3"]).refused_arguments("'stil'", &["did you mean 'still'"]);
     place.run(&["vidoe"]).refused_arguments("'vidoe'", &["did you mean 'video'"]);
-    // A file of that name is a song.
+    // If a file has that name, the argument is a song.
     place.write("stil", "no music, but words".repeat(100));
     place.run(&["stil"]).refused(&["stil is not an audio file"]);
 }
 
 #[test]
-fn one_missing_song_was_refused_and_two_left_silence() {
+fn missing_songs_are_refused() {
     let place = Workplace::new();
     place.write_tone("one.wav", 440.0, 0.5, [0.5, 0.5]);
     place.run(&["none.ogg"]).refused(&["none.ogg does not exist"]);
@@ -91,7 +91,7 @@ fn one_missing_song_was_refused_and_two_left_silence() {
 }
 
 #[test]
-fn a_scene_beside_a_song_was_refused_as_a_song() {
+fn scenes_and_songs_can_be_combined_as_arguments() {
     let place = Workplace::new();
     place.write("my.scene", "length(p) - 1");
     place.write("mine.scene", "length(p) - 2");
@@ -105,7 +105,7 @@ fn a_scene_beside_a_song_was_refused_as_a_song() {
     assert!(still(&["one.wav", "my.scene"], "b.png") == by_flag);
     assert!(still(&["my.scene", "one.wav"], "c.png") == by_flag);
     assert!(still(&["one.wav"], "d.png") != by_flag);
-    // The window takes them, too; there is none here.
+    // The player takes them as well, but cannot open a window here.
     place.run(&["my.scene"]).refused(&["window"]);
     place.run(&["one.wav", "my.scene"]).refused(&["window"]);
     let refused = |arguments: &[&str], parts: &[&str]| {
@@ -118,7 +118,7 @@ fn a_scene_beside_a_song_was_refused_as_a_song() {
 }
 
 #[test]
-fn editors_are_told_every_mistake_as_an_object() {
+fn check_prints_every_mistake_as_json() {
     let place = Workplace::new();
     let mistakes = "object a {\n  shape = smoth_union(sphere(p, 1), p.y, 0.2) + foo\n}\n";
     std::fs::create_dir(place.path("sub")).unwrap();
@@ -145,7 +145,7 @@ fn editors_are_told_every_mistake_as_an_object() {
 }
 
 #[test]
-fn the_shipped_scenes_are_listed_with_what_they_show() {
+fn the_shipped_scenes_are_listed_with_descriptions() {
     let place = Workplace::new();
     let list = place.run(&["scenes"]).done();
     for name in mariana::scenes::shipped_names() {
@@ -157,7 +157,7 @@ fn the_shipped_scenes_are_listed_with_what_they_show() {
 }
 
 #[test]
-fn no_color_holds_for_mistakes_on_a_terminal() {
+fn no_color_applies_to_mistakes_on_a_terminal() {
     let place = Workplace::new();
     place.write("bad.scene", "foo + 1");
     for (set, colored) in [(None, true), (Some("1"), false), (Some(""), true)] {
@@ -175,7 +175,7 @@ fn no_color_holds_for_mistakes_on_a_terminal() {
 }
 
 #[test]
-fn ranges_are_told_in_our_words() {
+fn ranges_are_described_in_words() {
     let place = Workplace::new();
     place.run(&["--volume", "101"]).refused_arguments("--volume", &["0 to 100 percent"]);
     place.run(&["--volume", "many"]).refused_arguments("--volume", &["not a whole number"]);
@@ -183,7 +183,7 @@ fn ranges_are_told_in_our_words() {
 }
 
 #[test]
-fn a_songs_structure_is_told_as_text_as_json_and_as_a_page() {
+fn a_songs_structure_is_printed_as_text_json_and_svg() {
     let place = Workplace::new();
     let text = place.run(&["analyze", "--structure"]).done();
     assert!(text.contains("112.5 beats per minute in 4/4"), "{text}");

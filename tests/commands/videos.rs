@@ -1,4 +1,4 @@
-//! Videos as users ask for them: for places, of several scenes, with what the song brings along.
+//! The subcommand `video`: presets for websites, several scenes, tags and covers, codecs and transparency.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -10,7 +10,7 @@ use image::{RgbImage, RgbaImage};
 use mariana_testing::process::output_of;
 use serde_json::Value;
 
-/// Scenes of one colour, which are there at once.
+/// Writes scenes of one colour that are ready at once.
 fn write_colors(place: &Workplace) {
     for (name, color) in [("red", "vec3(0.8, 0, 0)"), ("blue", "vec3(0, 0, 0.8)")] {
         let text = format!(
@@ -24,7 +24,7 @@ fn write_colors(place: &Workplace) {
     }
 }
 
-/// What ffprobe tells of a video.
+/// Runs ffprobe on a video.
 fn probe(place: &Workplace, name: &str) -> Value {
     let mut probe = Command::new("ffprobe");
     probe.args(["-v", "error", "-of", "json", "-show_streams", "-show_format", "-count_frames"]);
@@ -41,7 +41,7 @@ fn still(place: &Workplace, name: &str) -> RgbImage {
     image::load_from_memory(&place.read(name)).unwrap().to_rgb8()
 }
 
-/// Red less blue, in the middle of a picture.
+/// Red minus blue in the middle of an image.
 fn redness(picture: &RgbImage) -> i32 {
     let [red, _, blue] = picture.get_pixel(picture.width() / 2, picture.height() / 2).0;
     i32::from(red) - i32::from(blue)
@@ -65,7 +65,7 @@ fn scenes_follow_each_other_at_their_times() {
 }
 
 #[test]
-fn inputs_are_held_in_stills_and_videos() {
+fn inputs_can_be_set_in_stills_and_videos() {
     let place = Workplace::new();
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
     write_colors(&place);
@@ -88,7 +88,7 @@ fn inputs_are_held_in_stills_and_videos() {
 }
 
 #[test]
-fn a_video_had_neither_the_song_s_tags_nor_its_cover() {
+fn a_video_has_the_songs_tags_and_cover() {
     let place = Workplace::new();
     write_colors(&place);
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
@@ -118,7 +118,7 @@ fn a_video_had_neither_the_song_s_tags_nor_its_cover() {
             assert_eq!(streams(&report, "audio").len(), 1);
         }
     }
-    // A cover that is none costs nobody the video, nor does one of many megapixels.
+    // A damaged cover or one of many megapixels is left out.
     place.ffmpeg(&["-f", "lavfi", "-i", "color=red:s=4100x16", "-frames:v", "1"], "wide.jpg");
     let wide: Vec<&str> =
         cover.iter().map(|word| if *word == "cover.jpg" { "wide.jpg" } else { word }).collect();
@@ -136,8 +136,8 @@ fn a_video_had_neither_the_song_s_tags_nor_its_cover() {
     assert_eq!(streams(&probe(&place, "v.mp4"), "video").len(), 1);
 }
 
-/// An ID3 tag, an HLS playlist that names `other`, and an MP3: ffmpeg takes it for a playlist unless it is told
-/// otherwise.
+/// Writes a file that consists of an ID3 tag, an HLS playlist that names `other`, and an MP3. By default ffmpeg reads
+/// it as a playlist.
 fn write_polyglot(place: &Workplace, song: &str, other: &str) {
     let tag = [b"ID3\x03\0\0\0\0\0\x0a".as_slice(), &[0; 10]].concat();
     let other = place.path(other);
@@ -151,7 +151,7 @@ fn write_polyglot(place: &Workplace, song: &str, other: &str) {
 }
 
 #[test]
-fn a_song_that_is_also_a_playlist_put_the_sound_of_another_file_into_the_video() {
+fn a_song_that_is_also_a_playlist_keeps_its_own_sound() {
     let place = Workplace::new();
     write_colors(&place);
     place.ffmpeg(&["-f", "lavfi", "-i", "sine=f=1000:d=2", "-b:a", "64k"], "secret.mp3");
@@ -171,11 +171,11 @@ fn a_song_that_is_also_a_playlist_put_the_sound_of_another_file_into_the_video()
     let report = probe(&place, "v.mkv");
     let rate: usize = streams(&report, "audio")[0]["sample_rate"].as_str().unwrap().parse().unwrap();
     let pitch = rises * rate / samples.len();
-    assert!((170..260).contains(&pitch), "its own tone has 200 Hz, the video's has {pitch} Hz");
+    assert!((170..260).contains(&pitch), "the song's tone has 200 Hz, the video's {pitch} Hz");
 }
 
 #[test]
-fn places_get_their_sizes_and_a_loop_ends_where_it_begins() {
+fn presets_set_the_size_and_a_loop_ends_where_it_begins() {
     let place = Workplace::new();
     write_colors(&place);
     place.write_tone("one.wav", 440.0, 3.0, [0.5, 0.5]);
@@ -190,7 +190,7 @@ fn places_get_their_sizes_and_a_loop_ends_where_it_begins() {
         assert_eq!(picture["r_frame_rate"], rate, "{name}");
         assert_eq!(streams(&report, "audio")[0]["sample_rate"], "48000", "{name}");
     }
-    // What moves with time, linearly.
+    // The brightness grows linearly with time.
     place.write(
         "moving.scene",
         "material paint { color = 0  roughness = 1  emission = vec3(0.3 * t, 0, 0) }\n\
@@ -207,14 +207,14 @@ fn places_get_their_sizes_and_a_loop_ends_where_it_begins() {
     let light: Vec<i32> =
         (0..20).map(|frame| redness(&still(&place, &format!("out/frame-{frame:05}.png")))).collect();
     let greatest = light.windows(2).map(|pair| pair[0].abs_diff(pair[1])).max().unwrap();
-    assert!(light[9] > light[0] + 20, "it does not move: {light:?}");
-    assert!(light[19].abs_diff(light[0]) <= greatest, "it jumps at its end: {light:?}");
+    assert!(light[9] > light[0] + 20, "the brightness does not change: {light:?}");
+    assert!(light[19].abs_diff(light[0]) <= greatest, "the loop jumps at its end: {light:?}");
     run(&[&a_loop[..], &["2.5", "-o", "v.mp4"], &LOOK].concat())
         .refused(&["2.5 s", "3.50 s", "3.00 s", "--start"]);
 }
 
 #[test]
-fn codecs_are_what_was_asked_for() {
+fn the_requested_codec_is_used() {
     let place = Workplace::new();
     write_colors(&place);
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
@@ -236,7 +236,7 @@ fn codecs_are_what_was_asked_for() {
 }
 
 #[test]
-fn gifs_and_webps_failed_with_ffmpeg_s_words() {
+fn gifs_and_webps_are_written_and_checked() {
     let place = Workplace::new();
     write_colors(&place);
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
@@ -247,7 +247,7 @@ fn gifs_and_webps_failed_with_ffmpeg_s_words() {
     run(&["--fps", "10", "-o", "a.gif"]).done();
     let bytes = place.read("a.gif");
     let repeats = bytes.windows(16).any(|part| part == b"NETSCAPE2.0\x03\x01\0\0\0");
-    assert!(repeats, "the GIF is shown once");
+    assert!(repeats, "the GIF does not repeat");
     let report = probe(&place, "a.gif");
     assert_eq!(streams(&report, "video")[0]["nb_read_frames"], "10", "{report}");
     place.ffmpeg(&["-i", "a.gif", "-start_number", "0"], "gif-%d.png");
@@ -257,7 +257,7 @@ fn gifs_and_webps_failed_with_ffmpeg_s_words() {
     run(&["--fps", "10", "-o", "a.webp"]).done();
     let bytes = place.read("a.webp");
     let at = bytes.windows(4).position(|name| name == b"ANIM").unwrap();
-    assert_eq!(bytes[at + 12..at + 14], [0, 0], "the WebP is shown so often");
+    assert_eq!(bytes[at + 12..at + 14], [0, 0], "the WebP does not repeat endlessly");
     let decoder = image::codecs::webp::WebPDecoder::new(std::io::Cursor::new(&bytes)).unwrap();
     let frames = image::AnimationDecoder::into_frames(decoder).collect_frames().unwrap();
     let pictures: Vec<i32> = frames
@@ -280,7 +280,7 @@ fn gifs_and_webps_failed_with_ffmpeg_s_words() {
 }
 
 #[test]
-fn pictures_go_to_standard_output_without_a_word() {
+fn images_go_to_standard_output_without_messages() {
     let place = Workplace::new();
     write_colors(&place);
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
@@ -296,13 +296,13 @@ fn pictures_go_to_standard_output_without_a_word() {
     let header = b"YUV4MPEG2 W33 H17 F10:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
     assert!(stream.starts_with(header));
     assert_eq!(stream.len(), header.len() + 3 * ("FRAME\n".len() + 3 * 33 * 17));
-    // Red as BT.709 has it: blue difference below the middle, red difference above.
+    // Red in BT.709: the blue difference is below the middle, the red difference above.
     let plane = |index: usize| stream[header.len() + "FRAME\n".len() + index * 33 * 17 + 300];
     assert!(plane(1) < 120 && plane(2) > 170, "{} {}", plane(1), plane(2));
 }
 
 #[test]
-fn a_title_is_seen_only_if_asked_for() {
+fn a_title_is_shown_only_on_request() {
     let place = Workplace::new();
     write_colors(&place);
     place.write_tone("A song of tones.wav", 440.0, 2.0, [0.5, 0.5]);
@@ -322,14 +322,14 @@ fn a_title_is_seen_only_if_asked_for() {
 }
 
 #[test]
-fn progress_is_told_to_nobody_who_asked_for_quiet() {
+fn quiet_hides_the_progress() {
     let place = Workplace::new();
     write_colors(&place);
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
     let video = [&["video", "one.wav", "red.scene", "-o", "v.mkv"], &LOOK[..]].concat();
     assert!(place.run(&video).done().contains("10 frames in v.mkv"));
     assert_eq!(place.run(&[&video[..], &["--quiet"]].concat()).done(), "");
-    // On a terminal a bar shows how far it is.
+    // A terminal gets a progress bar.
     let command = place.command(&video);
     let words: Vec<String> = std::iter::once(command.get_program())
         .chain(command.get_args())
@@ -348,7 +348,7 @@ fn progress_is_told_to_nobody_who_asked_for_quiet() {
     assert!(shown.contains("100 %  frame 10 of 10") && shown.contains("0:00 left"), "{shown}");
 }
 
-/// A ball that shines, with a glow around it, before `sky`.
+/// Writes a scene with a glowing ball in front of `sky`.
 fn write_ball(place: &Workplace, name: &str, bloom: f64, sky: &str) {
     let text = format!(
         "material paint {{ color = 0  roughness = 1  emission = vec3(3, 0.6, 0.1) }}\n\
@@ -360,7 +360,8 @@ fn write_ball(place: &Workplace, name: &str, bloom: f64, sky: &str) {
     place.write(&format!("{name}.scene"), text);
 }
 
-/// Of which pixels alpha is 0, between and 255, in this order. Laid over black, the picture must be `opaque`.
+/// The number of pixels with an alpha of 0, in between, and 255. Fails unless the image, composited on black, equals
+/// `opaque`.
 fn fractions_of(picture: &RgbaImage, opaque: &RgbImage) -> [usize; 3] {
     let mut fractions = [0; 3];
     for (pixel, wanted) in picture.pixels().zip(opaque.pixels()) {
@@ -369,14 +370,14 @@ fn fractions_of(picture: &RgbaImage, opaque: &RgbImage) -> [usize; 3] {
         for channel in 0..3 {
             let over_black = f64::from(pixel[channel]) * f64::from(alpha) / 255.0;
             let off = (over_black - f64::from(wanted[channel])).abs();
-            assert!(off <= 1.5, "{pixel:?} should be {wanted:?} over black");
+            assert!(off <= 1.5, "{pixel:?} should be {wanted:?} on black");
         }
     }
     fractions
 }
 
 #[test]
-fn what_has_no_sky_is_transparent_there() {
+fn scenes_without_a_sky_are_transparent() {
     let place = Workplace::new();
     let look = ["--size", "64x36"];
     let draw = |bloom: f64| {
@@ -399,7 +400,7 @@ fn what_has_no_sky_is_transparent_there() {
 }
 
 #[test]
-fn videos_had_no_transparency() {
+fn videos_can_be_transparent() {
     let place = Workplace::new();
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
     write_ball(&place, "ball", 0.0, "");
@@ -416,7 +417,7 @@ fn videos_had_no_transparency() {
         run("ball.scene", video).done();
         let report = probe(&place, video);
         let picture = streams(&report, "video")[0];
-        // VP9's alpha is a stream beside the picture, which a tag tells of.
+        // VP9's alpha is a second stream, marked by a tag.
         assert!(picture["pix_fmt"].as_str().unwrap().starts_with(format), "{report}");
         let tagged = picture["tags"].as_object().unwrap().iter();
         let tagged = tagged.filter(|(name, _)| name.eq_ignore_ascii_case("alpha_mode")).count();
