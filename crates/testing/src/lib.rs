@@ -1,5 +1,5 @@
-//! What the tests of several packages share: programs that end with the test, a sound server and a session bus of a test's
-//! own, files of sound, what the thesis prints. No crate of the project stands below this one, so that no change of theirs builds it again.
+//! Helpers for tests of several packages: child processes, a sound server, a session bus, WAVE files and data from
+//! the thesis. This crate depends on no other crate of the project, so that a change there does not rebuild it.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 

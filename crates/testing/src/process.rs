@@ -1,4 +1,4 @@
-//! Programs that a test starts, and waiting for what they do.
+//! Child processes of tests, and waiting for conditions.
 
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
@@ -8,43 +8,43 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-/// How long a test waits for anything.
+/// Longest wait of a test.
 pub const WAIT_LIMIT: Duration = Duration::from_secs(60);
-/// How often it looks meanwhile.
+/// Polling interval while waiting.
 pub const LOOK_PERIOD: Duration = Duration::from_millis(10);
 
-/// A program that ends with the test, even if that panics.
+/// A child process that is killed when the test ends, also by a panic.
 pub struct Process(Child);
 
 impl Process {
-    /// Starts `command`, which the Debian package `package` brings.
+    /// Starts `command`. `package` is the Debian package that contains the program.
     pub fn start(command: &mut Command, package: &str) -> Self {
         Self(command.spawn().unwrap_or_else(|error| missing(command, package, &error)))
     }
 
-    /// The number under which the system knows it.
+    /// The process id.
     pub fn id(&self) -> u32 {
         self.0.id()
     }
 
-    /// Its standard output, which must be piped; once.
+    /// Takes the standard output, which must be piped. Works once.
     pub fn stdout(&mut self) -> ChildStdout {
-        self.0.stdout.take().expect("it is piped")
+        self.0.stdout.take().expect("the standard output is piped and not taken yet")
     }
 
-    /// The process itself.
+    /// The child process.
     pub fn child(&mut self) -> &mut Child {
         &mut self.0
     }
 
-    /// How it ended, if it has.
+    /// The exit status, if the process has ended.
     pub fn ended(&mut self) -> Option<ExitStatus> {
-        self.0.try_wait().expect("it is a child of this program")
+        self.0.try_wait().expect("the process is a child")
     }
 
-    /// Ends it without asking.
+    /// Kills the process.
     pub fn kill(&mut self) {
-        // An error means that it has ended.
+        // Fails if the process has ended.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -56,7 +56,7 @@ impl Drop for Process {
     }
 }
 
-/// Runs `command` to its end: what it printed, or what went wrong.
+/// Runs `command` and returns its standard output, or an error message.
 pub fn output_of(command: &mut Command, package: &str) -> Result<Vec<u8>, String> {
     let output = command.output().unwrap_or_else(|error| missing(command, package, &error));
     if output.status.success() {
@@ -67,32 +67,30 @@ pub fn output_of(command: &mut Command, package: &str) -> Result<Vec<u8>, String
 
 fn missing(command: &Command, package: &str, error: &std::io::Error) -> ! {
     let name = command.get_program().to_string_lossy();
-    panic!(
-        "{name} cannot be run ({error}): these tests need it, install the package that is '{package}' in Debian"
-    );
+    panic!("{name} cannot be run ({error}): these tests need it; install the Debian package '{package}'");
 }
 
-/// Waits until `done`, and fails if that takes too long.
+/// Waits until `done` returns true. Fails after [`WAIT_LIMIT`] with a message about `what`.
 pub fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
     let start = Instant::now();
     while !done() {
-        assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come");
+        assert!(start.elapsed() < WAIT_LIMIT, "timed out waiting for {what}");
         std::thread::sleep(LOOK_PERIOD);
     }
 }
 
-/// A folder that only this user may enter, as sound servers want theirs.
+/// A folder that only this user can access, as sound servers require.
 pub fn private_folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::set_permissions(folder.path(), Permissions::from_mode(0o700)).unwrap();
     folder
 }
 
-/// The environment of a program whose user's session is `folder`: it finds the sound server there and no other
-/// sound, whatever the machine has.
+/// Environment of a program whose session is in `folder`. The program finds the sound server there and no sound
+/// devices of the machine.
 pub fn session_environment(folder: &Path) -> [(&'static str, String); 4] {
     let path = folder.display().to_string();
-    // An address that is set would win over the folder.
+    // Set the address explicitly: an existing one would take precedence over the folder.
     let server = format!("unix:{path}/pulse/native");
     [
         ("XDG_RUNTIME_DIR", path.clone()),

@@ -1,4 +1,4 @@
-//! What a screen reader sees of a program, asked by D-Bus as it would ask.
+//! A screen reader for tests: reads and operates a program's controls over D-Bus.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -6,46 +6,46 @@ use std::process::{Command, Stdio};
 use super::process::{Process, session_environment, wait_until};
 use super::session_bus::{SessionBus, send};
 
-/// Where distributions put the program that starts the bus of assistive technology.
+/// Paths of the accessibility bus launcher in different distributions.
 const LAUNCHERS: [&str; 3] = [
     "/usr/libexec/at-spi-bus-launcher",
     "/usr/lib/at-spi-bus-launcher",
     "/usr/lib/at-spi2-core/at-spi-bus-launcher",
 ];
-/// Whose children the programs are.
+/// The parent of all programs.
 const ROOT: &str = "/org/a11y/atspi/accessible/root";
 const ACCESSIBLE: &str = "org.a11y.atspi.Accessible";
 const VALUE: &str = "org.a11y.atspi.Value";
 
-/// A screen reader on a session's bus; it goes when dropped.
+/// A screen reader on a session bus. Dropping it ends the accessibility bus.
 pub struct ScreenReader<'b> {
     bus: &'b SessionBus,
     address: String,
     _launcher: Process,
 }
 
-/// Something that a program shows.
+/// A control of a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Control {
     program: String,
     object: String,
-    /// What it is called.
+    /// The accessible name.
     pub name: String,
-    /// What it is: a number of AT-SPI's list of roles.
+    /// The role: a number from AT-SPI's list of roles.
     pub role: u32,
 }
 
-/// A button, in AT-SPI's list of roles.
+/// Button, in AT-SPI's list of roles.
 pub const BUTTON: u32 = 43;
-/// A button that is on or off, in AT-SPI's list of roles.
+/// Toggle button, in AT-SPI's list of roles.
 pub const TOGGLE: u32 = 62;
-/// A text, in AT-SPI's list of roles.
+/// Label, in AT-SPI's list of roles.
 pub const LABEL: u32 = 29;
-/// A slider, in AT-SPI's list of roles.
+/// Slider, in AT-SPI's list of roles.
 pub const SLIDER: u32 = 51;
 
 impl<'b> ScreenReader<'b> {
-    /// Starts the bus of assistive technology beside the session's.
+    /// Starts the accessibility bus of the session.
     pub fn start(bus: &'b SessionBus) -> Self {
         let launcher = LAUNCHERS.into_iter().find(|path| Path::new(path).exists()).unwrap_or(LAUNCHERS[0]);
         let mut command = Command::new(launcher);
@@ -58,7 +58,7 @@ impl<'b> ScreenReader<'b> {
             .stderr(Stdio::null());
         let launcher = Process::start(&mut command, "at-spi2-core");
         let mut address = String::new();
-        wait_until("the bus of assistive technology", || {
+        wait_until("the accessibility bus", || {
             let asked = bus.send("org.a11y.Bus", "/org/a11y/bus", &["org.a11y.Bus.GetAddress"]);
             asked.is_ok_and(|reply| {
                 reply.trim().clone_into(&mut address);
@@ -68,7 +68,7 @@ impl<'b> ScreenReader<'b> {
         Self { bus, address, _launcher: launcher }
     }
 
-    /// Tells programs that somebody listens, or no longer does.
+    /// Announces to programs that a screen reader is running, or no longer is.
     pub fn listen(&self, on: bool) {
         let set = ["org.freedesktop.DBus.Properties.Set", "string:org.a11y.Status", "string:IsEnabled"];
         let value = format!("variant:boolean:{on}");
@@ -76,12 +76,12 @@ impl<'b> ScreenReader<'b> {
         reported.unwrap_or_else(|error| panic!("{error}"));
     }
 
-    /// Everything that programs show at this moment.
+    /// Returns all controls of all programs.
     pub fn controls(&self) -> Vec<Control> {
         let (mut found, mut next) =
             (Vec::new(), vec![("org.a11y.atspi.Registry".to_owned(), ROOT.to_owned())]);
         while let Some((program, object)) = next.pop() {
-            // What has gone meanwhile has no children.
+            // A control that is gone has no children.
             let method = format!("{ACCESSIBLE}.GetChildren");
             let reply = self.send(&program, &object, &[&method]).unwrap_or_default();
             let mut words = reply.split_whitespace().peekable();
@@ -97,9 +97,9 @@ impl<'b> ScreenReader<'b> {
         found
     }
 
-    /// Returns `true` if a button is on.
+    /// True if a toggle button is on.
     pub fn is_on(&self, control: &Control) -> bool {
-        /// Of AT-SPI's list of states, in the first of two words of bits.
+        /// From AT-SPI's list of states, in the first of two words of bits.
         const PRESSED: u32 = 20;
         let reply = self.send(&control.program, &control.object, &[&format!("{ACCESSIBLE}.GetState")]);
         let reply = reply.unwrap_or_else(|error| panic!("{control:?}: {error}"));
@@ -116,7 +116,7 @@ impl<'b> ScreenReader<'b> {
         pressed.unwrap_or_else(|error| panic!("{control:?}: {error}"));
     }
 
-    /// The value of a slider, as text.
+    /// Returns the value of a slider as text.
     pub fn value(&self, control: &Control) -> String {
         let reply = self.property(&control.program, &control.object, VALUE, "CurrentValue");
         reply.unwrap_or_else(|error| panic!("{control:?}: {error}"))

@@ -1,18 +1,18 @@
-//! A D-Bus of the test's own for the session in a folder, and calls to the player on it.
+//! A private D-Bus session bus for a test, and calls to the player on it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use super::process::{Process, output_of, session_environment, wait_until};
 
-/// The bus; it ends when dropped.
+/// A session bus. Dropping it ends the bus.
 pub struct SessionBus {
     _daemon: Process,
     folder: PathBuf,
 }
 
 impl SessionBus {
-    /// Starts the bus where programs of the session in `folder` look for it.
+    /// Starts the bus at the address for programs of the session in `folder`.
     pub fn start(folder: &Path) -> Self {
         let mut command = Command::new("dbus-daemon");
         command
@@ -26,12 +26,12 @@ impl SessionBus {
         bus
     }
 
-    /// Who is on the bus.
+    /// Returns the names on the bus.
     pub fn names(&self) -> Result<String, String> {
         self.send("org.freedesktop.DBus", "/org/freedesktop/DBus", &["org.freedesktop.DBus.ListNames"])
     }
 
-    /// The players on the bus.
+    /// Returns the bus names of the running players.
     pub fn players(&self) -> Vec<String> {
         let names = self.names().unwrap_or_else(|error| panic!("{error}"));
         let players =
@@ -39,13 +39,13 @@ impl SessionBus {
         players.map(str::to_owned).collect()
     }
 
-    /// Calls a method of the player, such as `Player.Next`, and gives the reply as text.
+    /// Calls a method of the player, such as `Player.Next`, and returns the reply as text.
     pub fn call(&self, method: &str, arguments: &[&str]) -> String {
         let method = format!("org.mpris.MediaPlayer2.{method}");
         self.send_to_player(&[&[&*method], arguments].concat()).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// A property of the player, such as `Player.Metadata`, as text.
+    /// Returns a property of the player, such as `Player.Metadata`, as text.
     pub fn property(&self, name: &str) -> String {
         self.properties("Get", name, &[]).unwrap_or_else(|error| panic!("{error}"))
     }
@@ -67,7 +67,7 @@ impl SessionBus {
     }
 
     fn send_to_player(&self, arguments: &[&str]) -> Result<String, String> {
-        let player = self.players().into_iter().next().expect("a player on the bus");
+        let player = self.players().into_iter().next().expect("a player is on the bus");
         self.send(&player, "/org/mpris/MediaPlayer2", arguments)
     }
 
@@ -76,18 +76,18 @@ impl SessionBus {
         &self.folder
     }
 
-    /// Where programs find the bus.
+    /// Address of the bus.
     pub(crate) fn address(&self) -> String {
         format!("unix:path={}", self.folder.join("bus").display())
     }
 
-    /// Calls a method of an object of the program `to`, and gives the reply as text.
+    /// Calls a method of an object of the program `to`, and returns the reply as text.
     pub(crate) fn send(&self, to: &str, object: &str, arguments: &[&str]) -> Result<String, String> {
         send(&self.folder, &self.address(), to, object, arguments)
     }
 }
 
-/// Calls a method of an object of the program `to` on the bus at `address`, as a program of the session in `folder`.
+/// Calls a method of an object of the program `to` on the bus at `address`, from the session in `folder`.
 pub(crate) fn send(
     folder: &Path,
     address: &str,

@@ -1,4 +1,4 @@
-//! A PulseAudio server of the test's own, whose null sink can be recorded.
+//! A private PulseAudio server for a test, with a null sink that can be recorded.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -7,10 +7,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::process::{Process, output_of, session_environment, wait_until};
 
-/// Frames per second of the sink and of recordings.
+/// Sample rate of the sink and of recordings, in Hz.
 pub const SINK_RATE: u32 = 48_000;
 
-/// The server; it ends when dropped.
+/// A sound server. Dropping it ends the server.
 pub struct SoundServer {
     process: Process,
     folder: PathBuf,
@@ -40,17 +40,17 @@ impl SoundServer {
         server
     }
 
-    /// Ends the server as a crash would.
+    /// Kills the server, as a crash would.
     pub fn kill(mut self) {
         self.process.kill();
     }
 
-    /// The number under which the system knows it.
+    /// The process id.
     pub fn id(&self) -> u32 {
         self.process.id()
     }
 
-    /// Asks the server for something, and gives what it says.
+    /// Runs a `pactl` command and returns its output.
     pub fn ask(&self, arguments: &[&str]) -> String {
         let mut command = Command::new("pactl");
         command.args(arguments).envs(session_environment(&self.folder));
@@ -58,23 +58,23 @@ impl SoundServer {
         String::from_utf8_lossy(&said).trim().to_owned()
     }
 
-    /// Plugs in another output that nothing hears; what pulls it out again.
+    /// Adds another null sink. Returns the id for [`Self::unplug`].
     pub fn plug(&self, name: &str, options: &[&str]) -> String {
         let name = format!("sink_name={name}");
         self.ask(&[&["load-module", "module-null-sink", &name, "norewinds=1"], options].concat())
     }
 
-    /// Pulls out what [`SoundServer::plug`] plugged in.
+    /// Removes a sink added by [`Self::plug`].
     pub fn unplug(&self, plugged: &str) {
         self.ask(&["unload-module", plugged]);
     }
 
-    /// Makes an output the default.
+    /// Makes a sink the default.
     pub fn set_default(&self, name: &str) {
         self.ask(&["set-default-sink", name]);
     }
 
-    /// Plays a tone of `hz` on an output until what is given is dropped, one minute at most.
+    /// Plays a tone of `hz` on a sink until the returned process is dropped, for at most one minute.
     pub fn play_tone(&self, output: &str, hz: f64) -> Process {
         let path = self.folder.join(format!("tone-{hz}.raw"));
         let samples = (0..60 * SINK_RATE).flat_map(|n| {
@@ -95,7 +95,7 @@ impl SoundServer {
     }
 }
 
-/// Records what the sink plays.
+/// A recording of the sink viz.
 pub struct Recorder {
     process: Process,
     frames: Arc<Mutex<Vec<[f32; 2]>>>,
@@ -103,7 +103,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Records from the server of the session in `folder`; returns when the first frames are there.
+    /// Starts to record from the server of the session in `folder`. Returns when the first sample frames have
+    /// arrived.
     pub fn start(folder: &Path) -> Self {
         let mut command = Command::new("parec");
         command
@@ -137,7 +138,7 @@ impl Recorder {
         recorder
     }
 
-    /// What is played in the next so many seconds.
+    /// Waits for the next `seconds` of sound and returns them.
     pub fn next(&self, seconds: f64) -> Vec<[f32; 2]> {
         let from = lock(&self.frames).len();
         let count = (seconds * f64::from(SINK_RATE)) as usize;
@@ -145,7 +146,7 @@ impl Recorder {
         lock(&self.frames)[from..from + count].to_vec()
     }
 
-    /// Ends the recording: all of it.
+    /// Ends the recording and returns all of it.
     pub fn finish(mut self) -> Vec<[f32; 2]> {
         self.process.kill();
         self.reader.join().unwrap();

@@ -1,4 +1,4 @@
-//! A user's session with a sound server of its own, for tests that use sound within their own process.
+//! A user session with a private sound server, for tests that play sound in the test process.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -7,10 +7,10 @@ use tempfile::TempDir;
 use super::process::{private_folder, session_environment};
 use super::sound_server::{Recorder, SoundServer};
 
-/// The server is found by an environment variable, which belongs to the whole process: one test at a time.
+/// The server's address is in the environment of the whole process, so such tests run one at a time.
 static ENVIRONMENT: Mutex<()> = Mutex::new(());
 
-/// A folder that stands for the user's session, maybe with a PulseAudio server.
+/// A private session folder, optionally with a PulseAudio server.
 pub struct Session {
     server: Option<SoundServer>,
     folder: TempDir,
@@ -18,7 +18,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Without a sound server.
+    /// Creates a session without a sound server.
     pub fn without_server() -> Self {
         let alone = ENVIRONMENT.lock().unwrap_or_else(PoisonError::into_inner);
         let folder = private_folder();
@@ -28,29 +28,29 @@ impl Session {
         Self { server: None, folder, _alone: alone }
     }
 
-    /// With a server whose one output, viz, is there already.
+    /// Creates a session with a running server and its sink viz.
     pub fn with_server() -> Self {
         let mut session = Self::without_server();
         session.start_server();
         session
     }
 
-    /// Starts the server.
+    /// Starts the sound server.
     pub fn start_server(&mut self) {
         self.server = Some(SoundServer::start(self.folder.path()));
     }
 
-    /// Ends the server as a crash would.
+    /// Kills the server, as a crash would.
     pub fn kill_server(&mut self) {
-        self.server.take().expect("a server").kill();
+        self.server.take().expect("the server runs").kill();
     }
 
-    /// The server, which must run.
+    /// The server, which must be running.
     pub fn server(&self) -> &SoundServer {
-        self.server.as_ref().expect("a server")
+        self.server.as_ref().expect("the server runs")
     }
 
-    /// Records what viz plays.
+    /// Starts to record the sink viz.
     pub fn record(&self) -> Recorder {
         Recorder::start(self.folder.path())
     }
@@ -58,7 +58,8 @@ impl Session {
 
 #[allow(unsafe_code)]
 fn set_environment(name: &str, value: &str) {
-    // SAFETY: every test holds `ENVIRONMENT` while its threads run, and nothing else in such a program writes the
-    // environment.
+    // SAFETY: each `Session` holds the lock `ENVIRONMENT`, so only one thread calls this at a time. Nothing else
+    // in such a test program writes the environment, and a session is created before the threads of its test
+    // start.
     unsafe { std::env::set_var(name, value) }
 }

@@ -1,4 +1,4 @@
-//! What the thesis prints, as tests expect it.
+//! Data printed in the thesis, as the expected results of tests.
 
 /// Table 1 (Abt 2022, section 4.3; Keeter 2020, Table 1): opcode, input A, input B, output.
 pub const TABLE_1: [[&str; 4]; 9] = [

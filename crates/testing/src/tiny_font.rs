@@ -1,16 +1,16 @@
-//! Fonts for tests: a few letters, each a square of its own size.
+//! Minimal fonts for tests: a few letters, each a square of its own size.
 
 use tempfile::TempDir;
 
-/// What is in a font.
+/// The content of a font.
 pub struct TinyFont<'a> {
-    /// Its family's name.
+    /// Name of the font family.
     pub name: &'a str,
-    /// The language of its name, as Windows counts them.
+    /// Language of the name, as a Windows language id.
     pub language: u16,
-    /// What it has.
+    /// The letters of the font.
     pub letters: &'a str,
-    /// Side of the first letter's square, of 1,000 a size; each further one's is 200 less.
+    /// Side of the first letter's square in units of 1/1000 em. The square of each further letter is 200 smaller.
     pub side: i16,
 }
 
@@ -20,12 +20,12 @@ impl<'a> TinyFont<'a> {
         Self { name, language: 0x409, letters, side: 800 }
     }
 
-    /// Its file: TrueType, as <https://learn.microsoft.com/typography/opentype/spec/> has it.
+    /// Builds a TrueType file after <https://learn.microsoft.com/typography/opentype/spec/>.
     pub fn bytes(&self) -> Vec<u8> {
         let mut letters: Vec<char> = self.letters.chars().collect();
         letters.sort_unstable();
         let count = letters.len() as u16 + 1;
-        // The first one is the box for what is missing.
+        // Glyph 0 is the box for missing glyphs.
         let mut outlines = Vec::new();
         let mut places = Vec::new();
         for place in 0..count as i16 {
@@ -52,11 +52,11 @@ impl<'a> TinyFont<'a> {
     }
 }
 
-/// A folder with files of these names.
+/// Creates a folder with these files.
 pub fn folder_of(files: &[(&str, Vec<u8>)]) -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder for the test");
+    let folder = tempfile::tempdir().expect("the temporary folder can be created");
     for (name, bytes) in files {
-        std::fs::write(folder.path().join(name), bytes).expect("a file for the test");
+        std::fs::write(folder.path().join(name), bytes).expect("the file can be written");
     }
     folder
 }
@@ -75,7 +75,7 @@ fn square(side: i16) -> Vec<u8> {
     bytes
 }
 
-/// A table of format 12, with a group for each letter.
+/// A `cmap` subtable of format 12, with one group for each letter.
 fn code_map(letters: &[char]) -> Vec<u8> {
     let groups = letters.len() as u32;
     let mut bytes = words(&[0, 1, 3, 10, 0, 12, 12, 0]);
@@ -91,7 +91,7 @@ fn code_map(letters: &[char]) -> Vec<u8> {
     bytes
 }
 
-/// The family's name, and the same without spaces.
+/// The family name, and the PostScript name, which has no spaces.
 fn names(name: &str, language: u16) -> Vec<u8> {
     let texts =
         [name.to_owned(), name.replace(' ', "")].map(|text| words(&text.encode_utf16().collect::<Vec<_>>()));
