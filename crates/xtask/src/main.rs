@@ -1,13 +1,13 @@
-//! Makes what the program ships and what its documentation shows: `cargo xtask TOOL [ARGUMENTS]`.
+//! Generates shipped and documented files, and measures: `cargo xtask TOOL [ARGUMENTS]`.
 
-#![allow(unreachable_pub, reason = "a program has no outside")]
+#![allow(unreachable_pub, reason = "a program has no public interface")]
 
+#[cfg(unix)]
+mod controllers;
 mod demo_track;
 mod desktop;
 mod gallery;
 mod gpu;
-#[cfg(unix)]
-mod hands;
 mod language_page;
 mod root;
 mod textures;
@@ -15,55 +15,50 @@ mod thumbnails;
 #[cfg(unix)]
 mod typing;
 
-/// A tool: its name, its arguments, what it makes, and its work.
+/// A tool: its name, arguments, description and function.
 type Tool = (&'static str, &'static str, &'static str, fn(&[String]) -> anyhow::Result<()>);
 
 const TOOLS: &[Tool] = &[
-    ("demo-track", "OUT.wav", "composes the built-in song", demo_track::run),
+    #[cfg(unix)]
     (
-        "desktop",
-        "[FOLDER]",
-        "writes manual pages and completions and draws the icon, in assets/desktop",
-        desktop::run,
+        "controllers",
+        "PROGRAM [SECONDS]",
+        "measures the latency of MIDI and OSC messages, and floods of them, in a window",
+        controllers::run,
     ),
+    ("demo-track", "OUT.wav", "renders the demo track", demo_track::run),
+    ("desktop", "[FOLDER]", "writes manual pages, completions and the icon to assets/desktop", desktop::run),
     (
         "gallery",
         "[SCENE ...]",
-        "draws docs/gallery.md and its pictures: of these scenes, or of all",
+        "writes docs/gallery.md and the images of these scenes, or of all",
         gallery::run,
     ),
     (
         "gpu",
         "[--gpu NAME] [--shaders FOLDER] [--check | --accept] [PROGRAM ...]",
-        "prints what the compilers of GPUs that are not there make of the programs",
+        "compiles the shader programs for other GPUs and prints the results",
         gpu::run,
     ),
     (
         "gpu-programs",
         "[--json] [--shaders FOLDER] [PROGRAM ...]",
-        "the same for the GPU that is there",
+        "compiles the shader programs for this GPU and prints the results",
         gpu::programs,
     ),
-    #[cfg(unix)]
-    (
-        "hands",
-        "PROGRAM [SECONDS]",
-        "measures from a message of MIDI or OSC to the frame that shows it, and floods, in a window of this desktop",
-        hands::run,
-    ),
-    ("language-page", "[FOLDER]", "writes docs/language.md and draws its shapes", language_page::run),
-    ("textures", "[FOLDER]", "paints assets/textures", textures::run),
+    ("language-page", "[FOLDER]", "writes docs/language.md and the images of shapes", language_page::run),
+    ("textures", "[FOLDER]", "generates assets/textures", textures::run),
     (
         "thumbnails",
         "[SCENE ...]",
-        "draws assets/thumbnails: of these shipped scenes, or of all",
+        "draws assets/thumbnails for these shipped scenes, or for all",
         thumbnails::run,
     ),
     #[cfg(unix)]
     (
         "typing",
         "PROGRAM [KEYS]",
-        "measures from a key of the editor to its letter and its picture, in a window of this desktop",
+        "measures the latency from a key in the editor to its letter and its frame, in a window",
         typing::run,
     ),
 ];
@@ -73,7 +68,7 @@ fn main() -> anyhow::Result<()> {
     let tool = arguments.first().and_then(|name| TOOLS.iter().find(|(tool, ..)| tool == name));
     let Some((.., run)) = tool else {
         let list = TOOLS.iter().map(|(name, takes, makes, _)| format!("\n  {name} {takes}  {makes}"));
-        anyhow::bail!("name one of the tools:{}", list.collect::<String>());
+        anyhow::bail!("expected a tool:{}", list.collect::<String>());
     };
     run(&arguments[1..])
 }

@@ -1,4 +1,3 @@
-//! Where the project lies.
+//! The project's root folder.
 
-/// The root of the project.
 pub(super) const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");

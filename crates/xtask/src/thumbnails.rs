@@ -1,5 +1,5 @@
-//! Draws `assets/thumbnails`, which the program includes. Run it after a scene or the renderer has changed: the test
-//! `the_thumbnails_of_shipped_scenes_show_what_is_drawn_now` fails then.
+//! Draws `assets/thumbnails`, which the program includes. Run it after a change of a scene or of the renderer, when
+//! the test `the_shipped_thumbnails_are_up_to_date` fails.
 
 use std::fs;
 use std::path::Path;
@@ -31,7 +31,7 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The thumbnail of a scene as a JPEG, by the same still that other scenes get.
+/// Draws the thumbnail of a scene as a JPEG, with the same still request as for other scenes.
 fn draw(name: &str, folder: &Path) -> anyhow::Result<Vec<u8>> {
     let path = folder.join(format!("{name}.png"));
     write_still(&StillRequest {

@@ -1,7 +1,7 @@
-//! What keys of the editor cost: how long from a key to its letter and to the picture of the text with it.
+//! Measures typing in the editor: the latency from a key to its letter, and to the frame with the edited text.
 //!
-//! It starts the program in a window of this desktop with a scene of 300 lines, opens the editor, changes a number of the
-//! text again and again with `xdotool`, and reads what the program says of itself when it ends.
+//! The tool starts the program in a window of this desktop with a scene of 300 lines, opens the editor, edits a
+//! number again and again with `xdotool`, and reads the program's log after it ends.
 
 use std::fs;
 use std::process::{Command, Stdio};
@@ -9,18 +9,20 @@ use std::time::Duration;
 
 use anyhow::{Context, ensure};
 
-use crate::hands;
+use crate::controllers;
 
-/// Objects of the scene, each of five lines.
+/// Objects of the scene, with five lines each.
 const OBJECTS: usize = 59;
-/// Between keys: more than a frame takes on a slow machine, and no multiple of one on a fast one.
+/// Pause between keys: more than a frame on a slow machine, and not a multiple of one on a fast machine.
 const PAUSE: Duration = Duration::from_millis(437);
 
-/// Presses so many keys.
+/// Presses the given number of keys.
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let program = arguments.first().context("name the program: target/release/mariana")?;
-    let keys: usize =
-        arguments.get(1).map_or(Ok(200), |text| text.parse()).context("the keys are no number")?;
+    let program = arguments.first().context("expected a program: target/release/mariana")?;
+    let keys: usize = arguments
+        .get(1)
+        .map_or(Ok(200), |text| text.parse())
+        .context("the number of keys is not a number")?;
     let folder = std::env::temp_dir().join(format!("mariana-typing-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
     let scene = folder.join("sixty.scene");
@@ -36,28 +38,29 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
             .stdout(Stdio::null())
             .stderr(fs::File::create(&log)?)
             .spawn()?;
-        let pressed = hands::wait_for(&log, &format!("is shown, {mode}")).and_then(|()| press_keys(keys));
+        let pressed =
+            controllers::wait_for(&log, &format!("is shown, {mode}")).and_then(|()| press_keys(keys));
         Command::new("kill").arg(child.id().to_string()).status()?;
         child.wait()?;
         pressed?;
         let said = fs::read_to_string(&log)?;
         println!("{mode}, {keys} keys");
         for part in [" frames; ", "work for a key"] {
-            let line = said.lines().rfind(|line| line.contains(part)).unwrap_or("nothing was told");
+            let line = said.lines().rfind(|line| line.contains(part)).unwrap_or("the log has no such line");
             println!("  {}", line.rsplit_once("shell::show: ").map_or(line, |(_, words)| words));
         }
     }
     Ok(fs::remove_dir_all(&folder)?)
 }
 
-/// Opens the editor, goes to the number at the end of the sixth line and makes it longer and shorter by turns.
+/// Opens the editor, moves to the number at the end of the third line, and inserts and deletes a digit in turn.
 fn press_keys(keys: usize) -> anyhow::Result<()> {
-    // Until drivers and caches have settled.
+    // Wait until drivers and caches have settled.
     std::thread::sleep(Duration::from_secs(3));
     let press = |names: &[&str]| -> anyhow::Result<()> {
         let status =
-            Command::new("xdotool").arg("key").args(names).status().context("xdotool is not there")?;
-        ensure!(status.success(), "xdotool could not press {names:?}");
+            Command::new("xdotool").arg("key").args(names).status().context("xdotool cannot be run")?;
+        ensure!(status.success(), "xdotool cannot press {names:?}");
         Ok(())
     };
     press(&["e"])?;
@@ -85,5 +88,6 @@ fn text_of_scene() -> String {
              shape = {shape}\n    material = paint\n}}\n"
         );
     }
-    text + "object floor { shape = p.y  material = paint }\ncamera { position = vec3(6, 5, 9)  target = vec3(0, 0, 0) }\n"
+    text + "object floor { shape = p.y  material = paint }\n\
+            camera { position = vec3(6, 5, 9)  target = vec3(0, 0, 0) }\n"
 }

@@ -1,4 +1,4 @@
-//! The manual pages, the completions and the icon in `assets/desktop` are what the code says.
+//! Checks that `assets/desktop` has the manual pages, completions and icon that the code generates.
 
 #![allow(clippy::unwrap_used)]
 
@@ -8,7 +8,7 @@ use std::process::Command;
 
 const REMEDY: &str = "run `cargo xtask desktop`";
 
-/// Every file under the folders that are made, by its path from `folder`.
+/// Returns every generated file, by its path relative to `folder`.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = ["man", "completions", "icons"].map(|made| folder.join(made)).to_vec();
@@ -25,7 +25,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// What a file says: of pictures the pixels, because encoders differ.
+/// Returns the content to compare: pixels for images, because encoders differ.
 fn content(path: &Path, bytes: &[u8]) -> Vec<u8> {
     if path.extension().is_some_and(|extension| extension == "png") {
         let picture = image::load_from_memory(bytes).unwrap().into_rgba8();
@@ -35,7 +35,7 @@ fn content(path: &Path, bytes: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn what_is_installed_follows_from_the_code() {
+fn desktop_files_are_up_to_date() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("desktop");
     let _ = std::fs::remove_dir_all(&folder);
     let output = Command::new(env!("CARGO_BIN_EXE_xtask")).arg("desktop").arg(&folder).output().unwrap();
@@ -45,14 +45,14 @@ fn what_is_installed_follows_from_the_code() {
     let made = files(&folder);
     assert!(
         made.keys().eq(stored.keys()),
-        "{:?}\nare made, stored are\n{:?}: {REMEDY}",
+        "generated files\n{:?}\ndiffer from stored files\n{:?}: {REMEDY}",
         made.keys(),
         stored.keys()
     );
     for (path, bytes) in made {
         assert!(
             content(&path, &bytes) == content(&path, &stored[&path]),
-            "{} is old: {REMEDY}",
+            "{} is out of date: {REMEDY}",
             path.display()
         );
     }

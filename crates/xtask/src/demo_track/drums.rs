@@ -1,27 +1,27 @@
-//! Drums and noises: closed forms of sine sweeps and filtered noise. Deterministic, each stroke its own noise.
+//! Drums and noise sounds, made of sine sweeps and filtered noise. Deterministic; each stroke has different noise.
 
 use super::score::{BAR, Drum, Hit, SAMPLE_RATE};
 use super::synth::{DT, Filter, Frame, Pass, pan_gains};
 use std::f32::consts::{PI, TAU};
 
-/// White noise and dither: a 64-bit linear congruential generator, the upper bits of it.
+/// White noise for sounds and dither: the upper bits of a 64-bit linear congruential generator.
 #[derive(Clone, Copy, Debug)]
 pub struct Noise(u64);
 
 impl Noise {
-    /// A sequence of its own for every seed.
+    /// A generator with a different sequence for each seed.
     pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66_D1CE_4E5B)
     }
 
-    /// Uniform in -1..1.
+    /// Returns a uniform random number in -1..1.
     pub fn sample(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
     }
 }
 
-/// Plays one stroke into `out`. `index` chooses its noise.
+/// Adds one stroke to `out`. `index` selects its noise.
 pub fn strike(out: &mut [Frame], hit: &Hit, index: usize) {
     let seed = index as u64 * 2 + 1;
     match hit.drum {
@@ -40,7 +40,7 @@ pub fn strike(out: &mut [Frame], hit: &Hit, index: usize) {
     }
 }
 
-/// Runs `voice(t)` for `seconds`, panned, its last tenth faded out so that it ends at 0.
+/// Adds `voice(t)` for `seconds` to `out`, panned. The last tenth fades to 0.
 fn play(out: &mut [Frame], hit: &Hit, seconds: f32, mut voice: impl FnMut(f32) -> Frame) {
     let gains = pan_gains(hit.pan);
     let end = out.len().min(hit.start + (seconds * SAMPLE_RATE as f32) as usize);
@@ -53,7 +53,8 @@ fn play(out: &mut [Frame], hit: &Hit, seconds: f32, mut voice: impl FnMut(f32) -
     }
 }
 
-/// The phase in radians of a sine whose frequency falls from `low + drop` to `low` Hz with time constant `tau`.
+/// Returns the phase in radians of a sine whose frequency falls from `low + drop` to `low` Hz with time constant
+/// `tau`.
 fn swept_phase(t: f32, low: f32, drop: f32, tau: f32) -> f32 {
     TAU * (low * t + drop * tau * (1.0 - (-t / tau).exp()))
 }
@@ -73,7 +74,7 @@ fn clap(out: &mut [Frame], hit: &Hit, seed: u64) {
     let mut noises = [Noise::new(seed), Noise::new(seed + 1)];
     let mut filters = [Filter::new(Pass::Band, 1_500.0, 0.8), Filter::new(Pass::Band, 1_700.0, 0.8)];
     play(out, hit, 0.45, |t| {
-        // Three hands, then the room.
+        // Three claps, then the reverberation.
         let burst = |at: f32, tau: f32| {
             if t < at { 0.0 } else { ((t - at) / 0.0008).min(1.0) * (-(t - at) / tau).exp() }
         };
@@ -92,7 +93,7 @@ fn snare(out: &mut [Frame], hit: &Hit, seed: u64) {
     });
 }
 
-/// Hats and cymbals: high-passed noise, different on both sides, decaying with time constant `tau`.
+/// Hats and cymbals: high-passed noise, different on both sides, that decays with time constant `tau`.
 fn hiss(out: &mut [Frame], hit: &Hit, seed: u64, corner: f32, tau: f32, level: f32) {
     let mut noises = [Noise::new(seed), Noise::new(seed + 1)];
     let mut filters = [[Filter::new(Pass::High, corner, 0.9); 2]; 2];
@@ -121,7 +122,8 @@ fn tom(out: &mut [Frame], hit: &Hit, low: f32, tau: f32) {
     });
 }
 
-/// Two bars of noise whose band climbs from 400 Hz to 9 kHz while it swings from side to side ever faster.
+/// Two bars of band-passed noise. The band rises from 400 Hz to 9 kHz while the sound swings between the sides ever
+/// faster.
 fn riser(out: &mut [Frame], hit: &Hit, seed: u64) {
     let seconds = (2 * BAR) as f32 * DT * 0.875; // the last beat before the loud part stays free
     let mut noises = [Noise::new(seed), Noise::new(seed + 1)];

@@ -1,10 +1,10 @@
-//! Reverb, ping-pong delay, ducking and the limiter.
+//! Reverb, ping-pong delay, ducking and a limiter.
 
 use super::score::{SAMPLE_RATE, STEP};
 use super::synth::{DT, Filter, Frame, Pass};
 use std::collections::VecDeque;
 
-/// A ring that gives back what was put in `length` samples ago.
+/// A ring buffer that delays by `length` samples.
 #[derive(Clone, Debug)]
 struct DelayLine {
     samples: Vec<f32>,
@@ -25,7 +25,7 @@ impl DelayLine {
         self.position = (self.position + 1) % self.samples.len();
     }
 
-    /// Schroeder's all-pass around this line.
+    /// A Schroeder all-pass filter around this line.
     fn all_pass(&mut self, x: f32) -> f32 {
         const GAIN: f32 = 0.6;
         let delayed = self.read();
@@ -36,8 +36,8 @@ impl DelayLine {
 }
 
 /// A feedback delay network of eight lines with a Hadamard matrix (Jot and Chaigne, "Digital Delay Networks for
-/// Designing Artificial Reverberators", 1991), after two all-pass diffusers a side. Even lines hear and feed the
-/// left, odd lines the right.
+/// Designing Artificial Reverberators", 1991), after two all-pass diffusers per side. Even lines are fed from and
+/// heard on the left, odd lines on the right.
 #[derive(Debug)]
 pub struct Reverb {
     diffusers: [[DelayLine; 2]; 2],
@@ -47,7 +47,7 @@ pub struct Reverb {
 }
 
 impl Reverb {
-    /// `t60`: seconds until low frequencies have fallen by 60 dB.
+    /// A reverb whose low frequencies fall by 60 dB in `t60` seconds.
     pub fn new(t60: f32) -> Self {
         // Mutually prime, 30 to 58 ms.
         const LENGTHS: [usize; 8] = [1433, 1601, 1867, 2053, 2251, 2399, 2617, 2797];
@@ -62,7 +62,7 @@ impl Reverb {
         }
     }
 
-    /// One frame of reverberation, without the dry sound.
+    /// Processes one sample frame. Returns the reverberation without the dry sound.
     pub fn run(&mut self, input: Frame) -> Frame {
         const DAMPING: f32 = 0.32;
         let fed: Frame = std::array::from_fn(|side| {
@@ -87,7 +87,7 @@ impl Reverb {
     }
 }
 
-/// Echoes that jump from side to side every dotted eighth, each darker and softer than the last.
+/// Echoes that alternate between the sides every dotted eighth, each darker and softer than the previous one.
 #[derive(Debug)]
 pub struct PingPong {
     lines: [DelayLine; 2],
@@ -97,7 +97,7 @@ pub struct PingPong {
 }
 
 impl PingPong {
-    /// `feedback` 0..1: level of each echo relative to the one before.
+    /// A delay with this level of each echo relative to the previous one, 0..1.
     pub fn new(feedback: f32) -> Self {
         Self {
             lines: [DelayLine::new(3 * STEP), DelayLine::new(3 * STEP)],
@@ -107,7 +107,7 @@ impl PingPong {
         }
     }
 
-    /// One frame of echoes, without the dry sound. The first echo is on the left.
+    /// Processes one sample frame. Returns the echoes without the dry sound. The first echo is on the left.
     pub fn run(&mut self, input: Frame) -> Frame {
         let echoes = [self.lines[0].read(), self.lines[1].read()];
         let coloured: Frame = std::array::from_fn(|i| self.high[i].run(self.low[i].run(echoes[i])));
@@ -117,8 +117,7 @@ impl PingPong {
     }
 }
 
-/// The gain that makes room for the kicks: for each sample 1 (untouched) down to 0 (at a full kick), later scaled
-/// by how far an instrument shall duck.
+/// The ducking under the kicks for each sample, from 0 (none) to 1 (at a full kick). Each instrument scales it.
 pub fn ducking(kicks: &[(usize, f32)], length: usize) -> Vec<f32> {
     let mut duck = vec![0.0_f32; length];
     let (fall, rise) = (0.004, 0.26);
@@ -133,7 +132,8 @@ pub fn ducking(kicks: &[(usize, f32)], length: usize) -> Vec<f32> {
     duck
 }
 
-/// A stereo-linked look-ahead limiter in place: no sample ends above `ceiling`, gains move smoothly.
+/// A stereo-linked look-ahead limiter, in place. No sample is above `ceiling` afterwards, and the gain changes
+/// smoothly.
 pub fn limit(frames: &mut [Frame], ceiling: f32) {
     const LOOK_AHEAD: usize = 240; // 5 ms
     let release = 1.0 - (-DT / 0.12).exp();
@@ -144,8 +144,8 @@ pub fn limit(frames: &mut [Frame], ceiling: f32) {
             if peak > ceiling { ceiling / peak } else { 1.0 }
         })
         .collect();
-    // The least gain needed within the next LOOK_AHEAD samples, recovering slowly; its moving average reaches
-    // that gain exactly when the peak arrives.
+    // The lowest gain needed within the next `LOOK_AHEAD` samples, with a slow recovery. Its moving average
+    // reaches that gain exactly at the peak.
     let mut least: VecDeque<usize> = VecDeque::new();
     let mut held = 1.0_f32;
     let mut recent: VecDeque<f32> = VecDeque::from(vec![1.0; LOOK_AHEAD]);
@@ -171,7 +171,7 @@ pub fn limit(frames: &mut [Frame], ceiling: f32) {
     }
 }
 
-/// Removes what lies below hearing, the constant part included, in place.
+/// Removes inaudibly low frequencies and the DC offset, in place.
 pub fn remove_rumble(frames: &mut [Frame]) {
     let mut filters = [Filter::new(Pass::High, 24.0, 0.7); 2];
     for frame in frames {
@@ -179,7 +179,7 @@ pub fn remove_rumble(frames: &mut [Frame]) {
     }
 }
 
-/// Fades both ends to 0 within `seconds`, so that a player that stops or starts there does not click.
+/// Fades both ends to 0 within `seconds`, to avoid clicks where a player stops or starts.
 pub fn fade_edges(frames: &mut [Frame], seconds: f32) {
     let span = ((seconds * SAMPLE_RATE as f32) as usize).min(frames.len() / 2);
     let last = frames.len().saturating_sub(1);
@@ -197,7 +197,7 @@ mod tests {
     use std::f32::consts::TAU;
 
     #[test]
-    fn the_limiter_holds_its_ceiling_and_leaves_soft_sounds_alone() {
+    fn the_limiter_keeps_its_ceiling_and_does_not_change_soft_sounds() {
         let wave = |n: usize, level: f32| level * (TAU * 100.0 * n as f32 * DT).sin();
         let mut frames: Vec<Frame> =
             (0..48_000).map(|n| [wave(n, if n > 30_000 { 3.0 } else { 0.3 }), 0.0]).collect();
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn the_reverb_decays_in_its_time_and_keeps_no_energy() {
+    fn the_reverb_decays_in_time() {
         let mut reverb = Reverb::new(1.5);
         let energy: Vec<f32> = (0..4)
             .map(|second| {
@@ -219,7 +219,7 @@ mod tests {
                     .sum()
             })
             .collect();
-        // 60 dB in 1.5 s are 40 dB in each second; damping makes it faster.
+        // 60 dB in 1.5 s are 40 dB per second; damping makes it faster.
         assert!(
             energy[0] > 0.01 && energy[1] < energy[0] * 2e-4 && energy[3] < energy[0] * 1e-9,
             "{energy:?}"

@@ -1,5 +1,5 @@
-//! The mix: instruments into buses, buses into the room and the echo, everything into one stereo piece that can be
-//! looped.
+//! The mix: instruments into buses, buses into the reverb and the delay, and everything into one stereo piece that
+//! can be looped.
 
 use super::drums;
 use super::effects::{PingPong, Reverb, ducking, fade_edges, limit, remove_rumble};
@@ -7,14 +7,14 @@ use super::score::{self, BAR, BARS, Drum, Note};
 use super::synth::{self, Filter, Frame, Pass};
 use std::f32::consts::TAU;
 
-/// Bars rendered beyond the end, for tails; they are added to the beginning, as a loop would hear them.
+/// Bars rendered beyond the end for reverb tails. They are added to the beginning, as in a loop.
 const TAIL_BARS: usize = 4;
 /// Gain before the limiter.
 const MASTER_GAIN: f32 = 0.5;
-/// No sample is louder: -2 dBFS leaves room for what lossy coding adds.
+/// Peak level: -2 dBFS leaves room for overshoots of lossy codecs.
 const CEILING: f32 = 0.794;
 
-/// A value that moves in straight lines between (bar, value) points.
+/// A value that is linear between (bar, value) points.
 struct Curve(&'static [(f32, f32)]);
 
 impl Curve {
@@ -32,7 +32,6 @@ impl Curve {
     }
 }
 
-/// Levels and corners over the piece.
 const PAD_LEVEL: Curve = Curve(&[
     (0.0, 0.30),
     (4.0, 0.36),
@@ -45,7 +44,7 @@ const PAD_LEVEL: Curve = Curve(&[
     (36.0, 0.36),
     (40.0, 0.22),
 ]);
-/// Octaves above 100 Hz.
+/// In octaves above 100 Hz.
 const PAD_CORNER: Curve = Curve(&[
     (0.0, 2.6),
     (4.0, 3.3),
@@ -61,13 +60,13 @@ const PAD_CORNER: Curve = Curve(&[
 ]);
 const PAD_SWAY: Curve = Curve(&[(0.0, 0.45), (6.0, 0.45), (8.0, 0.0), (36.0, 0.0), (38.0, 0.45)]);
 const ARP_LEVEL: Curve = Curve(&[(8.0, 0.4), (12.0, 0.5), (36.0, 0.5), (39.0, 0.35)]);
-/// The room is shut for the silence before the second loud part.
+/// The reverb is muted for the silence before the second loud part.
 const RETURN_LEVEL: Curve = Curve(&[(23.0, 1.0), (23.45, 0.0), (23.85, 0.0), (23.9, 1.0)]);
 
-/// What becomes of an instrument's sound.
+/// Level and sends of an instrument.
 struct Channel {
     level: f32,
-    /// How far it ducks under the kick, 0..1.
+    /// Amount of ducking under the kick, 0..1.
     duck: f32,
     reverb: f32,
     delay: f32,
@@ -93,7 +92,7 @@ impl Mixer {
         }
     }
 
-    /// Adds the room and the echoes; the echoes stand in the room too.
+    /// Adds the reverb and the delay. The echoes get reverb as well.
     fn finish(mut self) -> Vec<Frame> {
         let (mut reverb, mut delay) = (Reverb::new(2.4), PingPong::new(0.42));
         let mut clean = [Filter::new(Pass::High, 180.0, 0.6); 2];
@@ -110,14 +109,14 @@ impl Mixer {
     }
 }
 
-/// One instrument alone on a bus of its own.
+/// Renders one instrument on a separate bus.
 fn bus(length: usize, notes: &[Note], instrument: impl Fn(&mut [Frame], &Note)) -> Vec<Frame> {
     let mut out = vec![[0.0; 2]; length];
     notes.iter().for_each(|note| instrument(&mut out, note));
     out
 }
 
-/// The pads' filter opens and closes with the piece; in quiet parts the pads sway between the sides.
+/// Filters the pads along the piece, and sways them between the sides in quiet parts.
 fn shape_pads(pads: &mut [Frame]) {
     let mut low = [Filter::new(Pass::Low, 400.0, 0.75); 2];
     let mut high = [Filter::new(Pass::High, 130.0, 0.6); 2];
@@ -135,7 +134,7 @@ fn shape_pads(pads: &mut [Frame]) {
     }
 }
 
-/// The whole piece, [`BARS`] bars, ready to be written.
+/// Renders the whole piece of [`BARS`] bars.
 pub fn render() -> Vec<Frame> {
     let length = (BARS + TAIL_BARS) * BAR;
     let hits = score::drums();
@@ -169,7 +168,7 @@ pub fn render() -> Vec<Frame> {
     let bass = bus(length, &score::bass(), synth::bass);
     mixer.add(&bass, &Channel { level: 0.62, duck: 0.75, reverb: 0.0, delay: 0.0 });
 
-    // Low drums stay dry; the others stand in the room.
+    // Low drums stay almost dry; the others get reverb.
     let (mut low, mut high) = (vec![[0.0; 2]; length], vec![[0.0; 2]; length]);
     for (index, hit) in hits.iter().enumerate() {
         let out = if matches!(hit.drum, Drum::Kick | Drum::Impact) { &mut low } else { &mut high };
@@ -199,7 +198,8 @@ mod tests {
         (frames.iter().map(|f| f64::from(f[side] * f[side])).sum::<f64>() / frames.len() as f64).sqrt() as f32
     }
 
-    /// One rendering, all that the visualizer relies on: sides, silence, loud parts, a clean loop.
+    /// Renders the piece once and checks the properties that the visualizer relies on: sides, silence, loud parts
+    /// and a clean loop.
     #[test]
     fn the_piece_has_its_form() {
         let piece = render();
@@ -207,16 +207,16 @@ mod tests {
         assert!(piece.iter().flatten().all(|x| x.is_finite() && x.abs() <= CEILING));
         let bars = |from: f32, to: f32| &piece[(from * BAR as f32) as usize..(to * BAR as f32) as usize];
         let both = |from, to| 0.5 * (rms(bars(from, to), 0) + rms(bars(from, to), 1));
-        assert!(both(12.0, 20.0) > 2.5 * both(0.0, 8.0), "the loud part stands out");
+        assert!(both(12.0, 20.0) > 2.5 * both(0.0, 8.0), "the loud part is louder");
         assert!(both(23.5, 23.85) < 0.01 * both(12.0, 20.0), "the silence is silent");
         assert!(rms(bars(20.5, 21.0), 0) > 3.0 * rms(bars(20.5, 21.0), 1), "left only");
         assert!(rms(bars(21.5, 22.0), 1) > 3.0 * rms(bars(21.5, 22.0), 0), "right only");
-        // The seam: 0 at both ends, quiet around.
+        // The loop point: 0 at both ends, quiet around it.
         assert_eq!((piece[0], piece[piece.len() - 1]), ([0.0; 2], [0.0; 2]));
         let last = (0.1 / DT) as usize;
         assert!(rms(&piece[piece.len() - last..], 0) < 0.03 && rms(&piece[..last], 0) < 0.03);
         let mean = piece.iter().map(|f| f64::from(f[0])).sum::<f64>() / piece.len() as f64;
-        assert!(mean.abs() < 1e-4, "no constant part: {mean}");
+        assert!(mean.abs() < 1e-4, "no DC offset: {mean}");
     }
 
     #[test]

@@ -6,8 +6,8 @@
 //!     -c:a libvorbis -q:a 3.5 -fflags +bitexact -flags:a +bitexact -y assets/demo.ogg
 //! ```
 //!
-//! The same bytes at every run on one machine. [`score`] holds the form and every note, [`synth`] and [`drums`]
-//! the instruments, [`effects`] the room, the echo and the limiter, [`mix`] the levels, [`wav`] the file.
+//! Every run on one machine gives the same bytes. [`score`] has the form and every note, [`synth`] and [`drums`] the
+//! instruments, [`effects`] the reverb, the delay and the limiter, [`mix`] the levels, and [`wav`] the file format.
 
 mod drums;
 mod effects;
@@ -18,8 +18,10 @@ mod wav;
 
 use anyhow::Context as _;
 
-/// Writes the song to the one file that is named.
+/// Writes the song to the given file.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let [path] = arguments else { anyhow::bail!("name one file to write: OUT.wav") };
+    let [path] = arguments else {
+        anyhow::bail!("expected one argument: the file to write, such as OUT.wav")
+    };
     std::fs::write(path, wav::encode(&mix::render())).with_context(|| format!("cannot write {path}"))
 }

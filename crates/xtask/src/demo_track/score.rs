@@ -1,9 +1,9 @@
 //! The score: tempo, form, harmony and every note of the demo track.
 //!
-//! Times are counted in steps (sixteenth notes) inside bars; one step is a whole number of samples, so every
-//! onset is exact. Pitches are MIDI note numbers (69 = 440 Hz). E minor / G major, 112.5 beats per minute.
+//! Times are in steps (sixteenth notes) within bars. A step is a whole number of samples, so every onset is exact.
+//! Pitches are MIDI note numbers (69 = 440 Hz). E minor / G major, 112.5 beats per minute.
 //!
-//! | bars    | part      | what happens |
+//! | bars    | part      | content |
 //! |---------|-----------|--------------|
 //! | 0..8    | intro     | pads; bells far left and far right; from bar 4 the theme's first phrase on bells |
 //! | 8..12   | build     | kick, hats, rising melody, opening filter, snare roll |
@@ -12,9 +12,9 @@
 //! | 24..36  | full two  | the theme in thirds, a second theme with left and right stabs, the theme's answer |
 //! | 36..40  | outro     | drums thin out; pads and bells lead back to bar 0 |
 
-/// Samples per second of everything in this example.
+/// Sample rate in Hz.
 pub const SAMPLE_RATE: u32 = 48_000;
-/// Samples per sixteenth note: 112.5 beats per minute exactly.
+/// Samples per sixteenth note, which makes exactly 112.5 beats per minute.
 pub const STEP: usize = 6_400;
 /// Sixteenth notes per bar (4/4).
 pub const STEPS: usize = 16;
@@ -28,13 +28,13 @@ pub const BARS: usize = 40;
 pub struct Note {
     /// Onset in samples from the start of the piece.
     pub start: usize,
-    /// Samples until the release begins.
+    /// Samples until the release.
     pub length: usize,
     /// MIDI note number.
     pub pitch: u8,
     /// Loudness, 0..=1.
     pub velocity: f32,
-    /// Position, -1 (left) ..= 1 (right).
+    /// Pan, -1 (left) ..= 1 (right).
     pub pan: f32,
 }
 
@@ -55,14 +55,14 @@ pub enum Drum {
     OpenHat,
     Shaker,
     Crash,
-    /// A low and a high tom; the pitch glides down.
+    /// Low tom; the pitch glides down.
     LowTom,
     HighTom,
     /// Noise that rises for two bars.
     Riser,
-    /// Noise that comes and goes like a wave, for three bars.
+    /// Noise that swells and fades like a wave, for three bars.
     Surf,
-    /// A low boom under the first beat of a loud part.
+    /// A low boom on the first beat of a loud part.
     Impact,
 }
 
@@ -74,7 +74,7 @@ pub struct Hit {
     pub start: usize,
     /// Loudness, 0..=1.
     pub velocity: f32,
-    /// Position, -1 (left) ..= 1 (right).
+    /// Pan, -1 (left) ..= 1 (right).
     pub pan: f32,
 }
 
@@ -102,7 +102,7 @@ const HOME: [Chord; 4] = [C_MAJOR_9, D_ADD_9, G_ADD_9, D_SUS_4];
 /// The four-bar progressions in order.
 const FORM: [[Chord; 4]; BARS / 4] = [VERSE, VERSE, RISE, VERSE, VERSE, BREAK, VERSE, BRIDGE, VERSE, HOME];
 
-/// The chord that sounds at `step` of `bar`.
+/// Returns the chord at `step` of `bar`.
 pub fn chord_at(bar: usize, step: usize) -> Chord {
     match (bar, step >= STEPS / 2) {
         // The suspension before the first loud part resolves in the middle of its bar.
@@ -111,7 +111,7 @@ pub fn chord_at(bar: usize, step: usize) -> Chord {
     }
 }
 
-/// A melody's note: bar within the phrase, step, length in steps, pitch.
+/// A note of a melody: bar within the phrase, step, length in steps, pitch.
 type Melodic = (usize, usize, usize, u8);
 
 const THEME: [Melodic; 12] = [
@@ -144,7 +144,7 @@ const ANSWER: [Melodic; 14] = [
     (3, 4, 4, 71),
     (3, 8, 8, 74),
 ];
-/// The build's rising line over [`RISE`].
+/// The rising line of the build, over [`RISE`].
 const CLIMB: [Melodic; 11] = [
     (0, 0, 4, 69),
     (0, 4, 4, 71),
@@ -158,7 +158,7 @@ const CLIMB: [Melodic; 11] = [
     (3, 0, 8, 79),
     (3, 8, 5, 78),
 ];
-/// The second theme, syncopated, over [`BRIDGE`]; it holds the highest note of the piece.
+/// The second theme, syncopated, over [`BRIDGE`]. It has the highest note of the piece.
 const SECOND_THEME: [Melodic; 17] = [
     (0, 0, 3, 79),
     (0, 3, 3, 78),
@@ -178,7 +178,7 @@ const SECOND_THEME: [Melodic; 17] = [
     (3, 8, 4, 74),
     (3, 12, 4, 78),
 ];
-/// The farewell over [`HOME`].
+/// The closing phrase, over [`HOME`].
 const FAREWELL: [Melodic; 7] = [
     (0, 0, 6, 71),
     (0, 6, 2, 74),
@@ -195,19 +195,20 @@ fn phrase(out: &mut Vec<Note>, bar: usize, melody: &[Melodic], velocity: f32, pa
     );
 }
 
-/// The note of the E minor scale a third below `pitch`.
+/// Returns the note of the E minor scale a third below `pitch`.
 fn third_below(pitch: u8) -> u8 {
     const SCALE: [u8; 7] = [0, 2, 4, 6, 7, 9, 11]; // pitch classes C D E F# G A B
     let third = pitch - 3;
     if SCALE.contains(&(third % 12)) { third } else { pitch - 4 }
 }
 
-/// Pads: every chord held to the next one.
+/// Pads: every chord, held until the next one.
 pub fn pads() -> Vec<Note> {
     let mut notes = Vec::new();
     for bar in 0..BARS {
         let halves: &[usize] = if bar == 11 { &[0, 8] } else { &[0] };
-        // The breakdown's sides and its silence want no pad; the last bar ends early so that the tail can fade.
+        // No pads in the one-sided bars and the silence of the breakdown. The last bar ends early for its
+        // tail.
         let steps = match bar {
             20 | 21 => continue,
             11 => 8,
@@ -225,7 +226,7 @@ pub fn pads() -> Vec<Note> {
     notes
 }
 
-/// Bells: sparks on one side in the intro, then the theme; the farewell in the outro.
+/// Bells: single notes on alternating sides in the intro, then the theme; the closing phrase in the outro.
 pub fn bells() -> Vec<Note> {
     let mut notes = Vec::new();
     let sparks: [(usize, usize, u8, f32); 12] = [
@@ -245,14 +246,14 @@ pub fn bells() -> Vec<Note> {
     notes.extend(sparks.map(|(bar, step, pitch, pan)| Note::new(bar, step, 2, pitch, 0.85, pan)));
     phrase(&mut notes, 4, &THEME, 0.9, 0.0);
     phrase(&mut notes, 36, &FAREWELL, 0.75, 0.0);
-    // An octave above the lead: a shimmer for the last time the theme is heard.
+    // An octave above the lead, the last time the theme is heard.
     notes.extend(
         ANSWER.map(|(b, s, n, pitch)| Note::new(32 + b, s, n, pitch + 12, 0.35, [-0.6, 0.6][s / 2 % 2])),
     );
     notes
 }
 
-/// The lead: the build's climb, both loud parts.
+/// The lead: the rising line of the build, and both loud parts.
 pub fn lead() -> Vec<Note> {
     let mut notes = Vec::new();
     phrase(&mut notes, 8, &CLIMB, 0.55, 0.0);
@@ -275,7 +276,7 @@ pub fn arpeggio() -> Vec<Note> {
         for step in 0..STEPS {
             let beat = step / 4;
             let swing = if beat % 2 == 0 { -1.0 } else { 1.0 };
-            // Which steps play, how loud, and where.
+            // If the step plays, its loudness, and its pan.
             let (plays, loudness, pan) = match bar {
                 4..8 => (step % 4 == 2, 0.35, swing * 0.8),
                 8..12 => (step % 2 == 0 || bar >= 10, 0.6, swing * 0.6),
@@ -334,7 +335,7 @@ pub fn bass() -> Vec<Note> {
     notes
 }
 
-/// Short chords that answer each other: left on the second beat's off-beat, right on the fourth's.
+/// Short chords that alternate: left from the second beat, right from the fourth.
 pub fn stabs() -> Vec<Note> {
     let mut notes = Vec::new();
     for bar in (28..32).chain([14, 18, 34]) {
@@ -347,7 +348,7 @@ pub fn stabs() -> Vec<Note> {
     notes
 }
 
-/// All drums and noises.
+/// All drums and noise sounds.
 pub fn drums() -> Vec<Hit> {
     let mut hits = Vec::new();
     let mut hit = |drum, bar: usize, step: usize, velocity: f32, pan: f32| {
@@ -356,7 +357,7 @@ pub fn drums() -> Vec<Hit> {
     for bar in 0..BARS {
         let loud = matches!(bar, 12..20 | 24..36);
         let fill = matches!(bar, 19 | 27 | 31 | 35);
-        // Shaker and hats sit on opposite sides and change places every four bars.
+        // Shaker and hats are on opposite sides, which they swap every four bars.
         let side = if bar / 4 % 2 == 0 { 0.5 } else { -0.5 };
         for step in 0..STEPS {
             let on_beat = step % 4 == 0;
@@ -386,7 +387,7 @@ pub fn drums() -> Vec<Hit> {
                 hit(Drum::Shaker, bar, step, [0.5, 0.3, 0.7, 0.3][step % 4], side * 1.6);
             }
             if bar == 11 {
-                // The roll: eighths, then sixteenths; the last beat stays free.
+                // The snare roll: eighths, then sixteenths, without the last beat.
                 if (step < 8 && step % 2 == 0) || (8..13).contains(&step) {
                     hit(Drum::Snare, bar, step, 0.25 + 0.045 * step as f32, 0.0);
                 }
@@ -403,13 +404,13 @@ pub fn drums() -> Vec<Hit> {
             }
         }
     }
-    // The pick-up out of the silence.
+    // The pick-up after the silence.
     hit(Drum::HighTom, 23, 14, 0.7, -1.0);
     hit(Drum::LowTom, 23, 15, 0.9, 1.0);
     hit(Drum::Riser, 10, 0, 1.0, 0.0);
     hit(Drum::Impact, 12, 0, 0.9, 0.0);
     hit(Drum::Impact, 24, 0, 0.9, 0.0);
-    // Surf fills the air of the quiet parts, from side to side.
+    // Surf in the quiet parts, on alternating sides.
     for (bar, pan) in [(0, -0.8), (2, 0.8), (4, -0.8), (6, 0.8), (8, -0.5), (36, 0.5), (37, -0.8)] {
         hit(Drum::Surf, bar, 0, 0.5, pan);
     }
@@ -425,7 +426,7 @@ mod tests {
 
     /// Strong beats are the first and the third of a bar.
     #[test]
-    fn melodies_meet_the_harmony_on_strong_beats() {
+    fn melodies_have_chord_tones_on_strong_beats() {
         for note in lead().iter().filter(|n| n.pan.abs() < 0.5).chain(&bells()) {
             let (bar, step) = (note.start / BAR, note.start % BAR / STEP);
             if step % 8 == 0 {

@@ -1,41 +1,41 @@
-//! Oscillators, envelopes, the filter, and the pitched instruments made of them.
+//! Oscillators, envelopes, a filter, and the pitched instruments.
 //!
-//! Saws and pulses are band-limited by polyBLEP (Välimäki and Huovilainen, "Antialiasing Oscillators in
-//! Subtractive Synthesis", 2007). The filter is the trapezoidal state variable filter (Simper, "Linear
-//! Trapezoidal Integrated SVF", 2013). Levels are linear, nominal -1..1; times are seconds.
+//! Saws and pulses are band-limited with polyBLEP (Välimäki and Huovilainen, "Antialiasing Oscillators in Subtractive
+//! Synthesis", 2007). The filter is the trapezoidal state variable filter (Simper, "Linear Trapezoidal Integrated
+//! SVF", 2013). Levels are linear, nominally -1..1; times are in seconds.
 
 use super::score::{Note, SAMPLE_RATE};
 use std::f32::consts::{FRAC_PI_4, PI, TAU};
 
-/// One stereo sample: left, right.
+/// A stereo sample frame: left, right.
 pub type Frame = [f32; 2];
 
 /// Length of a sample in seconds.
 pub const DT: f32 = 1.0 / SAMPLE_RATE as f32;
 
-/// Frequency in Hz of a MIDI note, `cents` off.
+/// Returns the frequency of a MIDI note in Hz, detuned by `cents`.
 pub fn frequency(pitch: u8, cents: f32) -> f32 {
     440.0 * ((f32::from(pitch) - 69.0) / 12.0 + cents / 1200.0).exp2()
 }
 
-/// Equal-power gains for a position -1 (left) ..= 1 (right); the middle has 0.707 each.
+/// Returns equal-power gains for a pan -1 (left) ..= 1 (right); 0.707 each in the middle.
 pub fn pan_gains(pan: f32) -> Frame {
     let angle = (pan.clamp(-1.0, 1.0) + 1.0) * FRAC_PI_4;
     // The sine of a side's own angle is exactly 0 at the far side.
     [(2.0 * FRAC_PI_4 - angle).sin(), angle.sin()]
 }
 
-/// A phase in cycles, 0..1. 64 bits, so that long notes stay in tune.
+/// An oscillator phase in cycles, 0..1. It has 64 bits, so that long notes stay in tune.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Phase(f64);
 
 impl Phase {
-    /// Starts at a fraction of a cycle.
+    /// A phase that starts at a fraction of a cycle.
     pub fn starting_at(cycles: f32) -> Self {
         Self(f64::from(cycles.rem_euclid(1.0)))
     }
 
-    /// The phase now; then moves on by one sample at `hz`.
+    /// Returns the phase and advances it by one sample at `hz`.
     pub fn advance(&mut self, hz: f32) -> f32 {
         let now = self.0 as f32;
         self.0 += f64::from(hz) / f64::from(SAMPLE_RATE);
@@ -43,18 +43,18 @@ impl Phase {
         now
     }
 
-    /// A sine.
+    /// A sine wave.
     pub fn sine(&mut self, hz: f32) -> f32 {
         (TAU * self.advance(hz)).sin()
     }
 
-    /// A band-limited falling-edge saw.
+    /// A band-limited falling saw wave.
     pub fn saw(&mut self, hz: f32) -> f32 {
         let t = self.advance(hz);
         2.0 * t - 1.0 - step_residual(t, hz * DT)
     }
 
-    /// A band-limited pulse, high for `width` of a cycle (0..1), without its constant part.
+    /// A band-limited pulse wave without DC offset, high for the fraction `width` of a cycle.
     pub fn pulse(&mut self, hz: f32, width: f32) -> f32 {
         let t = self.advance(hz);
         let square = if t < width { 1.0 } else { -1.0 };
@@ -63,7 +63,8 @@ impl Phase {
     }
 }
 
-/// PolyBLEP: what a band-limited step of height 2 at phase 0 has beyond the naive one; `dt` cycles per sample.
+/// PolyBLEP: the difference between a band-limited and a naive step of height 2 at phase 0. `dt` is the frequency in
+/// cycles per sample.
 fn step_residual(t: f32, dt: f32) -> f32 {
     if t < dt {
         let u = t / dt;
@@ -76,7 +77,7 @@ fn step_residual(t: f32, dt: f32) -> f32 {
     }
 }
 
-/// Attack, decay, sustain, release: seconds, seconds, level 0..1, seconds. A closed form of time, without steps.
+/// An ADSR envelope: attack, decay and release in seconds, sustain as a level 0..1. Evaluated in closed form.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope {
     pub attack: f32,
@@ -88,14 +89,15 @@ pub struct Envelope {
 impl Envelope {
     fn held_level(&self, t: f32) -> f32 {
         if t < self.attack {
-            // A raised cosine has no corner, hence no click.
+            // A raised cosine has no corner and so causes no click.
             0.5 - 0.5 * (PI * t / self.attack).cos()
         } else {
             self.sustain + (1.0 - self.sustain) * (-(t - self.attack) / self.decay).exp()
         }
     }
 
-    /// The level at `t` seconds after the onset of a note held for `held` seconds; 0 from `held + release` on.
+    /// Returns the level `t` seconds after the onset of a note held for `held` seconds; 0 from `held + release`
+    /// on.
     pub fn level(&self, t: f32, held: f32) -> f32 {
         if t <= held {
             self.held_level(t)
@@ -105,13 +107,13 @@ impl Envelope {
         }
     }
 
-    /// Samples until the envelope of a note of `length` samples is 0.
+    /// Returns the samples until the envelope of a note of `length` samples is 0.
     pub fn samples(&self, length: usize) -> usize {
         length + (self.release * SAMPLE_RATE as f32).ceil() as usize
     }
 }
 
-/// Which output of the [`Filter`].
+/// The output of a [`Filter`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pass {
     Low,
@@ -130,14 +132,15 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// Corner in Hz (kept in 10..20000), resonance `q` (0.5 soft, 0.707 flat, above that peaked).
+    /// A filter with a corner in Hz (clamped to 10..20000) and resonance `q` (0.5 soft, 0.707 flat, higher
+    /// peaked).
     pub fn new(pass: Pass, hz: f32, q: f32) -> Self {
         let mut filter = Self { pass, ic1: 0.0, ic2: 0.0, g: 0.0, k: 1.0 / q };
         filter.tune(hz);
         filter
     }
 
-    /// Moves the corner.
+    /// Sets the corner frequency.
     pub fn tune(&mut self, hz: f32) {
         self.g = (PI * hz.clamp(10.0, 20_000.0) * DT).tan();
     }
@@ -158,10 +161,10 @@ impl Filter {
     }
 }
 
-/// Samples between two tunings of a moving filter.
+/// Samples between two updates of a moving filter.
 const TUNE_EVERY: usize = 16;
 
-/// Writes a note's voice into `out`: `voice(n, t)` gives sample `n` at `t` seconds, before envelope and velocity.
+/// Adds a note to `out`. `voice(n, t)` returns sample `n` at `t` seconds, before envelope and velocity.
 fn play(out: &mut [Frame], note: &Note, envelope: Envelope, mut voice: impl FnMut(usize, f32) -> Frame) {
     let held = note.length as f32 * DT;
     let end = out.len().min(note.start + envelope.samples(note.length));
@@ -174,13 +177,13 @@ fn play(out: &mut [Frame], note: &Note, envelope: Envelope, mut voice: impl FnMu
     }
 }
 
-/// A different but fixed starting phase for every oscillator of every note.
+/// Returns a different but fixed starting phase for every oscillator of every note.
 fn start_phase(note: &Note, oscillator: usize) -> Phase {
     let seed = note.start as f32 / 6400.0 + f32::from(note.pitch) * 7.0 + oscillator as f32;
     Phase::starting_at(seed * 0.618_034)
 }
 
-/// A warm pad: six detuned saws, three each side, slow to come and to go. Its filter is the bus's.
+/// A warm pad: six detuned saws, three per side, with a slow attack and release. The mix filters its bus.
 pub fn pad(out: &mut [Frame], note: &Note) {
     const CENTS: [f32; 6] = [-11.0, 9.0, -4.0, 4.5, 12.0, -8.0];
     let mut saws: [Phase; 6] = std::array::from_fn(|i| start_phase(note, i));
@@ -196,7 +199,7 @@ pub fn pad(out: &mut [Frame], note: &Note) {
     });
 }
 
-/// A pluck: saw and pulse through a filter that closes quickly; `brightness` scales the filter's opening.
+/// A pluck: saw and pulse through a filter that closes quickly. `brightness` scales the filter's opening.
 pub fn pluck(out: &mut [Frame], note: &Note, brightness: f32) {
     let (mut saw, mut pulse) = (start_phase(note, 0), start_phase(note, 1));
     let (hz, hz_pulse) = (frequency(note.pitch, -3.0), frequency(note.pitch, 4.0));
@@ -212,7 +215,7 @@ pub fn pluck(out: &mut [Frame], note: &Note, brightness: f32) {
     });
 }
 
-/// The lead: two saws and a sine under a soft filter, with a vibrato that sets in late.
+/// The lead: two saws and a sine through a soft filter, with a delayed vibrato.
 pub fn lead(out: &mut [Frame], note: &Note) {
     let mut saws = [start_phase(note, 0), start_phase(note, 1)];
     let (mut body, mut vibrato) = (Phase::default(), Phase::default());
@@ -230,14 +233,14 @@ pub fn lead(out: &mut [Frame], note: &Note) {
         }
         let sine = 0.45 * body.sine(middle * bend);
         let voices: [f32; 2] = std::array::from_fn(|i| saws[i].saw(base[i] * bend));
-        // Each side leans to one saw: a little width that stays centred.
+        // Each side has more of one saw, which gives a little width without a shift.
         let left = filters[0].run(0.35 * voices[0] + 0.15 * voices[1]) + sine;
         let right = filters[1].run(0.15 * voices[0] + 0.35 * voices[1]) + sine;
         [left * gains[0], right * gains[1]]
     });
 }
 
-/// A bell: sine partials, the higher the shorter.
+/// A bell: sine partials; higher ones are shorter.
 pub fn bell(out: &mut [Frame], note: &Note) {
     // Ratio to the fundamental, level, decay time in seconds.
     const PARTIALS: [(f32, f32, f32); 6] = [
@@ -263,7 +266,7 @@ pub fn bell(out: &mut [Frame], note: &Note) {
     });
 }
 
-/// The bass: a sine for the woofers, a filtered and gently driven saw for small loudspeakers.
+/// The bass: a sine for woofers, and a filtered, gently distorted saw for small loudspeakers.
 pub fn bass(out: &mut [Frame], note: &Note) {
     let hz = frequency(note.pitch, 0.0);
     let (mut sub, mut saw) = (Phase::default(), Phase::starting_at(0.5));
@@ -303,7 +306,8 @@ mod tests {
         assert!((frequency(57, 0.0) - 220.0).abs() < 1e-3);
     }
 
-    /// Partials that lie above half the sample rate fold down; polyBLEP must keep the strongest far below the naive.
+    /// Partials above half the sample rate alias. PolyBLEP must keep the strongest alias far below the naive
+    /// saw's.
     #[test]
     fn the_saw_is_band_limited() {
         let hz = 5_000.0; // its fifth partial, 25 kHz, folds to 23 kHz, its seventh to 13 kHz

@@ -1,10 +1,10 @@
-//! A stereo 16-bit wav file, dithered.
+//! A dithered stereo WAVE file of 16 bits.
 
 use super::drums::Noise;
 use super::score::SAMPLE_RATE;
 use super::synth::Frame;
 
-/// The whole file's bytes. Triangular dither of ±1 step turns rounding into a steady, very soft hiss; digital
+/// Encodes the whole file. Triangular dither of ±1 step turns rounding errors into a steady, very soft hiss. Digital
 /// silence stays silent.
 pub fn encode(frames: &[Frame]) -> Vec<u8> {
     let data_bytes = (frames.len() * 4) as u32;
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn samples_are_within_two_steps_of_the_sound_and_sizes_agree() {
+    fn samples_are_within_two_steps_and_sizes_agree() {
         let frames = [[0.0, 1.0], [-1.0, 0.5], [0.25, 2.0]];
         let file = encode(&frames);
         assert_eq!(file.len(), 44 + 12);

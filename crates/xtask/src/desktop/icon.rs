@@ -1,5 +1,5 @@
-//! The icon: a woofer of the speakers in its wood, the left half of its ring in the colour of the left channel, the
-//! right half in that of the right one. One list of layers makes the SVG and the PNGs.
+//! The icon: a woofer with a wooden frame. The left half of its ring has the colour of the left channel, the right
+//! half that of the right channel. The SVG and the PNGs come from the same list of layers.
 
 use std::fmt::Write;
 
@@ -9,24 +9,24 @@ use mariana::shell::identity::APP_ID;
 
 use crate::textures::canvas::{rgb, to_srgb};
 
-/// Sides of the PNGs, in pixels: those of the hicolor theme that desktops ask for.
+/// Sides of the PNGs in pixels, as required by the hicolor theme.
 const SIDES: [u32; 9] = [16, 22, 24, 32, 48, 64, 128, 256, 512];
-/// Side of the picture that the layers are drawn on.
+/// Side of the icon in layer units.
 const SIDE: f32 = 64.0;
 const MIDDLE: f32 = SIDE / 2.0;
 
-/// An outline, in units of the picture.
+/// A shape, in layer units.
 enum Outline {
-    /// A square around the middle: half its side, and the radius of its corners.
+    /// A square around the centre: half its side, and its corner radius.
     Square(f32, f32),
-    /// A disc: its centre (on both axes) and its radius.
+    /// A disc: its centre (the same on both axes), and its radius.
     Disc(f32, f32),
-    /// The right half of a disc around the middle: its radius.
+    /// The right half of a disc around the centre: its radius.
     RightHalf(f32),
 }
 use Outline::{Disc, RightHalf, Square};
 
-/// From the lowest up, each in an sRGB colour.
+/// From bottom to top, each with an sRGB colour.
 const LAYERS: [(Outline, u32); 10] = [
     (Square(30.0, 9.0), 0x6B_2C0D),
     (Square(28.5, 7.5), 0xB3_561F),
@@ -40,10 +40,10 @@ const LAYERS: [(Outline, u32); 10] = [
     (Disc(29.3, 2.4), 0xFF_F0CC),
 ];
 
-/// Name and bytes of the SVG and of every PNG.
+/// Returns the names and bytes of the SVG and of every PNG.
 ///
 /// # Errors
-/// What the encoder of PNGs says.
+/// An error of the PNG encoder.
 pub(super) fn files() -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let mut files = vec![(format!("icons/scalable/apps/{APP_ID}.svg"), svg()?.into_bytes())];
     for side in SIDES {
@@ -84,7 +84,7 @@ fn svg() -> Result<String, std::fmt::Error> {
 }
 
 impl Outline {
-    /// Signed distance from a point to the outline, in units.
+    /// Returns the signed distance from a point to the shape, in layer units.
     fn distance(&self, x: f32, y: f32) -> f32 {
         let (x, y) = (x - MIDDLE, y - MIDDLE);
         match self {
@@ -98,7 +98,7 @@ impl Outline {
     }
 }
 
-/// RGBA of `side` x `side` pixels. The edges are smoothed in linear light.
+/// Draws `side` x `side` RGBA pixels, antialiased in linear light.
 fn pixels(side: u32) -> Vec<u8> {
     let scale = side as f32 / SIDE;
     let position = |pixel: u32| (pixel as f32 + 0.5) / scale;
@@ -106,7 +106,7 @@ fn pixels(side: u32) -> Vec<u8> {
     places.flat_map(|(x, y)| pixel(scale, position(x), position(y))).collect()
 }
 
-/// The pixel around a point; `scale` is the number of pixels in a unit.
+/// Returns the pixel around a point; `scale` is the number of pixels per layer unit.
 fn pixel(scale: f32, x: f32, y: f32) -> [u8; 4] {
     // Premultiplied.
     let mut sum = [0.0; 4];

@@ -1,4 +1,4 @@
-//! The manual pages: one of the program, and one of each subcommand.
+//! The manual pages: one for the program and one for each subcommand.
 
 use std::io::Write;
 
@@ -7,10 +7,10 @@ use clap::builder::Resettable;
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, roman};
 
-/// File name and text of every page.
+/// Returns the file names and texts of all pages.
 ///
 /// # Errors
-/// None: memory takes whatever is written.
+/// Never: the text is written to memory.
 pub(super) fn pages(program: Command) -> std::io::Result<Vec<(String, Vec<u8>)>> {
     let mut program = program.disable_help_subcommand(true).subcommand_value_name("command");
     program.build();
@@ -22,7 +22,7 @@ fn page(command: Command) -> std::io::Result<(String, Vec<u8>)> {
     let name = command.get_display_name().unwrap_or_else(|| command.get_name()).to_owned();
     let command =
         command.after_help(Resettable::Reset).mut_args(|arg| match arg.get_long_help().or(arg.get_help()) {
-            // A line that begins with a space keeps to itself, as those of lists must.
+            // A line that begins with a space starts on a new line, as lists need it.
             Some(help) => {
                 let lines = help.to_string().replace('\n', "\n ");
                 arg.long_help(lines)
@@ -31,7 +31,7 @@ fn page(command: Command) -> std::io::Result<(String, Vec<u8>)> {
         });
     let mut text = Vec::new();
     writeln!(text, ".TH {name} 1 \"\" \"mariana {}\" Mariana", env!("CARGO_PKG_VERSION"))?;
-    // Whose title leaves out an empty date, so that the version would take its place.
+    // `Man` omits an empty date from its title line, which would put the version in the date's place.
     let mut rendered = Vec::new();
     Man::new(command).render(&mut rendered)?;
     for line in rendered.split_inclusive(|byte| *byte == b'\n').filter(|line| !line.starts_with(b".TH ")) {
@@ -41,7 +41,7 @@ fn page(command: Command) -> std::io::Result<(String, Vec<u8>)> {
     Ok((format!("man/{name}.1"), text))
 }
 
-/// What stands behind the options in the help, as sections: the examples keep their lines, the rest is notes.
+/// Converts the text after the options in the help to sections. Examples keep their lines; the rest becomes notes.
 fn further_sections(after: &str) -> Roff {
     let mut roff = Roff::new();
     let (examples, notes): (Vec<&str>, Vec<&str>) =

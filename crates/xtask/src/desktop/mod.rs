@@ -1,10 +1,10 @@
-//! Makes what a desktop and a shell know the program by: its icon, manual pages and completions.
+//! Generates the desktop files: the icon, manual pages and shell completions.
 //!
 //! ```text
 //! cargo xtask desktop [FOLDER]
 //! ```
 //!
-//! `FOLDER` defaults to `assets/desktop`. Manual pages and completions follow from the command line's definition
+//! `FOLDER` defaults to `assets/desktop`. Manual pages and completions come from the definition of the command line
 //! (`mariana::cli`). Every run writes the same bytes.
 
 mod icon;
@@ -16,11 +16,10 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 use mariana::cli::Arguments;
 
-/// The shells, and the file that each wants its completions in.
+/// The shells and the file names of their completions.
 const SHELLS: [(Shell, &str); 3] =
     [(Shell::Bash, "mariana.bash"), (Shell::Zsh, "_mariana"), (Shell::Fish, "mariana.fish")];
 
-/// Writes all of it.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let folder =
         arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("assets/desktop"), PathBuf::from);

@@ -1,4 +1,4 @@
-//! What a scene costs, and what the music does to it.
+//! Measures the cost of a scene and how much the music changes it.
 
 use std::fmt;
 
@@ -16,27 +16,26 @@ use mariana_music::Sound;
 use super::MOMENTS;
 
 const SIZE: (u32, u32) = (320, 180);
-/// Where the costs are counted: at a smaller size, edges weigh more.
+/// Size for counting costs: edges would have too much weight at a smaller size.
 const COST_SIZE: (u32, u32) = (1280, 720);
-/// The loudest of the moments.
+/// Index of the loudest moment.
 const LOUD: usize = 2;
-/// Steps of 0..255 in a channel that are seen.
+/// Smallest visible difference of a channel, of 255.
 const VISIBLE: u8 = 12;
 
-/// The figures of a scene.
 pub struct Figures {
-    /// Of a pixel at the loudest moment.
+    /// Cost per pixel at the loudest moment.
     pub cost: Evaluations,
-    /// Share of the pixels that differ between it and silence.
+    /// Fraction of pixels that differ visibly between this moment and silence.
     pub moved: f64,
-    /// Largest share of black pixels at any moment.
+    /// Largest fraction of black pixels at any moment.
     pub black: f64,
-    /// The same of white ones.
+    /// Largest fraction of white pixels at any moment.
     pub white: f64,
 }
 
 impl Figures {
-    /// Draws and counts a scene by the interpreter.
+    /// Draws a scene with the interpreter and measures it.
     pub fn of(source: &SceneSource, sounds: &[Sound]) -> anyhow::Result<Self> {
         let ReadyScene { world, buffers, plan, .. } = source.ready()?;
         let context = Headless::new(false)?;
@@ -53,7 +52,7 @@ impl Figures {
                 let picture = RgbaImage::from_raw(size.0, size.1, renderer.read());
                 let pixels = f64::from(size.0) * f64::from(size.1);
                 Ok((
-                    picture.context("a picture has four bytes a pixel")?,
+                    picture.context("an image has four bytes per pixel")?,
                     renderer.evaluations().per_pixel(pixels),
                 ))
             };
@@ -78,7 +77,7 @@ impl Figures {
         Ok(figures)
     }
 
-    /// The cells of a table's row.
+    /// Formats the figures as the cells of a table row.
     pub fn row(&self) -> String {
         let percent = |fraction: f64| 100.0 * fraction;
         format!(
@@ -99,7 +98,7 @@ impl fmt::Display for Figures {
     }
 }
 
-/// The share of a picture's pixels that are like that: red, green and blue.
+/// Returns the fraction of pixels whose red, green and blue values meet a condition.
 fn fraction(picture: &RgbaImage, mut is_like_that: impl FnMut(&[u8]) -> bool) -> f64 {
     let count = picture.pixels().filter(|pixel| is_like_that(&pixel.0[..3])).count();
     count as f64 / picture.pixels().len() as f64

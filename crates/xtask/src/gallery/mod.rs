@@ -1,7 +1,7 @@
-//! Draws `docs/gallery.md`: for each shipped scene a large picture and a strip of four moments of the demo track, what it
-//! costs, and how much of it the music moves. One thing to run after a scene has changed:
+//! Generates `docs/gallery.md`: for each shipped scene a large image, a strip of four moments of the demo track, its
+//! cost, and how much the music changes it. Run it after a change of a scene.
 //!
-//! `cargo xtask gallery [SCENE ...]` draws the pictures of these scenes, or of all, and all figures.
+//! `cargo xtask gallery [SCENE ...]` draws the images of these scenes, or of all, and always all figures.
 
 mod figures;
 
@@ -22,17 +22,17 @@ use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::Sound;
 
-/// Moments of the demo track in seconds: its quiet start, its first rise, its loudest part, the way out.
+/// Times in the demo track in seconds: the quiet start, the first rise, the loudest part and the ending.
 pub const MOMENTS: [f64; 4] = [3.0, 24.0, 62.0, 81.0];
-/// Which of them the large picture shows.
+/// Index of the moment in the large image.
 const LARGE: usize = 2;
 const LARGE_SIZE: (u32, u32) = (1280, 720);
 const STRIP_SIZE: (u32, u32) = (480, 270);
 const JPEG_QUALITY: u8 = 88;
-/// Surfaces of mathematics, which stand behind the scenes that are made for music.
+/// Mathematical surfaces, which come after the scenes made for music.
 const SURFACES: [&str; 4] = ["barth", "first_steps", "heart", "quadric"];
 
-/// Draws the scenes that are named, or all, and the page.
+/// Draws the named scenes, or all, and writes the page.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     let docs = Path::new(crate::root::ROOT).join("docs");
     let folder = docs.join("gallery");
@@ -53,7 +53,8 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
         }
         let _ = write!(
             page,
-            "\n## {name}\n\n{}\n\n![{name}](gallery/{name}.jpg)\n\n![{name} at four moments](gallery/{name}-strip.jpg)\n",
+            "\n## {name}\n\n{}\n\n![{name}](gallery/{name}.jpg)\n\n\
+             ![{name} at four moments](gallery/{name}-strip.jpg)\n",
             introduction(name)?
         );
         let figures = Figures::of(&SceneSource::Shipped(name.clone()), &sounds)?;
@@ -84,7 +85,7 @@ and white: the largest fraction of black or white pixels at any of the four mome
 |---|---|---|---|---|---|---|
 ";
 
-/// Draws the pictures of a scene.
+/// Draws the images of a scene.
 fn draw(name: &str, sounds: &[Sound], folder: &Path) -> anyhow::Result<()> {
     let mut painter = Painter::open(&SceneChoice {
         source: SceneSource::Shipped(name.to_owned()),
@@ -98,7 +99,7 @@ fn draw(name: &str, sounds: &[Sound], folder: &Path) -> anyhow::Result<()> {
     })?;
     let mut picture = |moment: usize, size: (u32, u32)| -> anyhow::Result<RgbaImage> {
         painter.draw(MOMENTS[moment], sounds[moment].clone(), size)?;
-        RgbaImage::from_raw(size.0, size.1, painter.read()).context("a picture has four bytes a pixel")
+        RgbaImage::from_raw(size.0, size.1, painter.read()).context("an image has four bytes per pixel")
     };
     write_jpeg(&folder.join(format!("{name}.jpg")), picture(LARGE, LARGE_SIZE)?)?;
     let mut strip = RgbaImage::new(STRIP_SIZE.0 * MOMENTS.len() as u32, STRIP_SIZE.1);
@@ -116,7 +117,7 @@ fn write_jpeg(path: &Path, picture: RgbaImage) -> anyhow::Result<()> {
     Ok(fs::write(path, bytes)?)
 }
 
-/// What a scene's text says of it: the comment that it begins with.
+/// Returns a scene's description: the comment at its start.
 fn introduction(name: &str) -> anyhow::Result<String> {
     let path = Path::new(crate::root::ROOT).join(format!("assets/scenes/{name}.scene"));
     let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;

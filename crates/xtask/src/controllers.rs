@@ -1,8 +1,8 @@
-//! What knobs and messages cost the window: how long from a message to the frame that shows it, and what floods of them do
-//! to frames and memory.
+//! Measures controllers: the latency from a MIDI or OSC message to the frame that shows it, and the effect of message
+//! floods on frames and memory.
 //!
-//! It starts the program in a window of this desktop, with ports of MIDI that a folder stands for (feature `fake-midi`),
-//! sends messages, and reads what the program says of itself when it ends.
+//! The tool starts the program in a window of this desktop, with fake MIDI ports in a folder (feature `fake-midi`),
+//! sends messages, and reads the program's log after it ends.
 
 use std::fs;
 use std::net::UdpSocket;
@@ -13,24 +13,24 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, ensure};
 
-/// A scene that moves by itself and has something to turn.
+/// A scene that moves by itself and has a parameter.
 const SCENE: &str = "param size = 1 in 0.5 .. 1.5\n\
     material paint { color = vec3(0.6, 0.3, 0.2)  roughness = 0.6 }\n\
     object ball { shape = length(p - vec3(0.3 * sin(t), size, 0)) - size  material = paint }\n\
     object floor { shape = p.y  material = paint }\n";
-/// Messages in a second: few, to see how long each takes, and a flood.
+/// Messages per second: few, to measure the latency of each, and a flood.
 const RATES: [(&str, f64); 2] = [("17 a second", 17.0), ("10,000 a second", 10_000.0)];
 const FPS: &str = "60";
 
-/// Measures for so many seconds each.
+/// Measures each case for the given number of seconds.
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let program = arguments
         .first()
-        .context("name the program: target/release/mariana, built with --features fake-midi")?;
+        .context("expected a program: target/release/mariana, built with --features fake-midi")?;
     let seconds =
-        arguments.get(1).map_or(Ok(60.0), |text| text.parse()).context("the seconds are no number")?;
-    ensure!(Path::new(program).is_file(), "{program} is not there: build it with --features fake-midi");
-    let folder = std::env::temp_dir().join(format!("mariana-hands-{}", std::process::id()));
+        arguments.get(1).map_or(Ok(60.0), |text| text.parse()).context("the seconds are not a number")?;
+    ensure!(Path::new(program).is_file(), "there is no {program}: build it with --features fake-midi");
+    let folder = std::env::temp_dir().join(format!("mariana-controllers-{}", std::process::id()));
     fs::create_dir_all(folder.join("midi"))?;
     fs::write(folder.join("ball.scene"), SCENE)?;
     fs::write(folder.join("midi/desk.port"), "")?;
@@ -40,7 +40,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         config.join("knobs.toml"),
         "[[knob]]\ndevice = \"desk (fake port)\"\nturned = \"cc 1 on channel 1\"\nscene = \"ball\"\nparam = \"size\"\n",
     )?;
-    println!("each for {seconds} s, {FPS} frames a second at most\n");
+    println!("{seconds} s each, at most {FPS} frames per second\n");
     measure(program, &folder, "no messages", seconds, |_| Ok(()))?;
     for (words, rate) in RATES {
         let socket = UdpSocket::bind("127.0.0.1:0")?;
@@ -62,18 +62,18 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
 
 const PORT: u16 = 47_911;
 
-/// Sends at a rate until a moment; the times between messages are no multiple of a frame's.
+/// Sends at a rate until a moment. The period of the messages is not a multiple of the frame time.
 fn send(rate: f64, until: Instant, mut one: impl FnMut(u64) -> std::io::Result<()>) -> anyhow::Result<()> {
     let (start, mut number) = (Instant::now(), 0);
     while Instant::now() < until {
-        // What nobody takes is not sent again.
+        // Dropped messages are not sent again.
         let _ = one(number);
         number += 1;
         let due = start + Duration::from_secs_f64(number as f64 / rate);
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
     }
     let reached = number as f64 / start.elapsed().as_secs_f64();
-    ensure!(reached > 0.9 * rate, "only {reached:.0} messages a second were sent of {rate}");
+    ensure!(reached > 0.9 * rate, "only {reached:.0} of {rate} messages per second were sent");
     Ok(())
 }
 
@@ -87,7 +87,7 @@ fn measure(
     let log = folder.join("log.txt");
     let mut child = start(program, folder, &log)?;
     wait_for(&log, "is shown, compiled")?;
-    // Until drivers and caches have settled.
+    // Wait until drivers and caches have settled.
     std::thread::sleep(Duration::from_secs(3));
     let before = memory_mib(&child)?;
     let (until, worked) = (Instant::now() + Duration::from_secs_f64(seconds), processor_seconds(&child)?);
@@ -97,7 +97,7 @@ fn measure(
     Command::new("kill").arg(child.id().to_string()).status()?;
     child.wait()?;
     let log = fs::read_to_string(&log)?;
-    // The last two lines of the log: of all frames, and of messages.
+    // The last two matching lines of the log, about all frames and about messages.
     let said = |of_messages: bool| {
         let is_meant =
             |line: &&str| line.contains(" frames") && line.contains("from message to frame") == of_messages;
@@ -112,7 +112,7 @@ fn measure(
     Ok(())
 }
 
-/// Waits until the program has said this in its log.
+/// Waits until the log has this text.
 pub fn wait_for(log: &Path, words: &str) -> anyhow::Result<()> {
     let begun = Instant::now();
     loop {
@@ -120,7 +120,7 @@ pub fn wait_for(log: &Path, words: &str) -> anyhow::Result<()> {
         if said.contains(words) {
             return Ok(());
         }
-        ensure!(begun.elapsed() < Duration::from_secs(120), "the window shows nothing: {said}");
+        ensure!(begun.elapsed() < Duration::from_secs(120), "the window did not appear: {said}");
         std::thread::sleep(Duration::from_millis(50));
     }
 }
@@ -158,7 +158,7 @@ fn memory_mib(child: &Child) -> anyhow::Result<f64> {
 
 fn processor_seconds(child: &Child) -> anyhow::Result<f64> {
     let text = fs::read_to_string(format!("/proc/{}/stat", child.id()))?;
-    let (_, fields) = text.rsplit_once(')').context("no fields")?;
+    let (_, fields) = text.rsplit_once(')').context("/proc/PID/stat has no fields")?;
     let ticks = fields.split_whitespace().skip(11).take(2);
     Ok(ticks.map(|field| field.parse::<f64>().unwrap_or_default()).sum::<f64>() / 100.0)
 }
