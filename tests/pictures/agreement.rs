@@ -1,4 +1,5 @@
-//! The CPU's evaluator, the interpreter's shader, in both of its forms, and the compiled shader give the same numbers.
+//! Checks that the CPU evaluator, both forms of the interpreter's shader and the compiled shader compute the same
+//! numbers.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -23,10 +24,10 @@ uniform samplerBuffer programs;
 uniform usamplerBuffer regions;
 ";
 
-/// Most registers of a region's tape.
+/// The most registers of a region's tape.
 const REGION_REGISTERS: usize = 128;
 
-/// Texts, points and what is asked of them.
+/// Runs shaders on points and reads the results back.
 struct PointReader {
     context: Context,
 }
@@ -43,9 +44,9 @@ fn floats(values: &[f32]) -> Vec<u8> {
 #[derive(Clone)]
 struct Programs {
     texels: Vec<[u32; 4]>,
-    /// Where each tape begins. Exact in a float below 2^24.
+    /// The first texel of each tape. A float represents it exactly below 2^24.
     starts: Vec<f32>,
-    /// Whether each can be a region's tape.
+    /// True for each tape that can be used in a region.
     regional: Vec<bool>,
     variant: Variant,
 }
@@ -60,7 +61,7 @@ impl Programs {
             tape.append_texels(&values, Compounds::ALL, &mut texels);
         }
         let regional = tapes.iter().map(|tape| {
-            // A region knows x, y, z and one number more, at the start alone.
+            // A region's inputs are x, y, z and one further number, at fixed registers.
             let reads = |instruction| match instruction {
                 Instruction::Input { output, place } => place >= 4 || output != place,
                 _ => false,
@@ -70,7 +71,7 @@ impl Programs {
         Self { texels, starts, regional: regional.collect(), variant }
     }
 
-    /// The interpreter's text with these functions around it.
+    /// The interpreter's shader text with its operators, followed by `main`.
     fn text(&self, main: &str) -> String {
         let interpreter = include_str!("../../shaders/interpreter.glsl").replace(
             "#include \"operators.glsl\"",
@@ -85,7 +86,7 @@ impl Programs {
 }
 
 impl PointReader {
-    /// A picture with a column for every point and a row for every normal, the first row first.
+    /// Draws an image with a column for each point and a row for each normal. Returns its pixels, the first row first.
     fn draw(
         &self,
         text: &str,
@@ -110,24 +111,24 @@ impl PointReader {
         self.context.gl().check("drawing a probe").unwrap();
         let pixels = probe.read(0);
         let (pixels, _) = pixels.as_chunks::<4>();
-        // The lowest row comes last.
+        // The lowest row comes first in the pixels.
         pixels.chunks(points.len()).rev().flatten().copied().collect()
     }
 }
 
-/// What is asked of a driver in an operator.
+/// The required accuracy of an operator.
 struct Row {
     op: Op,
-    /// How far it may be off, relative to the result.
+    /// The largest relative error.
     relative: f32,
-    /// And absolutely.
+    /// The largest absolute error, added to the relative one.
     absolute: f32,
-    /// Operands for which this holds, and why not for all.
+    /// The operands to which the bounds apply. The comment at each row gives the reason for exceptions.
     trusted: fn(f32, f32) -> bool,
 }
 
-/// Operators that are not exact for all operands. GLSL leaves min, max and clamp of a NaN open and promises next to
-/// nothing of transcendental functions: their bounds are what Mesa's llvmpipe needs, with room.
+/// Operators that are not exact for all operands. GLSL does not define min, max and clamp of NaN, and gives almost no
+/// bounds for transcendental functions. These bounds are from Mesa's llvmpipe, with some room.
 const ROWS: &[Row] = &[
     Row { op: Op::Exp, relative: 3e-6, absolute: 0.0, trusted: any },
     Row { op: Op::Exp2, relative: 3e-6, absolute: 0.0, trusted: any },
@@ -137,28 +138,28 @@ const ROWS: &[Row] = &[
     Row { op: Op::Sin, relative: 1e-6, absolute: 1e-6, trusted: angle },
     Row { op: Op::Cos, relative: 1e-6, absolute: 1e-6, trusted: angle },
     Row { op: Op::Tan, relative: 1e-5, absolute: 1e-6, trusted: angle },
-    // Polynomials. llvmpipe clamps a NaN to -1, against what `Op` says.
+    // Polynomials. llvmpipe clamps NaN to -1, unlike [`Op`].
     Row { op: Op::Asin, relative: 3e-5, absolute: 0.0, trusted: number },
     Row { op: Op::Acos, relative: 3e-5, absolute: 0.0, trusted: number },
-    // llvmpipe gives 0 for a NaN.
+    // llvmpipe returns 0 for NaN.
     Row { op: Op::Atan, relative: 3e-5, absolute: 0.0, trusted: number },
     Row { op: Op::Atan2, relative: 3e-5, absolute: 0.0, trusted: numbers },
-    // From exponentials: absolute near 0.
+    // Computed from exponentials, with an absolute error near 0.
     Row { op: Op::Sinh, relative: 3e-6, absolute: 1e-7, trusted: any },
     Row { op: Op::Cosh, relative: 3e-6, absolute: 0.0, trusted: any },
     Row { op: Op::Tanh, relative: 3e-6, absolute: 1e-7, trusted: number },
-    // Weights of a cubic, here summed in another order.
+    // The weights of a cubic are summed in another order here.
     Row { op: Op::Spectrum, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::Waveform, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::History, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::Div, relative: 3e-7, absolute: 0.0, trusted: any },
-    // A quotient below the normal numbers is 0 in a driver, which floor tells from a negative number.
+    // A driver flushes a subnormal quotient to 0, for which floor differs from a negative number.
     Row { op: Op::Mod, relative: 3e-7, absolute: 0.0, trusted: quotient },
-    // From the logarithm: the exponent scales its error. llvmpipe gives NaNs for infinities.
+    // Computed from the logarithm, whose error the exponent scales. llvmpipe returns NaN for infinities.
     Row { op: Op::Pow, relative: 1e-5, absolute: 0.0, trusted: finite },
-    // llvmpipe clamps a NaN to the least cell.
+    // llvmpipe clamps NaN to the least cell.
     Row { op: Op::Hash, relative: 0.0, absolute: 0.0, trusted: numbers },
-    // A square below the normal numbers is 0 in a driver.
+    // A driver flushes a subnormal square to 0.
     Row { op: Op::SquareAdd, relative: 0.0, absolute: 0.0, trusted: square },
     Row { op: Op::OutsideAdd, relative: 0.0, absolute: 0.0, trusted: square },
     Row { op: Op::Length, relative: 0.0, absolute: 0.0, trusted: square },
@@ -196,7 +197,7 @@ fn tolerance(op: Op) -> (f32, f32) {
     ROWS.iter().find(|row| row.op == op).map_or((0.0, 0.0), |row| (row.relative, row.absolute))
 }
 
-/// As what runs materials and light, and as what runs the tapes of regions.
+/// Runs a tape as for materials and light, and as for a region.
 const RUN: &str = "
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -219,7 +220,7 @@ fn compiled_text(graph: &Graph, roots: &[NodeId]) -> String {
     text + &main + "    color = vec4(r, 0.0, 0.0, 0.0);\n}\n"
 }
 
-/// What the interpreter gave for expressions that share a graph: a row for each, a column for each point.
+/// The interpreter's results for expressions of one graph: a row for each expression, a column for each point.
 struct Interpreted {
     values: Vec<[f32; 4]>,
     regional: Vec<bool>,
@@ -227,7 +228,7 @@ struct Interpreted {
 }
 
 impl Interpreted {
-    /// What each way of computing gave for one row and column, by its name.
+    /// The results for a row and a column, each with the name of its function.
     fn at(&self, row: usize, column: usize) -> impl Iterator<Item = (&'static str, f32)> {
         let [tape, _, region, _] = self.values[row * self.columns + column];
         let region = self.regional[row].then_some(("run_region", region));
@@ -250,7 +251,7 @@ fn run(
     Interpreted { values, regional: programs.regional, columns: points.len() }
 }
 
-/// `value` as a driver has it that knows no numbers below the normal ones; one zero.
+/// Flushes subnormal numbers and -0 to 0, as a driver may.
 fn flushed(value: f32) -> f32 {
     if value.is_normal() || !value.is_finite() { value } else { 0.0 }
 }
@@ -265,7 +266,7 @@ fn close(got: f32, right: f32, relative: f32, absolute: f32) -> bool {
 fn operands() -> Vec<f32> {
     let mut numbers =
         vec![0.0, 1.0, 0.5, 2.0, 3.0, 31.5, 100.0, 1e4, 1e20, 1e-20, 3e38, 1.2e-38, f32::INFINITY];
-    // Where rounding to whole numbers is delicate.
+    // Numbers that are critical for rounding to integers.
     numbers.extend([0.49999997, 8_388_609.0, 16_777_216.0]);
     let mut random = Random(7);
     numbers.extend((0..16).map(|_| random.between(0.0, 1.0)));
@@ -312,7 +313,12 @@ fn every_operator_agrees_on_ordinary_and_extreme_operands() {
             check("compiled", "", compiled[row * points.len() + column][0]);
         }
     }
-    assert!(wrong.is_empty(), "{} values, such as\n{}", wrong.len(), wrong[..wrong.len().min(40)].join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "{} wrong values, such as\n{}",
+        wrong.len(),
+        wrong[..wrong.len().min(40)].join("\n")
+    );
     assert!(trusted.iter().all(|count| *count > points.len() / 2), "{trusted:?}");
 }
 
@@ -333,7 +339,7 @@ fn every_compound_agrees() {
         for (row, compound) in Compound::ALL.iter().enumerate() {
             for (column, &[a, b, _]) in points.iter().enumerate() {
                 let right = flushed(compound.value(a, b, C, &frame()));
-                // What is subtracted may be as large as the square of an operand.
+                // The subtrahend may be as large as the square of an operand.
                 let rounding = 4e-7 * (1.0 + a * a * (1.0 + a.abs()) + b * b);
                 let mut kinds = 0;
                 for (kind, got) in found.at(row, column) {
@@ -349,18 +355,18 @@ fn every_compound_agrees() {
     }
 }
 
-/// How far the result of an operator is moved to see what becomes of rounding: what [`ROWS`] says, and two units in
-/// the last place for arithmetic, which drivers may fuse and regroup.
+/// The change of an operator's result that models rounding errors: the bounds of [`ROWS`], and two units in the last
+/// place for arithmetic, which drivers may fuse and reorder.
 fn disturbance(op: Op, a: f32, result: f32) -> f32 {
     const ULPS: f32 = 2.4e-7;
     match op {
         Op::Add | Op::Sub | Op::Mul | Op::Square | Op::Sqrt => ULPS * result.abs(),
         Op::AbsDifference | Op::AbsSub => ULPS * result.abs(),
-        // What lies between both of a fused operator's is rounded, too.
+        // The intermediate result of a fused operator is rounded as well.
         Op::SquareDifference | Op::Length => 2.0 * ULPS * result.abs(),
         Op::SquareAdd | Op::OutsideAdd => ULPS * (a * a + result.abs()),
         Op::SqrtSub => ULPS * (a.max(0.0).sqrt() + result.abs()),
-        // Small differences of what may be large.
+        // Small differences of possibly large numbers.
         Op::Fract | Op::Mod => ULPS * a.abs(),
         Op::Spectrum | Op::Waveform | Op::History => ULPS,
         op => {
@@ -425,13 +431,18 @@ fn random_expressions_agree() {
         }
     }
     let fraction = counted as f64 / (EXPRESSIONS * POINTS) as f64;
-    assert!(wrong.is_empty(), "{} values, such as\n{}", wrong.len(), wrong[..wrong.len().min(20)].join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "{} wrong values, such as\n{}",
+        wrong.len(),
+        wrong[..wrong.len().min(20)].join("\n")
+    );
     assert!(fraction >= 0.9, "only {fraction} of the points count");
     assert!(occurrences.values().all(|count| *count >= 100), "{occurrences:?}");
 }
 
-/// A sum of many products of distinct constants that are all kept to the end, of operations that are exact alike
-/// everywhere: it spills, and its table has pages.
+/// A sum of many products of distinct constants, each kept to the end, with operations that are exact everywhere. It
+/// spills registers, and its table has several pages.
 fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
     let inputs = [Input::X, Input::Y, Input::Z, Input::NX].map(|input| graph.input(input));
     let products: Vec<NodeId> = (0..terms)
@@ -441,7 +452,7 @@ fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
             graph.max(product, inputs[(i + 1) % 4])
         })
         .collect();
-    // Once from the front and once from the back, so that the first are needed last.
+    // Forwards once and backwards once, so that the first products are needed last.
     let first = products.iter().copied().reduce(|a, b| graph.add(a, b)).unwrap();
     products.iter().rev().copied().fold(first, |a, b| graph.sub(b, a))
 }
@@ -459,7 +470,11 @@ fn spills_and_pages_change_nothing() {
         let root = wide_expression(&mut graph, terms);
         let options = TapeOptions { registers, ..TapeOptions::default() };
         let tape = Tape::build(&graph, &[root], &options).unwrap();
-        assert!(tape.memory() > 0 && (tape.table().len() > 256) == pages, "{terms} terms do not test this");
+        assert!(
+            tape.memory() > 0 && (tape.table().len() > 256) == pages,
+            "the tape of {terms} terms has no \
+            spills or the wrong number of pages"
+        );
         let frame = frame();
         let mut evaluator = PointEvaluator::new(&tape, &frame);
         for every_case in [true, false] {
@@ -469,7 +484,8 @@ fn spills_and_pages_change_nothing() {
                 for (name, got) in values.at(0, column) {
                     assert!(
                         close(got, right, 1e-6, 0.0),
-                        "{terms} terms, {registers} registers, every case {every_case}, {name}: {got} for {right}"
+                        "{terms} terms, {registers} registers, every case {every_case}, {name}: {got} \
+                         instead of {right}"
                     );
                 }
             }
@@ -478,7 +494,7 @@ fn spills_and_pages_change_nothing() {
 }
 
 #[test]
-fn textures_give_what_was_sampled_and_all_outputs_are_in_their_registers() {
+fn textures_return_samples_and_outputs_are_in_their_registers() {
     let point_reader = PointReader { context: Context::new() };
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
@@ -512,7 +528,7 @@ fn textures_give_what_was_sampled_and_all_outputs_are_in_their_registers() {
 }
 
 #[test]
-fn glslang_takes_every_kind_of_interpreter() {
+fn glslang_accepts_every_kind_of_interpreter() {
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
     let tape = Tape::build(&graph, &[x], &TapeOptions::default()).unwrap();

@@ -1,7 +1,7 @@
-//! Two scenes in one: that nothing is missing of what is between them, and that both modes show the same.
+//! Blends of two scenes: no surface is missing between them, and both modes show the same image.
 //!
-//! A few pairs of the shipped scenes are drawn. `MARIANA_PAIRS=all` draws every pair at three shares and prints a table;
-//! `MARIANA_PAIRS=orb,city` draws those with one of these names, and `MARIANA_BLEND` names the kind.
+//! Tests draw a few pairs of the shipped scenes. `MARIANA_PAIRS=all` draws every pair at three fractions and prints a
+//! table; `MARIANA_PAIRS=orb,city` draws only pairs with one of these names. `MARIANA_BLEND` sets the kind of blend.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -21,9 +21,9 @@ use mariana_field::world::{Alignment, BlendKind, PortalShape, World, blended_par
 const SIZE: (u32, u32) = (96, 54);
 const TIME: f64 = 20.0;
 
-/// What is drawn always: a melt with planes on both sides, of what is no distance into what is one, out of a closed
-/// place, of what has bounds into what has none, of what together takes the interpreter many registers, of a wall
-/// without end into what stands alone; and portals.
+/// The pairs that are always drawn. The melts cover planes on both sides, a non-Lipschitz scene into a distance, a
+/// closed space, a bounded scene into an unbounded one, a pair that needs many interpreter registers, and an endless
+/// wall into a single object. The others are portals.
 const SLICE: [(&str, &str, BlendKind, f32); 9] = [
     ("speakers", "first_steps", BlendKind::Melt, 0.5),
     ("heart", "terrain", BlendKind::Melt, 0.25),
@@ -36,18 +36,18 @@ const SLICE: [(&str, &str, BlendKind, f32); 9] = [
     ("speakers", "heart", BlendKind::Portal(PortalShape::Own), 0.4),
 ];
 
-/// The most rays that may end at their cap, as a share of the pixels.
+/// The largest fraction of pixels whose rays reach their step cap.
 const CAPPED_MAX: f64 = 0.001;
-/// The same for portals, in which floors that are not the same are traced: rays creep along their ends.
+/// The same for portals. Where floors differ, rays take many steps along the floor's edge.
 const CAPPED_BY_PORTALS_MAX: f64 = 0.005;
 
-/// A picture and what it took.
+/// An image with its statistics.
 struct Drawn {
     picture: RgbaImage,
     evaluations: Evaluations,
-    /// Numbers of the picture's light that are none.
+    /// The number of light values that are not finite.
     not_finite: usize,
-    /// CPU milliseconds.
+    /// CPU time, in milliseconds.
     cpu_ms: f64,
 }
 
@@ -66,7 +66,7 @@ fn draw(test_renderer: &mut TestRenderer, program: &Program, params: &[f32]) -> 
     }
 }
 
-/// What is wrong with a picture of a blend; empty if nothing is.
+/// Describes the faults of a blend's image; empty if there are none.
 fn faults(kind: BlendKind, compiled: &Drawn, interpreted: &Drawn) -> Vec<String> {
     let mut faults = Vec::new();
     let pixels = f64::from(SIZE.0 * SIZE.1);
@@ -74,10 +74,10 @@ fn faults(kind: BlendKind, compiled: &Drawn, interpreted: &Drawn) -> Vec<String>
     for (mode, drawn) in [("compiled", compiled), ("interpreted", interpreted)] {
         let capped = drawn.evaluations.capped_rays / pixels;
         if capped > capped_max {
-            faults.push(format!("{mode}: {:.2} % of the rays at the cap", 100.0 * capped));
+            faults.push(format!("{mode}: {:.2} % of the rays reach the step cap", 100.0 * capped));
         }
         if drawn.not_finite > 0 {
-            faults.push(format!("{mode}: {} numbers are none", drawn.not_finite));
+            faults.push(format!("{mode}: {} values are not finite", drawn.not_finite));
         }
     }
     let found = difference(&compiled.picture, &interpreted.picture, LOOSE.visible);
@@ -91,7 +91,8 @@ fn shipped(name: &str) -> ReadyScene {
     ready(&SceneSource::Shipped(name.to_owned()))
 }
 
-/// A blend, ready to be drawn in both modes.
+/// A blend, ready to be drawn in both modes. Returns the compile time in milliseconds and the number of clauses as
+/// well.
 fn test_renderer_of(
     from: &ReadyScene,
     to: &ReadyScene,
@@ -114,7 +115,7 @@ fn params(from: &World, to: &World, fraction: f32) -> Vec<f32> {
 }
 
 #[test]
-fn between_two_scenes_nothing_is_missing_and_both_modes_show_the_same() {
+fn blends_have_no_holes_and_both_modes_agree() {
     let mut wrong = Vec::new();
     for (from, to, kind, fraction) in SLICE {
         let [a, b] = [from, to].map(shipped);
@@ -154,7 +155,8 @@ fn all_pairs() {
         })
         .collect();
     println!(
-        "pair share | capped compiled, interpreted % | modes differ % | evaluations, clauses, CPU ms compiled and interpreted, each with its ratio to the sum | compiling ms, clauses"
+        "pair fraction | capped compiled, interpreted % | modes differ % | evaluations, clauses, CPU ms \
+         compiled and interpreted, each with its ratio to the sum | compiling ms, clauses"
     );
     for (from, a) in &scenes {
         for (to, b) in &scenes {
@@ -165,7 +167,7 @@ fn all_pairs() {
             for fraction in [0.25, 0.5, 0.75] {
                 let params = params(&a.world, &b.world, fraction);
                 let [compiled, interpreted] = [0, 1].map(|mode| {
-                    // The first one builds the tree.
+                    // The first frame builds the tree.
                     draw(&mut test_renderer, &programs[mode], &params);
                     draw(&mut test_renderer, &programs[mode], &params)
                 });

@@ -1,4 +1,5 @@
-//! One scene fades into another: where a fade begins and ends, what is between, and what a rehearsal leaves alone.
+//! Fades between scenes: their start, their end and the frames between. Also rehearsals, which must not change the
+//! image.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -13,7 +14,7 @@ use mariana::scenes::{ReadyScene, SceneSource};
 
 const SIZE: (u32, u32) = (64, 36);
 
-/// A wall that shines by itself and fills the picture, without a tone map.
+/// A wall that emits light and fills the frame, without a tone map.
 fn wall(light: f64) -> SceneSource {
     SceneSource::Formula(format!(
         "material paint {{ color = 0 roughness = 1 emission = {light} }}\n\
@@ -24,7 +25,7 @@ fn wall(light: f64) -> SceneSource {
     ))
 }
 
-/// Another scene in the studio's context.
+/// Another scene in the renderer's context.
 struct Other {
     resources: SceneResources,
     program: Program,
@@ -49,7 +50,7 @@ impl Other {
     }
 }
 
-/// The greatest difference of a byte.
+/// The largest difference of a byte.
 fn steps(a: &[u8], b: &[u8]) -> u8 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
@@ -62,13 +63,13 @@ fn a_fade_begins_with_one_scene_and_ends_with_the_other() {
     let other = Other::of(&SceneSource::Shipped("moonrise".into()), &test_renderer);
     let pure = other.picture(&mut test_renderer);
     let before = test_renderer.picture(0.0, silence(), SIZE).into_raw();
-    assert!(steps(&pure, &before) > 60, "two pictures that hardly differ prove nothing");
+    assert!(steps(&pure, &before) > 60, "the two images are too similar for this test");
     assert!(test_renderer.renderer.keep_light().unwrap());
     let mut with = |fraction| {
         test_renderer.renderer.set_fade(fraction);
         other.picture(&mut test_renderer)
     };
-    // Kept light is rounded to 16 bits.
+    // The stored light is rounded to 16 bits.
     assert!(steps(&with(Some(1.0)), &before) <= 1);
     let between = with(Some(0.5));
     assert!(steps(&between, &before) > 20 && steps(&between, &pure) > 20);
@@ -89,7 +90,7 @@ fn between_two_scenes_is_the_mean_of_their_light() {
 }
 
 #[test]
-fn what_was_not_drawn_cannot_fade() {
+fn a_fade_needs_an_earlier_frame() {
     let mut test_renderer = TestRenderer::of(&wall(0.8), Mode::Compiled, Counting::Off);
     assert!(!test_renderer.renderer.keep_light().unwrap());
 }

@@ -1,5 +1,5 @@
-//! The flash limiter on the GPU before sequences made to break it: judged by the analyser, which shares nothing with
-//! it but the definition of a flash, and compared with the limiter on the processor.
+//! Tests of the flash limiter on the GPU with sequences made to defeat it. The results are judged by the analyser,
+//! which shares only the definition of a flash with it, and compared with the limiter on the CPU.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
@@ -10,7 +10,7 @@ use mariana::gpu::flash_pass::{FlashPass, PASSES};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::gpu::target::{Target, Texel};
 
-/// Two pixels to each side of a cell.
+/// Two by two pixels for each cell.
 const SIZE: (u32, u32) = (2 * COLUMNS as u32, 2 * ROWS as u32);
 
 type Color = [u8; 3];
@@ -19,7 +19,7 @@ const BLACK: Color = [0; 3];
 const WHITE: Color = [255; 3];
 const RED: Color = [255, 0, 0];
 
-/// The pass, the processor's limiter beside it, and an analyser of what is shown.
+/// The limiter's pass, the CPU limiter for comparison, and an analyser of the shown frames.
 struct Bench {
     pass: FlashPass,
     finished: Target,
@@ -27,12 +27,12 @@ struct Bench {
     limiter: Limiter,
     analyser: Analyser,
     time: f64,
-    /// Pictures that were changed.
+    /// The number of changed frames.
     changed: usize,
-    /// Cells of all pictures, and those in which the two limiters differ.
+    /// The number of cells in all frames, and of those in which the two limiters differ.
     cells: usize,
     differing: usize,
-    // Last: what it holds is dropped first.
+    // Declared last, so that it is dropped after the objects in it.
     _context: Context,
 }
 
@@ -55,14 +55,14 @@ impl Bench {
         }
     }
 
-    /// Begins another sequence.
+    /// Starts another sequence.
     fn begin(&mut self) {
         self.pass.forget();
         (self.limiter, self.analyser, self.time) = Default::default();
         (self.changed, self.cells, self.differing) = Default::default();
     }
 
-    /// Shows a picture of these cells, the top row first, `seconds` after the last one.
+    /// Shows a frame with the colours of these cells (top row first), `seconds` after the last frame.
     fn show(&mut self, seconds: f64, color: impl Fn(usize) -> Color) {
         let pixel = |at: usize| {
             let (x, y) = (at % (2 * COLUMNS) / 2, at / (2 * COLUMNS) / 2);
@@ -88,21 +88,21 @@ impl Bench {
         self.differing += corrections.iter().zip(expected).filter(|pair| differ(*pair)).count();
         self.limiter.note_shown(&shown_cells);
         if corrections.iter().all(|correction| !correction.limits()) {
-            assert!(shown == bytes, "a picture is changed that is not limited, at {} s", self.time);
+            assert!(shown == bytes, "a frame without limits is changed at {} s", self.time);
         }
     }
 
-    /// Fails if more than three flashes were shown in a second, or if the limiters are not the same.
+    /// Fails if a second contains more than three flashes, or if the limiters differ.
     fn judge(&self, what: &str) {
         let Flashes { general, red } = self.analyser.worst();
         assert!(general <= 3 && red <= 3, "{what}: {general} flashes, {red} red ones");
         let fraction = self.differing as f64 / self.cells.max(1) as f64;
-        // A sum rounded otherwise may decide otherwise.
+        // Different rounding of a sum can change a decision.
         assert!(fraction < 0.01, "{what}: the limiters differ in {fraction:.4} of the cells");
     }
 }
 
-/// Random numbers that are the same each time.
+/// Pseudo-random numbers, the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -115,7 +115,7 @@ impl Random {
         self.next() as usize % end.max(1)
     }
 
-    /// 0..1
+    /// A number in 0..1.
     fn fraction(&mut self) -> f64 {
         f64::from(self.next()) / f64::from(1_u32 << 31)
     }
@@ -131,7 +131,7 @@ impl Random {
     }
 }
 
-/// A rectangle that goes on and off.
+/// A blinking rectangle.
 struct Lamp {
     columns: std::ops::Range<usize>,
     rows: std::ops::Range<usize>,
@@ -172,7 +172,7 @@ fn strobes_of_any_rate_and_colour_keep_three_flashes_a_second() {
             bench.show(1.0 / fps, |_| if is_on { on } else { off });
         }
         bench.judge(&format!("{on:?} and {off:?} at {hz} Hz and {fps} fps"));
-        assert!(bench.changed > 0, "{hz} Hz at {fps} fps goes untouched");
+        assert!(bench.changed > 0, "{hz} Hz at {fps} fps is not limited");
     }
 }
 
@@ -202,7 +202,7 @@ fn lamps_of_any_size_at_uneven_times_keep_three_flashes_a_second() {
 #[test]
 fn arbitrary_levels_held_for_arbitrary_times_keep_three_flashes_a_second() {
     let mut bench = Bench::new();
-    // The last one has a rise by 0.1002, which is measured as one by 0.0998.
+    // The last seed contains a rise by 0.1002, which is measured as 0.0998.
     for seed in (100..112).chain([283]) {
         let mut random = Random(seed);
         bench.begin();
@@ -223,7 +223,7 @@ fn arbitrary_levels_held_for_arbitrary_times_keep_three_flashes_a_second() {
 }
 
 #[test]
-fn a_flash_that_ends_before_its_turn_because_a_short_frame_follows_a_long_one_is_none() {
+fn a_flash_that_ends_before_it_is_shown_does_not_count() {
     let mut bench = Bench::new();
     let colors = [[BLACK, WHITE], [BLACK, RED], [[127; 3], RED]];
     for (colors, stays) in colors.into_iter().flat_map(|colors| [(colors, false), (colors, true)]) {
@@ -231,8 +231,8 @@ fn a_flash_that_ends_before_its_turn_because_a_short_frame_follows_a_long_one_is
         for frame in 0..7 {
             bench.show(0.04, |_| colors[frame % 2]);
         }
-        // From the first change on 0.2 s have passed. The fourth rise comes after 0.99 s, while frames are long, and
-        // ends 4 ms later, or stays.
+        // 0.2 s have passed since the first change. The fourth rise comes after 0.99 s, while frames are long. It ends
+        // 4 ms later, or stays.
         for _ in 0..15 {
             bench.show(0.05, |_| colors[0]);
         }
@@ -242,16 +242,16 @@ fn a_flash_that_ends_before_its_turn_because_a_short_frame_follows_a_long_one_is
         }
         let what = format!("{colors:?}, which stays: {stays}");
         bench.judge(&what);
-        assert_eq!(bench.changed, if stays { 3 } else { 1 }, "{what}: it is more than put off");
+        assert_eq!(bench.changed, if stays { 3 } else { 1 }, "{what}: the flash is not merely delayed");
     }
 }
 
 #[test]
-fn calm_pictures_stay_bit_for_bit() {
+fn calm_frames_stay_bit_for_bit() {
     let mut bench = Bench::new();
     for frame in 0..180_usize {
         let time = frame as f64 / 60.0;
-        // A strobe of three flashes a second, a lamp that is small, a faint flicker, a swell.
+        // A strobe of three flashes per second, a small lamp, a faint flicker, and a slow swell.
         bench.show(1.0 / 60.0, |cell| {
             let (x, y) = (cell % COLUMNS, cell / COLUMNS);
             match (x < 24, y < 18) {
@@ -263,12 +263,12 @@ fn calm_pictures_stay_bit_for_bit() {
         });
     }
     assert_eq!(bench.changed, 0);
-    bench.judge("what is calm");
+    bench.judge("a calm sequence");
 }
 
-/// The window shows its first picture before the limiter has taken it.
+/// The window shows its first frame before the limiter has processed it.
 #[test]
-fn a_first_picture_is_dimmed_nowhere_and_a_warm_up_leaves_nothing() {
+fn a_first_frame_is_not_dimmed_and_a_warm_up_has_no_effect() {
     let mut bench = Bench::new();
     let first: [fn(usize) -> Color; 4] = [
         |_| WHITE,
@@ -277,12 +277,12 @@ fn a_first_picture_is_dimmed_nowhere_and_a_warm_up_leaves_nothing() {
         |cell| if cell % 3 == 0 { RED } else { BLACK },
     ];
     for color in first {
-        // What flashed before is forgotten.
+        // The warm-up forgets these flashes.
         for frame in 0..24 {
             bench.show(0.05, |_| if frame % 2 == 0 { WHITE } else { BLACK });
         }
         assert!(bench.changed > 0);
-        // There is no window whose cells could be drawn.
+        // Without a window there are no cells to draw.
         let mut left = PASSES;
         bench.pass.warm_up(&bench.finished, &mut || {
             left = left.saturating_sub(1);
@@ -299,7 +299,7 @@ fn a_first_picture_is_dimmed_nowhere_and_a_warm_up_leaves_nothing() {
 }
 
 #[test]
-fn no_frame_time_breaks_it() {
+fn any_frame_time_gives_valid_corrections() {
     let mut bench = Bench::new();
     for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9, 1e9, 1.0 / 60.0] {
         for frame in 0..16 {

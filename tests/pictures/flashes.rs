@@ -1,4 +1,4 @@
-//! Strobes before the flash limiter: counted by WCAG's definition in the pictures themselves, without it and with it.
+//! Strobing scenes with and without the flash limiter. Flashes are counted in the images by WCAG's definition.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -14,11 +14,11 @@ use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::SceneSource;
 use mariana_music::Features;
 
-/// Small, because it is drawn without a graphics card; no multiple of the limiter's cells.
+/// Small, because there is no graphics card, and not a multiple of the limiter's cells.
 const SIZE: (u32, u32) = (100, 75);
 const FPS: f64 = 60.0;
 
-/// A wall that fills the picture and shines by itself, and nothing else.
+/// A wall that emits light and fills the frame.
 fn wall(emission: &str) -> String {
     format!(
         "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
@@ -32,7 +32,7 @@ fn wall(emission: &str) -> String {
 /// On for half of each second of the scene's time.
 const BLINKS: &str = "step(0.5, fract(t))";
 
-/// A scene with the limiter on it.
+/// A scene with the flash limiter.
 struct Strobe {
     _place: Workplace,
     test_renderer: TestRenderer,
@@ -49,8 +49,8 @@ impl Strobe {
         Self { _place: place, test_renderer, size: SIZE }
     }
 
-    /// Shows it for some seconds, `sound` at each, the scene's time as many times as fast. Gives each picture as it is
-    /// drawn and as it is shown.
+    /// Shows the scene for some seconds, with `sound` at each time. The scene's time runs `speed` times as fast. Passes
+    /// each frame to `see` as drawn and as shown.
     fn show(
         &mut self,
         seconds: f64,
@@ -60,7 +60,7 @@ impl Strobe {
     ) {
         for frame in 0..(seconds * FPS) as usize {
             let time = frame as f64 / FPS;
-            // Not at the moment of a change.
+            // Avoid the exact time of a change.
             let drawn = self.test_renderer.picture((time + 1e-4) * speed, sound(time), self.size);
             self.test_renderer.renderer.limit_flashes(1.0 / FPS).unwrap();
             let shown =
@@ -69,7 +69,7 @@ impl Strobe {
         }
     }
 
-    /// The flashes of two seconds without the limiter and with it, and how many pictures it changed.
+    /// The flashes of two and a half seconds without and with the limiter, and the number of frames that it changed.
     fn count(&mut self, speed: f64, sound: impl Fn(f64) -> Features) -> (Flashes, Flashes, usize) {
         let (mut without, mut with, mut changed) = (Analyser::default(), Analyser::default(), 0);
         let size = self.size;
@@ -91,7 +91,7 @@ fn strobes_of_the_whole_picture_keep_three_flashes_a_second() {
     let mut strobe = Strobe::of(&format!("6 * {BLINKS}"));
     for hz in [4.0, 7.3, 15.0, 30.0] {
         let (without, with, changed) = strobe.count(hz, silence);
-        assert!(without.general > 3, "{hz} Hz is no strobe: {without:?}");
+        assert!(without.general > 3, "{hz} Hz is not a strobe: {without:?}");
         assert!(with.general <= 3 && changed > 0, "{hz} Hz: {with:?}");
     }
 }
@@ -101,14 +101,14 @@ fn red_strobes_keep_three_flashes_a_second_of_either_kind() {
     let mut strobe = Strobe::of(&format!("vec3(1.5, 0, 0) * {BLINKS}"));
     for hz in [5.0, 12.0] {
         let (without, with, _) = strobe.count(hz, silence);
-        assert!(without.red > 3, "{hz} Hz is no red strobe: {without:?}");
+        assert!(without.red > 3, "{hz} Hz is not a red strobe: {without:?}");
         assert!(with.red <= 3 && with.general <= 3, "{hz} Hz: {with:?}");
     }
 }
 
 #[test]
 fn a_beat_that_strobes_is_limited_and_a_usual_one_is_not() {
-    // Pictures with bright and dark parts side by side, which flash together.
+    // Frames with bright and dark parts side by side, which flash together.
     let mut strobe = Strobe::of(
         "(0.05 + 4 * beat) * (0.3 + 0.7 * step(0.5, fract(0.8 * p.x + 0.1))) * (0.6 + 0.4 * sin(2 * p.y))",
     );
@@ -123,14 +123,14 @@ fn a_beat_that_strobes_is_limited_and_a_usual_one_is_not() {
         assert!(without.general > 3, "{hz} Hz: {without:?}");
         assert!(with.general <= 3, "{hz} Hz: {with:?}");
     }
-    // Its own state is that of before: what it still dims comes back.
+    // A new scene, because the limiter's old state would still dim its first frames.
     let (mut strobe, mut changed) = (Strobe::of("0.05 + 4 * beat"), 0);
     strobe.show(3.0, 1.0, beats(174.0 / 60.0), |_, drawn, shown| changed += usize::from(drawn != shown));
-    assert_eq!(changed, 0, "a beat of 174 a minute is changed");
+    assert_eq!(changed, 0, "a beat of 174 per minute is limited");
 }
 
 #[test]
-fn a_small_lamp_and_three_flashes_a_second_pass_untouched() {
+fn a_small_lamp_and_three_flashes_a_second_are_not_limited() {
     let mut lamp = Strobe::of(&format!("6 * {BLINKS} * step(length(p.xy - vec2(0.5, 0.3)), 0.25)"));
     let (_, _, changed) = lamp.count(12.0, silence);
     assert_eq!(changed, 0, "the lamp is limited");
@@ -140,11 +140,11 @@ fn a_small_lamp_and_three_flashes_a_second_pass_untouched() {
 }
 
 #[test]
-fn what_does_not_flash_stays_steady_beside_what_does_and_as_it_is_farther_away() {
+fn steady_parts_stay_steady_near_flashes_and_unchanged_far_away() {
     let mut strobe = Strobe::of(&format!("if p.x < 0 then 6 * {BLINKS} else 0.5 + 0.3 * sin(9 * p.y)"));
     let (mut limited, mut with) = (0, Analyser::default());
     let mut last: Option<(RgbaImage, RgbaImage)> = None;
-    // Right of the cells that both share, and beyond the reach of ceilings.
+    // The columns right of the cells that both parts share, and beyond the reach of ceilings.
     let (near, far) = (SIZE.0 / 2 + 2, SIZE.0 / 2 + 9 * SIZE.0 / COLUMNS as u32);
     strobe.show(2.0, 10.0, silence, |time, drawn, shown| {
         with.note(time, &Grid::of_picture(&shown, SIZE));
@@ -152,7 +152,7 @@ fn what_does_not_flash_stays_steady_beside_what_does_and_as_it_is_farther_away()
         for (x, y, pixel) in shown.enumerate_pixels().filter(|(x, ..)| *x > far) {
             assert_eq!(pixel, drawn.get_pixel(x, y), "at {x}, {y}, {time} s");
         }
-        // Once flashes are limited, nothing beside them changes more than it does in the scene.
+        // Once flashes are limited, the steady part changes no more than in the scene.
         let Some((drawn_last, last)) = last.replace((drawn.clone(), shown.clone())).filter(|_| time > 1.3)
         else {
             return;
@@ -167,7 +167,7 @@ fn what_does_not_flash_stays_steady_beside_what_does_and_as_it_is_farther_away()
 }
 
 #[test]
-fn pictures_of_any_shape_are_limited() {
+fn frames_of_any_shape_are_limited() {
     let mut strobe = Strobe::of(&format!("6 * {BLINKS}"));
     for size in [(1, 1), (16_384, 1), (1, 700), (47, 35)] {
         strobe.size = size;
@@ -176,7 +176,7 @@ fn pictures_of_any_shape_are_limited() {
     }
 }
 
-/// The flashes in numbered stills.
+/// The flashes in a folder of numbered stills.
 fn flashes_in(place: &Workplace, folder: &str, fps: f64) -> Flashes {
     let mut names: Vec<_> =
         std::fs::read_dir(place.path(folder)).unwrap().map(|entry| entry.unwrap().path()).collect();

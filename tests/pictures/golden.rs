@@ -1,4 +1,4 @@
-//! Pictures as users see them: what the passes promise, that music shows, what it costs, and golden pictures.
+//! The renderer's finished images: properties of the passes, visible music, cost, and golden images.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -17,7 +17,7 @@ use mariana::gpu::shader_source::ShaderLibrary;
 use mariana_field::world::{SceneFeatures, ToneMap};
 use mariana_music::{BAND_COUNT, Features};
 
-/// Differences beyond this many steps of 0..255 count as visible.
+/// Differences above this many steps of 0..255 count as visible.
 const VISIBLE: u8 = 8;
 
 #[test]
@@ -27,17 +27,17 @@ fn a_frame_has_the_same_bytes_every_time() {
     let first = test_renderer.picture(3.0, loud_music(), size);
     let other = test_renderer.picture(9.0, silence(), size);
     assert!(difference(&first, &other, VISIBLE).fraction > 0.05, "two moments look the same");
-    assert!(first == test_renderer.picture(3.0, loud_music(), size), "the second drawing differs");
+    assert!(first == test_renderer.picture(3.0, loud_music(), size), "the second frame differs");
 
     let mut second =
         Renderer::new(test_renderer.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
     second
         .draw(&test_renderer.frame(3.0, loud_music(), size), &test_renderer.resources, &test_renderer.program)
         .unwrap();
-    assert!(first.as_raw() == &second.read(), "another renderer draws it differently");
+    assert!(first.as_raw() == &second.read(), "another renderer draws a different image");
 }
 
-/// Gives the studio a program that shows `body`, statements that set `vec3 color`.
+/// Sets a program that shows the colour that `body` computes: statements that set `vec3 color`.
 fn show(test_renderer: &mut TestRenderer, body: &str) {
     let scene = format!(
         "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n#include \"sample_light.glsl\"\nlayout(location = 0) out vec4 sample_color;\n\
@@ -48,13 +48,13 @@ fn show(test_renderer: &mut TestRenderer, body: &str) {
         test_renderer.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
 }
 
-/// What the studio's program shows in silence.
+/// Draws the current program in silence.
 fn drawn(test_renderer: &mut TestRenderer, size: (u32, u32)) -> RgbaImage {
     test_renderer.picture(0.0, silence(), size)
 }
 
 #[test]
-fn light_is_encoded_once_and_kept_from_infinity() {
+fn light_is_encoded_once_and_stays_finite() {
     let mut test_renderer = TestRenderer::new();
     test_renderer.adjust = |picture| (picture.tone_map, picture.grain) = (ToneMap::None, 0.0);
     linear_light_becomes_srgb_once(&mut test_renderer);
@@ -64,23 +64,23 @@ fn light_is_encoded_once_and_kept_from_infinity() {
         |picture: &mut Picture| *picture = plain(picture, ToneMap::Reinhard),
     ] {
         test_renderer.adjust = adjust;
-        tone_mapping_is_monotonic_and_kills_what_is_no_light(&mut test_renderer);
+        tone_mapping_is_monotonic_and_removes_invalid_light(&mut test_renderer);
     }
 }
 
-/// A picture without bloom and grain.
+/// The settings without bloom and grain.
 fn plain(picture: &Picture, tone_map: ToneMap) -> Picture {
     Picture { bloom: 0.0, grain: 0.0, tone_map, ..*picture }
 }
 
-/// IEC 61966-2-1, as a fraction of 255 steps.
+/// The sRGB encoding of linear light (IEC 61966-2-1), in steps of 0..255.
 fn srgb_steps(linear: f64) -> f64 {
     let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     255.0 * encoded
 }
 
 fn linear_light_becomes_srgb_once(test_renderer: &mut TestRenderer) {
-    // Binary fractions: the half floats between the passes hold them exactly.
+    // Half floats between the passes represent these binary fractions exactly.
     for linear in [0.0, 1.0 / 512.0, 1.0 / 16.0, 0.25, 0.5, 1.0] {
         show(test_renderer, &format!("color = vec3({linear:?});"));
         let picture = drawn(test_renderer, (64, 64));
@@ -89,9 +89,9 @@ fn linear_light_becomes_srgb_once(test_renderer: &mut TestRenderer) {
             let off =
                 pixel.0[..3].iter().map(|&value| (f64::from(value) - expected).abs()).fold(0.0, f64::max);
             assert!(off <= 1.01, "{linear} becomes {pixel:?}, not {expected:.2}");
-            assert_eq!(pixel.0[3], 255, "the picture is not opaque");
+            assert_eq!(pixel.0[3], 255, "the image is not opaque");
         }
-        // Dithering: no bias, but where the range ends.
+        // Dithering has no bias, except at the ends of the range.
         let mean = picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / (64.0 * 64.0);
         if linear > 0.0 && linear < 1.0 {
             assert!((mean - expected).abs() < 0.1, "{linear} is {mean:.2} on average, not {expected:.2}");
@@ -100,10 +100,10 @@ fn linear_light_becomes_srgb_once(test_renderer: &mut TestRenderer) {
     show(test_renderer, "color = vec3(0.5);");
     let middle = drawn(test_renderer, (64, 64));
     let steps: std::collections::BTreeSet<u8> = middle.pixels().map(|pixel| pixel.0[0]).collect();
-    assert_eq!(steps, [187, 188].into(), "0.5 lies between two steps: dithering shows both");
+    assert_eq!(steps, [187, 188].into(), "0.5 is between two steps, and dithering shows both");
 }
 
-fn tone_mapping_is_monotonic_and_kills_what_is_no_light(test_renderer: &mut TestRenderer) {
+fn tone_mapping_is_monotonic_and_removes_invalid_light(test_renderer: &mut TestRenderer) {
     const NAN: &str = "uintBitsToFloat(0x7fc00000u)";
     const INFINITY: &str = "uintBitsToFloat(0x7f800000u)";
     let grey = |value: &str| format!("vec3({value})");
@@ -122,7 +122,7 @@ fn tone_mapping_is_monotonic_and_kills_what_is_no_light(test_renderer: &mut Test
     .into();
     let bright = ["1e-6", "0.001", "0.01", "0.1", "0.5", "1.0", "3.0", "10.0", "100.0", "1e4", "1e8"];
     let all: Vec<String> = black.iter().cloned().chain(bright.map(grey)).collect();
-    // One light for each column, read from an array so that no driver folds it away.
+    // One value for each column. It is read from an array, so that no driver folds it as a constant.
     let body = format!(
         "vec3 lights[{count}] = vec3[{count}]({lights});\n    \
          color = lights[int(sample_place().x) % {count}];",
@@ -132,7 +132,7 @@ fn tone_mapping_is_monotonic_and_kills_what_is_no_light(test_renderer: &mut Test
     let width = all.len() as u32;
     show(test_renderer, &body);
     let picture = drawn(test_renderer, (width, 8));
-    // The brightest of a column, which the dithering moves by half a step.
+    // The brightest channel of a column. Dithering moves it by half a step.
     let steps = |column: u32| {
         (0..8).map(|y| picture.get_pixel(column, y).0[..3].iter().max().copied()).max().flatten()
     };
@@ -141,18 +141,18 @@ fn tone_mapping_is_monotonic_and_kills_what_is_no_light(test_renderer: &mut Test
     }
     let brights: Vec<u8> = (black.len() as u32..width).filter_map(steps).collect();
     assert!(brights.is_sorted(), "more light is darker: {bright:?} become {brights:?}");
-    assert!(brights[0] <= 1 && brights[10] == 255, "the range is not used: {brights:?}");
-    assert!(brights[4] < 255, "0.5 is burnt out: {brights:?}");
+    assert!(brights[0] <= 1 && brights[10] == 255, "the tone map does not use the whole range: {brights:?}");
+    assert!(brights[4] < 255, "0.5 is clipped: {brights:?}");
 }
 
-/// Share of the pixels whose colour channels all fulfil `test`.
+/// The fraction of pixels whose colour channels all satisfy `test`.
 fn fraction_of(picture: &RgbaImage, test: impl Fn(u8) -> bool) -> f64 {
     let hits = picture.pixels().filter(|pixel| pixel.0[..3].iter().all(|&value| test(value))).count();
     hits as f64 / (f64::from(picture.width()) * f64::from(picture.height()))
 }
 
 #[test]
-fn no_picture_is_a_void_or_burnt_out() {
+fn no_frame_is_mostly_black_or_clipped() {
     let mut test_renderer = TestRenderer::new();
     let features = [silence(), soft_music(), loud_music()];
     for (time, size) in [
@@ -175,13 +175,13 @@ fn no_picture_is_a_void_or_burnt_out() {
     }
 }
 
-/// Where a point of the scene is in a picture, in pixels from the upper left corner.
+/// The position of a point of the scene in the image, in pixels from the upper left corner.
 fn pixel_of(frame: &Frame, point: DVec3) -> (f64, f64) {
-    let (x, y) = frame.camera.project(point).expect("the point is before the camera");
+    let (x, y) = frame.camera.project(point).expect("the point is in front of the camera");
     (0.5 * (x + 1.0) * f64::from(frame.size.0), 0.5 * (1.0 - y) * f64::from(frame.size.1))
 }
 
-/// Share of visibly different pixels within `radius` pixels of (`x`, `y`).
+/// The fraction of visibly different pixels within `radius` pixels of (`x`, `y`).
 fn changed_around(a: &RgbaImage, b: &RgbaImage, (x, y): (f64, f64), radius: f64) -> f64 {
     let (mut all, mut changed) = (0_u32, 0_u32);
     for (column, row, pixel) in a.enumerate_pixels() {
@@ -190,12 +190,12 @@ fn changed_around(a: &RgbaImage, b: &RgbaImage, (x, y): (f64, f64), radius: f64)
             changed += u32::from(pixel_difference(pixel, b.get_pixel(column, row)) > VISIBLE);
         }
     }
-    assert!(all > 20, "{all} pixels are too few to judge");
+    assert!(all > 20, "{all} pixels are too few for a comparison");
     f64::from(changed) / f64::from(all)
 }
 
 #[test]
-fn music_shows_and_each_channel_moves_its_own_woofer() {
+fn music_is_visible_and_each_channel_moves_its_own_woofer() {
     let mut test_renderer = TestRenderer::new();
     let size = (256, 144);
     for time in [0.0, 12.0, 40.0] {
@@ -215,7 +215,7 @@ fn music_shows_and_each_channel_moves_its_own_woofer() {
             let picture = test_renderer.picture(time, features, size);
             let changed = |side: f64| {
                 let woofer = pixel_of(&frame, DVec3::new(side * centre.x, woofer_y, front));
-                // As far as the loudest woofer reaches, 1.7 units.
+                // The radius of the loudest woofer, 1.7 units.
                 let rim = pixel_of(&frame, DVec3::new(side * centre.x, woofer_y + 1.7, front));
                 changed_around(&silent, &picture, woofer, (rim.1 - woofer.1).abs())
             };
@@ -242,7 +242,7 @@ fn each_band_moves_its_own_bar() {
         let mut features = silence();
         features.bands[band] = level as f32;
         let picture = test_renderer.picture(0.0, features, size);
-        // How much the places change where each bar would stand, from a third of the height to nine tenths.
+        // The mean change at positions where a bar would be, from a third to nine tenths of its height.
         let change = |bar: usize| {
             let probes = (0..12).map(|i| {
                 let y = height * (0.33 + 0.57 * f64::from(i) / 11.0);
@@ -254,10 +254,10 @@ fn each_band_moves_its_own_bar() {
         };
         let changes: Vec<f64> = (0..BAND_COUNT).map(change).collect();
         assert!(changes[band] > 40.0, "band {band} changes its bar by only {:.1} steps", changes[band]);
-        // Its shadow falls far away and is weaker.
+        // The bar's shadow falls on distant bars and is weaker.
         for (bar, other) in changes.iter().enumerate().filter(|(bar, _)| *bar != band) {
             let allowed = if bar.abs_diff(band) <= 3 { 0.25 } else { 0.9 };
-            assert!(*other < allowed * changes[band], "band {band} moves bar {bar} too: {changes:.0?}");
+            assert!(*other < allowed * changes[band], "band {band} moves bar {bar} as well: {changes:.0?}");
         }
     }
 }
@@ -273,21 +273,25 @@ fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
         let each = evaluations.per_pixel(f64::from(size.0 * size.1));
         assert!(
             each.primary >= 0.3 && each.shadow > 0.3 && each.normal > 0.3,
-            "nothing was counted: {each:?}"
+            "primary, shadow or normal evaluations were not counted: {each:?}"
         );
-        assert!(each.reflection > 0.01 && each.occlusion > 0.3, "nothing was counted: {each:?}");
-        assert_eq!(evaluations.capped_rays, 0.0, "rays end at their step cap at {time} s");
-        assert!(each.total() <= 60.0, "{:.1} evaluations a pixel at {time} s: {each:?}", each.total());
+        assert!(
+            each.reflection > 0.01 && each.occlusion > 0.3,
+            "reflection or occlusion evaluations were \
+            not counted: {each:?}"
+        );
+        assert_eq!(evaluations.capped_rays, 0.0, "rays reach their step cap at {time} s");
+        assert!(each.total() <= 60.0, "{:.1} evaluations per pixel at {time} s: {each:?}", each.total());
 
         plain.draw(&counting.frame(time, loud_music(), size), &counting.resources, &plain_program).unwrap();
         let uncounted = RgbaImage::from_raw(size.0, size.1, plain.read()).unwrap();
         assert_alike("counting", &picture, &uncounted, TIGHT);
-        assert_eq!(plain.evaluations().total(), 0.0, "a renderer that does not count has counted");
+        assert_eq!(plain.evaluations().total(), 0.0, "a renderer without counting has counted");
     }
 }
 
 #[test]
-fn every_size_that_the_driver_has_is_drawn_and_a_larger_one_refused() {
+fn supported_sizes_are_drawn_and_larger_ones_refused() {
     let mut test_renderer = TestRenderer::new();
     for size in [(1, 1), (1, 64), (3000, 1), (64, 64), (65, 33)] {
         let picture = test_renderer.picture(5.0, soft_music(), size);
@@ -305,12 +309,12 @@ fn every_size_that_the_driver_has_is_drawn_and_a_larger_one_refused() {
             Ok(_) => panic!("{size:?} was drawn"),
         }
         let after = test_renderer.picture(5.0, soft_music(), (64, 64));
-        assert!(before == after, "after {size:?} was refused the picture is another one");
+        assert!(before == after, "the image differs after {size:?} was refused");
     }
 }
 
 #[test]
-fn pictures_look_like_the_golden_ones() {
+fn images_match_the_golden_images() {
     let mut test_renderer = TestRenderer::new();
     let scenes: [(&str, f64, Features, (u32, u32)); 3] = [
         ("silent", 0.0, silence(), (256, 144)),

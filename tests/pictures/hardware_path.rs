@@ -1,5 +1,5 @@
-//! What only GPUs run otherwise: the interpreter's loop over single clauses, the stencil's edges, the frame's block
-//! without copies. Mesa's option `force_gl_renderer` makes its software renderer pass for a GPU.
+//! Tests the code that otherwise only GPUs run: the interpreter's loop over single clauses, the edge stencil and the
+//! uniform block without copies. Mesa's option `force_gl_renderer` lets its software renderer pass for a GPU.
 
 #![allow(clippy::unwrap_used)]
 
@@ -13,21 +13,21 @@ use mariana::gpu::scene_program::{Interpreter, Mode};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 
-/// A formula that is no distance, mirrors, and a scene with bands. None has textures: filtered as on a GPU they take
-/// minutes on a processor.
+/// A non-Lipschitz formula, mirrors, and a scene with bands. None has textures, whose GPU filtering takes minutes on a
+/// CPU.
 const SCENES: [&str; 3] = ["gyroid", "kaleidoscope", "first_steps"];
 
-/// What the program prints, on the software path or as on a GPU.
+/// Runs the program on the software path or as on a GPU, and returns its output.
 fn run(place: &Workplace, hardware: bool, arguments: &[&str]) -> String {
     let mut command = place.command(arguments);
     if hardware {
-        // Silent about the option itself.
+        // Hide Mesa's message about the option.
         command.env("force_gl_renderer", "GPU").env("MESA_DEBUG", "silent");
     }
     Outcome::of(&mut command, RUN_LIMIT).done()
 }
 
-/// The shaders without beams: the further samples of a software renderer begin at the eye, as those of a GPU do.
+/// Writes shaders without beams, so that further samples start at the eye on a software renderer as well, as on a GPU.
 fn shaders_without_beams(place: &Workplace) -> String {
     let folder = place.path("shaders");
     std::fs::create_dir(&folder).unwrap();
@@ -44,10 +44,10 @@ fn shaders_without_beams(place: &Workplace) -> String {
 const BEAMS: &str = "#define BEAMS\n";
 
 #[test]
-fn a_gpu_would_show_the_same_pictures() {
+fn the_gpu_path_draws_the_same_images() {
     let place = Workplace::new();
     let info = run(&place, true, &["--gl-info"]);
-    assert!(info.contains("software renderer    no"), "the hardware path is not taken: {info}");
+    assert!(info.contains("software renderer    no"), "the hardware path is not used: {info}");
     let without_beams = shaders_without_beams(&place);
     for scene in SCENES {
         let still = |hardware, mode, more: &[&str]| {
@@ -59,15 +59,15 @@ fn a_gpu_would_show_the_same_pictures() {
             let actual = still(true, mode, &[]);
             let expected = still(false, mode, &["--shaders", &without_beams]);
             assert_alike(&format!("hardware-{scene}-{mode}"), &actual, &expected, TIGHT);
-            // Rays that begin elsewhere end elsewhere in the last quarter of a pixel.
+            // Rays from another start end elsewhere within the last quarter of a pixel.
             let with_beams = still(false, mode, &[]);
             assert_alike(&format!("hardware-{scene}-{mode}-beams"), &actual, &with_beams, LOOSE);
         }
     }
 }
 
-/// Rods of a fifth of a pixel in front of a ball, and a block that fills its bounds: what further samples miss if they
-/// begin too far from the eye.
+/// Rods of a fifth of a pixel in front of a ball, and a block that fills its bounds. Further samples miss them if their
+/// rays start too far from the eye.
 const THIN: [&str; 2] = [
     "material white { color = vec3(1) }\n\
      material red { color = vec3(0.8, 0.1, 0.1) }\n\
@@ -80,7 +80,7 @@ const THIN: [&str; 2] = [
 ];
 
 #[test]
-fn further_samples_miss_nothing_that_is_thinner_than_a_pixel() {
+fn further_samples_find_details_thinner_than_a_pixel() {
     let place = Workplace::new();
     for (number, scene) in THIN.into_iter().enumerate() {
         place.write("thin.scene", scene);
@@ -99,7 +99,7 @@ fn further_samples_miss_nothing_that_is_thinner_than_a_pixel() {
             run(&place, hardware, &arguments);
             image::open(place.path("still.png")).unwrap().to_rgba8()
         });
-        // A GPU's samples begin at the eye.
+        // On a GPU, samples start at the eye.
         assert_alike(&format!("beams-{number}"), &beams, &all, TIGHT);
     }
 }
@@ -109,11 +109,11 @@ const LENS: &str = "object ball { shape = sphere(p - vec3(0, 1, 0), 1) }\n\
                     object floor { shape = p.y }\n\
                     camera { position = vec3(0, 1, -4)  target = vec3(0, 1, 0)  aperture = 0.05 }";
 
-/// Pixels that a part may have at 0.1 ms each: 0.12 s, of which one is the overhead.
+/// The most pixels in one draw call: 0.12 s at 0.1 ms each, and some room for the overhead.
 const PART_PIXELS: u64 = 1_300;
 
 #[test]
-fn no_draw_of_dear_pixels_is_large_on_a_gpu_either() {
+fn expensive_pixels_are_drawn_in_small_parts() {
     let place = Workplace::new();
     place.write("lens.scene", LENS);
     let jobs: [&[&str]; 3] = [
@@ -146,7 +146,7 @@ fn no_draw_of_dear_pixels_is_large_on_a_gpu_either() {
         let (expected, _) = pictures(None);
         let (actual, draws) = pictures(Some("dear-pixels@0"));
         let name = format!("{job:?}, {mode}, as on a GPU: {hardware}");
-        assert!(actual == expected, "{name}: pictures in parts are others");
+        assert!(actual == expected, "{name}: images drawn in parts differ");
         assert_eq!(draws.len(), expected.len(), "{name}");
         for (number, largest) in draws {
             assert!(number > 96 * 54 / PART_PIXELS && largest <= PART_PIXELS, "{name}: {number}, {largest}");
@@ -154,7 +154,7 @@ fn no_draw_of_dear_pixels_is_large_on_a_gpu_either() {
     }
 }
 
-/// What the log says of each picture: the number of its draws, and the pixels of the largest.
+/// Reads the log's line for each frame: the number of draw calls, and the pixels of the largest.
 fn draws(log: &str) -> Vec<(u64, u64)> {
     let number = |text: &str| text.split_whitespace().next_back()?.parse().ok();
     let of_line = |line: &str| {
@@ -175,8 +175,8 @@ fn the_universal_interpreter_covers_every_shipped_scene() {
 }
 
 #[test]
-fn the_universal_interpreter_draws_what_a_scene_s_own_draws() {
-    // With pictures and panels; with a lens; a formula that is no distance.
+fn the_universal_interpreter_draws_the_same_as_a_scenes_own() {
+    // A scene with textures and panels, one with a lens, and a non-Lipschitz formula.
     for name in ["speakers", "orb", "quadric"] {
         let scene = SceneSource::Shipped(name.to_owned());
         let mut test_renderer = TestRenderer::of(&scene, Mode::Interpreted, Counting::Off);

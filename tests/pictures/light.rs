@@ -1,4 +1,4 @@
-//! Light and material as a user sees them: panels, ranges, shadows, glow, mirrors, blends, and what nobody should write.
+//! Lights and materials in images: panels, ranges, shadows, glow, mirrors, blends, and invalid values.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -10,7 +10,7 @@ use mariana::scenes::SceneSource;
 
 const SIZE: (u32, u32) = (96, 54);
 
-/// A floor seen from above, 8 wide, with nothing to light it but what a test adds.
+/// A floor seen from above, 8 units wide. Each test adds the lights.
 const FLOOR: &str = "
 object floor { shape = p.y  material = chalk }
 material chalk { color = 0.6  roughness = 1 }
@@ -30,7 +30,7 @@ fn on_floor(lights: &str) -> RgbaImage {
     picture(&format!("{FLOOR}{lights}"))
 }
 
-/// The sum of red, green and blue at a place of the picture, 0..1 from the left and from the top.
+/// The sum of red, green and blue at a position, 0..1 from the left and from the top.
 fn brightness(picture: &RgbaImage, x: f64, y: f64) -> i32 {
     colour(picture, x, y).into_iter().sum()
 }
@@ -42,17 +42,17 @@ fn colour(picture: &RgbaImage, x: f64, y: f64) -> [i32; 3] {
 }
 
 #[test]
-fn a_small_panel_is_a_lamp_that_shines_to_one_side() {
-    // The light of an area A of brightness L is that of a lamp of strength A * L, straight before it.
+fn a_small_panel_lights_like_a_lamp_to_one_side() {
+    // In front of it, a small panel of area A and radiance L lights like a lamp of strength A * L.
     let lamp = on_floor("light a { position = vec3(0, 3, 0)  color = 4 }");
     let panel = "position = vec3(0, 3, 0)  right = vec3(0.05, 0, 0)  color = 400";
     let below = on_floor(&format!("light a {{ {panel}  up = vec3(0, 0, 0.05) }}"));
     let above = on_floor(&format!("light a {{ {panel}  up = vec3(0, 0, -0.05) }}"));
     let (expected, found) = (brightness(&lamp, 0.5, 0.5), brightness(&below, 0.5, 0.5));
-    assert!(expected > 100, "the lamp is hardly seen: {expected}");
+    assert!(expected > 100, "the lamp is too dark for this test: {expected}");
     assert!((expected - found).abs() <= 6, "a panel gives {found}, a lamp {expected}");
-    assert_eq!(brightness(&above, 0.5, 0.5).max(6), 6, "a panel shines to its back");
-    // It shines less to the side.
+    assert_eq!(brightness(&above, 0.5, 0.5).max(6), 6, "a panel lights its back");
+    // A panel gives less light to the side.
     assert!(brightness(&below, 0.05, 0.5) < brightness(&lamp, 0.05, 0.5) - 10);
 }
 
@@ -66,7 +66,7 @@ fn a_light_ends_at_its_range() {
 }
 
 #[test]
-fn shadows_take_as_much_as_a_light_says() {
+fn shadows_have_the_strength_of_their_light() {
     let under_a_ball = |shadow: &str| {
         let ball = "object ball { shape = sphere(p - vec3(0, 1, 0), 0.5)  material = chalk }";
         let lamp = format!("light a {{ position = vec3(3, 4, 0)  color = 60 {shadow} }}");
@@ -77,7 +77,7 @@ fn shadows_take_as_much_as_a_light_says() {
 }
 
 #[test]
-fn what_shines_lights_what_is_near_it() {
+fn emissive_objects_light_nearby_surfaces() {
     let tube = |emission: &str, reach: &str| {
         let tube = format!(
             "object tube {{ shape = capsule(p, vec3(0, 0.3, -1), vec3(0, 0.3, 1), 0.1)  material = neon }}
@@ -90,15 +90,16 @@ fn what_shines_lights_what_is_near_it() {
     let [near, far] = [0.56, 0.95].map(|x| colour(&red, x, 0.5));
     assert!(brightness(&dark, 0.56, 0.5) <= 6);
     assert!(near[0] > 60 && near[0] > 2 * near[1], "{near:?}");
-    assert!(far[0] <= 4, "it lights the floor far away: {far:?}");
-    // Farther, where the sky's reach says so.
+    assert!(far[0] <= 4, "the tube lights the floor far away: {far:?}");
+    // The sky's `reach` extends the range.
     let wide = tube("vec3(4, 0, 0)", "reach = 6");
     assert!(colour(&wide, 0.75, 0.5)[0] > colour(&red, 0.75, 0.5)[0] + 10);
 }
 
 #[test]
 fn mirrors_show_mirrors() {
-    // Between two mirrors, with a red ball behind the eye's back: seen once, and again and again beyond.
+    // Two mirrors facing each other, with a red ball behind the camera: it appears once directly and repeatedly in the
+    // mirrors.
     let scene = |reflect: &str| {
         format!(
             "object near {{ shape = 1.5 + p.z  material = glass }}
@@ -116,7 +117,7 @@ fn mirrors_show_mirrors() {
                 .map(move |x| picture.get_pixel(x, row).0)
                 .map(|[r, g, b, _]| r > 90 && r > 2 * g.max(b))
         };
-        // How often a row of pixels turns red.
+        // The number of times that a row of pixels turns red.
         let runs = |row: u32| {
             let row: Vec<bool> = reds(row).collect();
             row.windows(2).filter(|two| !two[0] && two[1]).count()
@@ -140,11 +141,11 @@ fn a_rough_mirror_blurs_and_a_metal_colours() {
              camera {{ position = vec3(0, 2, -4)  target = vec3(0, 0, 1)  fov = 40 }}"
         )
     };
-    // How much a row of the floor goes up and down.
+    // The difference of the brightest and the darkest part of a row of the floor.
     let contrast = |picture: &RgbaImage| -> i32 {
         let column = |x: u32| (36..48).map(|y| i32::from(picture.get_pixel(x, y).0[1])).sum::<i32>() / 12;
         let row: Vec<i32> = (0..SIZE.0).map(column).collect();
-        // Means of some pixels, as noise is no stripe.
+        // Averaging three pixels, because noise is not a stripe.
         let means: Vec<i32> = row.windows(3).map(|three| three.iter().sum::<i32>() / 3).collect();
         means.iter().max().unwrap() - means.iter().min().unwrap()
     };
@@ -177,7 +178,7 @@ fn materials_mix_where_objects_melt() {
     assert!((seam[0] - seam[2]).abs() < 40 && seam[0] > 40, "{seam:?}");
 }
 
-/// What nobody should write, and what a slider or a loud note may come to.
+/// Invalid values, as mistakes, sliders or loud notes may produce.
 const RUBBISH: [&str; 8] = [
     "object a { shape = sphere(p, 0) } light l { position = vec3(0, 0, 0)  color = 1000 }",
     "object a { shape = sphere(p, -1) } object b { shape = box(p, vec3(-1, 2, 0)) }",
@@ -194,7 +195,7 @@ const RUBBISH: [&str; 8] = [
 ];
 
 #[test]
-fn rubbish_gives_a_picture_without_holes() {
+fn invalid_values_give_an_opaque_reproducible_image() {
     for text in RUBBISH {
         let mut test_renderer = test_renderer_of(text);
         for size in [SIZE, (1, 1), (300, 1)] {
@@ -202,7 +203,7 @@ fn rubbish_gives_a_picture_without_holes() {
             assert!(rubbish.pixels().all(|pixel| pixel.0[3] == 255), "{text} at {size:?}");
             assert!(
                 rubbish == test_renderer.picture(0.0, loud_music(), size),
-                "{text} looks different each time"
+                "{text} differs between two frames"
             );
         }
     }

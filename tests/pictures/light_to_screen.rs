@@ -1,4 +1,4 @@
-//! From light to the screen: tone maps, bloom, grain, depth of field and the smoothness of edges, by their pictures.
+//! From light to the screen: tone maps, bloom, grain, depth of field and antialiased edges, judged by their images.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -13,7 +13,7 @@ use mariana::gpu::scene_program::{Mode, compiled_variant};
 use mariana::scenes::SceneSource;
 use mariana_field::world::{SceneFeatures, ToneMap};
 
-/// Gives the studio a program that shows `body`, statements that set `vec3 color`.
+/// Sets a program that shows the colour that `body` computes: statements that set `vec3 color`.
 fn show(test_renderer: &mut TestRenderer, body: &str) {
     let scene = format!(
         "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n#include \"sample_light.glsl\"\n\
@@ -25,7 +25,7 @@ fn show(test_renderer: &mut TestRenderer, body: &str) {
         test_renderer.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
 }
 
-/// Light as it is: no bloom, no grain, no tone map.
+/// Unchanged light: no bloom, no grain, no tone map.
 fn plain(picture: &mut Picture) {
     (picture.bloom, picture.grain, picture.tone_map) = (0.0, 0.0, ToneMap::None);
 }
@@ -34,7 +34,7 @@ fn scene(text: &str) -> TestRenderer {
     TestRenderer::of(&SceneSource::Formula(text.into()), Mode::Compiled, Counting::Off)
 }
 
-/// Linear light of a byte, by IEC 61966-2-1.
+/// The linear light of a byte, by IEC 61966-2-1.
 fn linear(byte: u8) -> f64 {
     let encoded = f64::from(byte) / 255.0;
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
@@ -44,7 +44,7 @@ fn steps(linear: f64) -> f64 {
     255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// All light of a picture, in all channels.
+/// The sum of the linear light over all pixels and channels.
 fn energy(picture: &RgbaImage) -> f64 {
     picture.pixels().flat_map(|pixel| pixel.0[..3].iter().map(|&byte| linear(byte)).collect::<Vec<_>>()).sum()
 }
@@ -55,7 +55,7 @@ fn times(rows: [Rgb; 3], v: Rgb) -> Rgb {
     rows.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
 }
 
-/// The tone maps as their sources write them; AgX with its sigmoid, which the shader has as a polynomial.
+/// The tone maps as in their sources. AgX uses the original sigmoid, which the shader approximates by a polynomial.
 fn witness(map: ToneMap, color: Rgb) -> Rgb {
     match map {
         ToneMap::Agx => {
@@ -105,7 +105,7 @@ fn agx_sigmoid(x: f64) -> f64 {
 }
 
 #[test]
-fn tone_maps_are_what_they_are_called_and_keep_hues() {
+fn tone_maps_match_their_definitions_and_keep_hues() {
     let mut test_renderer = TestRenderer::new();
     let hues: [Rgb; 6] = [
         [1.0, 1.0, 1.0],
@@ -147,17 +147,17 @@ fn tone_maps_are_what_they_are_called_and_keep_hues() {
         for ((pixel, light), number) in picture.pixels().zip(&lights).zip(0..) {
             let expected = witness(map, *light).map(steps);
             let seen = [0, 1, 2].map(|channel| f64::from(pixel.0[channel]));
-            // The polynomial is within 0.003 of the curve, which saturation and matrices enlarge.
+            // The polynomial is within 0.003 of the curve; saturation and matrices enlarge the error.
             let off = if map == ToneMap::Agx { 4.0 } else { 1.6 };
             assert!(
                 seen.iter().zip(expected).all(|(a, b)| (a - b).abs() <= off),
                 "{map:?} of {light:?} is {seen:?}, not {expected:?}"
             );
-            // What was the strongest part stays so (bright colours turn in ACES), and a grey stays grey.
+            // The strongest channel remains the strongest (ACES shifts bright colours), and grey remains grey.
             let turned = if map == ToneMap::Aces { 8.0 } else { 1.0 };
             let strongest = (0..3).max_by(|&a, &b| light[a].total_cmp(&light[b])).unwrap();
             let most = seen.iter().fold(0.0_f64, |most, &part| most.max(part));
-            assert!(seen[strongest] >= most - turned, "{map:?} turns the hue of {light:?}: {seen:?}");
+            assert!(seen[strongest] >= most - turned, "{map:?} shifts the hue of {light:?}: {seen:?}");
             if number % hues.len() == 0 {
                 assert!(
                     seen.iter().all(|part| (part - seen[0]).abs() <= 1.0),
@@ -167,7 +167,7 @@ fn tone_maps_are_what_they_are_called_and_keep_hues() {
             }
         }
         assert!(greys.is_sorted(), "{map:?}: {greys:?}");
-        // Blacks are not crushed: seven stops below 1 can still be told from eight.
+        // Blacks are not crushed: seven stops below 1 remain distinct from eight.
         assert!(greys[1] > greys[0] && greys[0] >= 0.0, "{map:?}: {greys:?}");
     }
 }
@@ -175,7 +175,7 @@ fn tone_maps_are_what_they_are_called_and_keep_hues() {
 #[test]
 fn bloom_scatters_light_and_adds_none() {
     let mut test_renderer = TestRenderer::new();
-    // Dim, so that no pixel is weighed down much for its brightness.
+    // Dark, so that no pixel's weight is reduced much for its brightness.
     show(
         &mut test_renderer,
         "vec2 off = abs(sample_place() - vec2(96.0, 54.0));\n    \
@@ -192,13 +192,13 @@ fn bloom_scatters_light_and_adds_none() {
     let (before, after) = (energy(&sharp), energy(&scattered));
     assert!((after / before - 1.0).abs() < 0.04, "{before:.2} became {after:.2}");
     let beside = |picture: &RgbaImage| linear(picture.get_pixel(120, 54).0[0]);
-    assert!(beside(&scattered) > 1.5 * beside(&sharp), "no light falls beside the square");
+    assert!(beside(&scattered) > 1.5 * beside(&sharp), "the bloom adds no light next to the square");
 
     test_renderer.adjust = |picture| {
         plain(picture);
         picture.bloom = 0.04;
     };
-    // One pixel as bright as light can be, and what is no light: neither makes a sun.
+    // A single pixel of maximal brightness, or of an invalid value, must not glow.
     for one in ["1e30", "uintBitsToFloat(0x7f800000u)", "uintBitsToFloat(0x7fc00000u)"] {
         show(
             &mut test_renderer,
@@ -221,7 +221,11 @@ fn every_size_has_its_bloom_and_its_lens() {
     for size in [(1, 1), (2, 1), (1, 3), (7, 5), (640, 2), (2048, 1), (1, 2048)] {
         let picture = test_renderer.picture(0.5, loud_music(), size);
         assert_eq!(picture.dimensions(), size);
-        assert!(picture == test_renderer.picture(0.5, loud_music(), size), "{size:?} differs from itself");
+        assert!(
+            picture == test_renderer.picture(0.5, loud_music(), size),
+            "{size:?} differs between two \
+            frames"
+        );
         assert!(picture.pixels().any(|pixel| pixel.0[..3].iter().any(|&byte| byte > 8)), "{size:?} is black");
     }
 }
@@ -237,7 +241,7 @@ fn grain_is_slight_unbiased_and_still() {
     let picture = test_renderer.picture(0.0, silence(), (128, 128));
     assert!(
         picture == test_renderer.picture(7.0, silence(), (128, 128)),
-        "grain moves over what stands still"
+        "grain moves over a constant image"
     );
     let mean = picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / (128.0 * 128.0);
     assert!((mean - steps(0.2)).abs() < 0.1, "{mean} instead of {}", steps(0.2));
@@ -245,7 +249,7 @@ fn grain_is_slight_unbiased_and_still() {
     assert!((1.0..=2.0).contains(&far), "grain of {far} steps");
 }
 
-/// A wall at z = 6, lit by itself where x > 0, seen from the origin.
+/// A wall at z = 6 that emits light where x > 0, seen from the origin.
 fn wall(camera: &str) -> TestRenderer {
     let mut test_renderer = scene(&format!(
         "material halves {{ color = 0 emission = if p.x > 0 then 0.5 else 0 }}\n\
@@ -257,7 +261,7 @@ fn wall(camera: &str) -> TestRenderer {
     test_renderer
 }
 
-/// Pixels from a tenth to nine tenths of the brighter side, along the middle row.
+/// The pixels from a tenth to nine tenths of the brighter side, along the middle row.
 fn edge_width(picture: &RgbaImage) -> f64 {
     let row: Vec<f64> =
         (0..picture.width()).map(|x| linear(picture.get_pixel(x, picture.height() / 2).0[0])).collect();
@@ -273,19 +277,19 @@ fn edge_width(picture: &RgbaImage) -> f64 {
 }
 
 #[test]
-fn a_lens_is_sharp_at_its_focus_and_blurs_off_it_as_a_thin_lens_does() {
+fn a_lens_blurs_like_a_thin_lens() {
     let size = (320, 200);
     let pinhole = wall("").picture(0.0, silence(), size);
     let focused = wall("aperture = 0.15 focus = 6").picture(0.0, silence(), size);
-    assert!(pinhole == focused, "what is in focus is blurred");
+    assert!(pinhole == focused, "the plane in focus is blurred");
     assert!(edge_width(&pinhole) < 1.1);
-    // Half a pixel's width at distance 1.
+    // Half of a pixel's width at distance 1.
     let half_pixel = 22.5_f64.to_radians().tan() / f64::from(size.1);
     for (aperture, focus) in [(0.1, 3.0), (0.15, 3.0), (0.18, 3.2), (0.1, 20.0), (0.2, 20.0)] {
         let radius = aperture * (1.0 / focus - 1.0 / 6.0_f64).abs() / (2.0 * half_pixel);
-        assert!(radius < f64::from(BLUR_MAX) * f64::from(size.1), "the blur is cut off");
+        assert!(radius < f64::from(BLUR_MAX) * f64::from(size.1), "the blur exceeds its limit");
         let picture = wall(&format!("aperture = {aperture} focus = {focus}")).picture(0.0, silence(), size);
-        // The share of a disc that an edge leaves is 0.9 at 0.687 of its radius.
+        // An edge at 0.687 of a disc's radius leaves 0.9 of its area.
         let (expected, found) = (2.0 * 0.687 * radius, edge_width(&picture));
         assert!(
             (found - expected).abs() < 0.15 * expected + 0.8,
@@ -295,7 +299,7 @@ fn a_lens_is_sharp_at_its_focus_and_blurs_off_it_as_a_thin_lens_does() {
 }
 
 #[test]
-fn what_is_sharp_in_front_is_not_blurred_over() {
+fn a_sharp_foreground_is_not_covered_by_blur() {
     let text = |lens: &str| {
         format!(
             "material dark {{ color = 0 emission = 0.02 }}\nmaterial bright {{ color = 0 emission = 0.6 }}\n\
@@ -315,12 +319,12 @@ fn what_is_sharp_in_front_is_not_blurred_over() {
     // The box's front is 98.5 pixels wide.
     for x in 160 - 46..160 + 46 {
         let (a, b) = (pinhole.get_pixel(x, 100).0[0], lens.get_pixel(x, 100).0[0]);
-        assert!(a.abs_diff(b) <= 2, "the background shines over the box at {x}: {a} becomes {b}");
+        assert!(a.abs_diff(b) <= 2, "the background blurs over the box at {x}: {a} becomes {b}");
     }
 }
 
 #[test]
-fn edges_of_stills_are_near_those_of_sixty_four_samples() {
+fn edges_of_stills_are_close_to_sixty_four_samples() {
     let mut test_renderer = TestRenderer::new();
     test_renderer.adjust = |picture| picture.grain = 0.0;
     let frame = test_renderer.frame(0.0, silence(), (320, 180));

@@ -1,4 +1,4 @@
-//! What is drawn, without a window.
+//! Tests of rendered images, without a window.
 
 mod agreement;
 mod blends;

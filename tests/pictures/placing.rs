@@ -1,5 +1,5 @@
-//! What happens to a finished picture on its way to screens and to other programs: light taken away, edges, mirrors and
-//! corners; and that nothing happens to it where nothing was asked for.
+//! The placement of finished images on screens and in other programs: brightness, crop, mirroring and corners. Without
+//! any of them the image stays the same.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -15,7 +15,7 @@ use mariana::srgb::linear;
 
 const SIZE: (u32, u32) = (64, 36);
 
-/// A studio as a window has it, with a picture in it.
+/// A renderer set up as for a window, with a finished image.
 struct Hall(TestRenderer);
 
 impl Hall {
@@ -31,14 +31,14 @@ impl Hall {
         Self(test_renderer)
     }
 
-    /// The picture as it is shown and sent, in a window of `size` pixels.
+    /// The image as it is shown and sent, in a window of `size` pixels.
     fn sent(&mut self, placement: &Placement, size: (u32, u32)) -> RgbaImage {
         let mut reader = PictureReader::new(self.0.context.gl(), size).unwrap();
         let map = within(fitted(placement.rest_of(SIZE), size), &placement.map());
         assert!(self.0.renderer.send_placed(&mut reader, &map, placement.part()).unwrap());
         assert!(reader.is_waiting());
         self.0.context.gl().finish();
-        let bytes = reader.take().expect("it has arrived");
+        let bytes = reader.take().expect("the image has arrived");
         assert!(!reader.is_waiting() && reader.take().is_none());
         RgbaImage::from_raw(size.0, size.1, bytes).unwrap()
     }
@@ -47,7 +47,7 @@ impl Hall {
         RgbaImage::from_raw(SIZE.0, SIZE.1, self.0.renderer.read()).unwrap()
     }
 
-    /// Leaves the picture a share of its light, and shows it a sixtieth of a second after the last.
+    /// Dims the image to a fraction of its light, and shows it a sixtieth of a second after the last one.
     fn dim(&mut self, gain: f32) {
         self.0.renderer.dim(gain).unwrap();
         self.0.renderer.limit_flashes(1.0 / 60.0).unwrap();
@@ -61,22 +61,22 @@ fn light(picture: &RgbaImage) -> f32 {
 }
 
 #[test]
-fn a_picture_of_which_nothing_was_asked_keeps_its_bytes() {
+fn an_image_without_changes_keeps_its_bytes() {
     let mut hall = Hall::new();
     let before = hall.finished();
-    assert!(hall.sent(&Placement::default(), SIZE) == before, "what is sent is another picture");
+    assert!(hall.sent(&Placement::default(), SIZE) == before, "the sent image differs");
     hall.dim(0.5);
     assert!(hall.finished() != before);
     hall.dim(1.0);
-    assert!(hall.finished() == before, "the light came back as another picture");
+    assert!(hall.finished() == before, "the image differs after the dimming");
     assert!(hall.sent(&Placement::default(), SIZE) == before);
 }
 
 #[test]
-fn light_is_taken_away_evenly_and_at_last_wholly() {
+fn dimming_is_even_and_ends_in_black() {
     let mut hall = Hall::new();
     let full = light(&hall.finished());
-    assert!(full > 0.05, "{full} is too dark to prove anything");
+    assert!(full > 0.05, "{full} is too dark for this test");
     for gain in [0.75, 0.5, 0.25, 0.1] {
         hall.dim(gain);
         let fraction = light(&hall.sent(&Placement::default(), SIZE)) / full;
@@ -87,7 +87,7 @@ fn light_is_taken_away_evenly_and_at_last_wholly() {
 }
 
 #[test]
-fn blackouts_that_flash_are_limited_like_any_flash() {
+fn flashing_blackouts_are_limited() {
     let wall = "material paint { color = 0  roughness = 1  emission = 0.8 }\n\
                 object wall { shape = 5 - p.z  material = paint }\n\
                 light none { direction = vec3(0, -1, 0)  color = 0 }\n\
@@ -109,18 +109,18 @@ fn blackouts_that_flash_are_limited_like_any_flash() {
 }
 
 #[test]
-fn mirrors_edges_and_corners_lie_where_they_should() {
+fn mirroring_crop_and_corners_are_exact() {
     let mut hall = Hall::new();
     let plain = hall.finished();
     let flipped = |flip| Placement { flip, ..Placement::default() };
     assert!(hall.sent(&flipped(Flip::Horizontal), SIZE) == image::imageops::flip_horizontal(&plain));
     assert!(hall.sent(&flipped(Flip::Vertical), SIZE) == image::imageops::flip_vertical(&plain));
     assert!(hall.sent(&flipped(Flip::Both), SIZE) == image::imageops::rotate180(&plain));
-    // A quarter of the picture, pixel for pixel.
+    // A quarter of the image, pixel for pixel.
     let crop = Crop::try_from([50.0, 0.0, 0.0, 50.0]).unwrap();
     let part = hall.sent(&Placement { crop, ..Placement::default() }, (SIZE.0 / 2, SIZE.1 / 2));
     assert!(part == image::imageops::crop_imm(&plain, SIZE.0 / 2, 0, SIZE.0 / 2, SIZE.1 / 2).to_image());
-    // In the left half of the window, the right one is black.
+    // The image fills the left half of the window; the right half is black.
     let corners = Corners::try_from([[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0]]).unwrap();
     let wide = (2 * SIZE.0, SIZE.1);
     let map = Placement { corners, ..Placement::default() };
@@ -148,7 +148,7 @@ fn a_smaller_window_shows_the_mean_of_the_pixels() {
 }
 
 #[test]
-fn readers_never_hold_more_than_a_few_pictures() {
+fn readers_hold_at_most_three_images() {
     let mut hall = Hall::new();
     let mut reader = PictureReader::new(hall.0.context.gl(), SIZE).unwrap();
     let plain = Placement::default();

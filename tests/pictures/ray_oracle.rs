@@ -1,7 +1,7 @@
-//! Rays through the shipped scenes by the tree of regions, against an oracle: interval arithmetic in 64 bits with outward
-//! rounding along the whole ray, which decides for sure whether it meets a surface.
+//! Traces rays through the shipped scenes by their region trees, and compares them with an oracle. The oracle uses
+//! 64-bit interval arithmetic with outward rounding along the whole ray, which proves a hit or a miss.
 //!
-//! `MARIANA_RAYS` sets the number of rays for each scene; 10,000 for a long run.
+//! `MARIANA_RAYS` sets the number of rays for each scene; use 10,000 for a long run.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -15,14 +15,14 @@ use mariana_field::region::{Cell, RegionOptions, RegionPlan, Regions, gradient};
 use mariana_field::tape::{Instruction, Operand, Tape, TapeOptions};
 use mariana_field::world::{Alignment, BlendKind, World};
 
-/// Growth of a pixel's cone: 360 rows, 40 degrees.
+/// The growth of a pixel's cone, for 360 rows and 40 degrees.
 const SPREAD: f64 = 0.002;
 
 // --- the oracle -----------------------------------------------------------------------------------------------------
 
-/// Formulas as modellers give them, which are no distances and which nothing clips: parts that are turned and flow
-/// together by their exponentials, whose sum is 0 away from them, so that the value is the same number there; and a
-/// polynomial, whose terms cancel each other in any box that is large.
+/// Formulas as modellers write them: neither Lipschitz nor clipped. The first blends rotated parts by the sum of their
+/// exponentials, which is 0 far away, so that the value is constant there. The second is a polynomial, whose terms
+/// cancel each other in any large box.
 const OF_MODELLERS: [(&str, &str); 2] = [
     (
         "blend",
@@ -34,15 +34,15 @@ const OF_MODELLERS: [(&str, &str); 2] = [
     ("polynomial", "(1.5*x)^4-5*(1.5*x)^2 + (1.5*y)^4-5*(1.5*y)^2 + (1.5*z)^4-5*(1.5*z)^2 + 11.8"),
 ];
 
-/// Scenes whose shapes repeat without end.
+/// Scenes that repeat their shapes endlessly.
 const REPEATING: [&str; 2] = ["city", "lattice"];
 
-/// All numbers from the first to the second.
+/// A closed interval, from the first number to the second.
 type Span = (f64, f64);
 
 const ALL: Span = (f64::NEG_INFINITY, f64::INFINITY);
 
-/// Wider than any rounding of 64 bits, library functions and table entries of 32 bits counted in.
+/// Widens an interval by more than any rounding error of 64-bit arithmetic, library functions and 32-bit table entries.
 fn out((lo, hi): Span) -> Span {
     if lo.is_nan() || hi.is_nan() {
         return ALL;
@@ -107,7 +107,7 @@ fn truth(surely: bool, never: bool) -> Span {
     }
 }
 
-/// The operators that shapes of the shipped scenes are made of; of others nothing is known.
+/// Interval versions of the operators in the shapes of the shipped scenes. Others return [`ALL`].
 fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
     let less = |a: Span, b: Span| truth(a.1 < b.0, a.0 >= b.1);
     match name {
@@ -149,7 +149,7 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
             let heard = frame.bands[number(a.0)..=number(a.1)].iter().map(|band| f64::from(*band));
             heard.fold((f64::INFINITY, f64::NEG_INFINITY), |all, band| (all.0.min(band), all.1.max(band)))
         }
-        // Where no multiple of b lies between.
+        // Exact if the interval contains no multiple of b.
         "MOD" if b.0 == b.1 && b.0 > 0.0 => {
             let rounds = (a.0 / b.0).floor();
             if rounds == (a.1 / b.0).floor() {
@@ -167,7 +167,7 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
     }
 }
 
-/// A tape over boxes.
+/// Evaluates a tape over boxes.
 struct Oracle<'a> {
     tape: &'a Tape,
     table: Vec<f32>,
@@ -214,7 +214,7 @@ impl Oracle<'_> {
         registers[usize::from(self.tape.outputs()[0])]
     }
 
-    /// The value along a part of a ray, less `margin` for each unit of its way.
+    /// The interval of values along a part of a ray, minus `margin` times the distance from the ray's start.
     fn along(&self, ray: &Ray, part: Span, margin: f64) -> Span {
         let place = |axis: usize| {
             let ends =
@@ -226,9 +226,9 @@ impl Oracle<'_> {
         (lo - margin.0.max(margin.1), hi - margin.0.min(margin.1))
     }
 
-    /// Whether the ray surely meets no surface (`Some(false)`), or surely one (`Some(true)`) that is at least a pixel
-    /// thick along it; none where that is a matter of less than a pixel, or of more work than is worth it. `margin`: so
-    /// many pixels' radii are taken from the value at each point.
+    /// Decides if the ray hits a surface. `Some(false)` proves a miss, `Some(true)` a hit on a part that is at least a
+    /// pixel long. `None` means that the result depends on less than a pixel, or would take too much work. `margin` is
+    /// subtracted per unit of distance, for a pixel's cone.
     fn decides(&self, ray: &Ray, span: Span, margin: f64) -> Option<bool> {
         let mut parts = vec![span];
         let (mut sure, mut work) = (true, 0);
@@ -251,7 +251,7 @@ impl Oracle<'_> {
                 continue;
             }
             let middle = 0.5 * (part.0 + part.1);
-            // The nearer half first.
+            // The nearer half is processed first.
             parts.push((middle, part.1));
             parts.push((part.0, middle));
         }
@@ -271,7 +271,7 @@ impl Ray {
         [0, 1, 2].map(|axis| self.origin[axis] + t * self.direction[axis])
     }
 
-    /// Where it leaves a cell, a little behind the face.
+    /// The distance at which the ray leaves a cell, slightly behind the face.
     fn exit_of(&self, cell: &Cell) -> f32 {
         let exits = (0..3).map(|axis| {
             let face = if self.direction[axis] >= 0.0 { cell.high[axis] } else { cell.low[axis] };
@@ -282,7 +282,7 @@ impl Ray {
     }
 }
 
-/// Whether the ray meets a surface; none if its steps are used up.
+/// Traces a ray: true if it hits a surface, `None` if it reaches the step cap.
 fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, span: Span) -> Option<bool> {
     let (mut t, end) = (span.0 as f32, span.1 as f32);
     let steps = if world.non_lipschitz { rays::NON_LIPSCHITZ_STEPS_MAX } else { rays::STEPS_MAX };
@@ -320,7 +320,7 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
     None
 }
 
-/// A frame with some sound.
+/// Inputs of a frame with some sound.
 fn inputs_of(world: &World, time: f32) -> FrameInputs {
     let mut inputs = FrameInputs {
         time,
@@ -343,7 +343,7 @@ fn inputs_of(world: &World, time: f32) -> FrameInputs {
     inputs
 }
 
-/// A ray of the picture, and where on it surfaces may be.
+/// A ray of the image, and the part of it on which surfaces may be.
 fn ray_of(
     world: &World,
     regions: &Regions,
@@ -351,7 +351,7 @@ fn ray_of(
     random: &mut Random,
 ) -> Option<(Ray, Span)> {
     let eye = world.frame_tape.values(inputs).camera.position;
-    // From the eye towards anywhere in the tree's middle, as pixels and mirrors would.
+    // From the eye to a random point in the middle of the tree, as for pixels and mirrors.
     let box_of = world.bounds.map_or((regions.low, regions.size), |bounds| {
         (bounds.low, [0, 1, 2].map(|axis| bounds.high[axis] - bounds.low[axis]))
     });
@@ -373,13 +373,13 @@ fn rays_wanted() -> usize {
     std::env::var("MARIANA_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(40)
 }
 
-/// Fails if a ray through the world meets a surface that is not there, or passes one. Returns how many of so many rays
-/// surely hit or miss one, and how many use up their steps.
+/// Fails if a ray through the world hits a surface that does not exist, or misses one. Returns the number of rays that
+/// the oracle decided, and of those that reached the step cap.
 fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
     let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
     let plan = RegionPlan::new(world);
     let mut random = Random(11);
-    // A tree of each moment; fewer where rays are few.
+    // One tree for each time, and fewer times if there are few rays.
     let moments = if rays < 1_000 { 1 } else { 4 };
     let (mut hits, mut misses, mut open, mut capped) = (0, 0, 0, 0);
     for moment in 0..moments {
@@ -396,7 +396,7 @@ fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
                 capped += 1;
                 continue;
             };
-            // A distance counts as a hit within a pixel's cone. Of what is none only the sign does.
+            // In a distance field, a hit counts within a pixel's cone. In a non-Lipschitz field only the sign counts.
             let pixels = if world.non_lipschitz { 0.0 } else { 4.0 * SPREAD };
             let wrong = if found {
                 oracle.decides(&ray, span, pixels) == Some(false)
@@ -405,7 +405,7 @@ fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
             };
             assert!(
                 !wrong,
-                "{name}: traced {found}, but not so from {:?} to {:?} in {span:?}",
+                "{name}: traced {found}, which is wrong from {:?} to {:?} in {span:?}",
                 ray.origin, ray.direction
             );
             match oracle.decides(&ray, span, 0.0) {
@@ -415,14 +415,12 @@ fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
             }
         }
     }
-    println!(
-        "{name}: {hits} surely hit, {misses} surely miss, {open} are silhouettes or too much work, {capped} capped"
-    );
+    println!("{name}: {hits} proven hits, {misses} proven misses, {open} undecided, {capped} capped");
     (hits + misses, capped)
 }
 
 #[test]
-fn hits_and_misses_are_those_of_the_oracle() {
+fn hits_and_misses_match_the_oracle() {
     let rays = rays_wanted();
     let shipped = shipped_names().into_iter().map(|name| (SceneSource::Shipped(name.clone()), name));
     let others = OF_MODELLERS.map(|(name, text)| (SceneSource::Formula(text.to_owned()), name.to_owned()));
@@ -430,17 +428,17 @@ fn hits_and_misses_are_those_of_the_oracle() {
         let compiled = source.compile().unwrap();
         let world = World::new(&name, compiled.scene.unwrap(), Vec::new()).unwrap();
         let (decided, capped) = check_rays(&name, &world, rays);
-        // Of space that repeats, long parts of a ray say little.
+        // In repeating space, long parts of a ray have wide intervals, so fewer rays are decided.
         let least = if REPEATING.contains(&name.as_str()) { rays / 4 } else { rays / 2 };
         assert!(decided > least, "{name}: {decided}");
         let most = if matches!(source, SceneSource::Shipped(_)) { rays / 20 } else { 0 };
-        assert!(capped <= most, "{name}: {capped} rays used up their steps");
+        assert!(capped <= most, "{name}: {capped} rays reached the step cap");
     }
 }
 
-/// Between two scenes, too. `MARIANA_PAIRS=all` takes every pair at three shares.
+/// Tests blends of two scenes. `MARIANA_PAIRS=all` tests every pair at three fractions.
 #[test]
-fn hits_and_misses_between_two_scenes_are_those_of_the_oracle() {
+fn hits_and_misses_in_blends_match_the_oracle() {
     let all = std::env::var("MARIANA_PAIRS").is_ok_and(|pairs| pairs == "all");
     let worlds: Vec<World> = shipped_names()
         .into_iter()
@@ -452,7 +450,7 @@ fn hits_and_misses_between_two_scenes_are_those_of_the_oracle() {
     let mut wrong = Vec::new();
     for (i, from) in worlds.iter().enumerate() {
         for (k, to) in worlds.iter().enumerate() {
-            // Each scene is once the first and once the second.
+            // Each scene is the first one of a pair once, and the second one once.
             if i == k || !(all || k == (i + 5) % worlds.len()) {
                 continue;
             }
@@ -468,5 +466,5 @@ fn hits_and_misses_between_two_scenes_are_those_of_the_oracle() {
             }
         }
     }
-    assert!(wrong.is_empty(), "rays went wrong in {wrong:?}: see above");
+    assert!(wrong.is_empty(), "wrong rays in {wrong:?}: see above");
 }

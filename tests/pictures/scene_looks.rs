@@ -1,4 +1,4 @@
-//! How the shipped scenes look: each has a golden picture, shows that music plays, and is neither black nor burnt.
+//! The look of the shipped scenes: each has a golden image, reacts to music, and is neither too dark nor clipped.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -14,24 +14,24 @@ use mariana::scenes::{SceneSource, shipped_names};
 use mariana::thumbnails::{self, jpeg_of};
 
 const SIZE: (u32, u32) = (192, 108);
-/// The moment that is drawn.
+/// The time of the frame, in seconds.
 const TIME: f64 = 62.0;
-/// Steps of 0..255 that are seen.
+/// The smallest visible difference, in steps of 0..255.
 const VISIBLE: u8 = 12;
-/// The least share of the pixels that music changes.
+/// The least fraction of the pixels that music must change.
 const MOVED_MIN: f64 = 0.15;
-/// The largest shares of pixels that are black, or white.
+/// The largest fractions of black and of white pixels.
 const BLACK_MAX: f64 = 0.30;
 const WHITE_MAX: f64 = 0.02;
 
-/// The share of pixels whose colours are all within the range.
+/// The fraction of pixels whose channels are all within the range.
 fn fraction(picture: &RgbaImage, range: std::ops::RangeInclusive<u8>) -> f64 {
     let within =
         picture.pixels().filter(|pixel| pixel.0[..3].iter().all(|value| range.contains(value))).count();
     within as f64 / picture.pixels().len() as f64
 }
 
-/// The thumbnail of a scene as the program draws it now.
+/// The thumbnail of a scene as the program renders it now.
 fn drawn_thumbnail(name: &str, folder: &Path) -> RgbaImage {
     let file = folder.join(format!("{name}.png"));
     let size = format!("{}x{}", thumbnails::SIZE.0, thumbnails::SIZE.1);
@@ -42,7 +42,7 @@ fn drawn_thumbnail(name: &str, folder: &Path) -> RgbaImage {
     image::open(file).unwrap().into_rgba8()
 }
 
-/// Compares the shipped thumbnail of a scene with what is drawn now.
+/// Compares the shipped thumbnail of a scene with a new one.
 fn check_thumbnail(name: &str, drawn: &RgbaImage) -> Result<(), String> {
     let read = |jpeg: &[u8]| {
         let image = image::load_from_memory_with_format(jpeg, image::ImageFormat::Jpeg);
@@ -50,13 +50,13 @@ fn check_thumbnail(name: &str, drawn: &RgbaImage) -> Result<(), String> {
     };
     let advice = format!("run cargo xtask thumbnails {name}");
     let shipped = thumbnails::shipped(name).ok_or_else(|| format!("{name} has no thumbnail: {advice}"))?;
-    // Both have been through a JPEG, so that only what is drawn makes a difference.
+    // Both images were JPEG-encoded, so only the rendering can make a difference.
     compare(&format!("thumbnail-{name}"), &read(&jpeg_of(drawn))?, &read(shipped)?, LOOSE)
         .map_err(|reason| format!("the thumbnail of {name} is out of date: {advice}; {reason}"))
 }
 
 #[test]
-fn the_thumbnails_of_shipped_scenes_show_what_is_drawn_now() {
+fn the_shipped_thumbnails_are_up_to_date() {
     let folder = tempfile::tempdir().unwrap();
     let check = |name: &String| check_thumbnail(name, &drawn_thumbnail(name, folder.path())).err();
     let failures: Vec<String> = shipped_names().iter().filter_map(check).collect();
@@ -64,7 +64,7 @@ fn the_thumbnails_of_shipped_scenes_show_what_is_drawn_now() {
 }
 
 #[test]
-fn every_scene_looks_as_it_did_and_shows_the_music() {
+fn every_scene_matches_its_golden_image_and_shows_the_music() {
     let mut failures = Vec::new();
     for name in shipped_names() {
         let scene = SceneSource::Shipped(name.clone());
@@ -80,7 +80,10 @@ fn every_scene_looks_as_it_did_and_shows_the_music() {
             let (black, white) = (fraction(picture, 0..=1), fraction(picture, 254..=255));
             if black > BLACK_MAX || white > WHITE_MAX {
                 let (black, white) = (100.0 * black, 100.0 * white);
-                failures.push(format!("{name} in {sound}: {black:.1} % are black, {white:.1} % white"));
+                failures.push(format!(
+                    "{name} in {sound}: {black:.1} % of the pixels are black, {white:.1} % \
+                    white"
+                ));
             }
         }
     }

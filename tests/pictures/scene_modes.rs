@@ -1,4 +1,4 @@
-//! A scene is one scene however it is drawn: interpreted, compiled, or written in GLSL by hand.
+//! A scene looks the same in all modes: interpreted, compiled, or written in GLSL by hand.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -23,14 +23,14 @@ use mariana_music::{Sound, Tables};
 
 const SIZE: (u32, u32) = (240, 135);
 
-/// Two planes, one of them turned by the time, and a ball between them.
+/// Two planes, one of which turns with time, and a ball between them.
 const PLANES: &str = "min(min(y, 0.6*x + 0.8*(9 + sin(t) - z)), sqrt(x*x + (y-1)*(y-1) + (z-4)*(z-4)) - 1)";
 
-/// A surface that goes on for ever and has no bounds.
+/// An endless surface without bounds.
 const UNBOUNDED: &str = "y + 0.2*sin(x)*sin(z)";
 
-/// Most of what a scene may have: objects with a bound and as planes, pictures in two ways, every property of a
-/// material, both kinds of light, parameters, a sky, a camera that rolls.
+/// Most features of a scene: objects with a bound and planes, two ways of texturing, every material property, both
+/// kinds of light, parameters, a sky, and a camera that rolls.
 const MANY: &str = r#"
 param size = 1.1 in 0.5 .. 2
 param glow = 0.4 in 0 .. 1
@@ -68,8 +68,7 @@ sky {
 camera { position = vec3(0, 2.5, -2)  target = vec3(0, 1.2, 6)  fov = 55  roll = 0.05 * sin(t) }
 "#;
 
-/// Hills that are the history of the spectrum, a floor that shows the waveform, and a ball that reads every number of the
-/// sound.
+/// Hills from the history of the spectrum, a floor that shows the waveform, and a ball that reads every sound value.
 const HEARS_ALL: &str = r#"
 fn hills(p) = 0.25 * (p.y - 1.6 * history(0.5 + p.x / 12, p.z / 20))
 fn ball_at() = vec3(6 * pitch - 2 + 0.2 * bass_drive, 2.6 + volume_mid, 6 + phase)
@@ -84,7 +83,7 @@ light sun { direction = vec3(0.4, -1, 0.7)  color = vec3(2, 1.8, 1.5)  radius = 
 camera { position = vec3(0.3 * sin(t), 4, -3)  target = vec3(0, 1, 7)  fov = 60 }
 "#;
 
-/// A forest by repetition: at each point the nine nearest trees, some 350 clauses whose value is no distance. Interval
+/// A forest by repetition: at each point the nearest trees, in some 350 clauses that are not Lipschitz. Interval
 /// arithmetic gives the ellipsoids slopes of thousands.
 const FOREST: &str = r#"
 fn tree(p, height) = union(
@@ -108,7 +107,7 @@ light sun { direction = vec3(1, -1, 0.4)  color = vec3(3, 2.6, 2) }
 camera { position = vec3(8, 2.5, -6)  target = vec3(10, 1, 4) }
 "#;
 
-/// What a program shows and counts.
+/// Draws a frame with a program. Returns the image and the evaluations.
 fn drawn(
     test_renderer: &mut TestRenderer,
     program: &Program,
@@ -127,13 +126,13 @@ fn kinds(all: &Evaluations) -> [f64; 5] {
     [all.primary, all.reflection, all.normal, all.shadow, all.occlusion]
 }
 
-/// Fails unless both modes show the same, with regions and without, and evaluate about as much without, in loud music at
-/// each of the `times`. No ray of a shipped scene may reach its cap.
+/// Compares both modes, with and without regions, in loud music at each of the `times`. Fails unless the images match
+/// and the evaluations without regions are about equal. No ray of a shipped scene may reach its step cap.
 fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
     assert_modes_agree_at(name, scene, times, (SIZE, TIGHT));
 }
 
-/// The same in pictures of a size, as near as told.
+/// Like [`assert_modes_agree`], with a given size and tolerance.
 fn assert_modes_agree_at(
     name: &str,
     scene: &SceneSource,
@@ -162,7 +161,7 @@ fn assert_modes_agree_at(
             assert_eq!([&skipping, &short].map(|drawn| drawn.1.capped_rays), [0.0; 2], "{name} at {time} s");
         }
         let (fewer, all) = (short.1, interpreted.1);
-        // Where the distance is none, there are cells whatever is asked for.
+        // Non-Lipschitz scenes always use cells, whatever is requested.
         assert!(
             non_lipschitz || (fewer.total() <= all.total() && fewer.clauses < all.clauses),
             "{name}: {fewer:?}, but {all:?}"
@@ -174,26 +173,30 @@ fn assert_modes_agree_at(
             assert_eq!(
                 kinds(&bare.1),
                 kinds(&compiled.1),
-                "{name} at {time} s: code for cells that are not there"
+                "{name} at {time} s: unused code for cells changes the evaluations"
             );
             assert_eq!(bare.1.lookups, 0.0);
         }
         let (a, b) = (interpreted.1, compiled.1);
-        assert!(b.primary > 0.0 && b.normal > 0.0, "{name}: nothing was counted: {b:?}");
+        assert!(
+            b.primary > 0.0 && b.normal > 0.0,
+            "{name}: primary or normal evaluations were not counted: \
+            {b:?}"
+        );
         for (a_kind, b_kind) in kinds(&a).into_iter().zip(kinds(&b)) {
-            // Cells that are there in any case save the interpreter probes of occlusion.
+            // Cells of non-Lipschitz scenes save the interpreter some occlusion probes.
             let fewer = non_lipschitz && a_kind < b_kind;
             assert!(
                 fewer || (a_kind - b_kind).abs() <= 0.02 * b_kind,
                 "{name} at {time} s: {a:?}, but {b:?}"
             );
         }
-        assert_eq!(b.clauses, 0.0, "{name}: a compiled scene has run clauses");
-        assert!(a.clauses > a.total(), "{name}: an evaluation is more than a clause: {a:?}");
-        // Two black pictures are alike, too.
+        assert_eq!(b.clauses, 0.0, "{name}: a compiled scene counted clauses");
+        assert!(a.clauses > a.total(), "{name}: an evaluation has more than one clause: {a:?}");
+        // Two black images would match, too.
         let seen = first.get_or_insert_with(|| RgbaImage::new(size.0, size.1));
         let fraction = difference(seen, &compiled.0, TIGHT.visible).fraction;
-        assert!(fraction > 0.05, "{name}: nothing is seen, or nothing has moved at {time} s: {fraction}");
+        assert!(fraction > 0.05, "{name}: nothing is visible or moves at {time} s: {fraction}");
         first = Some(compiled.0);
     }
 }
@@ -201,8 +204,8 @@ fn assert_modes_agree_at(
 #[test]
 fn both_modes_show_the_same_shipped_scenes() {
     let differs = |name: &String| {
-        // One of many: a small picture each, in which much is finer than a pixel. Where a ray ends to a rounding
-        // decides there on which side of a line it is.
+        // Small images, in which many details are finer than a pixel. There, rounding at the end of a ray can decide on
+        // which side of a line it is.
         let scene = SceneSource::Shipped(name.clone());
         std::panic::catch_unwind(|| assert_modes_agree_at(name, &scene, &[40.0], ((160, 90), LOOSE))).is_err()
     };
@@ -221,11 +224,11 @@ fn both_modes_show_the_same_scene_of_many_parts() {
 }
 
 #[test]
-fn both_modes_show_the_same_scene_that_hears_everything() {
+fn both_modes_show_the_same_scene_with_every_sound_value() {
     let scene = SceneSource::Formula(HEARS_ALL.into());
     assert_modes_agree("hears-all", &scene, &[3.0]);
 
-    // Each of the tables is seen.
+    // Each table has an effect.
     let mut test_renderer = TestRenderer::of(&scene, Mode::Compiled, Counting::Off);
     let whole = test_renderer.picture(3.0, loud_sound(), SIZE);
     let sounds: [fn(&mut Tables); 3] = [|t| t.spectrum = None, |t| t.waveform = None, |t| t.history = None];
@@ -234,7 +237,7 @@ fn both_modes_show_the_same_scene_that_hears_everything() {
         take(&mut sound.tables);
         let without = test_renderer.picture(3.0, sound, SIZE);
         let fraction = difference(&whole, &without, TIGHT.visible).fraction;
-        assert!(fraction > 0.01, "table {number} is not seen: {fraction}");
+        assert!(fraction > 0.01, "table {number} has no effect: {fraction}");
     }
 }
 
@@ -245,9 +248,9 @@ fn both_modes_show_the_same_surface_without_bounds() {
     assert_modes_agree("unbounded", &scene, &[0.0]);
 }
 
-/// The loops of the interpreter ran out of rounds on llvmpipe, and what came after them read stale registers.
+/// The interpreter's loops once exceeded llvmpipe's limit of rounds, and later code read stale registers.
 #[test]
-fn an_interpreted_forest_was_garbage() {
+fn an_interpreted_forest_matches_the_compiled_one() {
     let mut test_renderer =
         TestRenderer::of(&SceneSource::Formula(FOREST.into()), Mode::Compiled, Counting::Off);
     let programs =
@@ -257,9 +260,9 @@ fn an_interpreted_forest_was_garbage() {
     assert_alike("forest", &interpreted, &compiled, LOOSE);
 }
 
-/// Rays used up their steps in front of the trees: the more pixels, the shorter the steps.
+/// Rays once reached their step cap in front of the trees: more pixels mean shorter steps.
 #[test]
-fn the_trees_of_a_forest_vanished_in_larger_pictures() {
+fn the_trees_of_a_forest_are_complete_in_larger_images() {
     let mut test_renderer =
         TestRenderer::of(&SceneSource::Formula(FOREST.into()), Mode::Compiled, Counting::On);
     let program = test_renderer.program_of(Mode::Compiled, Counting::On);
@@ -267,12 +270,12 @@ fn the_trees_of_a_forest_vanished_in_larger_pictures() {
         [(240, 135), (480, 270)].map(|size| drawn(&mut test_renderer, &program, 3.0, loud_sound(), size));
     let half = image::imageops::resize(&large, 240, 135, image::imageops::FilterType::Triangle);
     let apart = difference(&half, &small, 48);
-    assert!(apart.mean < 3.0 && apart.fraction < 0.01, "the larger picture shows something else: {apart:?}");
+    assert!(apart.mean < 3.0 && apart.fraction < 0.01, "the larger image differs: {apart:?}");
     assert!(counts.capped_rays < 0.001, "{counts:?}");
 }
 
 #[test]
-fn the_compiled_speakers_are_those_written_by_hand() {
+fn the_compiled_speakers_match_the_hand_written_ones() {
     let mut test_renderer = TestRenderer::new();
     let textures = test_renderer.world().pictures.len();
     let variant = compiled_variant(BY_HAND, textures, test_renderer.world().features, Counting::Off);
@@ -289,7 +292,7 @@ fn the_compiled_speakers_are_those_written_by_hand() {
 }
 
 #[test]
-fn a_tape_that_a_driver_has_no_room_for_is_compiled() {
+fn a_tape_too_large_for_the_driver_is_compiled() {
     let scene = ready(&speakers());
     let needed = scene.buffers.texels_max();
     assert!(needed > 100, "the speakers take only {needed} texels");
@@ -315,7 +318,7 @@ fn a_tape_that_a_driver_has_no_room_for_is_compiled() {
 }
 
 #[test]
-fn a_painter_draws_as_it_was_asked() {
+fn a_painter_uses_the_requested_mode() {
     for (sdf, expected) in [
         (SdfChoice::Interpreted, Mode::Interpreted),
         (SdfChoice::Compiled, Mode::Compiled),
@@ -341,7 +344,7 @@ fn a_painter_draws_as_it_was_asked() {
 }
 
 #[test]
-fn a_compiled_scene_has_cells_only_where_they_pay_or_are_wanted() {
+fn a_compiled_scene_uses_cells_only_if_they_pay_or_are_requested() {
     let foam = |count: usize| {
         let ball =
             "sphere(p - vec3(3 * sin(i * 12.9898), 2 + 2 * sin(i * 78.233), 3 * sin(i * 37.719)), 0.3)";
@@ -356,5 +359,10 @@ fn a_compiled_scene_has_cells_only_where_they_pay_or_are_wanted() {
     assert_eq!(cells(&foam(9), CellUse::Always), [true, true]);
     assert_eq!(cells(&foam(300), CellUse::Never), [false, false]);
     let non_lipschitz = SceneSource::Formula("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)".into());
-    assert_eq!(cells(&non_lipschitz, CellUse::Never), [true, true], "without them rays would miss it");
+    assert_eq!(
+        cells(&non_lipschitz, CellUse::Never),
+        [true, true],
+        "without cells, rays would miss the \
+        surface"
+    );
 }

@@ -1,7 +1,7 @@
-//! Every shader variant before three judges: naga, glslang and the driver. And each judge before broken shaders.
+//! Checks every shader variant with naga, glslang and the driver, and each of them with broken shaders.
 //!
-//! naga's GLSL front end knows no texture buffers (`usamplerBuffer`, `samplerBuffer`): what reads the regions gets a function
-//! in their place, and the variants of the interpreter come before glslang and the driver alone.
+//! naga's GLSL front end does not support texture buffers (`usamplerBuffer`, `samplerBuffer`). The region lookups are
+//! replaced by a function there, and only glslang and the driver check the interpreter's variants.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -21,19 +21,19 @@ use mariana::gpu::scene_program::{
 use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
 use mariana::scenes::{ReadyScene, SceneSource};
 
-/// A plane, a part that is traced, no textures: what `speakers` has and this has not is left out of the text.
+/// A plane and a traced part, without textures: the shader omits the code that only other features need.
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 
-/// No distance at all: rays go by bounds of its gradient.
+/// A non-Lipschitz scene: rays use bounds of its gradient.
 const NON_LIPSCHITZ: &str = "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
 
-/// Rough mirrors, what shines, a panel and a lens.
+/// Rough mirrors, an emissive material, a panel light and a lens.
 const EVERYTHING: &str = "material m { color = 0.5  reflect = 0.5  blur = 0.3  emission = vec3(0.1) }\n\
                           object ball { shape = sphere(p, 1)  material = m }\n\
                           light panel { position = vec3(0, 3, 0)  right = vec3(1, 0, 0)  up = vec3(0, 0, 1) }\n\
                           camera { aperture = 0.05 }";
 
-/// What a variant of the scene's shader may have, and some case has.
+/// Defines of the scene shader's variants. Each must occur in some case.
 const DEFINES: [&str; 10] = [
     "NON_LIPSCHITZ",
     "BLUR",
@@ -47,34 +47,34 @@ const DEFINES: [&str; 10] = [
     "COVERAGE",
 ];
 
-/// A shader as some driver gets to see it.
+/// A shader as it is passed to some driver.
 struct Case {
-    /// What messages call it.
+    /// The name in messages.
     name: String,
-    /// The file that it begins with.
+    /// The main file.
     file: &'static str,
     variant: Variant,
-    /// Whether it reads more texture buffers than the regions.
+    /// True if it reads texture buffers other than the regions.
     interpreted: bool,
-    /// Whether it is for a processor.
+    /// True for a software renderer.
     software: bool,
 }
 
 impl Case {
-    /// The text that the driver gets.
+    /// The shader text for the driver.
     fn text(&self, library: &ShaderLibrary) -> Result<String, ShaderSourceError> {
         library.assemble(self.file, driver_preamble(&driver(self.software)), &self.variant)
     }
 }
 
-/// The same, as `change` makes it.
+/// The case with a changed variant.
 fn changed_case(mut case: Case, change: fn(Variant) -> Variant) -> Case {
     case.variant = change(case.variant);
     case.name.push_str(&format!(", {:?}", case.variant.defines.last()));
     case
 }
 
-/// The scene's shader in a mode.
+/// The scene shader in a mode.
 fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Counting) -> Case {
     let ReadyScene { world, buffers, plan, .. } = ready(scene);
     let variant = variant_of(&world, &buffers, &plan, mode, &driver(software), counting).unwrap();
@@ -121,7 +121,7 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// Fails with everything that `judge` says against what it can read of the shipped shaders.
+/// Fails with all errors of `judge` in the shipped shaders that it can read.
 fn judge_cases(judge: fn(Stage, &str) -> Result<(), String>, can_read: fn(&Case) -> bool) {
     let library = ShaderLibrary::embedded();
     let mut refused = String::new();
@@ -145,19 +145,19 @@ fn every_define_is_in_some_case_in_both_modes() {
         for define in DEFINES.into_iter().chain(of_compiled) {
             assert!(
                 given.iter().any(|given| given.split(' ').next() == Some(define)),
-                "no case has {define}, interpreted: {interpreted}"
+                "no case defines {define}, interpreted: {interpreted}"
             );
         }
     }
 }
 
 #[test]
-fn naga_takes_every_variant_without_tapes() {
+fn naga_accepts_every_variant_without_tapes() {
     judge_cases(check_with_naga, |case| !case.interpreted);
 }
 
 #[test]
-fn glslang_takes_every_variant() {
+fn glslang_accepts_every_variant() {
     judge_cases(check_with_glslang, |_| true);
 }
 
@@ -172,7 +172,7 @@ fn the_driver_links_every_variant() {
     context.gl().check("linking the shaders").unwrap();
 }
 
-/// A shader file with an error put in before its last line that is a lone `}`, and the number of the error's line.
+/// A shader file with an error inserted before its last line that is a lone `}`, and the line number of the error.
 fn broken(file: &str) -> (String, usize) {
     let text = shader_text(file);
     let end = text.lines().enumerate().filter(|(_, line)| *line == "}").last();
@@ -182,7 +182,7 @@ fn broken(file: &str) -> (String, usize) {
     (lines.join("\n"), end + 1)
 }
 
-/// Whether `log` names `line` of `file`.
+/// True if `log` names `line` of `file`.
 fn names_line(log: &str, file: &str, line: usize) -> bool {
     let place = format!("{file}:{line}");
     log.match_indices(&place)
@@ -190,7 +190,7 @@ fn names_line(log: &str, file: &str, line: usize) -> bool {
 }
 
 #[test]
-fn every_judge_refuses_a_broken_shader_and_names_the_line_of_its_file() {
+fn broken_shaders_are_rejected_with_file_and_line() {
     let context = Context::new();
     let software = context.gl().info().software;
     for (file, mode) in [
@@ -218,7 +218,7 @@ fn every_judge_refuses_a_broken_shader_and_names_the_line_of_its_file() {
                 assert!(log.contains("no_such_name"), "{file}: {log}");
             }
             Err(other) => panic!("{file}: {other}"),
-            Ok(_) => panic!("the driver takes a broken {file}"),
+            Ok(_) => panic!("the driver accepts a broken {file}"),
         }
     }
     context.gl().check("refusing broken shaders").unwrap();
@@ -234,7 +234,7 @@ fn a_texture_without_a_fixed_unit_is_refused() {
 }
 
 #[test]
-fn no_shader_file_is_dead() {
+fn every_shader_file_is_used() {
     let cases = cases();
     for dead in shader_names() {
         let (folder, library) = changed_shaders(&[]);
@@ -245,7 +245,7 @@ fn no_shader_file_is_dead() {
 }
 
 #[test]
-fn the_embedded_shaders_are_those_of_the_folder() {
+fn the_embedded_shaders_match_the_folder() {
     let mut files: Vec<String> = std::fs::read_dir(shader_folder())
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())

@@ -1,11 +1,11 @@
-//! What went wrong: a surface that faced the lamp straight on was taken for shadowed in single pixels, because the
-//! closest pass of its shadow ray was put behind the ray's start.
+//! Regression test: single pixels of a surface that directly faces the lamp were in shadow, because the closest
+//! approach of the shadow ray was assumed behind the ray's start.
 
 use crate::support::test_renderer::TestRenderer;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::song_features::SongFeatures;
 
-/// The moment and the window in which it was seen.
+/// The time and the window size at which the error was visible.
 const TIME: f64 = 62.0;
 const SIZE: (u32, u32) = (1280, 720);
 /// The middle of the right woofer, and a radius well inside its rim, in units of the scene.
@@ -33,10 +33,10 @@ fn no_single_pixel_of_a_lit_woofer_is_dark() {
                 [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)].map(|(x, y)| green(x, y)).into_iter().min();
             assert!(
                 green(x, y) + 12 > darkest_around.unwrap(),
-                "the pixel {x}, {y} is darker than all around it"
+                "the pixel {x}, {y} is darker than its neighbours"
             );
             looked_at += 1;
         }
     }
-    assert!(looked_at > 10_000, "only {looked_at} pixels of the woofer were looked at");
+    assert!(looked_at > 10_000, "only {looked_at} pixels of the woofer were compared");
 }

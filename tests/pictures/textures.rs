@@ -1,4 +1,4 @@
-//! The shipped textures: sizes, the wood's seams, the mallard's cut-out.
+//! The shipped textures: sizes, the wood's seams, the mallard's alpha.
 
 use std::path::PathBuf;
 
@@ -21,19 +21,19 @@ fn mallard() -> RgbaImage {
     picture.into_rgba8()
 }
 
-/// Largest difference of the three colour channels.
+/// The largest difference of the three colour channels.
 fn difference(a: &[u8], b: &[u8]) -> u8 {
     (0..3).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0)
 }
 
-/// Mean difference between two columns (`across` is 0) or two rows (`across` is 1) of the wood.
+/// The mean difference between two columns (`across` is 0) or two rows (`across` is 1) of the wood.
 fn line_difference(wood: &RgbImage, across: usize, a: u32, b: u32) -> f64 {
     let length = if across == 0 { wood.height() } else { wood.width() };
     let at = |line: u32, i: u32| if across == 0 { wood.get_pixel(line, i) } else { wood.get_pixel(i, line) };
     (0..length).map(|i| f64::from(difference(&at(a, i).0, &at(b, i).0))).sum::<f64>() / f64::from(length)
 }
 
-/// All texels of the mallard within `radius` of (`x`, `y`), as columns and rows.
+/// All texels of the mallard within `radius` of column `x` and row `y`.
 fn around(picture: &RgbaImage, x: u32, y: u32, radius: u32) -> impl Iterator<Item = [u8; 4]> + '_ {
     let range = |c: u32, side: u32| c.saturating_sub(radius)..(c + radius + 1).min(side);
     let (xs, ys) = (range(x, picture.width()), range(y, picture.height()));
@@ -60,7 +60,7 @@ fn wood_repeats_without_a_seam() {
         inner.sort_by(f64::total_cmp);
         let usual = inner[inner.len() * 99 / 100];
         let seam = line_difference(&wood, across, last, 0);
-        assert!(seam <= usual, "{name} differ by {seam:.2}, 99 of 100 neighbours by no more than {usual:.2}");
+        assert!(seam <= usual, "{name} differ by {seam:.2}, but 99 of 100 neighbours by at most {usual:.2}");
     }
 }
 
@@ -73,7 +73,7 @@ fn wood_grain_runs_along_the_rows() {
 }
 
 #[test]
-fn mallard_stands_free_within_a_transparent_margin() {
+fn mallard_has_a_transparent_margin() {
     let mallard = mallard();
     assert_eq!(mallard.dimensions(), (1024, 1024));
     for (x, y, texel) in mallard.enumerate_pixels() {
@@ -85,7 +85,11 @@ fn mallard_stands_free_within_a_transparent_margin() {
     let edge = 1024 * 1024 - opaque - clear;
     assert!(opaque > 200_000, "{opaque} opaque texels");
     assert!(clear > 400_000, "{clear} transparent texels");
-    assert!((1_000..20_000).contains(&edge), "{edge} texels with partial alpha: a smooth but narrow edge");
+    assert!(
+        (1_000..20_000).contains(&edge),
+        "{edge} texels with partial alpha: expected a smooth but narrow \
+        edge"
+    );
 }
 
 #[test]
@@ -100,7 +104,7 @@ fn mallard_edges_have_the_colours_of_the_bird() {
         edge += 1;
         foreign += usize::from(solid.map(|near| difference(&near, &texel.0)).min().is_none_or(|d| d > 40));
     }
-    assert!(foreign * 100 <= edge, "{foreign} of {edge} edge texels are unlike all solid ones near them");
+    assert!(foreign * 100 <= edge, "{foreign} of {edge} edge texels differ from all solid ones near them");
 }
 
 #[test]
@@ -117,6 +121,6 @@ fn mallard_colours_bleed_into_the_transparent_texels() {
             foreign += usize::from(nearest > 40);
         }
     }
-    assert!(rim > 2_000, "{rim} transparent texels border on the bird");
-    assert!(foreign * 100 <= rim, "{foreign} of {rim} transparent texels at the rim would bleed a halo");
+    assert!(rim > 2_000, "only {rim} transparent texels border on the bird");
+    assert!(foreign * 100 <= rim, "{foreign} of {rim} transparent texels at the rim would cause a halo");
 }

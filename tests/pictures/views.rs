@@ -1,4 +1,4 @@
-//! Views against witnesses: rays and formulas on the processor, and each mode against the other.
+//! Compares the diagnostic views with rays and formulas on the CPU, and the modes with each other.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -27,7 +27,7 @@ const BALL: &str = "object ball { shape = sphere(p - vec3(0, 1, 0), 1) }
     light lamp { position = vec3(0, 9, 0)  color = 100 }
     camera { position = vec3(1, 2, -6)  target = vec3(0, 1, 0)  fov = 40 }";
 
-/// A plane alone.
+/// A single plane.
 const FLOOR: &str = "object floor { shape = p.y }
     light lamp { position = vec3(0, 9, 0)  color = 100 }
     camera { position = vec3(0, 3, -6)  target = vec3(0)  fov = 50 }";
@@ -80,7 +80,7 @@ impl Viewer {
     }
 }
 
-/// The ray through a pixel's middle.
+/// The ray through a pixel's centre.
 fn ray(frame: &Frame, x: u32, y: u32) -> (DVec3, DVec3) {
     let camera = &frame.camera;
     let (width, height) = (f64::from(frame.size.0), f64::from(frame.size.1));
@@ -90,8 +90,8 @@ fn ray(frame: &Frame, x: u32, y: u32) -> (DVec3, DVec3) {
     (camera.position, direction.normalize())
 }
 
-/// What the ball and the floor of [`BALL`] are met by: the way, the normal, and whether it is the ball; none for the sky.
-/// Nothing where the ray passes the ball's edge closely.
+/// The hit of a pixel's ray on the ball or the floor of [`BALL`]: the distance, the normal, and true for the ball.
+/// `Some(None)` is the sky. `None` means that the ray is too close to the ball's edge or to the horizon.
 fn meets(frame: &Frame, x: u32, y: u32) -> Option<Option<(f64, DVec3, bool)>> {
     let (origin, direction) = ray(frame, x, y);
     let center = DVec3::new(0.0, 1.0, 0.0);
@@ -114,7 +114,8 @@ fn near(pixel: &image::Rgba<u8>, color: Color, steps: u8) -> bool {
     (0..3).all(|channel| pixel.0[channel].abs_diff(byte(color[channel])) <= steps)
 }
 
-/// Compares a view of [`BALL`] in both modes with what each ray's witness says, within some steps of 0..255.
+/// Compares a view of [`BALL`] in both modes with the colour that `witness` returns for each ray, within some steps of
+/// 0..255.
 fn assert_ball(view: ViewChoice, steps: u8, witness: impl Fn(Option<(f64, DVec3, bool)>) -> Option<Color>) {
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&written(BALL), mode);
@@ -130,13 +131,13 @@ fn assert_ball(view: ViewChoice, steps: u8, witness: impl Fn(Option<(f64, DVec3,
 }
 
 #[test]
-fn normals_are_those_of_the_ball() {
+fn normals_match_the_ball() {
     let exact = |met: Option<(f64, DVec3, bool)>| {
         let color = |n: DVec3| (0.5 + 0.5 * n).as_vec3().to_array();
         Some(met.map_or(scale::NOTHING, |(_, normal, _)| color(normal)))
     };
     assert_ball(View::Normals.into(), 3, exact);
-    // Short differences of a ball are its normal, too; long ones round a box off.
+    // Short differences give the normal of the ball as well. Long ones round the edges of a box.
     assert_ball(ViewChoice { view: View::Normals, number: Some(0.02) }, 3, exact);
     let text = "object box { shape = box(p, vec3(1, 1, 1)) }
         camera { position = vec3(0, 0, -6)  target = vec3(0)  fov = 40 }";
@@ -154,7 +155,7 @@ fn normals_are_those_of_the_ball() {
 }
 
 #[test]
-fn depth_is_the_way_of_the_ray() {
+fn depth_is_the_distance_along_the_ray() {
     assert_ball(ViewChoice { view: View::Depth, number: Some(20.0) }, 1, |met| {
         Some(met.map_or(scale::NOTHING, |(t, _, _)| [(1.0 - t / 20.0).max(0.0) as f32; 3]))
     });
@@ -168,8 +169,8 @@ fn materials_have_the_colours_of_their_objects() {
 }
 
 #[test]
-fn light_arrives_where_nothing_stands_in_its_way() {
-    // Under the lamp, the ball shades a disc around its foot and nothing else; its lower half faces away.
+fn unobstructed_surfaces_are_lit() {
+    // Below the lamp, the ball shades only a disc around its foot. Its lower half faces away from the light.
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&written(BALL), mode);
         let (frame, picture) = (viewer.frame(SIZE), viewer.view(View::Shadow));
@@ -194,7 +195,7 @@ fn light_arrives_where_nothing_stands_in_its_way() {
 }
 
 #[test]
-fn a_plane_alone_is_open_lit_and_costs_no_step() {
+fn a_single_plane_is_unoccluded_lit_and_needs_no_steps() {
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&written(FLOOR), mode);
         let frame = viewer.frame(SIZE);
@@ -217,7 +218,7 @@ fn a_plane_alone_is_open_lit_and_costs_no_step() {
 }
 
 #[test]
-fn occlusion_darkens_the_foot_of_the_ball_alone() {
+fn occlusion_darkens_only_the_foot_of_the_ball() {
     let mut viewer = Viewer::of(&written(BALL), Mode::Compiled);
     let (frame, picture) = (viewer.frame(SIZE), viewer.view(View::Occlusion));
     let (mut open, mut closed) = (0, 0);
@@ -237,7 +238,7 @@ fn occlusion_darkens_the_foot_of_the_ball_alone() {
 }
 
 #[test]
-fn the_slice_has_the_sign_of_the_distance_and_a_white_line_where_it_is_0() {
+fn the_slice_shows_the_sign_and_a_white_line_at_zero() {
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&speakers(), mode);
         let frame = viewer.test_renderer.frame(3.0, loud_music(), SIZE);
@@ -258,11 +259,11 @@ fn the_slice_has_the_sign_of_the_distance_and_a_white_line_where_it_is_0() {
             let [red, _, blue, _] = pixel.0;
             let width = (pixel_width * t) as f32;
             if value.abs() < 0.05 * width {
-                assert!(red > 180 && blue > 180, "{mode}, {x}, {y}: {pixel:?} where the distance is {value}");
+                assert!(red > 180 && blue > 180, "{mode}, {x}, {y}: {pixel:?} at the distance {value}");
                 zeros += 1;
             } else if value.abs() > 4.0 * width {
                 let inside = blue > red;
-                assert_eq!(inside, value < 0.0, "{mode}, {x}, {y}: {pixel:?} where the distance is {value}");
+                assert_eq!(inside, value < 0.0, "{mode}, {x}, {y}: {pixel:?} at the distance {value}");
                 sides[usize::from(inside)] += 1;
             }
         }
@@ -281,19 +282,19 @@ fn both_modes_show_the_same() {
     let [compiled, interpreted] = &mut pictures;
     for ((name, one), (_, other)) in compiled.iter().zip(interpreted.iter()) {
         assert_alike(&format!("view-{name}"), one, other, TIGHT);
-        // Something is seen: no view is one colour all over.
+        // Each view shows more than one colour.
         let first = one.get_pixel(80, 80);
-        assert!(one.pixels().any(|pixel| pixel != first), "{name} is of one colour");
+        assert!(one.pixels().any(|pixel| pixel != first), "{name} has only one colour");
     }
 }
 
 #[test]
-fn more_is_run_where_more_is_seen() {
+fn more_clauses_run_at_visible_objects() {
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&speakers(), mode);
         let frame = viewer.test_renderer.frame(12.0, loud_music(), SIZE);
         let picture = viewer.draw(View::Clauses, &frame, false);
-        // How red a pixel is: the place of the nearest colour of the scale.
+        // The position of a pixel's colour on the scale, by the nearest colour.
         let fraction = |x: u32, y: u32| {
             let pixel = picture.get_pixel(x, y);
             let off = |fraction: f32| -> i32 {
@@ -313,7 +314,7 @@ fn more_is_run_where_more_is_seen() {
 }
 
 #[test]
-fn steep_scenes_have_every_view() {
+fn non_lipschitz_scenes_have_every_view() {
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&SceneSource::Shipped("gyroid".into()), mode);
         let frame = viewer.frame((64, 36));
@@ -327,7 +328,7 @@ fn steep_scenes_have_every_view() {
 }
 
 #[test]
-fn the_legend_stands_over_the_view_as_it_was_drawn_and_is_left_out_where_it_has_no_room() {
+fn the_legend_covers_the_view_or_is_left_out_if_too_large() {
     let mut viewer = Viewer::of(&written(BALL), Mode::Compiled);
     let frame = viewer.frame((640, 360));
     for row in &VIEWS {
@@ -355,7 +356,7 @@ fn the_legend_stands_over_the_view_as_it_was_drawn_and_is_left_out_where_it_has_
 }
 
 #[test]
-fn a_view_leaves_the_next_picture_as_it_is() {
+fn a_view_does_not_change_the_next_frame() {
     let mut viewer = Viewer::of(&written(BALL), Mode::Compiled);
     let before = viewer.test_renderer.picture(3.0, silence(), SIZE);
     viewer.view(View::Cells);
@@ -364,7 +365,7 @@ fn a_view_leaves_the_next_picture_as_it_is() {
 }
 
 #[test]
-fn every_view_looks_as_it_did() {
+fn every_view_matches_its_golden_image() {
     let mut viewer = Viewer::of(&speakers(), Mode::Interpreted);
     let frame = viewer.test_renderer.frame(12.0, loud_music(), SIZE);
     let results = VIEWS.iter().map(|row| {
