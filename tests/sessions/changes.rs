@@ -159,7 +159,7 @@ fn wait_for_pictures(app: &App, more: usize) {
 
 /// Mesa's software renderers cache one file for each shader and for each variant that they compile.
 #[test]
-fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
+fn prepared_scenes_are_not_compiled_again_when_shown() {
     let cache = tempfile::tempdir().unwrap();
     apart!("EGL_PLATFORM" = "surfaceless", "MESA_SHADER_CACHE_DIR" = cache.path().to_str().unwrap());
     let cache = PathBuf::from(std::env::var_os("MESA_SHADER_CACHE_DIR").unwrap());

@@ -237,7 +237,7 @@ fn the_keys_alone_find_a_scene_and_play_a_folder() {
 }
 
 #[test]
-fn a_show_that_ended_before_its_first_picture_forgot_its_scene() {
+fn a_session_that_ends_before_its_first_frame_keeps_its_scene() {
     // The compiler is slow once, so that no scene is shown yet when the session ends.
     apart!("MARIANA_FAULT" = "slow-compiler@0");
     let place = Place::new(&["one.wav"]);

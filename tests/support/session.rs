@@ -452,7 +452,7 @@ impl App {
         self.take_steps(2);
     }
 
-    /// Clicks at a position in the window. The clock stands still meanwhile, so that slow frames do not make it a long
+    /// Clicks at a position in the window. The clock stops meanwhile, so that slow frames do not make it a long
     /// press.
     pub(crate) fn click_at(&self, x: u32, y: u32) {
         self.point_at(x, y);
