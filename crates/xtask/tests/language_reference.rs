@@ -1,4 +1,4 @@
-//! The reference of the scene language in `docs/` says what the code says. `cargo xtask language-page` writes it.
+//! Checks that `docs/language.md` matches the code. `cargo xtask language-page` writes it.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -18,7 +18,7 @@ fn reference() -> String {
     text.replace("\r\n", "\n")
 }
 
-/// Name and formula of every picture in the reference: `![name](shapes/name.png)<br>`formula``.
+/// Returns the name and formula of every image in the reference: `![name](shapes/name.png)<br>`formula``.
 fn pictures(text: &str) -> Vec<(String, String)> {
     let rows = text.lines().filter_map(|line| line.strip_prefix("| !["));
     rows.map(|row| {
@@ -41,12 +41,12 @@ fn the_reference_begins_with_its_introduction() {
     let intro = include_str!("../src/language_page/intro.md").replace("\r\n", "\n");
     assert!(
         reference().starts_with(intro.trim_end()),
-        "docs/language.md begins with other words than intro.md: {REMEDY}"
+        "docs/language.md does not begin with intro.md: {REMEDY}"
     );
 }
 
 #[test]
-fn every_function_and_input_stands_in_the_reference() {
+fn every_function_and_input_is_in_the_reference() {
     let text = reference();
     for entry in entries() {
         let signature = entry.signature.replace('|', "\\|");
@@ -67,7 +67,7 @@ fn every_function_and_input_stands_in_the_reference() {
 }
 
 #[test]
-fn every_field_of_a_section_stands_in_the_reference() {
+fn every_field_of_a_section_is_in_the_reference() {
     let text = reference();
     let sections = [
         ("| `light` | `", Light::FIELDS),
@@ -79,7 +79,7 @@ fn every_field_of_a_section_stands_in_the_reference() {
         let row = text.lines().find(|line| line.starts_with(start)).unwrap();
         for field in fields {
             let name = format!("`{}`", field.name);
-            assert!(row.contains(&name), "{name} is not in intro.md, in the row of {start}…");
+            assert!(row.contains(&name), "the row {start}… of intro.md lacks {name}");
         }
     }
     for field in Material::FIELDS {
@@ -90,27 +90,27 @@ fn every_field_of_a_section_stands_in_the_reference() {
 }
 
 #[test]
-fn every_shape_has_a_picture_that_shows_something() {
+fn every_shape_has_an_image_with_a_visible_shape() {
     let shown = pictures(&reference());
     for entry in entries().iter().filter(|entry| entry.accuracy.is_some()) {
-        assert!(shown.iter().any(|(name, _)| name == entry.name), "{} has no picture: {REMEDY}", entry.name);
+        assert!(shown.iter().any(|(name, _)| name == entry.name), "{} has no image: {REMEDY}", entry.name);
     }
     for (name, _) in &shown {
         let path = docs().join(format!("shapes/{name}.png"));
         let picture =
             image::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).into_rgb8();
         assert_eq!(picture.dimensions(), (200, 150), "{name}");
-        // Shapes are of a warm colour, everything around them is grey.
+        // Shapes have a warm colour; everything around them is grey.
         let warm = picture.pixels().filter(|pixel| pixel[0] > pixel[2].saturating_add(24)).count();
         let fraction = warm as f32 / (picture.width() * picture.height()) as f32;
-        assert!((0.05..0.75).contains(&fraction), "{name}: the shape fills {fraction} of its picture");
+        assert!((0.05..0.75).contains(&fraction), "{name}: the shape fills {fraction} of its image");
         let edge = [(0, 0), (199, 0)].map(|(x, y)| picture.get_pixel(x, y).0);
-        assert!(edge.iter().all(|pixel| pixel[0].abs_diff(pixel[2]) < 24), "{name} reaches over the edge");
+        assert!(edge.iter().all(|pixel| pixel[0].abs_diff(pixel[2]) < 24), "{name} extends beyond the edge");
     }
 }
 
 #[test]
-fn no_picture_is_left_over() {
+fn no_image_is_unused() {
     let shown = pictures(&reference());
     let mut bytes = 0;
     for file in std::fs::read_dir(docs().join("shapes")).unwrap() {
@@ -120,7 +120,7 @@ fn no_picture_is_left_over() {
         let known = shown.iter().any(|(shape, _)| *shape == name.trim_end_matches(".png"));
         assert!(known, "docs/shapes/{name} is not in the reference");
     }
-    assert!(bytes < 1_500_000, "the pictures take {bytes} bytes");
+    assert!(bytes < 1_500_000, "the images take {bytes} bytes");
 }
 
 #[test]

@@ -1,32 +1,32 @@
-//! What compilers report of a shader, read from their debug messages.
+//! Figures of a compiled shader, parsed from the driver's debug messages.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The counts of one shader.
+/// Figures of one shader.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Counts {
-    /// Vector registers of a thread; 0 if it is not told.
+    /// Vector registers per thread; 0 if unknown.
     pub(super) registers: u32,
-    /// Waves that a SIMD unit can hold at once: the more, the better waiting for memory is hidden. 0 if not told.
+    /// Most waves per SIMD unit; more waves hide memory latency better. 0 if unknown.
     pub(super) waves: u32,
-    /// Registers that are stored in memory for want of room (Intel: how often).
+    /// Registers spilled to memory (Intel: number of spills).
     pub(super) spills: u32,
-    /// Bytes of memory that a thread needs beside its registers.
+    /// Scratch memory per thread, in bytes.
     pub(super) scratch: u32,
-    /// The length of the code: bytes on AMD, else instructions.
+    /// Code size: bytes on AMD, instructions otherwise.
     pub(super) code: u32,
 }
 
-/// The number behind `name` in `text`.
+/// Parses the number after `name` in `text`.
 fn number(text: &str, name: &str) -> Option<u32> {
     let rest = text[text.find(name)? + name.len()..].trim_start();
     let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
     rest[..end].parse().ok()
 }
 
-/// The number before `name` in `text`.
+/// Parses the number before `name` in `text`.
 fn number_before(text: &str, name: &str) -> Option<u32> {
     let before = text[..text.find(name)?].trim_end();
     let start = before.rfind(|c: char| !c.is_ascii_digit()).map_or(0, |at| at + 1);
@@ -34,7 +34,8 @@ fn number_before(text: &str, name: &str) -> Option<u32> {
 }
 
 impl Counts {
-    /// The counts in a message of Mesa's drivers for AMD (radeonsi), Intel (iris) or NVIDIA (nouveau); none in others.
+    /// Parses a message of Mesa's drivers for AMD (radeonsi), Intel (iris) or NVIDIA (nouveau). Returns `None`
+    /// for other messages.
     pub(super) fn read(message: &str) -> Option<Self> {
         if message.contains("VGPRS: ") {
             return Some(Self {
@@ -70,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_messages_of_three_compilers_are_read() {
+    fn messages_of_three_compilers_are_parsed() {
         let amd = "OpenGL note 1: Shader Stats: SGPRS: 112 VGPRS: 144 Code Size: 18344 LDS: 0 Scratch: 64 Max Waves: 3 \
                    Spilled SGPRs: 10 Spilled VGPRs: 7 PrivMem VGPRs: 0 DivergentLoop: 1, (PS, W32)";
         let counts = Counts { registers: 144, waves: 3, spills: 7, scratch: 64, code: 18_344 };

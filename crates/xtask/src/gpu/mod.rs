@@ -1,11 +1,11 @@
-//! What the compilers of real GPUs make of every program, without such a GPU: `cargo xtask gpu`.
+//! Compiles every shader program with the compilers of real GPUs, without such a GPU: `cargo xtask gpu`.
 //!
-//! Mesa's package `mesa-drm-shim` stands in for the kernel driver of a GPU that is not there. Mesa's own driver of that GPU
-//! then compiles as it would on the real one and reports registers, waves, spills and the length of the code; only
-//! drawing does nothing. Counts do not depend on how busy the machine is, so they are compared with those that were
-//! accepted ([`budgets`]), within one version of Mesa.
+//! Mesa's package `mesa-drm-shim` replaces the kernel driver of the GPU. Mesa's user space driver then compiles as on
+//! the real GPU and reports registers, waves, spills and code size; only drawing has no effect. These figures do not
+//! depend on the load of the machine, so they can be compared with the accepted ones ([`budgets`]), within one
+//! version of Mesa.
 //!
-//! `cargo xtask gpu-programs` prints the same for the GPU that is there, where its driver reports something.
+//! `cargo xtask gpu-programs` prints the figures for the GPU of this machine, if its driver reports any.
 
 mod budgets;
 mod counts;
@@ -20,22 +20,22 @@ use anyhow::{Context as _, anyhow, bail};
 use programs::Linked;
 pub(crate) use programs::run as programs;
 
-/// The GPUs that are asked unless others are named: the oldest AMD family with many users, and a newer one.
+/// The default GPUs: the oldest AMD family with many users, and a newer one.
 const GPUS: [&str; 2] = ["vega10", "navi21"];
 
 /// The library of `mesa-drm-shim` for AMD GPUs.
 const SHIM: &str = "libamdgpu_noop_drm_shim.so";
 
-/// What is wanted of [`run`].
+/// Arguments of [`run`].
 #[derive(Debug, Default)]
 struct Arguments {
     shim: Option<PathBuf>,
-    /// Where the shaders are, if not those that are built in.
+    /// Folder of the shaders; `None` for the embedded ones.
     shaders: Option<String>,
     gpus: Vec<String>,
-    /// More of Mesa's own debug options, as `useaco`.
+    /// Additional values of `AMD_DEBUG`, such as `useaco`.
     options: Vec<String>,
-    /// Words of which a program's name must hold one; all programs if there are none.
+    /// Selects programs whose names contain one of these; empty for all programs.
     names: Vec<String>,
     check: bool,
     accept: bool,
@@ -55,7 +55,7 @@ fn requested(arguments: &[String]) -> anyhow::Result<Arguments> {
             "--accept" => requested.accept = true,
             name if !name.starts_with('-') => requested.names.push(name.to_owned()),
             _ => bail!(
-                "there is no {argument}; there are --shim, --shaders, --gpu, --option, --check and --accept"
+                "unknown option {argument}: use --shim, --shaders, --gpu, --option, --check or --accept"
             ),
         }
     }
@@ -65,7 +65,7 @@ fn requested(arguments: &[String]) -> anyhow::Result<Arguments> {
     Ok(requested)
 }
 
-/// Where the shim is: where packages put it, or where `scripts/lib/setup.sh` unpacks it.
+/// Finds the shim, where packages install it or where `scripts/lib/setup.sh` unpacks it.
 fn shim() -> Option<PathBuf> {
     let unpacked = Path::new(crate::root::ROOT).join("target/mesa-drm-shim");
     let folders = [PathBuf::from("/"), unpacked];
@@ -74,20 +74,19 @@ fn shim() -> Option<PathBuf> {
     files.into_iter().find(|file| file.exists())
 }
 
-/// Prints a table of all programs on some GPUs; with `--check` fails where one got worse, with `--accept` notes what is
-/// there as what is accepted.
+/// Prints a table of programs and GPUs. With `--check`, fails if a program got worse; with `--accept`, records the
+/// figures as accepted.
 ///
 /// # Errors
-/// A shim or driver that is not there, a program that a driver refuses, and programs that got worse.
+/// A missing shim or driver, a program that a driver rejects, and programs that got worse.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let requested = requested(arguments)?;
     let shim = requested.shim.clone().or_else(shim).with_context(|| {
-        format!("{SHIM} is not there: install mesa-drm-shim (Debian 13; in the backports of 12), or name it with --shim")
+        format!("cannot find {SHIM}: install mesa-drm-shim (Debian 13, or backports of 12), or use --shim")
     })?;
     let all = std::thread::scope(|scope| {
         let ask = |gpu: &String| -> anyhow::Result<_> {
-            let programs =
-                ask(&shim, gpu, &requested).with_context(|| format!("asking the compiler for {gpu}"))?;
+            let programs = ask(&shim, gpu, &requested).with_context(|| format!("compiling for {gpu}"))?;
             Ok((gpu.clone(), programs))
         };
         let asked: Vec<_> = requested.gpus.iter().map(|gpu| scope.spawn(move || ask(gpu))).collect();
@@ -102,16 +101,16 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     if requested.check {
         let worse = budgets::worse(&all)?;
         if !worse.is_empty() {
-            bail!("these programs got worse than what was accepted:\n  {}", worse.join("\n  "));
+            bail!("these programs got worse than accepted:\n  {}", worse.join("\n  "));
         }
-        println!("No program got worse than what was accepted.");
+        println!("No program got worse than accepted.");
     }
     Ok(())
 }
 
-/// All programs on one GPU, from a process of its own: which GPU there is, is settled when a process starts.
+/// Compiles the programs for one GPU in a separate process: a process cannot change its GPU.
 fn ask(shim: &Path, gpu: &str, requested: &Arguments) -> anyhow::Result<Vec<Linked>> {
-    // Without variants that are compiled later, and with linking that waits for its compiler.
+    // Disable optimized variants, which are compiled later. Linking waits for the compiler.
     let mut options = vec!["nooptvariant".to_owned()];
     options.extend(requested.options.iter().cloned());
     let output = Command::new(std::env::current_exe()?)
@@ -127,7 +126,7 @@ fn ask(shim: &Path, gpu: &str, requested: &Arguments) -> anyhow::Result<Vec<Link
         .stderr(Stdio::inherit())
         .output()?;
     if !output.status.success() {
-        bail!("it ended with {}", output.status);
+        bail!("the process ended with {}", output.status);
     }
     let lines = String::from_utf8(output.stdout)?;
     let found = lines.lines().filter(|line| line.starts_with('{'));

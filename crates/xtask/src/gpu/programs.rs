@@ -1,4 +1,4 @@
-//! Links every program of the renderer on the GPU that is there, and hears what its compiler says.
+//! Links every program of the renderer on the current GPU and collects the compiler's figures.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -22,33 +22,32 @@ use tracing_subscriber::util::SubscriberInitExt;
 
 use super::counts::Counts;
 
-/// Section 4.4 of the thesis (Abt 2022): its measurements are of this kind of formula.
+/// A formula like those measured in section 4.4 of the thesis (Abt 2022).
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 
-/// The scene whose views are linked, too.
+/// The scene whose views are linked as well.
 const VIEWED: &str = "speakers";
 
-/// A program that a driver has linked.
+/// A linked program.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Linked {
-    /// The driver's name and version.
+    /// Name and version of the driver.
     pub(super) driver: String,
-    /// Its name.
+    /// Name of the program.
     pub(super) name: String,
-    /// What its compiler reports of the fragment shader; none if it says nothing.
+    /// Figures of the fragment shader; `None` if the driver reports none.
     pub(super) counts: Option<Counts>,
-    /// CPU time of compiling and linking, in seconds, all threads together.
+    /// CPU time of compiling and linking in seconds, summed over all threads.
     pub(super) seconds: f64,
 }
 
-/// A program to be linked.
 struct Wanted {
     name: String,
     file: &'static str,
     variant: Variant,
 }
 
-/// Every program: the scenes in both modes, views of one, the universal interpreters, and the passes.
+/// Returns the programs to link: the scenes in both modes, views of one, the universal interpreters, and the passes.
 fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wanted>> {
     let is_wanted = |name: &str| names.is_empty() || names.iter().any(|word| name.contains(word.as_str()));
     let mut found = Vec::new();
@@ -68,7 +67,7 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
         let kinds = [Mode::Compiled, Mode::Interpreted].into_iter().flat_map(of_mode);
         let mut kinds = kinds
             .map(|(mode, counting)| {
-                // What counts is there for views.
+                // Counting is needed only by views.
                 let views = if counting == Counting::On { ", views" } else { "" };
                 (format!("{name}, {mode}{views}"), mode, counting)
             })
@@ -89,7 +88,9 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
             found.push(Wanted { name, file: SCENE_SHADER, variant });
         }
     }
-    for (name, non_lipschitz) in [("universal interpreter", false), ("universal interpreter, steep", true)] {
+    for (name, non_lipschitz) in
+        [("universal interpreter", false), ("universal interpreter, non-Lipschitz", true)]
+    {
         if is_wanted(name) {
             let variant = Interpreter::universal(non_lipschitz).variant(Counting::Off);
             found.push(Wanted { name: name.to_owned(), file: SCENE_SHADER, variant });
@@ -98,7 +99,7 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
     Ok(found)
 }
 
-/// What the driver has said since it was last asked.
+/// Driver messages since the last call of `take`.
 #[derive(Default, Clone)]
 struct Heard(Arc<Mutex<Vec<String>>>);
 
@@ -129,11 +130,11 @@ fn cpu_seconds() -> f64 {
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-/// Prints a line for each program whose name holds one of the arguments, or for all; with `--json` to be
-/// read by programs, with `--shaders FOLDER` of other shaders.
+/// Prints a line for each program whose name contains one of the arguments, or for all programs. `--json` prints
+/// JSON; `--shaders FOLDER` uses other shaders.
 ///
 /// # Errors
-/// A missing driver, and programs that it refuses.
+/// A missing driver, and programs that it rejects.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let (mut names, mut json, mut library) = (Vec::new(), false, ShaderLibrary::embedded());
     let mut arguments = arguments.iter();
@@ -145,7 +146,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
                 library = ShaderLibrary::on_disk(folder.as_ref());
             }
             name if !name.starts_with('-') => names.push(name.to_owned()),
-            _ => bail!("there is no {argument}; there are --json and --shaders"),
+            _ => bail!("unknown option {argument}: use --json or --shaders"),
         }
     }
     let heard = Heard::default();
@@ -163,19 +164,19 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
             refused.push(format!("{name}: {error}"));
             continue;
         }
-        // The vertex shader is far shorter.
+        // The vertex shader is much shorter.
         let counts =
             heard.take().iter().filter_map(|line| Counts::read(line)).max_by_key(|counts| counts.code);
         let linked = Linked { driver: driver.clone(), name, counts, seconds };
         if json {
             println!("{}", serde_json::to_string(&linked)?);
         } else {
-            let counts = linked.counts.map_or_else(|| "nothing told".to_owned(), |counts| counts.to_string());
+            let counts = linked.counts.map_or_else(|| "no figures".to_owned(), |counts| counts.to_string());
             println!("{:40} {counts}, {:.2} s", linked.name, linked.seconds);
         }
     }
     if !refused.is_empty() {
-        bail!("{driver} refuses:\n{}", refused.join("\n"));
+        bail!("{driver} rejects:\n{}", refused.join("\n"));
     }
     // Mesa 22.3 crashes in exit handlers while its threads still compile for AMD.
     begin_to_leave().leave(0)

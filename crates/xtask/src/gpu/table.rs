@@ -1,12 +1,10 @@
-//! The table that is printed.
-
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::programs::Linked;
 
-/// Markdown: a row for each program, and for each GPU registers/waves, spills and scratch where there are some, the
-/// length of the code and the CPU time of compiling.
+/// Formats a Markdown table with a row per program. For each GPU it has registers/waves, with spills and scratch if
+/// there are any, the code size, and the CPU time of compiling.
 pub(super) fn table(all: &[(String, Vec<Linked>)]) -> String {
     let mut text = String::new();
     let drivers: BTreeSet<&str> =
@@ -33,7 +31,7 @@ pub(super) fn table(all: &[(String, Vec<Linked>)]) -> String {
                     let _ = write!(text, " | {} | {seconds:.2} |", counts.code);
                 }
                 Some(Linked { seconds, .. }) => {
-                    let _ = write!(text, " not told | | {seconds:.2} |");
+                    let _ = write!(text, " no figures | | {seconds:.2} |");
                 }
                 None => text.push_str(" | | |"),
             }

@@ -1,25 +1,25 @@
-//! A picture of a shape by sphere tracing: all rays of a picture advance together, a batch per step.
+//! Draws a shape by sphere tracing. All rays of an image advance together, one batch per step.
 
 use glam::Vec3;
 
 use super::field::Field;
 
-/// Width of a picture in pixels.
+/// Width of an image in pixels.
 pub const WIDTH: usize = 200;
-/// Height of a picture in pixels.
+/// Height of an image in pixels.
 pub const HEIGHT: usize = 150;
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
 /// Most steps of a ray.
 const STEPS: usize = 300;
-/// A ray that is nearer than this is on the surface.
+/// Distance at which a ray has hit the surface.
 const TOUCH: f32 = 8e-4;
 /// Tangent of half the vertical field of view.
 const LENS: f32 = 0.2;
-/// Part of the picture that a shape fills.
+/// Fraction of the image that a shape fills.
 const FILL: f32 = 0.76;
 
-/// Where the camera is, seen from the shape: to the right of the front and above.
+/// Direction from the shape to the camera: front right, and above.
 const TO_CAMERA: Vec3 = Vec3::new(0.47, 0.42, -0.78);
 const TO_LIGHT: Vec3 = Vec3::new(-0.46, 0.74, -0.50);
 const LIGHT: Vec3 = Vec3::new(2.9, 2.75, 2.5);
@@ -38,7 +38,7 @@ impl Camera {
     /// A camera that sees all the points.
     fn around(points: &[Vec3]) -> Self {
         let forward = -TO_CAMERA.normalize();
-        // x to the right, y up, z away from the eye.
+        // x to the right, y up, z away from the camera.
         let right = Vec3::Y.cross(forward).normalize();
         let up = forward.cross(right);
         let range = |axis: Vec3| {
@@ -52,7 +52,7 @@ impl Camera {
         Self { eye: middle - forward * distance, forward, right, up }
     }
 
-    /// Directions of the rays, row by row from the top left.
+    /// Returns the directions of the rays, row by row from the top left.
     fn rays(&self) -> Vec<Vec3> {
         let (columns, rows) = (WIDTH * SAMPLES, HEIGHT * SAMPLES);
         let half = rows as f32 * 0.5;
@@ -66,7 +66,7 @@ impl Camera {
     }
 }
 
-/// The pixels, red green blue row by row; none if there is no shape.
+/// Draws the shape. Returns RGB pixels row by row; `None` if there is no shape.
 pub fn draw(field: &mut Field<'_>) -> Option<Vec<u8>> {
     let extent = field.extent()?;
     let camera = Camera::around(&extent.points);
@@ -80,7 +80,7 @@ pub fn draw(field: &mut Field<'_>) -> Option<Vec<u8>> {
 
     let floor = extent.floor;
     let mut colors = vec![BACKGROUND; rays.len()];
-    // What lies at a ray's end: the shape, or the ground where the ray goes down.
+    // Hit points: on the shape, or on the ground if the ray goes down.
     let mut places: Vec<(usize, Vec3, bool)> = Vec::new();
     for (index, (ray, hit)) in rays.iter().zip(&hits).enumerate() {
         let down = (floor - camera.eye.y) / ray.y;
@@ -110,7 +110,7 @@ pub fn draw(field: &mut Field<'_>) -> Option<Vec<u8>> {
     Some(develop(&colors))
 }
 
-/// How far each ray goes until it meets the shape; none beyond its end.
+/// Returns the distance along each ray to the shape; `None` if the ray reaches its end.
 fn march(field: &mut Field<'_>, starts: &[Vec3], rays: &[Vec3], from: f32, ends: &[f32]) -> Vec<Option<f32>> {
     let mut hits = vec![None; rays.len()];
     let mut under_way: Vec<(usize, f32)> = (0..rays.len()).map(|index| (index, from)).collect();
@@ -132,14 +132,14 @@ fn march(field: &mut Field<'_>, starts: &[Vec3], rays: &[Vec3], from: f32, ends:
             break;
         }
     }
-    // A ray that grazes to the last step is as good as there.
+    // A ray that has used up all steps grazes the surface; count it as a hit.
     for (index, at) in under_way {
         hits[index] = Some(at);
     }
     hits
 }
 
-/// How much of the key light reaches each point, 0..1, with a soft edge.
+/// Returns the fraction of the key light that reaches each point, with a soft edge.
 fn shadows(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
     let ray = TO_LIGHT.normalize();
     let mut light = vec![1.0_f32; points.len()];
@@ -175,7 +175,7 @@ fn shadows(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32>
         .collect()
 }
 
-/// How open the surroundings of each point are, 0..1, from distances along its normal.
+/// Returns the ambient occlusion factor of each point, 0..1, from distances along its normal.
 fn openness(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3], size: f32) -> Vec<f32> {
     let mut closed = vec![0.0_f32; points.len()];
     for (tap, weight) in [(0.04, 0.30), (0.09, 0.26), (0.16, 0.24), (0.26, 0.20), (0.40, 0.18)] {
@@ -189,7 +189,7 @@ fn openness(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3], size: f32)
     closed.into_iter().map(|closed| (1.0 - 0.85 * closed).clamp(0.12, 1.0)).collect()
 }
 
-/// Light from a point of the shape to the eye.
+/// Returns the light from a point of the shape to the camera.
 fn copper(normal: Vec3, to_eye: Vec3, light: f32, open: f32) -> Vec3 {
     let to_light = TO_LIGHT.normalize();
     let facing = normal.dot(to_light).max(0.0) * light;
@@ -202,7 +202,7 @@ fn copper(normal: Vec3, to_eye: Vec3, light: f32, open: f32) -> Vec3 {
         + Vec3::new(0.50, 0.55, 0.66) * rim * open * 0.35
 }
 
-/// Averages the samples and brings light to bytes, a little coarser than they could be: smaller files.
+/// Averages the samples and converts light to bytes. The bytes are quantized for smaller files.
 fn develop(colors: &[Vec3]) -> Vec<u8> {
     let columns = WIDTH * SAMPLES;
     let mut pixels = Vec::with_capacity(WIDTH * HEIGHT * 3);
@@ -215,7 +215,7 @@ fn develop(colors: &[Vec3]) -> Vec<u8> {
                 sum += Vec3::ONE - (-1.35 * color).exp();
             }
             let color = (sum / (SAMPLES * SAMPLES) as f32).powf(1.0 / 2.2) * 255.0;
-            // Brightness in steps of 2, the differences of red and blue from it in steps of 4.
+            // Brightness in steps of 2, and the differences of red and blue from it in steps of 4.
             let bright = (color.dot(Vec3::new(0.25, 0.5, 0.25)) / 2.0).round() * 2.0;
             let red = ((color.x - bright) / 4.0).round() * 4.0;
             let blue = ((color.z - bright) / 4.0).round() * 4.0;

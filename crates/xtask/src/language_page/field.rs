@@ -1,19 +1,19 @@
-//! A shape as numbers: distances at many points, and what its picture must know beforehand.
+//! A shape as a distance function: distances at many points, its bounds and its largest slope.
 
 use glam::Vec3;
 use mariana_field::graph::FrameInputs;
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::tape::{Batch, Points, Tape, TapeOptions};
 
-/// Half the side of the cube around the origin in which shapes are looked for.
+/// Half the side of the cube around the origin that is searched for the shape.
 const REACH: f32 = 2.2;
 /// Points along a side of the cube.
 const GRID: usize = 72;
 
-/// The tape of a bare formula.
+/// Compiles a formula to a tape.
 ///
 /// # Errors
-/// The compiler's messages, or that there is no tape.
+/// The compiler's messages.
 pub fn tape(name: &str, formula: &str) -> Result<Tape, String> {
     let compiled = compile(name, formula, &mut no_includes);
     let Some(scene) = &compiled.scene else { return Err(compiled.render(false)) };
@@ -21,27 +21,26 @@ pub fn tape(name: &str, formula: &str) -> Result<Tape, String> {
         .map_err(|error| format!("{name}: {error}"))
 }
 
-/// A distance function.
 pub struct Field<'a> {
     batch: Batch<'a>,
-    /// What to multiply a distance by so that it is no more than the way to the surface.
+    /// Factor on a distance that makes it a lower bound of the true distance.
     pub step: f32,
-    /// What to multiply a distance near the surface by so that it is about the way to it: more than 1 for
-    /// functions that keep far below it.
+    /// Factor on a distance near the surface that makes it approximately the true distance. Above 1 for functions
+    /// that are far below it.
     pub scale: f32,
     coordinates: [Vec<f32>; 3],
 }
 
-/// Where a shape is.
+/// The bounds of a shape.
 pub struct Extent {
-    /// Points on and in it.
+    /// Points on and in the shape.
     pub points: Vec<Vec3>,
     /// Height of its lowest point.
     pub floor: f32,
 }
 
 impl<'a> Field<'a> {
-    /// The distance function of a tape, with its steepest slope measured.
+    /// A distance function from a tape. Measures the function's slopes.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let batch = Batch::new(tape, frame);
         let mut field = Self { batch, step: 1.0, scale: 1.0, coordinates: Default::default() };
@@ -58,7 +57,7 @@ impl<'a> Field<'a> {
         field
     }
 
-    /// The function's values, as they are.
+    /// Returns the function's values, without a factor.
     pub fn distances(&mut self, points: &[Vec3]) -> Vec<f32> {
         for (axis, coordinates) in self.coordinates.iter_mut().enumerate() {
             coordinates.clear();
@@ -68,7 +67,7 @@ impl<'a> Field<'a> {
         self.batch.run(Points { position, normal: None }).swap_remove(0)
     }
 
-    /// Gradients from the four corners of a tetrahedron with edges of about 3 `reach`.
+    /// Returns gradients from the four corners of a tetrahedron with edges of about 3 `reach`.
     pub fn gradients(&mut self, points: &[Vec3], reach: f32) -> Vec<Vec3> {
         let mut gradients = vec![Vec3::ZERO; points.len()];
         for corner in [[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]] {
@@ -81,7 +80,7 @@ impl<'a> Field<'a> {
         gradients
     }
 
-    /// Where the shape is within the cube; none if nothing is there.
+    /// Searches the cube for the shape; `None` if it is empty.
     pub fn extent(&mut self) -> Option<Extent> {
         let cell = 2.0 * REACH / (GRID - 1) as f32;
         let all = grid();
@@ -89,7 +88,7 @@ impl<'a> Field<'a> {
         let near = all.into_iter().zip(distances).filter(|(_, distance)| *distance * self.scale < 0.4 * cell);
         let points: Vec<Vec3> = near.map(|(point, _)| point).collect();
         let lowest = points.iter().map(|point| point.y).reduce(f32::min)?;
-        // A plane rises until it touches the shape.
+        // Raise a plane until it touches the shape.
         let mut floor = lowest - cell;
         for _ in 0..400 {
             let fine = 160;

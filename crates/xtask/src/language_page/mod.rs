@@ -1,11 +1,11 @@
-//! Draws the shapes of the scene language and writes its reference.
+//! Generates the reference of the scene language.
 //!
 //! ```text
 //! cargo xtask language-page [FOLDER]
 //! ```
 //!
-//! `FOLDER` defaults to `docs`: there `language.md` is written and, in `shapes/`, a picture of each function that
-//! [`mariana_field::lang::PICTURES`] shows. What the reference says stands in the code (`mariana_field::lang::entries`) and in
+//! Writes `language.md` and, in `shapes/`, an image of each function in [`mariana_field::lang::PICTURES`]. `FOLDER`
+//! defaults to `docs`. The text comes from doc comments in the code (`mariana_field::lang::entries`) and from
 //! `intro.md` here. Every run writes the same bytes.
 
 mod draw;
@@ -21,7 +21,7 @@ use mariana_field::graph::FrameInputs;
 
 use mariana_field::lang::PICTURES;
 
-/// Writes the page and draws its pictures.
+/// Writes the page and draws its images.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let folder = arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("docs"), PathBuf::from);
     let shapes = folder.join("shapes");
@@ -41,20 +41,22 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
         let threads: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
         threads
             .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|_| Err("a picture could not be drawn".to_owned())))
+            .map(|thread| {
+                thread.join().unwrap_or_else(|_| Err("a thread panicked while drawing an image".to_owned()))
+            })
             .collect::<Result<Vec<usize>, String>>()
     })
     .map_err(anyhow::Error::msg)?;
-    println!("{} pictures, {} bytes", PICTURES.len(), sizes.iter().sum::<usize>());
+    println!("{} images, {} bytes", PICTURES.len(), sizes.iter().sum::<usize>());
     Ok(())
 }
 
-/// Draws one picture and gives the size of its file in bytes.
+/// Draws one image and returns the size of its file in bytes.
 fn picture(folder: &Path, name: &str, formula: &str) -> Result<usize, String> {
     let tape = field::tape(name, formula)?;
     let frame = FrameInputs::default();
     let mut field = field::Field::new(&tape, &frame);
-    let pixels = draw::draw(&mut field).ok_or_else(|| format!("{name}: {formula} shows nothing"))?;
+    let pixels = draw::draw(&mut field).ok_or_else(|| format!("{name}: {formula} has no visible surface"))?;
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter)
         .write_image(&pixels, draw::WIDTH as u32, draw::HEIGHT as u32, ExtendedColorType::Rgb8)

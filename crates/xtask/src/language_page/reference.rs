@@ -1,4 +1,4 @@
-//! The text of the language's reference.
+//! The text of the reference page.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use mariana_field::lang::{Accuracy, Entry, Holds, Material, entries, inputs};
 
 use mariana_field::lang::PICTURES;
 
-/// `docs/language.md`.
+/// Generates `docs/language.md`.
 pub fn text() -> String {
     let mut text = include_str!("intro.md").replace("\r\n", "\n");
     line(&mut text, format_args!("```\n{}\n```", excerpt()));
@@ -54,7 +54,7 @@ pub fn text() -> String {
     text
 }
 
-/// The part of the shipped scene that makes the woofers.
+/// Returns the part of the shipped scene that makes the woofers.
 fn excerpt() -> String {
     let scene = include_str!("../../../../assets/scenes/speakers.scene").replace("\r\n", "\n");
     let rest = scene.find("fn woofers").and_then(|start| scene.get(start..)).unwrap_or("");
@@ -62,7 +62,7 @@ fn excerpt() -> String {
     rest.get(..end).unwrap_or("").to_owned()
 }
 
-/// Writing to a text cannot fail.
+/// Appends a line.
 fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
     let _ = writeln!(text, "{content}");
 }
@@ -75,7 +75,7 @@ fn described(entry: &Entry) -> String {
     format!("`{}`<br>{}{}", cell(&entry.signature), cell(&entry.doc), facts(entry))
 }
 
-/// Accuracy and source, as far as there are any.
+/// Formats accuracy and source, if there are any.
 fn facts(entry: &Entry) -> String {
     let accuracy = entry.accuracy.map(|accuracy| match accuracy {
         Accuracy::Exact => "**exact**",
@@ -86,7 +86,7 @@ fn facts(entry: &Entry) -> String {
     if facts.is_empty() { String::new() } else { format!("<br>{}", facts.join(" · ")) }
 }
 
-/// Text for a table's cell.
+/// Escapes text for a table cell.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }

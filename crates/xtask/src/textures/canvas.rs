@@ -1,4 +1,4 @@
-//! A picture that shapes are painted onto, supersampled, in linear light.
+//! An image for painting shapes: supersampled, in linear light.
 
 use super::noise::smoothstep;
 use super::shape::{Point, Shape};
@@ -9,31 +9,31 @@ const SAMPLES: usize = 2;
 /// A linear colour, 0..1.
 pub type Color = [f32; 3];
 
-/// The linear colour of an sRGB colour 0xRRGGBB.
+/// Converts an sRGB colour 0xRRGGBB to a linear colour.
 pub fn rgb(hex: u32) -> Color {
     [16, 8, 0].map(|shift| mariana::srgb::linear((hex >> shift & 0xFF) as f32 / 255.0))
 }
 
-/// A linear component as an sRGB byte.
+/// Converts a linear component to an sRGB byte.
 pub fn to_srgb(x: f32) -> u8 {
     let x = x.clamp(0.0, 1.0);
     let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     (s * 255.0).round() as u8
 }
 
-/// `color` times `factor`.
+/// Multiplies `color` by `factor`.
 pub fn scale(color: Color, factor: f32) -> Color {
     color.map(|c| c * factor)
 }
 
-/// One number per sample of the picture.
+/// One number per sample of the image.
 pub struct Grid {
     side: usize,
     values: Vec<f32>,
 }
 
 impl Grid {
-    /// Signed distance to `shape` at each sample; further out than `reach` units it reads `reach`.
+    /// Signed distance to `shape` at each sample; `reach` beyond that distance, in units.
     pub fn distance(side: usize, shape: &Shape, reach: f32) -> Self {
         let samples = side * SAMPLES;
         let mut values = vec![reach; samples * samples];
@@ -56,18 +56,18 @@ impl Grid {
         Self { side: samples, values }
     }
 
-    /// Coverage, 0..1, of a shape whose signed distance this is.
+    /// Converts signed distances to coverage, 0..1.
     pub fn coverage(&self) -> Self {
         Self { side: self.side, values: self.values.iter().map(|&d| coverage(d, 0.0)).collect() }
     }
 
-    /// The value at the sample that holds `p`.
+    /// Returns the value of the sample that contains `p`.
     pub fn at(&self, p: Point) -> f32 {
         let index = |v: f32| ((v * SAMPLES as f32) as usize).min(self.side - 1);
         self.values[index(p[1]) * self.side + index(p[0])]
     }
 
-    /// A copy smoothed by about `radius` units (three box filters along each axis).
+    /// A copy blurred by about `radius` units (three box filters along each axis).
     fn blurred(&self, radius: f32) -> Self {
         let reach = (radius * SAMPLES as f32 / 2.0).round().max(1.0) as usize;
         let n = self.side;
@@ -96,13 +96,13 @@ impl Grid {
     }
 }
 
-/// A shape blown up like a cushion: the height that gives flat colours their volume.
+/// A height map that inflates a flat shape like a cushion, for shading.
 pub struct Relief {
     height: Grid,
 }
 
 impl Relief {
-    /// Blows up the shape with this `coverage`; `radii` are the roundings of its edge, in units.
+    /// Inflates the shape with this `coverage`. `radii` are the roundings of its edge, in units.
     pub fn new(coverage: &Grid, radii: &[f32]) -> Self {
         let mut height = vec![0.0; coverage.values.len()];
         for &radius in radii {
@@ -115,7 +115,7 @@ impl Relief {
         Self { height: height.blurred(2.0) }
     }
 
-    /// Unit normal at `p`: x right, y down, z towards the viewer.
+    /// Returns the unit normal at `p`: x right, y down, z towards the viewer.
     pub fn normal(&self, p: Point) -> [f32; 3] {
         let e = 1.0;
         let at = |dx: f32, dy: f32| self.height.at([(p[0] + dx).max(0.0), (p[1] + dy).max(0.0)]);
@@ -125,7 +125,7 @@ impl Relief {
         [x / length, y / length, 1.0 / length]
     }
 
-    /// Light that `p` receives from the upper left and from the sky: about 0.3 (in shade) to 1.15.
+    /// Returns the light at `p` from the upper left and the sky, from about 0.3 (shade) to 1.15.
     pub fn light(&self, p: Point) -> f32 {
         let n = self.normal(p);
         let sun = (-0.42 * n[0] - 0.62 * n[1] + 0.66 * n[2]).max(0.0);
@@ -133,7 +133,7 @@ impl Relief {
     }
 }
 
-/// The picture: premultiplied linear colour and alpha for each sample.
+/// An image: premultiplied linear colour and alpha for each sample.
 pub struct Canvas {
     side: usize,
     samples: usize,
@@ -141,15 +141,15 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// A transparent picture of `side` x `side` pixels; one unit is one pixel.
+    /// A transparent image of `side` x `side` pixels; one unit is one pixel.
     pub fn new(side: usize) -> Self {
         let samples = side * SAMPLES;
         Self { side, samples, rgba: vec![[0.0; 4]; samples * samples] }
     }
 
-    /// Paints `shape` over the picture, within `clip` where one is given.
+    /// Paints `shape` over the image, within `clip` if there is one.
     ///
-    /// `soft` widens the edge to a fade from `soft` units outside to `soft` units inside. `paint` gives
+    /// `soft` widens the edge to a gradient from `soft` units outside to `soft` units inside. `paint` returns
     /// colour and opacity from the position and the signed distance to the outline.
     pub fn fill(
         &mut self,
@@ -166,8 +166,8 @@ impl Canvas {
         });
     }
 
-    /// Darkens what is painted already under `shape` by `strength`, 0..1; alpha stays, so that no shadow
-    /// hangs in the air around the picture.
+    /// Darkens the image under `shape` by `strength`, 0..1. Alpha does not change, so that no shadow appears
+    /// around the painted parts.
     pub fn darken(&mut self, shape: &Shape, clip: Option<&Grid>, soft: f32, strength: f32) {
         self.visit(shape, clip, soft, |under, _, _, cover| {
             for channel in &mut under[..3] {
@@ -176,7 +176,7 @@ impl Canvas {
         });
     }
 
-    /// Calls `change` with colour, position, signed distance and coverage of each sample within reach.
+    /// Calls `change` with colour, position, signed distance and coverage of each covered sample.
     fn visit(
         &mut self,
         shape: &Shape,
@@ -202,8 +202,8 @@ impl Canvas {
         }
     }
 
-    /// The picture as rows of sRGB bytes with straight alpha; transparent pixels take the colour of what is
-    /// near them, so that filtering and mipmaps blend no foreign colour into the edge.
+    /// Converts the image to rows of sRGB bytes with straight alpha. Transparent pixels get the colour of their
+    /// surroundings, so that filtering and mipmaps add no foreign colour at edges.
     pub fn into_bytes(self) -> Vec<u8> {
         let mut level = Vec::with_capacity(self.side * self.side);
         for y in 0..self.side {
@@ -220,12 +220,12 @@ impl Canvas {
     }
 }
 
-/// Least alpha of a pixel whose own colour counts: what rounds to more than nothing.
+/// Pixels with less alpha count as transparent: it rounds to 0.
 const ALPHA_MIN: f32 = 1.0 / 1024.0;
 
-/// Grows the picture by some pixels: each new pixel is opaque, the mean of its painted neighbours.
+/// Grows the painted area by some pixels. Each new pixel is opaque and has the mean colour of its painted neighbours.
 fn dilate(level: &[[f32; 4]], side: usize) -> Vec<[f32; 4]> {
-    /// Pixels by which colours grow with their detail; a mipmap level or two.
+    /// Width of the grown border in pixels, enough for a mipmap level or two.
     const DILATION: usize = 10;
     let mut grown = level.to_vec();
     for _ in 0..DILATION {
@@ -249,7 +249,7 @@ fn dilate(level: &[[f32; 4]], side: usize) -> Vec<[f32; 4]> {
     grown
 }
 
-/// Straight colours for premultiplied pixels: where alpha is zero, the colour of a coarser and coarser mean.
+/// Converts premultiplied pixels to straight colours. Transparent pixels get the colour of ever coarser means.
 fn bleed(level: &[[f32; 4]], side: usize) -> Vec<Color> {
     let coarse = if side > 1 && side.is_multiple_of(2) {
         let half = side / 2;
@@ -269,7 +269,7 @@ fn bleed(level: &[[f32; 4]], side: usize) -> Vec<Color> {
     straight.collect()
 }
 
-/// Mean of the `n` x `n` block (`x`, `y`) of a picture that is `side` wide.
+/// Returns the mean of the `n` x `n` block (`x`, `y`) of an image with width `side`.
 fn mean(rgba: &[[f32; 4]], side: usize, x: usize, y: usize, n: usize) -> [f32; 4] {
     let mut sum = [0.0; 4];
     for i in 0..n * n {
@@ -281,7 +281,7 @@ fn mean(rgba: &[[f32; 4]], side: usize, x: usize, y: usize, n: usize) -> [f32; 4
     sum
 }
 
-/// The samples, from first to one past the last, that a shape can reach.
+/// The range of samples that a shape can cover.
 struct Span {
     x: std::ops::Range<usize>,
     y: std::ops::Range<usize>,
@@ -297,12 +297,12 @@ fn sample_span(samples: usize, shape: &Shape, reach: f32) -> Span {
     Span { x: range(0), y: range(1) }
 }
 
-/// Centre of a sample, in units.
+/// Returns the centre of a sample, in units.
 fn position(x: usize, y: usize) -> Point {
     [(x as f32 + 0.5) / SAMPLES as f32, (y as f32 + 0.5) / SAMPLES as f32]
 }
 
-/// Share of a sample that lies within the outline `d` away, with an edge widened by `soft`.
+/// Returns the coverage of a sample at signed distance `d` from the outline, with an edge widened by `soft`.
 fn coverage(d: f32, soft: f32) -> f32 {
     let half = soft + 0.5 / SAMPLES as f32;
     smoothstep(half, -half, d)

@@ -1,21 +1,19 @@
-//! One feather, and coats of overlapping feathers.
+//! A feather, and coats of overlapping feathers.
 
 use super::canvas::{Canvas, Color, Grid, scale};
 use super::noise::{gradient, mix, mix3, random, smoothstep};
 use super::shape::{Point, Shape};
 
-/// Where a feather sits and how it looks; lengths in units, angles in radians (0 points right, up is < 0).
+/// Position and look of a feather. Lengths are in units, angles in radians (0 points right, negative is up).
 #[derive(Clone, Copy)]
 pub struct Feather {
-    /// Where it grows.
+    /// Position of the root.
     pub root: Point,
-    /// Where it points.
+    /// Direction from the root to the tip.
     pub angle: f32,
-    /// From root to tip.
     pub length: f32,
-    /// Across.
     pub width: f32,
-    /// 0: round tip, 1: pointed tip.
+    /// Shape of the tip, from 0 (round) to 1 (pointed).
     pub point: f32,
     /// Colour of the fringe along the edge.
     pub fringe: Color,
@@ -25,14 +23,14 @@ pub struct Feather {
     pub vermiculation: f32,
     /// Strength of the shaft line and of the barbs, 0..1.
     pub shaft: f32,
-    /// Darkness of the shadow it throws on what lies below, 0..1.
+    /// Darkness of its shadow on the feathers below, 0..1.
     pub shadow: f32,
-    /// Makes its small irregularities its own.
+    /// Seed of its small irregularities.
     pub seed: u32,
 }
 
 impl Feather {
-    /// Paints the feather; `color` is its colour before fringe and lines, by position.
+    /// Paints the feather. `color` returns its colour before fringe and lines.
     pub fn paint(&self, canvas: &mut Canvas, clip: Option<&Grid>, color: impl Fn(Point) -> Color) {
         let (sin, cos) = self.angle.sin_cos();
         let along = |[u, v]: [f32; 2]| {
@@ -68,9 +66,9 @@ impl Feather {
     }
 }
 
-/// Points of a jittered grid over a box, sorted from right to left, each with a seed of its own.
+/// Returns the points of a jittered grid over a box, sorted from right to left, each with a different seed.
 ///
-/// `step` is the grid's width and height; odd columns are shifted by half a step.
+/// `step` is the cell size; odd columns are shifted by half a step.
 pub fn scatter(low: Point, high: Point, step: Point, seed: u32) -> Vec<(Point, u32)> {
     let columns = ((high[0] - low[0]) / step[0]) as i32;
     let rows = ((high[1] - low[1]) / step[1]) as i32;

@@ -1,17 +1,17 @@
 //! A standing mallard drake, seen from the side, facing left.
 //!
-//! Painted from back to front: far leg, near leg, tail, body with its coat of feathers, wing, curled tail
-//! feathers, mantle, neck and head, bill, eye. Units are pixels of the finished picture, x to the right, y down.
+//! Painted from back to front: far leg, near leg, tail, body with its coat of feathers, wing, curled tail feathers,
+//! mantle, neck and head, bill, eye. Units are pixels of the finished image, x to the right, y down.
 
 use super::canvas::{Canvas, Color, Grid, Relief, rgb, scale};
 use super::feather::{Feather, scatter};
 use super::noise::{free_turbulence, mix, mix3, random, smoothstep};
 use super::shape::{Point, Shape};
 
-/// Width and height of the picture in pixels.
+/// Width and height of the image in pixels.
 pub const SIDE: usize = 1024;
 
-/// The picture as rows of sRGB bytes with straight alpha, `SIDE * SIDE * 4` of them.
+/// Paints the image as rows of sRGB bytes with straight alpha, `SIDE * SIDE * 4` bytes.
 pub fn paint() -> Vec<u8> {
     let mut canvas = Canvas::new(SIDE);
     leg(&mut canvas, [112.0, -22.0], 0.68);
@@ -27,7 +27,7 @@ pub fn paint() -> Vec<u8> {
     canvas.into_bytes()
 }
 
-/// A plain feather to start from.
+/// Default values of a feather.
 const PLAIN: Feather = Feather {
     root: [0.0, 0.0],
     angle: 0.0,
@@ -42,13 +42,13 @@ const PLAIN: Feather = Feather {
     seed: 0,
 };
 
-/// One leg with its webbed foot, moved by `shift`; `light` darkens the far one.
+/// Paints a leg with its webbed foot, moved by `shift`. `light` darkens the far leg.
 fn leg(canvas: &mut Canvas, shift: Point, light: f32) {
     let at = |points: &[Point]| points.iter().map(|p| [p[0] + shift[0], p[1] + shift[1]]).collect::<Vec<_>>();
     let orange = scale(rgb(0xf08a1c), light);
     let deep = scale(rgb(0xc25a10), light);
     let shade = |p: Point, d: f32, round: f32| {
-        // Scales: a faint net over the skin.
+        // Scales: a faint grid on the skin.
         let net = (p[0] * 0.9 + p[1] * 0.5).sin() * (p[1] * 0.8 - p[0] * 0.35).sin();
         let c = mix3(deep, orange, smoothstep(0.0, -round, d));
         (scale(c, 1.0 + 0.07 * net), 1.0)
@@ -91,7 +91,7 @@ fn leg(canvas: &mut Canvas, shift: Point, light: f32) {
             smoothstep(18.0, -16.0, p[0] - shift[0] - mix(520.0, 476.0, (p[1] - shift[1] - 735.0) / 173.0));
         let rings = ((p[1] - shift[1]) * 0.55).sin() * smoothstep(-1.0, -6.0, d);
         let c = mix3(deep, orange, (0.25 + 0.75 * side) * smoothstep(1.0, -5.0, d).max(0.35));
-        // The body throws its shadow on the upper leg.
+        // The shadow of the body on the upper leg.
         let shadow = mix(0.45, 1.0, smoothstep(752.0, 815.0, p[1] - shift[1]));
         (scale(c, (1.0 + 0.06 * rings) * shadow), 1.0)
     });
@@ -132,7 +132,7 @@ fn tail(canvas: &mut Canvas) {
     }
 }
 
-/// The trunk: its outline, its volume and the regions of its plumage.
+/// The body: its outline, its relief and the regions of its plumage.
 struct Body {
     cover: Grid,
     relief: Relief,
@@ -208,7 +208,7 @@ impl Body {
         Self { relief, breast: region(&breast), rump: region(&rump), wing: region(&wing), cover }
     }
 
-    /// Colour of the plumage at `p` before light falls on it.
+    /// Returns the colour of the plumage at `p`, without lighting.
     fn plumage(&self, p: Point) -> Color {
         let ragged = 9.0 * free_turbulence(p[0] * 0.05, p[1] * 0.05, 2, 61);
         let flank = mix3(rgb(0xc4c0b8), rgb(0xe4e0d8), smoothstep(620.0, 740.0, p[1]));
@@ -217,18 +217,18 @@ impl Body {
         let chestnut = mix3(chestnut, rgb(0x8e4a28), smoothstep(560.0, 690.0, p[1]));
         let rump = self.rump.at(p) + 0.6 * ragged;
         let c = mix3(flank, chestnut, smoothstep(12.0, -10.0, self.breast.at(p) + ragged));
-        // A white band parts the flank from the black rump.
+        // A white band separates the flank from the black rump.
         let c = mix3(c, rgb(0xfaf8f4), smoothstep(50.0, 26.0, rump));
         mix3(c, rgb(0x14161a), smoothstep(5.0, -5.0, rump))
     }
 
-    /// Light at `p`, with the shade that the wing throws on the flank.
+    /// Returns the light at `p`, with the shadow of the wing on the flank.
     fn light(&self, p: Point) -> f32 {
         let under_wing = smoothstep(0.0, 42.0, self.wing.at([p[0] - 4.0, p[1] - 10.0]));
         self.relief.light(p) * mix(0.72, 1.0, under_wing)
     }
 
-    /// The trunk and its coat of small feathers, laid from the tail to the breast.
+    /// Paints the body and its coat of small feathers, from the tail to the breast.
     fn coat(&self, canvas: &mut Canvas) {
         let everywhere = Shape::polygon(vec![[190.0, 280.0], [900.0, 280.0], [900.0, 780.0], [190.0, 780.0]]);
         let clip = Some(&self.cover);
@@ -236,7 +236,7 @@ impl Body {
         for (root, seed) in scatter([196.0, 360.0], [900.0, 790.0], [15.0, 17.0], 300) {
             let breast = smoothstep(40.0, -10.0, self.breast.at(root));
             let black = smoothstep(25.0, 0.0, self.rump.at(root));
-            // Long feathers on the flank, small ones on the breast; few need to be laid where they are long.
+            // Long feathers on the flank, small ones on the breast. Long feathers need fewer.
             let size = mix(mix(84.0, 26.0, breast), 46.0, black);
             if self.wing.at(root) < -60.0 || random(seed as i32, 3, 301) > 26.0 / size + 0.25 {
                 continue;
@@ -245,7 +245,7 @@ impl Body {
             let lift = smoothstep(600.0, 760.0, root[1]) * smoothstep(330.0, 640.0, root[0]);
             let angle = 0.16 + down - 0.62 * lift + 0.22 * (random(seed as i32, 1, 302) - 0.5);
             let tint = mix(0.88, 1.12, random(seed as i32, 2, 303));
-            // Near the rump black and white must not run into each other.
+            // Near the rump, black and white must not blend.
             let apart = smoothstep(58.0, 79.0, self.rump.at(root));
             let blend = 0.3 * apart;
             let base = self.plumage([root[0] + 0.5 * size * angle.cos(), root[1] + 0.5 * size * angle.sin()]);
@@ -266,11 +266,11 @@ impl Body {
         }
     }
 
-    /// Downy feathers that the legs come out of.
+    /// Paints the downy feathers around the tops of the legs.
     fn thighs(&self, canvas: &mut Canvas) {
         for (root, light) in [([632.0, 722.0], 0.62), ([522.0, 736.0], 0.9)] {
             for i in 0..13 {
-                // From the outer feathers to the middle, so that the middle lies on top.
+                // From the outer feathers to the middle, so that the middle is on top.
                 let k = if i % 2 == 0 { 12 - i } else { i - 12 } as f32 / 12.0;
                 Feather {
                     root: [root[0] + 25.0 * k, root[1] - 4.0],
@@ -293,7 +293,7 @@ impl Body {
         }
     }
 
-    /// The folded wing: primaries, speculum, coverts and scapulars, from below to above.
+    /// Paints the folded wing from bottom to top: primaries, speculum, coverts and scapulars.
     fn wing(&self, canvas: &mut Canvas) {
         let light = |p: Point| self.relief.light(p);
         for i in 0..5 {
@@ -345,7 +345,7 @@ impl Body {
         self.scapulars(canvas);
     }
 
-    /// Tertials and scapulars: long, pale, drooping from the shoulder over the wing.
+    /// Paints tertials and scapulars: long and pale, drooping from the shoulder over the wing.
     fn scapulars(&self, canvas: &mut Canvas) {
         let long: [(Point, f32, f32, f32); 11] = [
             ([560.0, 516.0], 0.115, 196.0, 50.0),
@@ -383,7 +383,7 @@ impl Body {
         }
     }
 
-    /// The blue patch on the wing, between two black and two white bars.
+    /// Paints the speculum: the blue patch on the wing, between two black and two white bars.
     fn speculum(&self, canvas: &mut Canvas) {
         for i in 0..7 {
             let k = i as f32;
@@ -419,7 +419,7 @@ impl Body {
         }
     }
 
-    /// The scalloped back, from the tail to the neck.
+    /// Paints the scalloped back, from the tail to the neck.
     fn mantle(&self, canvas: &mut Canvas) {
         for (root, seed) in scatter([372.0, 396.0], [770.0, 520.0], [15.0, 14.0], 500) {
             let spine = mix(420.0, 500.0, smoothstep(400.0, 800.0, root[0]));
@@ -450,7 +450,7 @@ impl Body {
     }
 }
 
-/// The two black feathers that curl up over the tail.
+/// Paints the two black feathers that curl up over the tail.
 fn curls(canvas: &mut Canvas) {
     let long: [Point; 7] = [
         [790.0, 508.0],
@@ -475,7 +475,7 @@ fn curls(canvas: &mut Canvas) {
     }
 }
 
-/// Neck, white ring, head, bill and eye.
+/// Paints neck, white ring, head, bill and eye.
 fn head(canvas: &mut Canvas) {
     let outline = Shape::smooth(&[
         [188.0, 214.0],
@@ -502,25 +502,25 @@ fn head(canvas: &mut Canvas) {
     let relief = Relief::new(&cover, &[22.0, 55.0, 90.0]);
     bill(canvas);
     canvas.fill(&outline, None, 0.0, |p, _| {
-        // Tiny feathers: noise drawn out along the way from the bill over the cheek down the neck.
+        // Tiny feathers: noise stretched along the line from the bill over the cheek down the neck.
         let turn = smoothstep(230.0, 330.0, p[1]);
         let (along, across) = (mix(p[0], p[1], turn), mix(p[1], p[0], turn));
         let hair = free_turbulence(along * 0.07, across * 0.33, 3, 71);
         let n = relief.normal(p);
         let facing = -0.42 * n[0] - 0.62 * n[1] + 0.66 * n[2] + 0.10 * hair;
-        // Iridescence: the hue follows the angle between light and plumage.
+        // Iridescence: the hue depends on the angle between light and plumage.
         let mut c = mix3(rgb(0x071713), rgb(0x0b4a32), smoothstep(-0.2, 0.45, facing));
         c = mix3(c, rgb(0x128057), smoothstep(0.40, 0.80, facing));
         c = mix3(c, rgb(0x4fc98a), 0.75 * smoothstep(0.80, 1.02, facing));
         let violet = smoothstep(0.15, 1.0, n[0] + 0.12 * hair)
             + 0.5 * smoothstep(255.0, 340.0, p[1]) * smoothstep(-0.5, 0.3, n[0]);
         c = mix3(c, rgb(0x2c2a78), (0.62 * violet).min(0.6) * smoothstep(0.85, 0.45, facing));
-        // A band of sheen runs from the cheek down the side of the neck.
+        // A sheen from the cheek down the side of the neck.
         let sheen = ((p[0] - mix(322.0, 296.0, smoothstep(200.0, 330.0, p[1]))) / 42.0).powi(2)
             + ((p[1] - 236.0) / 78.0).powi(2);
         c = mix3(c, rgb(0x1fa06e), 0.34 * (-1.4 * sheen).exp() * (1.0 + hair));
         c = scale(c, 1.0 + 0.35 * hair);
-        // White ring below, with a ragged edge, then chestnut that fades into the breast.
+        // The white ring with a ragged edge, then chestnut that fades into the breast.
         let sag = 14.0 * (1.0 - ((p[0] - 302.0) / 80.0).powi(2));
         let rag = 5.0 * free_turbulence(p[0] * 0.16, p[1] * 0.04, 2, 72);
         let below = p[1] - 346.0 - sag + rag;
@@ -533,7 +533,7 @@ fn head(canvas: &mut Canvas) {
     eye(canvas);
 }
 
-/// The yellow bill with nostril, nail and the line of the mouth.
+/// Paints the yellow bill with nostril, nail and mouth line.
 fn bill(canvas: &mut Canvas) {
     let lower = Shape::joined(&[
         &[[214.0, 258.0], [160.0, 276.0], [106.0, 290.0], [84.0, 288.0]],
@@ -583,7 +583,7 @@ fn bill(canvas: &mut Canvas) {
     canvas.fill(&smile, None, 0.3, |_, _| (rgb(0x4a380c), 0.9));
 }
 
-/// The dark eye with its two highlights.
+/// Paints the dark eye with its two highlights.
 fn eye(canvas: &mut Canvas) {
     let center = [258.0, 176.0];
     let disc = |c: Point, r: f32| Shape::ellipse(c, [r, r], 0.0);

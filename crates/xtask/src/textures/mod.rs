@@ -1,11 +1,11 @@
-//! Paints the textures that Mariana ships: `wood.png` and `mallard.png`.
+//! Generates the shipped textures `wood.png` and `mallard.png`.
 //!
 //! ```text
 //! cargo xtask textures [FOLDER]
 //! ```
 //!
-//! `FOLDER` defaults to `assets/textures`. Both pictures are formulas; the only randomness is an integer
-//! hash, so that every run writes the same bytes.
+//! `FOLDER` defaults to `assets/textures`. Both images are computed; the only randomness is an integer hash, so that
+//! every run writes the same bytes.
 
 pub(crate) mod canvas;
 mod feather;
@@ -20,7 +20,6 @@ use std::path::{Path, PathBuf};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
-/// Paints both.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let folder =
         arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("assets/textures"), PathBuf::from);
@@ -32,7 +31,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes one square picture of `side` x `side` pixels as a PNG.
+/// Writes a square image of `side` x `side` pixels as a PNG.
 fn write_png(path: &Path, pixels: &[u8], side: u32, color: ExtendedColorType) -> anyhow::Result<()> {
     let file = BufWriter::new(std::fs::File::create(path)?);
     PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive)

@@ -1,6 +1,6 @@
-//! Integer hash and periodic gradient noise (after Perlin 1985), the same on every run.
+//! An integer hash and periodic gradient noise (after Perlin 1985), the same on every run.
 
-/// Scrambles the bits of `x`: multiply and xor-shift, three rounds.
+/// Scrambles the bits of `x` in three rounds of multiply and xor-shift.
 fn scramble(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(0x9E37_79B1);
     x = (x ^ (x >> 15)).wrapping_mul(0x85EB_CA77);
@@ -8,17 +8,17 @@ fn scramble(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// Hash of the lattice point (`x`, `y`), all 32 bits.
+/// Returns a hash of the lattice point (`x`, `y`).
 fn hash(x: i32, y: i32, seed: u32) -> u32 {
     scramble((x as u32) ^ scramble((y as u32) ^ scramble(seed)))
 }
 
-/// A number in 0..1 for the lattice point (`x`, `y`).
+/// Returns a number in 0..1 for the lattice point (`x`, `y`).
 pub fn random(x: i32, y: i32, seed: u32) -> f32 {
     (hash(x, y, seed) >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Hermite step from 0 at `a` to 1 at `b`; `a` may be the larger one.
+/// Hermite step from 0 at `a` to 1 at `b`; `a` may be greater than `b`.
 pub fn smoothstep(a: f32, b: f32, x: f32) -> f32 {
     let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -49,7 +49,7 @@ pub fn gradient(x: f32, y: f32, period: [i32; 2], seed: u32) -> f32 {
     1.5 * mix(mix(corner(0, 0), corner(1, 0), u), mix(corner(0, 1), corner(1, 1), u), v)
 }
 
-/// Sum of `octaves` of [`gradient`], each twice as fine and half as strong as the one before.
+/// Sums `octaves` of [`gradient`], each twice as fine and half as strong as the previous one.
 pub fn turbulence(x: f32, y: f32, period: [i32; 2], octaves: u32, seed: u32) -> f32 {
     let mut sum = 0.0;
     let mut weight = 1.0;
@@ -63,7 +63,7 @@ pub fn turbulence(x: f32, y: f32, period: [i32; 2], octaves: u32, seed: u32) -> 
     sum
 }
 
-/// [`turbulence`] that does not repeat within any picture.
+/// [`turbulence`] that does not repeat within an image.
 pub fn free_turbulence(x: f32, y: f32, octaves: u32, seed: u32) -> f32 {
     turbulence(x, y, [1 << 16; 2], octaves, seed)
 }

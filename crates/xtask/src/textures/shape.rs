@@ -1,11 +1,11 @@
-//! Flat shapes with an exact signed distance: closed polygons that were made from splines.
+//! Flat shapes with an exact signed distance: closed polygons made from splines.
 //!
-//! Lengths are in units of the picture (1024 units wide), x to the right, y down.
+//! Lengths are in units of the image (1024 units wide), x to the right, y down.
 
 /// A point or a vector.
 pub type Point = [f32; 2];
 
-/// Points on each span of a spline.
+/// Points per span of a spline.
 const STEPS: usize = 10;
 
 /// A closed polygon.
@@ -16,7 +16,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The polygon through `points`, closed.
+    /// A closed polygon through `points`.
     pub fn polygon(points: Vec<Point>) -> Self {
         let fold = |start: f32, axis: usize, pick: fn(f32, f32) -> f32| {
             points.iter().map(|p| p[axis]).fold(start, pick)
@@ -34,12 +34,12 @@ impl Shape {
         Self::polygon(spans.collect())
     }
 
-    /// Smooth open curves joined with corners where one ends and the next begins.
+    /// Smooth open curves, joined at corners.
     pub fn joined(curves: &[&[Point]]) -> Self {
         Self::polygon(curves.iter().flat_map(|knots| open_curve(knots)).collect())
     }
 
-    /// An ellipse with the half axes `radii`, turned by `angle` radians.
+    /// An ellipse with the half axes `radii`, rotated by `angle` radians.
     pub fn ellipse(center: Point, radii: Point, angle: f32) -> Self {
         let (sin, cos) = angle.sin_cos();
         let points = (0..48).map(|i| {
@@ -50,7 +50,7 @@ impl Shape {
         Self::polygon(points.collect())
     }
 
-    /// A brush stroke along a smooth curve; `widths` holds the full width at each knot.
+    /// A brush stroke along a smooth curve. `widths` has the full width at each knot.
     pub fn stroke(knots: &[Point], widths: &[f32]) -> Self {
         let line = open_curve(knots);
         let width_at = |i: usize| {
@@ -70,12 +70,12 @@ impl Shape {
         Self::polygon(side(1.0).chain(side(-1.0).rev()).collect())
     }
 
-    /// Lower and upper corner of the box around the shape.
+    /// Returns the lower and upper corner of the bounding box.
     pub fn bounds(&self) -> (Point, Point) {
         (self.low, self.high)
     }
 
-    /// Distance to the outline, negative inside (inside by the even-odd rule).
+    /// Returns the distance to the outline, negative inside (by the even-odd rule).
     pub fn distance(&self, p: Point) -> f32 {
         let mut nearest = f32::MAX;
         let mut inside = false;
@@ -95,7 +95,7 @@ impl Shape {
     }
 }
 
-/// Points of the open Catmull-Rom curve through `knots`, both ends included.
+/// Returns points of the open Catmull-Rom curve through `knots`, including both ends.
 fn open_curve(knots: &[Point]) -> Vec<Point> {
     let last = knots.len() - 1;
     let mut points: Vec<Point> = (0..last)
@@ -105,7 +105,7 @@ fn open_curve(knots: &[Point]) -> Vec<Point> {
     points
 }
 
-/// Points of one Catmull-Rom span from the second knot up to, not including, the third.
+/// Returns points of a Catmull-Rom span, from the second knot up to but not including the third.
 fn span(k: [Point; 4]) -> impl Iterator<Item = Point> {
     (0..STEPS).map(move |i| {
         let t = i as f32 / STEPS as f32;

@@ -1,19 +1,19 @@
-//! A flat-sawn board of warm brown oak, grain along x, seamless in both directions.
+//! A flat-sawn board of warm brown oak, with the grain along x, seamless in both directions.
 //!
-//! Everything is a function of the tile's coordinates u, v in 0..1 and periodic in both. The growth rings
-//! are the fractional part of `RINGS * v` plus noise that is stretched along the grain: where the noise is
-//! steeper than the slope of v, the rings close to the long arches of a flat-sawn board.
+//! Everything is a periodic function of the tile's coordinates u, v in 0..1. The growth rings are the fractional part
+//! of `RINGS * v` plus noise that is stretched along the grain. Where the noise is steeper than the slope of v, the
+//! rings close to the long arches of a flat-sawn board.
 
 use super::noise::{gradient, mix, mix3, random, smoothstep, turbulence};
 
-/// Width and height of the picture in pixels.
+/// Width and height of the image in pixels.
 pub const SIDE: usize = 1024;
 /// Samples per pixel along each axis.
 const SAMPLES: usize = 2;
-/// Growth rings from the top of the tile to its bottom.
+/// Number of growth rings from top to bottom.
 const RINGS: i32 = 30;
 
-/// The picture as rows of sRGB bytes, `SIDE * SIDE * 3` of them.
+/// Paints the image as rows of sRGB bytes, `SIDE * SIDE * 3` bytes.
 pub fn paint() -> Vec<u8> {
     let mut pixels = vec![0; SIDE * SIDE * 3];
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
@@ -31,7 +31,7 @@ pub fn paint() -> Vec<u8> {
     pixels
 }
 
-/// The mean of the samples within one pixel.
+/// Returns the mean of the samples within a pixel.
 fn pixel_at(x: usize, y: usize) -> [u8; 3] {
     let mut sum = [0.0; 3];
     for sample in 0..SAMPLES * SAMPLES {
@@ -45,20 +45,20 @@ fn pixel_at(x: usize, y: usize) -> [u8; 3] {
     sum.map(|s| (s / (SAMPLES * SAMPLES) as f32).round().clamp(0.0, 255.0) as u8)
 }
 
-/// The board's colour at u, v: sRGB, 0..255.
+/// Returns the colour at u, v: sRGB, 0..255.
 fn color_at(u: f32, v: f32) -> [f32; 3] {
-    // Fibres run along x but drift by a few pixels; rings, fibres and pores share the drift.
+    // Fibres run along x with a drift of a few pixels, which rings, fibres and pores share.
     let drift = 0.006 * turbulence(u * 2.0, v * 3.0, [2, 3], 3, 11);
     let v = v + drift;
 
     let ring = ring_at(u, v);
     let index = (ring.floor() as i32).rem_euclid(RINGS);
     let phase = ring - ring.floor();
-    // Latewood darkens towards the end of the year and stops at once.
+    // Latewood darkens towards the end of the year and ends abruptly.
     let late_edge = mix(0.86, 0.94, random(index, 0, 21));
     let latewood = smoothstep(0.25, late_edge, phase) * smoothstep(1.0, late_edge, phase);
     let latewood = latewood * mix(0.35, 1.0, random(index, 1, 22));
-    // The first wood of the year, where the wide pores stand.
+    // Earlywood has the wide pores.
     let earlywood = smoothstep(0.45, 0.05, phase) + 0.6 * smoothstep(0.93, 1.0, phase);
 
     let fibres = turbulence(u * 16.0, v * 170.0, [16, 170], 2, 31);
@@ -71,7 +71,7 @@ fn color_at(u: f32, v: f32) -> [f32; 3] {
     let tone =
         0.66 - 0.36 * latewood + 0.15 * fibres + 0.07 * hairs + 0.13 * streaks + 0.10 * clouds + 0.16 * year;
     let mut color = palette(tone);
-    // Hue wanders between honey and red brown.
+    // The hue varies between honey and red brown.
     let hue = turbulence(u * 3.0, v * 4.0, [3, 4], 2, 34);
     color = [color[0] * (1.0 + 0.02 * hue), color[1] * (1.0 - 0.025 * hue), color[2] * (1.0 - 0.06 * hue)];
 
@@ -81,18 +81,18 @@ fn color_at(u: f32, v: f32) -> [f32; 3] {
     mix3(color, [58.0, 28.0, 12.0], dark)
 }
 
-/// The ring coordinate: its floor is the year (modulo [`RINGS`]), its fraction the season.
+/// Returns the ring coordinate: its floor is the year (modulo [`RINGS`]), its fraction the season.
 fn ring_at(u: f32, v: f32) -> f32 {
     let figure = 2.3 * gradient(u * 2.0 + 0.37, v * 3.0 + 0.21, [2, 3], 51)
         + 1.3 * gradient(u * 3.0, v * 8.0, [3, 8], 58)
         + 0.45 * turbulence(u * 4.0, v * 22.0, [4, 22], 2, 53)
         + 0.14 * turbulence(u * 10.0, v * 120.0, [10, 120], 2, 54);
     let ring = RINGS as f32 * v + figure;
-    // Years differ in width.
+    // Years have different widths.
     ring + 0.8 * gradient(ring * 0.5, 0.5, [RINGS / 2, 1], 55)
 }
 
-/// From dark latewood (0) over oak to pale earlywood (1), sRGB, 0..255.
+/// Maps a tone to sRGB, 0..255: from dark latewood (0) over oak to pale earlywood (1).
 fn palette(tone: f32) -> [f32; 3] {
     const STOPS: [[f32; 3]; 4] =
         [[92.0, 49.0, 22.0], [142.0, 84.0, 41.0], [186.0, 121.0, 66.0], [216.0, 160.0, 102.0]];
@@ -101,10 +101,10 @@ fn palette(tone: f32) -> [f32; 3] {
     mix3(STOPS[i], STOPS[i + 1], t - i as f32)
 }
 
-/// Darkness, 0..1, of the vessels cut open at the surface: at most one dash in each cell of a grid.
+/// Returns the darkness, 0..1, of vessels that are cut open at the surface: at most one dash per cell of a grid.
 ///
-/// `cells` counts the cells along u and v, `density` is the share of cells that hold a dash, `half_size` the
-/// longest and widest dash in cells, half of it to each side.
+/// `cells` has the number of cells along u and v, `density` is the fraction of cells with a dash, and `half_size` is
+/// half the largest length and width of a dash, in cells.
 fn pores(u: f32, v: f32, cells: [i32; 2], seed: u32, density: f32, half_size: [f32; 2]) -> f32 {
     let (x, y) = (u * cells[0] as f32, v * cells[1] as f32);
     let (x0, y0) = (x.floor() as i32, y.floor() as i32);
