@@ -1,9 +1,9 @@
-//! An input as a row of choices.
+//! A fuzz input as a sequence of choices.
 
-/// What is left of an input. Behind its end everything is 0.
+/// The rest of an input. Reads 0 after its end.
 pub(crate) struct Bytes<'a>(pub(crate) &'a [u8]);
 
-/// Numbers at which arithmetic misbehaves, and ordinary ones.
+/// Special numbers for arithmetic, and ordinary ones.
 const NUMBERS: [f32; 32] = [
     0.0,
     -0.0,
@@ -40,19 +40,19 @@ const NUMBERS: [f32; 32] = [
 ];
 
 impl Bytes<'_> {
-    /// The next byte.
+    /// Returns the next byte.
     pub(crate) fn next(&mut self) -> u8 {
         let Some((first, rest)) = self.0.split_first() else { return 0 };
         self.0 = rest;
         *first
     }
 
-    /// A whole number below `end`, which is at most 256.
+    /// Returns a whole number below `end`, which is at most 256.
     pub(crate) fn below(&mut self, end: usize) -> usize {
         usize::from(self.next()) % end
     }
 
-    /// A number: one of [`NUMBERS`], an ordinary one, or any bits.
+    /// Returns one of [`NUMBERS`], an ordinary number, or any bit pattern.
     pub(crate) fn number(&mut self) -> f32 {
         match self.next() {
             choice @ 0..64 => NUMBERS[usize::from(choice) % NUMBERS.len()],
@@ -61,14 +61,14 @@ impl Bytes<'_> {
         }
     }
 
-    /// A number that is not infinite and no NaN.
+    /// Returns a finite number.
     pub(crate) fn finite(&mut self) -> f32 {
         let number = self.number();
         if number.is_finite() { number } else { 0.75 }
     }
 }
 
-/// A number that stands for an input, to seed a generator with (FNV-1a).
+/// Hash of an input, as the seed of a random generator (FNV-1a).
 pub(crate) fn hash(bytes: &[u8]) -> u64 {
     bytes
         .iter()

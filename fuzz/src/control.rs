@@ -1,4 +1,4 @@
-//! What comes from outside while a show runs: packets of OSC, and the bytes of MIDI devices.
+//! Input from controllers: OSC packets and the bytes of MIDI devices.
 
 use mariana_control::action::{Action, ActionRow, ActionValue, ValueType};
 use mariana_control::limits::LIMITS;
@@ -6,7 +6,7 @@ use mariana_control::midi::{Clock, Device, Said};
 use mariana_control::osc::{Asked, Pattern, messages, understand};
 use mariana_control::{Amount, ParamChange, midi::Message};
 
-/// An action of each kind.
+/// One action of each kind.
 pub(crate) const ACTIONS: &[ActionRow] = &[
     ActionRow { name: "next", takes: ValueType::Press, meaning: "" },
     ActionRow { name: "pause", takes: ValueType::Switch, meaning: "" },
@@ -15,14 +15,14 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
     ActionRow { name: "scene", takes: ValueType::Choice, meaning: "" },
 ];
 
-/// A packet of OSC: taken apart, understood, and its patterns compared with addresses.
+/// Parses an OSC packet and matches its patterns with addresses.
 pub(crate) fn osc(data: &[u8]) {
     let (found, _) = messages(data);
     assert!(found.len() <= LIMITS.osc_elements_max, "{} messages", found.len());
     for (message, _) in &found {
         assert!(message.args.len() <= LIMITS.osc_arguments_max);
         if let Some(pattern) = Pattern::read(&message.addr) {
-            // What matches nothing shorter may match itself, and never takes long.
+            // Matching must neither panic nor take long.
             let _ = (pattern.matches("/param/size"), pattern.matches(&message.addr), pattern.matches(""));
         }
         match understand(message, ACTIONS) {
@@ -33,14 +33,14 @@ pub(crate) fn osc(data: &[u8]) {
     }
 }
 
-/// A turn has numbers and a name within limits.
+/// Checks that a parameter change has finite numbers and a name within limits.
 pub(crate) fn check_turn(change: &ParamChange) {
     let (Amount::Value(to) | Amount::Fraction(to)) = change.to;
     assert!(to.is_finite() && change.seconds.is_finite(), "{change:?}");
     assert!(change.name.len() <= LIMITS.name_bytes_max, "{change:?}");
 }
 
-/// An action stands in the table, with a number or a name within limits.
+/// Checks that an action is in the table and has a value within limits.
 pub(crate) fn check_act(action: &Action) {
     assert!(ACTIONS.iter().any(|row| row.name == action.name), "{action:?}");
     match &action.given {
@@ -50,7 +50,7 @@ pub(crate) fn check_act(action: &Action) {
     }
 }
 
-/// What a MIDI device says, in pieces of any size, and the clock in it.
+/// Parses MIDI bytes in pieces of any size, and follows the clock in them.
 pub(crate) fn midi(data: &[u8]) {
     let said = |pieces: &mut dyn Iterator<Item = &[u8]>| {
         let (mut device, mut said) = (Device::default(), Vec::new());
@@ -59,7 +59,7 @@ pub(crate) fn midi(data: &[u8]) {
     };
     let whole = said(&mut std::iter::once(data));
     assert!(whole.len() <= 2 * data.len(), "{} from {} bytes", whole.len(), data.len());
-    assert_eq!(whole, said(&mut data.chunks(3)), "it matters how the bytes are cut");
+    assert_eq!(whole, said(&mut data.chunks(3)), "the result depends on how the bytes are split");
     let mut clock = Clock::default();
     for (number, one) in whole.iter().enumerate() {
         match one {

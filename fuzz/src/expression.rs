@@ -1,7 +1,7 @@
-//! Expressions that bytes spell: what each evaluator gives for them, bit for bit.
+//! Expressions built from bytes. All evaluators must give the same result, bit for bit.
 //!
-//! There is no processor that runs the generated GLSL here. It is held to naga (`World::compiled_glsl`); that a driver
-//! computes the same with it is `tests/pictures/agreement.rs`.
+//! The generated GLSL cannot run on the CPU, so it is only validated with naga (`World::compiled_glsl`).
+//! `tests/pictures/agreement.rs` checks that drivers compute the same values with it.
 
 use mariana_field::graph::SoundInput;
 use std::sync::Arc;
@@ -38,11 +38,11 @@ const INPUTS: [Input; 12] = [
     Input::NZ,
 ];
 
-/// What shapes are mostly made of, and what `Graph::fused` looks for.
+/// Operators that are frequent in shapes and that `Graph::fused` looks for.
 const COMMON: [Op; 8] = [Op::Add, Op::Sub, Op::Abs, Op::Max, Op::Square, Op::Sqrt, Op::Mul, Op::Min];
 
-/// Operators that `Graph::fused` makes, and nothing else: never of a constant first operand, whose square naga would
-/// compute. No GLSL is made of what was fused.
+/// Operators that only `Graph::fused` creates. Their first operand is never a constant, whose square naga would
+/// compute. GLSL is generated from unfused graphs.
 const FUSED: [Op; 7] = [
     Op::SquareDifference,
     Op::OutsideAdd,
@@ -53,9 +53,9 @@ const FUSED: [Op; 7] = [
     Op::SqrtSub,
 ];
 
-/// An operator's operands: so many steps back.
+/// Returns an operand: a node some steps back.
 fn back(built: &[NodeId], byte: u8) -> Option<NodeId> {
-    // Mostly near ones, so that what is built is used; a few far away, which must be kept.
+    // Mostly recent nodes, so that results are used; a few far ones, which must be kept.
     let distance = match byte {
         0..112 => usize::from(byte % 2),
         112..224 => usize::from(byte % 12),
@@ -64,7 +64,7 @@ fn back(built: &[NodeId], byte: u8) -> Option<NodeId> {
     built.len().checked_sub(1 + distance).and_then(|index| built.get(index)).copied()
 }
 
-/// Which nodes an expression may have.
+/// The nodes that an expression may contain.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Any,
@@ -72,7 +72,7 @@ enum Kind {
     Distance,
 }
 
-/// The nodes of the steps that the bytes spell, simplified or as they stand. The same bytes give the same steps.
+/// Builds nodes from bytes, simplified or not. The same bytes give the same steps.
 fn build(mut bytes: Bytes, graph: &mut Graph, kind: Kind, simplify: bool) -> Vec<NodeId> {
     let inputs = if kind == Kind::Any { &INPUTS[..] } else { &INPUTS[..9] };
     let mut built = Vec::new();
@@ -111,7 +111,7 @@ fn build(mut bytes: Bytes, graph: &mut Graph, kind: Kind, simplify: bool) -> Vec
     built
 }
 
-/// What an input begins with.
+/// The parameters at the start of an input.
 #[derive(Clone)]
 struct Head {
     registers: usize,
@@ -123,7 +123,7 @@ struct Head {
 impl Head {
     fn read(bytes: &mut Bytes) -> Self {
         let (registers, roots) = (bytes.next(), 1 + bytes.below(13));
-        // Mostly few registers, which spill.
+        // Mostly few registers, so that values are spilled.
         let registers =
             if registers < 128 { 2 + usize::from(registers % 14) } else { usize::from(registers - 127) * 2 };
         let mut frame = super::random::frame();
@@ -156,10 +156,10 @@ fn assert_same(found: &[f32], wanted: &[f32], what: &str) {
     }
 }
 
-/// Encoding, with few registers and many, and evaluation of what was encoded: clauses and the interpreter's words.
+/// Checks encoding with few and many registers, and evaluation of clauses and interpreter words.
 pub(crate) fn tape(data: &[u8]) {
     for word in data.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])) {
-        // Whatever a word means, its meaning has one word.
+        // Every meaning has exactly one word.
         if let Some(instruction) = Clause::from_word(word).decode() {
             assert_eq!(instruction.encode().decode(), Some(instruction), "{word:#x}");
         }
@@ -186,7 +186,7 @@ fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
     );
     assert!(tape.outputs().iter().all(|register| usize::from(*register) < tape.registers().max(1)));
     for clause in tape.clauses() {
-        let instruction = clause.decode().expect("a clause without a meaning");
+        let instruction = clause.decode().expect("the clause is valid");
         assert_eq!(instruction.encode(), *clause);
     }
     let frame = &head.frame;
@@ -198,13 +198,13 @@ fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
     let mut rows: Vec<Vec<f32>> = Vec::new();
     for point in &head.points {
         let wanted = graph.evaluate(roots, point, frame).unwrap();
-        assert_same(points.at(point), &wanted, "the tape");
+        assert_same(points.at(point), &wanted, "tape");
         let (registers, ends) = words::run(&texels, 3, point, frame);
         let found: Vec<f32> =
             tape.outputs().iter().map(|register| registers[usize::from(*register)] + 0.0).collect();
-        assert_same(&found, &wanted, "the interpreter's words");
+        assert_same(&found, &wanted, "interpreter words");
         for (end, register) in ends.iter().zip(tape.outputs()) {
-            assert_eq!(*end, usize::from(*register), "END names another register");
+            assert_eq!(*end, usize::from(*register), "END has the wrong register");
         }
         rows.push(wanted);
     }
@@ -214,12 +214,12 @@ fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
     let many = Points { position: [x, y, z], normal: Some([nx, ny, nz]) };
     for (place, values) in Batch::new(tape, frame).run(many).iter().enumerate() {
         let wanted: Vec<f32> = rows.iter().map(|row| row[place]).collect();
-        assert_same(values, &wanted, "a batch");
+        assert_same(values, &wanted, "batch");
     }
 }
 
-/// All that computes an expression: the graph as it was built, simplified and fused; tapes, words, batches, dual numbers
-/// and intervals; and, as the shape of a scene, regions and naga.
+/// Compares all evaluators of an expression: the raw, simplified and fused graph, tapes, interpreter words, batches,
+/// dual numbers and intervals. As the shape of a scene, also regions and naga.
 pub(crate) fn differential(data: &[u8]) {
     let mut bytes = Bytes(data);
     let head = Head::read(&mut bytes);
@@ -241,12 +241,12 @@ pub(crate) fn differential(data: &[u8]) {
     let [tape, _] = &tapes;
     for point in &head.points {
         let wanted = raw.evaluate(&plain, point, frame).unwrap();
-        assert_same(&graph.evaluate(&simple, point, frame).unwrap(), &wanted, "simplified");
-        assert_same(&fused.evaluate(&short, point, frame).unwrap(), &wanted, "fused");
+        assert_same(&graph.evaluate(&simple, point, frame).unwrap(), &wanted, "simplified graph");
+        assert_same(&fused.evaluate(&short, point, frame).unwrap(), &wanted, "fused graph");
         let duals: Vec<f32> =
             GradientEvaluator::new(tape, frame).at(point).iter().map(|dual| dual.value).collect();
         assert_same(&duals, &wanted, "dual numbers");
-        // A box that the point lies in, at its corner or in its middle.
+        // Boxes around the point.
         let wide = |value: f32, by: f32| Interval::new(value - by, value + by);
         for by in [0.0, 0.25, 1e10] {
             let [x, y, z, nx, ny, nz] = point.inputs().map(|value| wide(value, by));
@@ -265,7 +265,7 @@ pub(crate) fn differential(data: &[u8]) {
     shape(rest, hash(data));
 }
 
-/// The expression as the shape of a scene.
+/// Checks the expression as the shape of a scene.
 fn shape(steps: &[u8], seed: u64) {
     let mut scene = lang::compile("fuzz", "x", &mut lang::no_includes).scene.unwrap();
     let built = build(Bytes(steps), &mut scene.graph, Kind::Distance, true);

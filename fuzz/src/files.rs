@@ -1,4 +1,4 @@
-//! Files: sounds, lists of them, settings. Each input is written to a file in a folder that is this process's own.
+//! Input files: sounds, playlists and settings. Each input is written to a file in a folder of this process.
 
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Once};
@@ -13,24 +13,25 @@ use super::bytes::{Bytes, hash};
 use super::random::Random;
 use super::seeds;
 
-/// Frames after which a song is long enough: some seconds of work for a hostile file.
+/// Most frames to decode: some seconds of work for a hostile file.
 const FRAMES_MAX: usize = 1 << 21;
-/// Frames that are fetched after each seek.
+/// Frames to decode after each seek.
 const FRAMES_AFTER_SEEK: usize = 1 << 15;
 
-/// Ends of names, by which an input's first byte chooses: containers are told by what they hold, but names count.
+/// File extensions, chosen by the first byte of an input. Containers are detected by content, but the extension is a
+/// hint.
 pub(crate) const SOUND_ENDS: [&str; 12] =
     ["wav", "flac", "mp3", "ogg", "opus", "m4a", "aac", "aiff", "caf", "mkv", "webm", "mp4"];
-/// The same of lists.
+/// File extensions of playlists.
 pub(crate) const LIST_ENDS: [&str; 4] = ["m3u", "m3u8", "pls", "cue"];
 
-/// In memory where the system has a place for that: a disk would be most of the time.
+/// In memory if possible: a disk would take most of the time.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let memory = Path::new("/dev/shm");
     tempfile::tempdir_in(memory).or_else(|_| tempfile::tempdir()).unwrap()
 });
 
-/// A file with these bytes. Tests run side by side, so each kind of input has a folder.
+/// Writes a file with these bytes. Tests run in parallel, so each kind of input has its own folder.
 fn file(folder: &str, name: &str, bytes: &[u8]) -> PathBuf {
     let folder = FOLDER.path().join(folder);
     std::fs::create_dir_all(&folder).unwrap();
@@ -39,13 +40,13 @@ fn file(folder: &str, name: &str, bytes: &[u8]) -> PathBuf {
     path
 }
 
-/// Panics of codecs become errors, which libFuzzer's own hook would not wait for.
+/// Panics of codecs become errors. libFuzzer's panic hook would abort first.
 fn contain_panics() {
     static ONCE: Once = Once::new();
     ONCE.call_once(quiet_contained_panics);
 }
 
-/// A sound: opened, decoded, sought in.
+/// Opens and decodes a sound file and seeks in it.
 pub(crate) fn decode(data: &[u8]) {
     contain_panics();
     let mut bytes = Bytes(data);
@@ -74,12 +75,12 @@ pub(crate) fn decode(data: &[u8]) {
             _ => f64::from(random.between(0.0, 2.0)),
         };
         let Ok(reached) = decoder.seek(seconds) else { return };
-        assert!(reached.is_finite() && reached >= 0.0, "{seconds} s led to {reached} s");
+        assert!(reached.is_finite() && reached >= 0.0, "a seek to {seconds} s reached {reached} s");
         play(&mut decoder, FRAMES_AFTER_SEEK);
     }
 }
 
-/// Fetches frames until there are enough, or no more.
+/// Decodes until `enough` frames or the end.
 fn play(source: &mut dyn FrameSource, enough: usize) {
     let (mut block, mut played) = (Vec::new(), 0);
     while played < enough {
@@ -100,7 +101,7 @@ fn play(source: &mut dyn FrameSource, enough: usize) {
     }
 }
 
-/// A list in a folder with two songs: read, gathered, and gone through.
+/// Reads a playlist in a folder with two songs and plays it.
 pub(crate) fn lists(data: &[u8]) {
     contain_panics();
     let mut bytes = Bytes(data);
@@ -111,7 +112,7 @@ pub(crate) fn lists(data: &[u8]) {
             file("lists", song, &seeds::wave(8_000, 4_000));
         }
     }
-    let Some(kind) = Kind::of(&path) else { panic!("{end} is no list") };
+    let Some(kind) = Kind::of(&path) else { panic!("{end} is not a playlist extension") };
     let items = match kind.read(&path, bytes.0) {
         Ok(items) => items,
         Err(error) => return assert!(error.to_string().contains("list."), "{error}"),
@@ -120,7 +121,7 @@ pub(crate) fn lists(data: &[u8]) {
     for cut in items.iter().filter_map(|item| item.cut) {
         assert!(cut.end.is_none_or(|end| end >= cut.start), "{cut:?}");
     }
-    // What lies elsewhere on this machine is no matter of the input's.
+    // Do not open files elsewhere on this machine.
     let within = |reference: &Reference| match reference {
         Reference::Path(path) => stays_within(path),
         Reference::Address(_) => true,
@@ -151,13 +152,13 @@ pub(crate) fn lists(data: &[u8]) {
     }
 }
 
-/// Whether a path names something in the list's own folder, without a way out of it.
+/// True if a path is within the playlist's folder and has no `..`.
 fn stays_within(path: &Path) -> bool {
     let folder = FOLDER.path().join("lists");
     path.strip_prefix(folder).is_ok_and(|rest| !rest.components().any(|part| part.as_os_str() == ".."))
 }
 
-/// A file of settings: read, changed, read again.
+/// Reads a settings file, changes it and reads it again.
 pub(crate) fn settings(data: &[u8]) {
     let path = file("settings", "settings.toml", data);
     let (mut file, reported) = SettingsFile::open(Some(path.clone()));
@@ -171,9 +172,9 @@ pub(crate) fn settings(data: &[u8]) {
     assert!(reported.is_none_or(|error| error.to_string().contains("settings.toml")));
     file.change(|settings| settings.microphone = Some("fuzz".into())).unwrap();
     let (again, reported) = SettingsFile::open(Some(path));
-    // What a newer program wrote stays in the file, and is told again.
+    // Settings of a newer version stay in the file and are reported again.
     let readable = reported.as_ref().is_none_or(|error| matches!(error, SettingsError::Newer { .. }));
-    assert!(readable, "what was written cannot be read: {reported:?}");
+    assert!(readable, "the written settings cannot be read: {reported:?}");
     assert_eq!(again.settings(), file.settings());
     assert!(in_range(&again));
 }

@@ -1,7 +1,7 @@
-//! What is done with hostile input: a plain function for each kind of it, which panics where a promise is broken.
+//! Fuzz targets: one function for each kind of hostile input. Each function panics if a guarantee is broken.
 //!
-//! libFuzzer runs them (`bin/`, by `scripts/fuzz`), and `tests/fuzz_targets.rs` takes this file in to run them over all
-//! seeds and changed ones in every test run.
+//! libFuzzer runs them (`bin/`, with `scripts/fuzz`). `tests/fuzz_targets.rs` includes this file and runs them with
+//! all seeds and mutated seeds in every test run.
 
 mod bytes;
 mod control;
@@ -21,30 +21,30 @@ use std::path::Path;
 
 pub(crate) use seeds::{Seed, changed, dictionary};
 
-/// A kind of input.
+/// A fuzz target.
 pub(crate) struct Target {
-    /// What it is called, as its program in `bin/`.
+    /// Name, which is also that of its program in `bin/`.
     pub name: &'static str,
-    /// Takes an input in.
+    /// Processes an input.
     pub run: fn(&[u8]),
-    /// Inputs to begin with.
+    /// Returns the seed inputs.
     pub seeds: fn() -> Vec<Seed>,
-    /// Whether the scene language's words help.
+    /// True if the words of the scene language make useful inputs.
     pub speaks: bool,
-    /// How many changed seeds the test suite runs: what it does in a second or two.
+    /// Number of mutated seeds in the test suite, which take a second or two.
     pub changes: usize,
 }
 
-/// Lexer and parser.
+/// Lexer and parser of scenes.
 pub(crate) const SYNTAX: Target =
     Target { name: "syntax", run: text::syntax, seeds: seeds::scenes, speaks: true, changes: 400 };
-/// From a text to tapes and GLSL.
+/// Scenes, from text to tapes and GLSL.
 pub(crate) const SCENE: Target =
     Target { name: "scene", run: text::scene, seeds: seeds::scenes, speaks: true, changes: 100 };
-/// Regions of the scene that a text is.
+/// Region trees of scenes.
 pub(crate) const REGIONS: Target =
     Target { name: "regions", run: regions::regions, seeds: seeds::small_scenes, speaks: true, changes: 60 };
-/// Tapes of expressions, and their words.
+/// Tapes of expressions, and their encoding.
 pub(crate) const TAPE: Target =
     Target { name: "tape", run: expression::tape, seeds: seeds::steps, speaks: false, changes: 1_000 };
 /// All evaluators of an expression.
@@ -55,31 +55,31 @@ pub(crate) const DIFFERENTIAL: Target = Target {
     speaks: false,
     changes: 300,
 };
-/// A sound in any container.
+/// Sound files of any container.
 pub(crate) const DECODE: Target =
     Target { name: "decode", run: files::decode, seeds: seeds::sounds, speaks: false, changes: 600 };
-/// A playlist or cue sheet.
+/// Playlists and cue sheets.
 pub(crate) const LISTS: Target =
     Target { name: "lists", run: files::lists, seeds: seeds::lists, speaks: false, changes: 600 };
-/// The file of settings.
+/// Settings files.
 pub(crate) const SETTINGS: Target =
     Target { name: "settings", run: files::settings, seeds: seeds::settings, speaks: false, changes: 300 };
-/// What a network sends to the page for phones.
+/// Requests and messages to the page for phones.
 pub(crate) const PHONES: Target =
     Target { name: "phones", run: phones::phones, seeds: seeds::phones, speaks: false, changes: 40_000 };
 
-/// A packet of OSC.
+/// OSC packets.
 pub(crate) const OSC: Target =
     Target { name: "osc", run: control::osc, seeds: seeds::packets, speaks: false, changes: 4_000 };
-/// The bytes of a MIDI device.
+/// Bytes of a MIDI device.
 pub(crate) const MIDI: Target =
     Target { name: "midi", run: control::midi, seeds: seeds::midi, speaks: false, changes: 4_000 };
 
-/// A show file.
+/// Show files.
 pub(crate) const SHOWS: Target =
     Target { name: "shows", run: shows::shows, seeds: seeds::shows, speaks: false, changes: 1_000 };
 
-/// All of them.
+/// All targets.
 pub(crate) const TARGETS: [&Target; 12] = [
     &SYNTAX,
     &SCENE,
@@ -95,11 +95,11 @@ pub(crate) const TARGETS: [&Target; 12] = [
     &SHOWS,
 ];
 
-/// What a libFuzzer program begins with. Where `MARIANA_FUZZ_SEEDS` names a folder, seeds and the dictionary are written
-/// there and the program ends.
+/// Initializes a libFuzzer program. If `MARIANA_FUZZ_SEEDS` is a folder, writes seeds and dictionary there and ends
+/// the program.
 ///
 /// # Panics
-/// They cannot be written.
+/// The files cannot be written.
 pub(crate) fn prepare(target: &Target) {
     let Some(folder) = std::env::var_os("MARIANA_FUZZ_SEEDS") else { return };
     let folder = Path::new(&folder);

@@ -1,4 +1,4 @@
-//! What a network sends to the page for phones: heads of requests, and messages.
+//! Network input of the page for phones: request heads and messages.
 
 use mariana_remote::http::Head;
 use mariana_remote::limits::LIMITS;
@@ -7,7 +7,7 @@ use mariana_remote::message::{Asked, understand};
 use super::bytes::Bytes;
 use super::control::{ACTIONS, check_act, check_turn};
 
-/// The head of a request, or a message.
+/// Parses a request head or a message.
 pub(crate) fn phones(data: &[u8]) {
     let mut bytes = Bytes(data);
     match bytes.below(2) {
@@ -19,7 +19,7 @@ pub(crate) fn phones(data: &[u8]) {
 fn head(bytes: &[u8]) {
     let Ok(Some(head)) = Head::parse(bytes, LIMITS.head_fields_max) else { return };
     assert!((1..=bytes.len()).contains(&head.length), "{head:?}");
-    // What is behind it makes no difference, and less than it is none.
+    // Bytes after the head do not matter, and a shorter head is incomplete.
     let whole = Head::parse(&bytes[..head.length], LIMITS.head_fields_max);
     assert_eq!(whole, Ok(Some(head.clone())));
     assert_eq!(Head::parse(&bytes[..head.length - 1], LIMITS.head_fields_max), Ok(None));
@@ -29,7 +29,7 @@ fn head(bytes: &[u8]) {
     for name in ["host", "origin", "sec-websocket-key"] {
         let value = head.field(name);
         assert!(value.is_none() || head.has(name));
-        // What is told back of the host stands in a line of the answer.
+        // The answer contains the host in one of its lines.
         assert!(value.is_none_or(|value| !value.contains(['\r', '\n'])), "{value:?}");
     }
 }

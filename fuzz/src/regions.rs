@@ -1,4 +1,4 @@
-//! Regions against the tapes that they shorten.
+//! Compares region trees with the full tapes.
 
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::region::{RegionOptions, RegionPlan, Regions};
@@ -9,14 +9,14 @@ use super::bytes::hash;
 use super::random::Random;
 use super::text;
 
-/// Points that are asked for in each frame.
+/// Points to compare in each frame.
 const POINTS: usize = 300;
-/// Trees of longer tapes take seconds, which is known.
+/// Trees of longer tapes take seconds, which is a known limitation.
 const CLAUSES_MAX: usize = 3_000;
-/// So near to surfaces rays ask for objects.
+/// Distance from surfaces within which rays ask for the object.
 const OBJECT_REACH: f32 = 0.2;
 
-/// Regions of the scene that a text is.
+/// Checks the region tree of a scene text.
 pub(crate) fn regions(data: &[u8]) {
     let Some(world) = text::world(data) else { return };
     let mut random = Random(hash(data));
@@ -26,7 +26,7 @@ pub(crate) fn regions(data: &[u8]) {
     }
 }
 
-/// What a world's regions give is what its own tapes give, bit for bit, and their bounds hold.
+/// Checks that a world's region tree gives the same values as its full tapes, bit for bit, and that bounds hold.
 pub(crate) fn check(world: &World, inputs: &FrameInputs, random: &mut Random) {
     if !world.has_rest {
         return;
@@ -62,12 +62,12 @@ pub(crate) fn check(world: &World, inputs: &FrameInputs, random: &mut Random) {
     }
 }
 
-/// Somewhere in the tree's box or a little outside of it.
+/// Returns a point in the tree's box or slightly outside.
 fn point(tree: &Regions, random: &mut Random) -> [f32; 3] {
     std::array::from_fn(|axis| tree.low[axis] + tree.size[axis] * random.between(-0.05, 1.05))
 }
 
-/// Whether two values are the same: equal bits, or both no number.
+/// True if the bits are equal or both are NaN.
 pub(crate) fn same(a: f32, b: f32) -> bool {
     a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
 }

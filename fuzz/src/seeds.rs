@@ -1,4 +1,4 @@
-//! What to begin with, the words of the scene language, and changes that are the same in every run.
+//! Seed inputs, a dictionary of the scene language, and reproducible mutations.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,11 +8,10 @@ use mariana_field::lang;
 use super::files::{LIST_ENDS, SOUND_ENDS};
 use super::random::Random;
 
-/// An input to begin with.
+/// A seed input.
 pub(crate) struct Seed {
-    /// What to call its file.
+    /// The file name.
     pub name: String,
-    /// The input.
     pub bytes: Vec<u8>,
 }
 
@@ -20,13 +19,13 @@ fn seed(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Seed {
     Seed { name: name.into(), bytes: bytes.into() }
 }
 
-/// The repository, of which this is in `fuzz/` or in `tests/`.
+/// Returns the repository root. This file is compiled from `fuzz/` and from `tests/`.
 fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     if here.join("assets").is_dir() { here.to_owned() } else { here.join("..") }
 }
 
-/// Short texts that hold every kind of section and many shapes.
+/// Short scenes with every kind of section and many shapes.
 const SCENES: &[(&str, &str)] = &[
     ("formula", "length(p) - 1"),
     (
@@ -46,7 +45,7 @@ const SCENES: &[(&str, &str)] = &[
          object boxes { shape = union(for i in 0..20: box(p - place(i), vec3(0.2 + 0.1 * sin(i), 0.3, 0.25))) }\n\
          object balls { shape = smooth_union(for i in 0..9: sphere(p - place(i), 0.4 + 0.2 * band(0)), 0.3) }\n",
     ),
-    ("steep", "object s { shape = x^4 + y^4 + z^4 - 5 * (x^2 + y^2 + z^2) + 11.8 }"),
+    ("non-lipschitz", "object s { shape = x^4 + y^4 + z^4 - 5 * (x^2 + y^2 + z^2) + 11.8 }"),
     ("land", "object land { shape = (p.y - 0.6 * sin(p.x) * cos(p.z)) * 0.5 }"),
     ("noise", "object n { shape = length(p) - 1 + 0.1 * hash(floor(p)) + 0.2 * (t % 2) }"),
     ("include", "include \"a.scene\"\nobject o { shape = a(p) }"),
@@ -55,12 +54,12 @@ const SCENES: &[(&str, &str)] = &[
     ("choice", "object o { shape = if x > 0 then if y < 1 then 2 else length(p) - 1 else min(abs(z), 2) }"),
 ];
 
-/// The short texts.
+/// Returns the short scenes.
 pub(crate) fn small_scenes() -> Vec<Seed> {
     SCENES.iter().map(|(name, text)| seed(*name, *text)).collect()
 }
 
-/// The short texts, and the shipped scenes.
+/// Returns the short scenes and the shipped ones.
 pub(crate) fn scenes() -> Vec<Seed> {
     let mut seeds = small_scenes();
     let mut files: Vec<PathBuf> =
@@ -74,7 +73,7 @@ pub(crate) fn scenes() -> Vec<Seed> {
     seeds
 }
 
-/// Expressions of all lengths.
+/// Returns random expressions of many lengths.
 pub(crate) fn steps() -> Vec<Seed> {
     let mut random = Random(5);
     let lengths = [0, 1, 30, 60, 100, 150, 200, 300, 400, 700, 1_000, 2_000];
@@ -84,7 +83,8 @@ pub(crate) fn steps() -> Vec<Seed> {
     lengths.map(of).into()
 }
 
-/// A quarter of a second or less in every container and codec, made by ffmpeg. The first byte chooses the name's end.
+/// Returns sounds of at most a quarter of a second in every container and codec, made by ffmpeg. The first byte
+/// selects the extension.
 pub(crate) fn sounds() -> Vec<Seed> {
     let folder = tempfile::tempdir().unwrap();
     let source = folder.path().join("source.wav");
@@ -138,7 +138,7 @@ pub(crate) fn sounds() -> Vec<Seed> {
             }
             _ => {}
         }
-        let run = ffmpeg.arg(&path).output().expect("ffmpeg is needed to make the seeds: install it");
+        let run = ffmpeg.arg(&path).output().expect("ffmpeg makes the seeds: install it");
         assert!(run.status.success(), "{name}: {}", String::from_utf8_lossy(&run.stderr));
         let end = SOUND_ENDS.iter().position(|end| name.ends_with(end)).unwrap_or(0);
         let mut bytes = vec![end as u8];
@@ -148,7 +148,7 @@ pub(crate) fn sounds() -> Vec<Seed> {
     seeds
 }
 
-/// A WAVE file of 16-bit stereo: a tone and noise.
+/// Returns a 16-bit stereo WAVE file with a tone and noise.
 pub(crate) fn wave(rate: u32, frames: u32) -> Vec<u8> {
     let mut random = Random(3);
     let mut bytes = b"RIFF".to_vec();
@@ -167,19 +167,19 @@ pub(crate) fn wave(rate: u32, frames: u32) -> Vec<u8> {
     bytes
 }
 
-/// Text as OSC writes it: with a zero, to whole fours.
+/// Encodes an OSC string: zero-terminated, padded to four bytes.
 fn osc_text(text: &str) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     bytes.resize((text.len() / 4 + 1) * 4, 0);
     bytes
 }
 
-/// A message of OSC with these arguments behind their tags.
+/// Encodes an OSC message. `arguments` are the encoded values for `tags`.
 fn osc_message(address: &str, tags: &str, arguments: &[u8]) -> Vec<u8> {
     [osc_text(address), osc_text(tags), arguments.to_vec()].concat()
 }
 
-/// A bundle of OSC for a time.
+/// Encodes an OSC bundle.
 fn osc_bundle(time: [u32; 2], elements: &[Vec<u8>]) -> Vec<u8> {
     let mut bytes = [osc_text("#bundle"), time.map(u32::to_be_bytes).concat()].concat();
     for element in elements {
@@ -189,7 +189,7 @@ fn osc_bundle(time: [u32; 2], elements: &[Vec<u8>]) -> Vec<u8> {
     bytes
 }
 
-/// Packets of OSC.
+/// Returns OSC packets.
 pub(crate) fn packets() -> Vec<Seed> {
     let half = 0.5_f32.to_be_bytes();
     let turn = osc_message("/param/size", ",ff", &[half, half].concat());
@@ -213,7 +213,7 @@ pub(crate) fn packets() -> Vec<Seed> {
     ]
 }
 
-/// What MIDI devices say.
+/// Returns MIDI byte streams.
 pub(crate) fn midi() -> Vec<Seed> {
     let sysex = [&[0xF0, 0x7E][..], &[0x11; 40], &[0xF7]].concat();
     let song = [&[0xFA][..], &[0xF8; 50], &[0xFC, 0xF2, 0x10, 0x02, 0xFB], &[0xF8; 30]].concat();
@@ -229,7 +229,7 @@ pub(crate) fn midi() -> Vec<Seed> {
     ]
 }
 
-/// Lists of all kinds. The first byte chooses the kind.
+/// Returns playlists of all kinds. The first byte selects the extension.
 pub(crate) fn lists() -> Vec<Seed> {
     let texts: [(&str, &str, &[u8]); 9] = [
         ("m3u", "plain", b"#EXTM3U\r\n#EXTINF:123,Some One - A Song\r\na.wav\r\n\r\nb.wav\nhttp://x/y\nmissing.mp3\n"),
@@ -255,12 +255,12 @@ pub(crate) fn lists() -> Vec<Seed> {
     texts.iter().map(of).collect()
 }
 
-/// Heads of requests and messages of phones. The first byte chooses which.
+/// Returns request heads and messages of phones. The first byte selects the kind.
 pub(crate) fn phones() -> Vec<Seed> {
     let texts: [(&str, u8, &str); 10] = [
         ("page", 0, "GET /35qf29r24hbredywj1tc8v84jb/ HTTP/1.1\r\nHost: 192.168.0.7:8080\r\n\r\n"),
         (
-            "talk",
+            "websocket",
             0,
             "GET /35qf29r24hbredywj1tc8v84jb/hands HTTP/1.1\r\nHost: [fe80::1]:8080\r\nOrigin: http://[fe80::1]:8080\r\n\
              Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\nrest",
@@ -277,7 +277,7 @@ pub(crate) fn phones() -> Vec<Seed> {
     texts.iter().map(|(name, kind, text)| seed(*name, [&[*kind], text.as_bytes()].concat())).collect()
 }
 
-/// Show files, good and broken. The first byte chooses the song.
+/// Returns valid and broken show files. The first byte selects the song.
 pub(crate) fn shows() -> Vec<Seed> {
     let texts: [(&str, u8, &str); 12] = [
         ("plain", 1, "at start ball.scene\nat section B bare.scene camera near melt over 2 bars\n"),
@@ -315,7 +315,7 @@ pub(crate) fn shows() -> Vec<Seed> {
     texts.iter().map(|(name, song, text)| seed(*name, [&[*song], text.as_bytes()].concat())).collect()
 }
 
-/// Settings, good and broken.
+/// Returns valid and broken settings files.
 pub(crate) fn settings() -> Vec<Seed> {
     let good =
         "microphone = \"p:mic\"\nsystem = \"p:a.monitor\"\n\n[latency_ms]\n\"p:head\" = 180.0\nb = -5e1\n";
@@ -330,7 +330,7 @@ pub(crate) fn settings() -> Vec<Seed> {
     ]
 }
 
-/// Words of the scene language in libFuzzer's form.
+/// Returns the words of the scene language as a libFuzzer dictionary.
 pub(crate) fn dictionary() -> String {
     const SIGNS: &[&str] = &[
         "(",
@@ -403,7 +403,7 @@ pub(crate) fn dictionary() -> String {
     words.map(|word| format!("\"{word}\"\n")).collect()
 }
 
-/// A seed with some changes: bytes flipped, replaced, taken out, doubled, moved, or put in from another seed.
+/// Returns a seed with some mutations: bytes changed, deleted, duplicated, inserted, or copied from another seed.
 pub(crate) fn changed(seeds: &[Seed], number: usize) -> Vec<u8> {
     let mut random = Random(0x5EED ^ number as u64);
     let mut bytes = seeds[number % seeds.len()].bytes.clone();

@@ -1,4 +1,4 @@
-//! Texts of show files, from the text to the frame of a moment.
+//! Show files, from the text to the frame at a moment.
 
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -12,13 +12,13 @@ use mariana_music::{Section, SongBeat, SongStructure, Sound, Stretch};
 
 use super::bytes::Bytes;
 
-/// The name and the text of a scene with parameters and two cameras.
+/// A scene with parameters and two cameras.
 const SCENE: &str = "ball.scene";
 const SCENE_TEXT: &str = "param size = 1 in 0.2 .. 2\nparam grain = 0.5 in 0 .. 1\n\
     object ball { shape = sphere(p, size) }\ncamera { position = vec3(0, 2, -6)  target = vec3(0) }\n\
     camera near { position = vec3(1, 1, -3)  target = vec3(0) }\n";
 
-/// A folder with this scene, one without names and one with a mistake.
+/// A folder with this scene, one without parameters, and one with a mistake.
 static SCENES: LazyLock<(tempfile::TempDir, ReadyScene)> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in [(SCENE, SCENE_TEXT), ("bare.scene", "length(p) - 1"), ("bad.scene", "lngth(p)")] {
@@ -28,7 +28,7 @@ static SCENES: LazyLock<(tempfile::TempDir, ReadyScene)> = LazyLock::new(|| {
     (folder, ready)
 });
 
-/// Songs: one without any structure, and one with beats, sections, a build and a drop.
+/// Returns a song without structure, or one with beats, sections, a build and a drop.
 fn song(number: usize) -> SongStructure {
     if number == 0 {
         return SongStructure { seconds: 7.0, ..SongStructure::default() };
@@ -56,7 +56,7 @@ fn song(number: usize) -> SongStructure {
     }
 }
 
-/// A show or its mistakes; from a show a plan that has something to draw at every moment. The first byte chooses a song.
+/// Parses a show. A valid one must have a clip to draw at every moment. The first byte selects the song.
 pub(crate) fn shows(data: &[u8]) {
     let mut bytes = Bytes(data);
     let song = song(bytes.below(2));
@@ -72,17 +72,17 @@ pub(crate) fn shows(data: &[u8]) {
     let cues = prepared_show.cues().len();
     match prepared_show.timeline() {
         Some(timeline) => check(&prepared_show, timeline),
-        None => assert!(cues > 0, "an empty plan without cues"),
+        None => assert!(cues > 0, "there is no timeline and no cue"),
     }
     let pressed: Vec<f64> = (0..cues).map(|number| 5.0 * number as f64).collect();
     let with_cues = prepared_show.with_cues(&song, &pressed);
     check(&with_cues, with_cues.timeline().unwrap());
-    // The printed show can be read again.
+    // The printed show is valid.
     let again = PreparedShow::of_text("again.show", &prepared_show.text(&[]), folder.path(), &song);
     assert!(again.is_ok(), "{:?}", again.err());
 }
 
-/// Most stays of which each is looked at.
+/// Most clips to check.
 const CLIPS_MAX: usize = 50;
 
 fn check(prepared_show: &PreparedShow, timeline: &Timeline) {
@@ -107,7 +107,7 @@ fn check(prepared_show: &PreparedShow, timeline: &Timeline) {
     }
 }
 
-/// Computes a picture as far as no driver is needed.
+/// Computes a frame as far as possible without a driver.
 fn draw(prepared_show: &PreparedShow, clip: &Clip, time: f64) {
     let (folder, ready) = &*SCENES;
     let source = prepared_show.source(&clip.scene).unwrap();

@@ -9,10 +9,10 @@ use super::bytes::hash;
 use super::random::Random;
 use super::words;
 
-/// Scenes of more clauses are not compiled to GLSL unless somebody asks.
+/// Scenes with more clauses are not compiled to GLSL here.
 const GLSL_CLAUSES_MAX: usize = 6_000;
 
-/// Lexer and parser.
+/// Checks lexer and parser.
 pub(crate) fn syntax(data: &[u8]) {
     let text = String::from_utf8_lossy(data);
     let (diagnostics, sources) = lang::check_syntax("fuzz", &text);
@@ -20,13 +20,13 @@ pub(crate) fn syntax(data: &[u8]) {
         let span = diagnostic.span;
         assert!(span.start <= span.end && span.end as usize <= text.len(), "{diagnostic:?}");
     }
-    // To show mistakes takes longer than to find them, and `scene` shows all of its own.
+    // Rendering mistakes is slower than finding them, and the target `scene` renders all of its own.
     if hash(data).is_multiple_of(8) {
         check(&diagnostics, &sources);
     }
 }
 
-/// A mistake stands somewhere in the text, and it can be shown.
+/// Checks that each mistake has a position in the text and can be rendered.
 fn check(diagnostics: &[Diagnostic], sources: &Sources) {
     assert!(diagnostics.len() <= mariana_field::limits::LIMITS.scene_diagnostics_max + 1);
     for diagnostic in diagnostics {
@@ -37,7 +37,8 @@ fn check(diagnostics: &[Diagnostic], sources: &Sources) {
     assert_eq!(reported.is_empty(), diagnostics.is_empty());
 }
 
-/// The world of a text, if it is a scene. What it includes is a function, itself, or not there.
+/// Compiles a text to a world; `None` if it is not a valid scene. The available includes are a function and the text
+/// itself.
 pub(crate) fn world(data: &[u8]) -> Option<World> {
     let text = String::from_utf8_lossy(data);
     let compiled = lang::compile("fuzz", &text, &mut |path| match path {
@@ -50,12 +51,12 @@ pub(crate) fn world(data: &[u8]) -> Option<World> {
     match World::new("fuzz", compiled.scene?, Vec::new()) {
         Ok(world) => Some(world),
         Err(error @ (WorldError::Refused { .. } | WorldError::Text { .. })) => panic!("{error}"),
-        // Over a limit.
+        // The scene exceeds a limit.
         Err(WorldError::Graph { .. } | WorldError::Tape { .. }) => None,
     }
 }
 
-/// From a text to all that is drawn of it.
+/// Compiles a scene to all forms that are drawn.
 pub(crate) fn scene(data: &[u8]) {
     let Some(world) = world(data) else { return };
     let Ok(buffers) = world.tape_buffers() else { return };
@@ -79,7 +80,7 @@ pub(crate) fn scene(data: &[u8]) {
     }
 }
 
-/// Some moment of some sound, as `frame` could give it to a world.
+/// Returns random frame inputs for a world, as the show could supply them.
 pub(crate) fn frame_of(world: &World, random: &mut Random) -> FrameInputs {
     let mut inputs = some_sound(random);
     inputs.params = world.scene.params.iter().map(|param| random.between(param.min, param.max)).collect();
@@ -87,7 +88,7 @@ pub(crate) fn frame_of(world: &World, random: &mut Random) -> FrameInputs {
     inputs
 }
 
-/// Features within their ranges.
+/// Returns random sound features within their ranges.
 pub(crate) fn some_sound(random: &mut Random) -> FrameInputs {
     let loud = random.below(3) as f32 / 2.0;
     let mut unit = || loud * random.between(0.0, 1.0);

@@ -1,12 +1,12 @@
-//! What the interpreter shader does with its texels, on the processor; `mariana_field::tape::interpreter` tells the form.
+//! A CPU version of the interpreter shader. `mariana_field::tape::interpreter` describes the format of the texels.
 
 use mariana_field::graph::{Compound, FrameInputs, Point};
 use mariana_field::tape::{Clause, Instruction, Operand, opcode};
 
-/// Runs the tape that begins at a texel; all its registers at the end, and the two that END names.
+/// Runs the tape that begins at a texel. Returns all registers at the end, and the two registers that END names.
 ///
 /// # Panics
-/// The texels end before the tape does, or hold a word without a meaning.
+/// If the texels end before the tape, or contain an invalid word.
 pub(crate) fn run(
     texels: &[[u32; 4]],
     start: usize,
@@ -30,13 +30,13 @@ pub(crate) fn run(
                 registers[usize::from(output)] = compound.value(a, b, number, frame);
                 continue;
             }
-            let instruction = Clause::from_word(*word).decode().expect("a word without a meaning");
+            let instruction = Clause::from_word(*word).decode().expect("the word is valid");
             let (output, value) = match instruction {
                 Instruction::End if place == 1 => {
                     let [_, _, first, second] = word.to_le_bytes();
                     return (registers, [usize::from(first), usize::from(second)]);
                 }
-                // A first clause that is 0 does nothing.
+                // A first clause with word 0 does nothing.
                 Instruction::End => continue,
                 Instruction::Load { output, .. } => (output, number),
                 Instruction::Store { register, memory: to } => {
@@ -57,22 +57,22 @@ pub(crate) fn run(
                     (output, op.value(value(&registers, a), value(&registers, b), frame))
                 }
                 Instruction::Page(_) | Instruction::SelectTexture { .. } => {
-                    panic!("the interpreter knows no {instruction:?}")
+                    panic!("the interpreter does not support {instruction:?}")
                 }
             };
             registers[usize::from(output)] = value;
         }
     }
-    panic!("the texels end before the tape does");
+    panic!("the texels end before the tape");
 }
 
-/// Where the programs of a grid's cells begin.
+/// Returns the program starts of a grid's cells.
 fn cells_of(texels: &[[u32; 4]], grid: u32) -> &[u32] {
     let side = texels[grid as usize][3] as usize + 1;
     &texels[grid as usize + 2..].as_flattened()[..side.pow(3)]
 }
 
-/// Every program that the directory of a world's texels names, and every tape of its textures' coordinates, ends.
+/// Checks that every program in the directory of a world's texels ends, and every tape of texture coordinates.
 pub(crate) fn check_directory(texels: &[[u32; 4]], objects: usize) {
     let ends = |start: u32| {
         let tape = texels.get(start as usize..).unwrap_or(&[]);
