@@ -71,7 +71,7 @@ impl Place {
     fn still(&self, name: &str, size: (u32, u32)) -> RgbaImage {
         let output = self.0.path("still.png");
         let mut command = command_in(PROGRAM, self.0.folder(), None);
-        command.arg("still").arg(&self.0.song()).arg("--scene").arg(self.path(name)).arg("-o").arg(&output);
+        command.arg("still").arg(self.0.song()).arg("--scene").arg(self.path(name)).arg("-o").arg(&output);
         command.args(["--size", &format!("{}x{}", size.0, size.1)]);
         let run = command.output().unwrap();
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
