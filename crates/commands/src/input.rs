@@ -1,5 +1,4 @@
-//! Keyboard, pointer and touch input, independent of the window system. The shell translates window events into these
-//! types; tests construct them directly.
+//! Keyboard, pointer and touch input, independent of the window system: the shell translates its events.
 
 use std::path::PathBuf;
 
@@ -146,8 +145,7 @@ pub enum PointerButton {
     Other,
 }
 
-/// A scroll distance to the right and down. The sign follows the window system: positive moves the content right and
-/// down.
+/// A scroll distance to the right and down. Positive moves the content right and down, as in the window system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Wheel {
     /// In notches.

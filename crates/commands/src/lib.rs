@@ -120,8 +120,7 @@ pub enum Control {
 /// A command's entry in the table.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
-    /// The name in OSC addresses, MIDI mappings and phone requests: lower-case letters and underscores. It must never
-    /// change: users' files contain it.
+    /// The name in OSC addresses, MIDI mappings and phone requests. Never change it: users' files contain it.
     pub name: Option<&'static str>,
     /// The value that controllers send for it.
     pub control: Option<Control>,
@@ -149,7 +148,6 @@ impl Row {
         for_phones: true,
     };
 
-    /// Returns the row for controllers, if the command has a name.
     fn for_controllers(&self) -> Option<ActionRow> {
         let name = self.name?;
         let takes = match self.control? {
@@ -191,8 +189,7 @@ impl Command {
         })
     }
 
-    /// Returns the command for a key press, if any; `repeated` is true while the key is held. Combinations with Ctrl,
-    /// Alt or Super are left to the desktop.
+    /// Returns the command for a key press, or for a `repeated` one. Ctrl, Alt and Super are left to the desktop.
     pub fn of_key(key: &Key, held: Modifiers, repeated: bool) -> Option<Self> {
         if held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER) {
             return None;

@@ -30,7 +30,6 @@ macro_rules! commands {
         /// One row per command, in the order of the help.
         pub static ROWS: &[Row] = &[$( Row { $($field: $of_row,)* ..Row::PLAIN } ),*];
 
-        /// The indices of the rows.
         enum Place { $($variant),* }
 
         impl Command {
@@ -43,7 +42,6 @@ macro_rules! commands {
     };
 }
 
-/// Binds several keys to one command.
 macro_rules! keys {
     ($($key:expr),+ => $command:expr, $written:literal, $help:literal $(, $field:ident: $value:expr)*) => {
         Binding { keys: &[$(($key, $command)),+], written: $written, help: $help, $($field: $value,)* ..Binding::ONCE }
@@ -434,7 +432,6 @@ pub struct Binding {
 }
 
 impl Binding {
-    /// A binding without keys that does not repeat.
     const ONCE: Self = Self { keys: &[], shifted: None, written: "", help: "", repeats: false };
 }
 
