@@ -1,7 +1,5 @@
-//! The user's choices in the settings panel, as stored in the settings file. A command-line flag overrides a choice for
-//! one run.
-//!
-//! A choice has the same name in the file, the panel and the flag.
+//! The user's choices in the settings panel, as stored in the settings file. A choice has the same name in the file,
+//! the panel and the command-line flag; a flag overrides it for one run.
 
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
@@ -77,7 +75,6 @@ impl Choice for Option<ToneMap> {
     ];
 }
 
-/// Defines the settings types from their table.
 macro_rules! define_settings {
     ($( $table:ident { $(
         $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr, $variant:ident
@@ -93,8 +90,7 @@ macro_rules! define_settings {
         )*)* }
 
         $( impl $table {
-            /// Returns the rows of the panel for these settings. Values that differ from `remembered` are marked as for
-            /// this run only.
+            /// Returns the rows of the panel. Values that differ from `remembered` are marked as for this run only.
             pub fn rows(&self, remembered: &Self) -> Vec<SettingRow> {
                 vec![$( $( SettingRow {
                     name: $name.to_owned(),
@@ -163,7 +159,6 @@ impl DisplayChoices {
     }
 }
 
-/// The default duration of a blackout fade, in seconds.
 const FADE_SECONDS: f64 = 0.5;
 
 fn is_full(percent: &u8) -> bool {
@@ -196,7 +191,6 @@ pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// Serializes a choice as its name.
 pub(super) mod by_name {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 

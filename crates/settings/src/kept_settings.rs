@@ -1,6 +1,5 @@
-//! The settings during a show. A change applies at once; a writer thread stores it, because disks may be slow.
-//!
-//! Every change is written immediately, so that a crash loses no settings.
+//! The settings during a show. A change applies at once, and a writer thread stores it immediately, so that a crash
+//! loses no settings and a slow disk delays nothing.
 
 use std::path::PathBuf;
 

@@ -1,7 +1,6 @@
-//! The file of controller mappings, `knobs.toml`, next to the settings file.
-//!
-//! A writer thread applies each change to the current contents of the file, so that changes by other windows or by an
-//! editor are kept. A damaged file is renamed before a new one is written. In memory, a change applies at once.
+//! The file of controller mappings, `knobs.toml`, next to the settings file. A change applies at once in memory; a
+//! writer thread applies it to the file's current contents, so that changes by other windows or by an editor are
+//! kept. A damaged file is renamed before a new one is written.
 
 use std::fs::{File, create_dir_all};
 use std::io::{ErrorKind, Read};
@@ -32,11 +31,9 @@ pub struct KnobMemory {
     /// `None` if the system has no settings folder: then mappings last until the program ends.
     writer_thread: Option<WriterThread<KnobEdit, Kept>>,
     file: MappingFile,
-    /// The number of changes that are not written yet.
     waiting: usize,
 }
 
-/// The contents of the file after a change.
 type Kept = Result<MappingFile, KnobsError>;
 
 /// The error when mappings cannot be read or written.
@@ -118,7 +115,6 @@ impl KnobMemory {
     }
 }
 
-/// Applies a change to the file.
 fn keep(path: &Path, edit: &KnobEdit) -> Kept {
     let mut after = match read(path) {
         Ok(there) => there,
@@ -190,7 +186,6 @@ mod tests {
         Mapping::learned("desk", Source::Control { channel: 0, number: 7 }, target)
     }
 
-    /// Makes a change and waits until it is written.
     fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), KnobsError> {
         memory.change(&edit);
         let kept = memory.writer_thread.as_ref().unwrap().wait().unwrap();

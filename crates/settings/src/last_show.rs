@@ -1,6 +1,5 @@
-//! The state of the last show, for the next start: window, volume, scene, and position in the track list.
-//!
-//! The track list is a separate M3U8 file next to the settings, which other players can read.
+//! The state of the last show, for the next start. The track list is a separate M3U8 file next to the settings, which
+//! other players can read.
 
 use std::path::{Path, PathBuf};
 
@@ -38,16 +37,12 @@ pub struct LastShow {
     pub repeat: Option<String>,
 }
 
-/// Returns the file of the track list for the settings file `settings`.
 pub(super) fn tracks_file(settings: &Path) -> PathBuf {
     settings.with_file_name("last tracks.m3u8")
 }
 
-/// Writes the track list next to the settings file `settings`. The list is removed if it is empty or a path contains a
-/// line break or is not valid UTF-8, which M3U8 cannot hold.
-///
-/// # Errors
-/// The file cannot be written or removed.
+/// Writes the track list next to the settings file `settings`, or removes it if it is empty or a path contains a line
+/// break or is not valid UTF-8, which M3U8 cannot hold.
 pub(super) fn keep_tracks(settings: &Path, tracks: Option<&[PathBuf]>) -> Result<(), SettingsError> {
     let file = tracks_file(settings);
     let lines = tracks.filter(|tracks| !tracks.is_empty()).and_then(|tracks| {

@@ -16,7 +16,6 @@ pub type Kept = Result<PathBuf, Unwritable>;
 
 /// The folder of performances and the thread that writes them.
 pub struct PerformanceFiles {
-    /// `None` if there is no folder.
     writer_thread: Option<WriterThread<Job, Kept>>,
 }
 
@@ -45,8 +44,7 @@ impl PerformanceFiles {
         Self { writer_thread: folder.map(start) }
     }
 
-    /// Writes a performance to the music with this title; `text` is called on the writer thread. A performance with the
-    /// same number is replaced. Returns `false` if there is no folder to write to.
+    /// Writes or replaces performance `number`; `text` runs on the writer thread. Returns `false` without a folder.
     pub fn keep(&self, number: u64, title: &str, text: impl FnOnce() -> String + Send + 'static) -> bool {
         let job = Job { number, title: title.to_owned(), text: Box::new(text) };
         self.writer_thread.as_ref().is_some_and(|writer_thread| writer_thread.give(job))
@@ -63,7 +61,6 @@ impl PerformanceFiles {
     }
 }
 
-/// Returns an unused path for this title.
 fn free_path(folder: &Path, title: &str) -> PathBuf {
     let plain = |c: char| if c.is_alphanumeric() || " -_.()&'".contains(c) { c } else { '_' };
     let name: String = title.trim().trim_start_matches('.').chars().map(plain).take(NAME_MAX).collect();

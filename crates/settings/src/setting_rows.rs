@@ -61,7 +61,6 @@ impl PartialEq for OfPercent {
     }
 }
 
-/// A type whose values the panel can show.
 pub(super) trait Shown: Sized {
     /// Returns the possible values; `setting` wraps one into a setting.
     fn values(&self, setting: fn(Self) -> Setting) -> Values;

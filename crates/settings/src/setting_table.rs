@@ -1,14 +1,11 @@
-//! The table of the settings that are stored from run to run.
-//!
-//! A new setting with a flag and a row in the panel needs two edits: a row in this table, and a match arm in
-//! `session::settings`, which applies it.
+//! The table of the settings that are stored from run to run. A new setting with a flag and a row in the panel needs
+//! two edits: a row in this table, and a match arm in `session::settings`, which applies it.
 
 /// Passes the table to a macro, which defines the settings ([`super::Choices`]) or the command-line flags.
 ///
-/// A row has these parts: documentation and serde attributes, the key in the file, the type, the default, and the
-/// variant of [`super::Setting`]; in braces the name and explanation in the panel; in brackets the clap attributes and
-/// the help of the flag. The type must implement [`super::Shown`]. A row without braces gets no row in the panel, one
-/// without brackets no flag.
+/// A row has the documentation and serde attributes, the key in the file, the type (a [`super::Shown`]), the default,
+/// and the variant of [`super::Setting`]; in braces the name and explanation in the panel; in brackets the clap
+/// attributes and the help of the flag. Without braces there is no row in the panel, without brackets no flag.
 #[macro_export]
 macro_rules! with_settings {
     ($make:ident) => {

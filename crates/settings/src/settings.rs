@@ -155,8 +155,7 @@ impl SettingsFile {
         self.path.as_deref().map_or(Ok(()), |path| last_show::keep_tracks(path, tracks))
     }
 
-    /// Changes the settings here and in the file. The change is applied to the file's current contents, because other
-    /// windows may have changed them.
+    /// Changes the settings here and in the file's current contents, which other windows may have changed.
     ///
     /// # Errors
     /// The file cannot be written. The change then lasts until the program ends.
@@ -198,11 +197,9 @@ fn turn_of(path: &Path) -> Option<File> {
 const TURN_PERIOD: Duration = Duration::from_millis(5);
 const TURN_LOOKS: u32 = 100;
 
-/// The contents of a file.
 #[derive(Default)]
 struct Found {
     table: toml::Table,
-    /// The entries that this version knows.
     settings: Settings,
     /// The names of the unknown entries.
     strange: Vec<String>,
@@ -292,7 +289,6 @@ mod tests {
         assert!(error.is_none());
         assert_eq!(next.settings().microphone.as_deref(), Some("p:\"odd\" mic\n"));
         assert_eq!(next.settings().latency_ms, [("p:tv".to_owned(), -35.0)].into());
-        // No temporary file is left.
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
     }
 
@@ -369,7 +365,6 @@ mod tests {
         assert_eq!(kept["last_show"]["hat"].as_bool(), Some(true));
         assert_eq!(kept["last_show"]["volume"].as_float(), Some(0.25));
         assert!(!path.with_extension("toml.broken").exists());
-        // A new choice replaces the unknown value.
         file.change(|settings| settings.choices.quality = crate::QualityChoice::Low).unwrap();
         let (next, error) = SettingsFile::open(Some(path));
         assert_eq!(next.settings().choices.quality, crate::QualityChoice::Low);
@@ -388,7 +383,6 @@ mod tests {
         assert!(reported.contains("cannot be read"), "{reported}");
         assert!(file.change(|settings| settings.system = Some("p:a.monitor".into())).is_err());
         assert_eq!(file.settings().system.as_deref(), Some("p:a.monitor"));
-        // Without a path, nothing is reported.
         let (mut file, error) = SettingsFile::open(None);
         assert!(error.is_none());
         file.change(|settings| settings.microphone = Some("m".into())).unwrap();

@@ -35,10 +35,7 @@ fn part_that(fits: &dyn Fn(Table) -> bool, path: &str, table: &Table, strange: &
     part
 }
 
-/// Applies the differences between `before` and `after` to `table`.
-///
-/// # Errors
-/// A value cannot be serialized.
+/// Applies the differences between `before` and `after` to `table`. Fails if a value cannot be serialized.
 pub(super) fn rewrite<T: Serialize>(
     table: &mut Table,
     before: &T,
@@ -138,7 +135,6 @@ mod tests {
         let expected =
             "mood = \"blue\"\n[inner]\nshape = [1, 2]\n[inner.values]\nb = \"much\"\n[other]\nx = 1\n";
         assert_eq!(table, expected.parse().unwrap());
-        // New entries are added.
         let (mut table, before, _) = read("");
         let inner = Some(Inner { size: Some(1), ..Inner::default() });
         rewrite(&mut table, &before, &Outer { inner, ..Outer::default() }).unwrap();

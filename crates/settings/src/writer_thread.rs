@@ -34,14 +34,12 @@ impl<Job: Send + 'static, Done: Send + 'static> WriterThread<Job, Done> {
         is_given
     }
 
-    /// Returns the next result, if any.
     pub(super) fn poll(&self) -> Option<Done> {
         let done = self.done.try_recv().ok();
         self.open.update(|open| open - usize::from(done.is_some()));
         done
     }
 
-    /// Returns `true` once all results have been polled.
     pub(super) fn is_idle(&self) -> bool {
         self.open.get() == 0
     }
@@ -56,7 +54,6 @@ impl<Job: Send + 'static, Done: Send + 'static> WriterThread<Job, Done> {
         self.done.try_iter().collect()
     }
 
-    /// Waits for the next result.
     #[cfg(test)]
     pub(super) fn wait(&self) -> Option<Done> {
         let done = self.done.recv().ok();
@@ -66,7 +63,6 @@ impl<Job: Send + 'static, Done: Send + 'static> WriterThread<Job, Done> {
 }
 
 impl<Job, Done> Drop for WriterThread<Job, Done> {
-    /// Waits until all jobs are finished.
     fn drop(&mut self) {
         self.jobs = None;
         if let Some(thread) = self.thread.take() {
