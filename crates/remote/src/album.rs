@@ -1,7 +1,5 @@
-//! Preview images of scenes, for phones.
-//!
-//! The show stores finished images here, in memory only. If a phone requests an image of an existing scene that is not
-//! stored yet, its title is queued, and the show fetches the queue with [`Album::take_wanted`].
+//! Preview images of scenes, for phones. The show stores finished images here, in memory only. Titles of requested
+//! images that are missing are queued, and the show fetches the queue with [`Album::take_wanted`].
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,20 +14,16 @@ pub struct Album(Arc<Shared>);
 #[derive(Debug, Default)]
 struct Shared {
     pages: Mutex<HashMap<String, Page>>,
-    /// The titles of requested scenes, in order of request.
     wanted: Mutex<Vec<String>>,
-    /// The number of images stored so far.
     count: AtomicU64,
 }
 
-/// The state of a scene's image.
 #[derive(Debug, Clone)]
 enum Page {
     /// Requested by a phone.
     Coming,
     /// Available, as JPEG.
     There(Arc<[u8]>),
-    /// Not available.
     Missing,
 }
 

@@ -17,7 +17,6 @@ pub(crate) struct ConnectionSlot {
 }
 
 impl ConnectionLimit {
-    /// Takes a slot for a connection from an address, if one is free.
     pub(crate) fn take(&self, address: IpAddr, limits: &Limits) -> Option<ConnectionSlot> {
         let address = address.to_canonical();
         let mut taken = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use crate::limits::Limits;
 
-/// The liveness and message rate of one connection.
 #[derive(Debug)]
 pub(crate) struct Heartbeat {
     limits: Limits,
@@ -14,7 +13,6 @@ pub(crate) struct Heartbeat {
     allowance: (f64, Instant),
 }
 
-/// The next step of the liveness check.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Due {
     Nothing,

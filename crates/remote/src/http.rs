@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 
 /// The time to wait for the rest of a request after the answer.
 const PARTING_TIME: Duration = Duration::from_millis(200);
-/// The maximum number of bytes read of that rest.
 const PARTING_BYTES_MAX: usize = 64 << 10;
 
 /// The head of a request.
@@ -16,7 +15,6 @@ pub struct Head {
     pub method: String,
     /// The requested path, undecoded.
     pub path: String,
-    /// Names and values of the header fields, in order.
     fields: Vec<(String, String)>,
     /// The length of the head in bytes.
     pub length: usize,
@@ -73,8 +71,7 @@ impl Head {
         }))
     }
 
-    /// Returns the value of a field by its case-insensitive name. Returns `None` if the field is missing or appears
-    /// twice.
+    /// Returns a field's value by its case-insensitive name; `None` if it is missing or appears twice.
     pub fn field(&self, name: &str) -> Option<&str> {
         let mut found = self.fields.iter().filter(|(one, _)| one.eq_ignore_ascii_case(name));
         let value = found.next().map(|(_, value)| value.as_str());
@@ -179,7 +176,6 @@ mod tests {
     const BOUNDS: HeadBounds =
         HeadBounds { bytes_max: 200, fields_max: 4, time_max: Duration::from_secs(60) };
 
-    /// Sends the pieces and returns the result of reading them.
     fn read(pieces: &[&[u8]]) -> Result<(Head, Vec<u8>), HeadError> {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let mut sender = TcpStream::connect(listener.local_addr().unwrap()).unwrap();

@@ -7,16 +7,12 @@
 //!                                       ◄─ board ◄─
 //! ```
 //!
-//! **All access needs the token.** The token is new at each start and part of the address, which the window shows as a
-//! QR code. It has 130 random bits, too many to guess, so wrong tokens need no penalty. A web page from another site is
-//! rejected by its `Origin`, and a request under another host name by its `Host`.
-//!
-//! **No request reaches a file.** All answers come from texts embedded in the program or from the [`Album`], which is
-//! in memory.
-//!
-//! **The show never waits for phones.** Each connection has a thread, bounded in number, bytes and time ([`limits`]).
-//! Input goes into the [`InputQueue`](mariana_control::InputQueue), and the show's state comes from the
-//! [`Board`](mariana_control::Board). A slow phone gets only the newest state.
+//! - **All access needs the token**, which is new at each start and part of the address in the window's QR code. It
+//!   has 130 random bits, too many to guess. A wrong `Origin` (another web page) or `Host` is rejected.
+//! - **No request reaches a file.** All answers are embedded in the program or come from the [`Album`], in memory.
+//! - **The show never waits for phones.** Each connection has a thread, bounded in number, bytes and time
+//!   ([`limits`]). Input goes into the [`InputQueue`](mariana_control::InputQueue), and the show's state comes from
+//!   the [`Board`](mariana_control::Board). A slow phone gets only the newest state.
 
 mod album;
 mod connection_limit;

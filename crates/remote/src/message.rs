@@ -97,7 +97,6 @@ pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
     }
 }
 
-/// Converts a number to `f32`.
 fn number(value: f64) -> Result<f32, Refused> {
     let value = value as f32;
     if value.is_finite() { Ok(value) } else { Err(Refused::NotANumber) }

@@ -21,7 +21,6 @@ const ASSETS: [Asset; 3] = [
     Asset { path: "page.js", kind: "text/javascript; charset=utf-8", text: include_str!("../page/page.js") },
 ];
 
-/// Returns the file at this path, relative to the token.
 pub(crate) fn asset(path: &str) -> Option<&'static Asset> {
     ASSETS.iter().find(|asset| asset.path == path)
 }

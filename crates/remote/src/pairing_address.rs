@@ -35,8 +35,7 @@ impl PairingAddress {
     }
 }
 
-/// Returns the address at which others reach the server: for an unspecified address, the address of the default route's
-/// interface.
+/// Returns the address for others: for an unspecified address, that of the default route's interface.
 fn reachable(listens: IpAddr) -> IpAddr {
     if !listens.is_unspecified() {
         return listens;

@@ -19,10 +19,7 @@ use crate::state_delta::SentState;
 const ALIVE: &str = "{}";
 const READ_BYTES: usize = 4 << 10;
 
-/// Completes the WebSocket handshake.
-///
-/// # Errors
-/// The phone is gone.
+/// Completes the WebSocket handshake. Fails if the phone is gone.
 pub(crate) fn accept(mut stream: &TcpStream, key: &str, within: Duration) -> io::Result<()> {
     stream.set_write_timeout(Some(within))?;
     // Nagle's algorithm would delay slider updates.
@@ -61,7 +58,6 @@ impl<'a> PhoneSession<'a> {
         Self { socket, shared, reported: SentState::default(), heartbeat, unread: None }
     }
 
-    /// Runs until the phone leaves or is disconnected. Returns the reason.
     pub(crate) fn go_on(mut self) -> End {
         let _ = self.socket.get_ref().set_write_timeout(Some(self.shared.limits.delta_interval));
         let mut due = Instant::now();
@@ -74,7 +70,6 @@ impl<'a> PhoneSession<'a> {
         end
     }
 
-    /// Sends a state update if it is due.
     fn tell_if_due(&mut self, due: &mut Instant) -> Result<(), End> {
         let now = Instant::now();
         if now < *due {
@@ -128,7 +123,6 @@ impl<'a> PhoneSession<'a> {
         }
     }
 
-    /// Reads the next message, waiting until `until` at most.
     fn listen(&mut self, until: Instant) -> Result<(), End> {
         let left = until.saturating_duration_since(Instant::now()).max(Duration::from_millis(1));
         let _ = self.socket.get_ref().set_read_timeout(Some(left));
@@ -174,7 +168,6 @@ impl<'a> PhoneSession<'a> {
         }
     }
 
-    /// Closes the session with a reason.
     fn close(&mut self, code: CloseCode, reason: &'static str) -> End {
         let _ = self.socket.close(Some(CloseFrame { code, reason: reason.into() }));
         let _ = self.socket.flush();

@@ -6,7 +6,6 @@ use crate::http::Head;
 use crate::page::{Asset, PICTURE_PATH, SESSION_PATH, asset};
 use crate::token::Token;
 
-/// The target of a request with the right token.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Route {
     /// An embedded file, and the host that the request names.
@@ -19,22 +18,14 @@ pub(crate) enum Route {
     PhoneSession(String),
 }
 
-/// The reason for refusing a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    /// The method is not GET.
     Method,
-    /// The host name is not known to belong to this computer.
     Host,
-    /// There is nothing at this path.
     Nothing,
-    /// The token is wrong.
     WrongToken,
-    /// The request comes from another web page.
     Origin,
-    /// Only a WebSocket is available at this path.
     TalkOnly,
-    /// The request is not a valid WebSocket handshake.
     Upgrade,
 }
 
@@ -70,9 +61,6 @@ fn behind_token<'a>(path: &'a str, token: &Token) -> Result<Option<&'a str>, Ref
 }
 
 /// Checks the method and the host. Returns the host.
-///
-/// # Errors
-/// The method is not GET, or the host is unknown.
 pub(crate) fn admit<'a>(head: &'a Head, own_name: Option<&str>) -> Result<&'a str, Refusal> {
     if head.method != "GET" {
         return Err(Refusal::Method);
@@ -81,9 +69,6 @@ pub(crate) fn admit<'a>(head: &'a Head, own_name: Option<&str>) -> Result<&'a st
 }
 
 /// Returns the target of a request with a known host.
-///
-/// # Errors
-/// The token is wrong, nothing is at this path, or a WebSocket handshake is invalid.
 pub(crate) fn route(head: &Head, host: &str, token: &Token) -> Result<Route, Refusal> {
     let Some(rest) = behind_token(&head.path, token)? else { return Ok(Route::Slash) };
     if let Some(scene) = rest.strip_prefix(PICTURE_PATH) {

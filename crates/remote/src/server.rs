@@ -146,7 +146,6 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 impl Shared {
-    /// Opens the port and keeps the pairing address up to date until the server is dropped.
     fn keep(self: &Arc<Self>) {
         let Some(listens) = self.open_when_free() else { return };
         while !self.is_over() {
@@ -285,7 +284,6 @@ impl Shared {
         }
     }
 
-    /// Runs a session with a phone, if there is a free place.
     fn phone_session(&self, stream: TcpStream, key: &str, rest: Vec<u8>) {
         let is_free = |phones: usize| (phones < self.limits.phones_max).then_some(phones + 1);
         if self.phones.fetch_update(Ordering::AcqRel, Ordering::Acquire, is_free).is_err() {
@@ -313,7 +311,6 @@ impl Drop for PhonePlace<'_> {
     }
 }
 
-/// Sends an answer with its type, bytes and additional header fields.
 fn answer_own(stream: &TcpStream, (kind, bytes): (&str, &[u8]), more: &[(&str, &str)], within: Duration) {
     let fields = [
         ("Content-Type", kind),

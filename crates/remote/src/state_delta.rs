@@ -14,7 +14,6 @@ use serde::Serialize;
 
 /// The resolution of the track position for phones, in seconds.
 const POSITION_STEP: f64 = 0.25;
-/// The name of the level for the track position.
 const POSITION: &str = "position";
 
 #[derive(Serialize)]
@@ -149,7 +148,6 @@ mod tests {
         }
     }
 
-    /// Returns the update after a change.
     fn reported(change: impl FnOnce(&mut Present)) -> Option<String> {
         let mut reported = SentState::default();
         reported.state_delta(&Arc::new(present()), 0);

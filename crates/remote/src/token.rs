@@ -3,7 +3,6 @@
 use std::fmt::{self, Debug, Formatter};
 use std::io;
 
-/// The number of letters.
 const LENGTH: usize = 26;
 /// The alphabet: Crockford's base 32, five bits per letter, without letters that are easily confused.
 const LETTERS: &[u8; 32] = b"0123456789abcdefghjkmnpqrstvwxyz";
@@ -13,10 +12,7 @@ const LETTERS: &[u8; 32] = b"0123456789abcdefghjkmnpqrstvwxyz";
 pub(crate) struct Token(String);
 
 impl Token {
-    /// Creates a random token.
-    ///
-    /// # Errors
-    /// The system has no random numbers.
+    /// Creates a random token. Fails if the system has no random numbers.
     pub(crate) fn new() -> io::Result<Self> {
         let mut bytes = [0; LENGTH];
         getrandom::fill(&mut bytes).map_err(io::Error::from)?;

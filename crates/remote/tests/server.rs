@@ -22,7 +22,6 @@ const ACTIONS: &[ActionRow] = &[
 /// Longer than any wait in these tests.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A running server with its connections to the test.
 struct Place {
     remote: Remote,
     input_queue: InputQueue,
@@ -71,7 +70,6 @@ impl Place {
         stream
     }
 
-    /// Sends bytes and returns the whole answer.
     fn answer_to(&self, bytes: &[u8]) -> String {
         let mut stream = self.connect();
         // A server that refuses may not read to the end.
@@ -107,7 +105,6 @@ impl Place {
         self.phone_from(&path, &format!("http://{}", self.address)).unwrap()
     }
 
-    /// Waits until exactly these numbers of messages and rejected messages have been counted.
     fn wait_for_counts(&self, messages: u64, refused: u64) {
         let end = Instant::now() + PATIENCE;
         while (self.input_queue.counts().0, self.input_queue.counts().1.count()) != (messages, refused) {
@@ -134,7 +131,6 @@ impl Phone {
         self.0.send(Message::text(text)).unwrap();
     }
 
-    /// Waits for a state update that contains `part`.
     fn state_delta_with(&mut self, part: &str) -> String {
         let limit = Instant::now() + PATIENCE;
         loop {
@@ -147,7 +143,6 @@ impl Phone {
         }
     }
 
-    /// Waits for the close code of the server.
     fn end(&mut self) -> Option<CloseCode> {
         let limit = Instant::now() + PATIENCE;
         loop {
