@@ -13,7 +13,6 @@ use rosc::{OscMessage, OscPacket, OscType, encoder};
 
 const ACTIONS: &[ActionRow] = &[ActionRow { name: "next", takes: ValueType::Press, meaning: "" }];
 const SIZE: Param<'static> = Param { name: "size", min: 0.0, max: 4.0, default: 1.0 };
-/// The messages in one second of a flood.
 const FLOOD: u64 = 10_000;
 
 fn midi(criterion: &mut Criterion) {

@@ -12,8 +12,7 @@ pub struct Glide {
     seconds: f32,
 }
 
-/// The number of smoothing times until the value counts as arrived: e⁻⁷, less than a thousandth, of the distance is
-/// left.
+/// The number of smoothing times until arrival: e⁻⁷, less than a thousandth, of the distance is left.
 const TIMES: f64 = 7.0;
 
 impl Glide {
@@ -69,7 +68,6 @@ mod tests {
     }
 
     proptest! {
-        /// Restarting a glide to the same target, as each frame might, does not change its path.
         #[test]
         fn restarting_a_glide_does_not_change_its_path(
             steps in proptest::collection::vec(0.001_f64..0.2, 1..40),

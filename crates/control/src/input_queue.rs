@@ -1,8 +1,6 @@
 //! The queue of controller input between two frames: the newest value of each parameter and knob, and the actions in
-//! order.
-//!
-//! Device threads put input in, and the show takes it out once per frame. Memory is bounded by the number of different
-//! names, and the show is woken only once per batch.
+//! order. Device threads put input in, and the show takes it out once per frame. Memory is bounded by the number of
+//! different names, and the show is woken only once per batch.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -93,9 +91,7 @@ impl InputBatch {
 #[derive(Default)]
 struct Pending {
     batch: InputBatch,
-    /// The index of each name in [`InputBatch::params`].
     places: HashMap<String, usize>,
-    /// The index of each knob in [`InputBatch::knobs`].
     knob_places: HashMap<(Arc<str>, Source), usize>,
     messages: u64,
     refusals: Refusals,
@@ -217,7 +213,6 @@ impl InputQueue {
     }
 }
 
-/// True if `action` is a newer number for the action `last`.
 fn is_newer(last: &Action, action: &Action) -> bool {
     use super::action::ActionValue::Number;
     matches!((&last.given, &action.given), (Number(_), Number(_)))

@@ -1,5 +1,5 @@
-//! Controller input for a show. Sliders, MIDI, OSC, phones, scene texts, shows and recordings all change one [`Model`]
-//! of parameters.
+//! Controller input for a show. Sliders, MIDI, OSC, phones, scene texts, shows and recordings all change one
+//! [`Model`] of parameters.
 //!
 //! ```text
 //! MIDI bytes  ─ parser ─ newest value of each knob ─┐
@@ -7,14 +7,10 @@
 //! slider, text, show, recording, phone ─────────────┘
 //! ```
 //!
-//! **The newest value wins.** [`InputQueue`] keeps one value per parameter between two frames, however many messages
-//! arrive, and counts the messages.
-//!
-//! **The last controller wins.** [`Model`] stores for each parameter who changed it last ([`ChangedBy`]), its target
-//! and its smoothing time. It reads no clock: the same turns at the same seconds give the same values at any frame
-//! rate.
-//!
-//! Devices and sockets run on their own threads and pass values on; this crate never waits for them.
+//! - **The newest value wins.** [`InputQueue`] keeps one value per parameter between two frames.
+//! - **The last controller wins.** [`Model`] stores for each parameter who changed it last ([`ChangedBy`]), its
+//!   target and its smoothing time. The same turns at the same seconds give the same values at any frame rate.
+//! - Devices and sockets run on their own threads and pass values on; this crate never waits for them.
 
 pub mod action;
 mod changed_by;

@@ -39,8 +39,7 @@ impl Slider {
         self.clamped(self.min + position.clamp(0.0, 1.0) * (self.max - self.min))
     }
 
-    /// Returns the name of the controller that changed the value last; empty for the scene's text and the slider
-    /// itself.
+    /// Returns who changed the value last; empty for the scene's text and the slider itself.
     pub fn changed_by_words(&self) -> &'static str {
         match self.changed_by {
             ChangedBy::Text | ChangedBy::Slider => "",

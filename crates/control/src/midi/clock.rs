@@ -4,7 +4,6 @@ use std::collections::VecDeque;
 
 use super::message::Message;
 
-/// Clock messages per beat.
 const PER_BEAT: u64 = 24;
 /// Clock messages per sixteenth note, the unit of song positions.
 const PER_SIXTEENTH: u64 = 6;
@@ -24,7 +23,6 @@ const OFF: f64 = 0.006;
 pub struct Clock {
     /// Numbers and times of the last clock messages.
     clocks: VecDeque<(u64, f64)>,
-    /// The number of the next clock message.
     count: u64,
     /// A clock message's number and its song position in clocks; `None` before a start.
     place: Option<(u64, u64)>,
@@ -162,7 +160,6 @@ impl ClockReading {
 mod tests {
     use super::*;
 
-    /// Sends `count` clock messages from `start` on, with a little jitter. Returns the time of the next message.
     fn run(clock: &mut Clock, tempo: f64, start: f64, count: u32) -> f64 {
         let period = 60.0 / tempo / 24.0;
         for number in 0..count {

@@ -18,7 +18,6 @@ pub struct Device {
 struct Channel {
     /// The last value of each number, for detecting presses and fine controllers.
     values: [u8; 128],
-    /// The number that was sent last.
     last: Option<u8>,
     /// True for controllers that have sent both of their numbers in a row.
     is_fine: [bool; FINE],
@@ -153,7 +152,6 @@ mod tests {
         let fine = |bytes: &[u8]| -> Vec<f32> {
             moved(bytes).into_iter().filter(|m| m.0.starts_with("fine")).map(|m| m.1).collect()
         };
-        // Coarse first, then fine, and vice versa.
         assert_eq!(fine(&[0xb0, 7, 127, 39, 127]), [1.0]);
         assert_eq!(fine(&[0xb0, 39, 127, 7, 127]), [1.0]);
         // Once the controller is known to be fine, each number moves it.

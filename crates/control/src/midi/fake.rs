@@ -13,9 +13,7 @@ use std::time::Duration;
 
 use super::ports::{Hear, Ports};
 
-/// The suffix of the port names.
 const SAYS_SO: &str = " (fake port)";
-/// The extension of a file that represents a connected device.
 const ENDING: &str = "port";
 /// The interval at which a port checks if it is still in use.
 const LOOK: Duration = Duration::from_millis(100);

@@ -103,7 +103,6 @@ fn look_again_and_again(mut ports: Box<dyn Ports>, shared: &Arc<Shared>) {
     }
 }
 
-/// Opens new devices and closes removed ones.
 fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared: &Arc<Shared>) {
     let (names, trouble) = match ports.names() {
         Ok(names) => (names, None),
@@ -144,7 +143,6 @@ fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared
     }
 }
 
-/// Returns the callback for the bytes of one device.
 fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
     let (name, mut device): (Arc<str>, _) = (name.into(), Device::default());
     Box::new(move |bytes| {
@@ -181,7 +179,6 @@ mod tests {
 
     use super::*;
 
-    /// Fake ports: the names of connected devices, and the callbacks of the open ones.
     #[derive(Clone)]
     struct TestHub {
         names: Arc<Mutex<Result<Vec<String>, String>>>,

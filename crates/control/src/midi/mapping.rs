@@ -113,7 +113,6 @@ impl Mapping {
         self.range.reverse();
     }
 
-    /// Maps a control's value to the target's value.
     fn leads_to(&self, value: f32) -> f32 {
         let [from, to] = self.range;
         from + (to - from) * self.curve.at(value.clamp(0.0, 1.0))
@@ -153,7 +152,6 @@ pub enum Outcome {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mappings {
     list: Vec<Mapping>,
-    /// The pick-up state of each mapping.
     holds: Vec<PickUp>,
 }
 

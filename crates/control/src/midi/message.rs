@@ -54,7 +54,6 @@ pub enum Message {
     Position(u16),
 }
 
-/// The data expected after a status byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Expects {
     /// Nothing: data bytes are ignored.
@@ -203,7 +202,6 @@ mod tests {
         assert_eq!(parsed(&[0xf0, 1, 2, 0xb2, 7, 1]), [control(7, 1)]);
     }
 
-    /// Returns the bytes of valid messages, with running status where possible.
     fn written(messages: &[Message], running: bool) -> Vec<u8> {
         let (mut bytes, mut last) = (Vec::new(), None);
         for message in messages {

@@ -1,13 +1,11 @@
 //! Pick-up of knobs: a knob takes hold of its parameter when it passes the parameter's value, so that nothing jumps.
 
-/// A knob this close to the parameter's value, as a fraction of its range, takes hold. Slightly more than one step of a
-/// 7-bit knob.
+/// A knob this close to the value, as a fraction of the range, takes hold: slightly more than one 7-bit step.
 const NEAR: f32 = 0.012;
 
 /// The state of one mapping. All values are fractions of the range, 0..1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct PickUp {
-    /// The last value of the knob.
     last: Option<f32>,
     /// The value that the knob set last; `None` while it has no hold.
     put: Option<f32>,
@@ -44,7 +42,6 @@ mod tests {
         assert!(!turn(0.1, &mut stands) && !turn(0.4, &mut stands));
         assert!(turn(0.6, &mut stands), "the knob has passed the value");
         assert!(turn(0.9, &mut stands) && turn(0.2, &mut stands), "and keeps its hold");
-        // A slider changes the value.
         stands = 0.7;
         assert!(!turn(0.25, &mut stands) && !turn(0.6, &mut stands));
         assert!(turn(0.695, &mut stands), "the knob is close enough");

@@ -22,7 +22,6 @@ pub trait Ports: Send {
     fn open(&mut self, name: &str, hear: Hear) -> Result<Box<dyn Any>, String>;
 }
 
-/// The program's name in the MIDI system.
 const CLIENT: &str = "Mariana";
 
 /// The ports of the system: ALSA sequencer, CoreMIDI or WinMM.

@@ -5,7 +5,6 @@ use rosc::{OscMessage, OscPacket, OscTime};
 
 use crate::limits::LIMITS;
 
-/// The first bytes of a bundle.
 const BUNDLE: &[u8] = b"#bundle\0";
 /// The length of a bundle's header: its name and time tag.
 const BUNDLE_HEAD: usize = 16;

@@ -1,8 +1,6 @@
 //! Address patterns of OSC 1.0: `?` matches one character, `*` any number, `[a-z]` one of a set, `[!a]` one outside a
-//! set, `{one,two}` one of several words. None of them matches a slash.
-//!
-//! Matching keeps a set of reachable positions and never backtracks. The number of steps is at most the number of parts
-//! times the number of characters.
+//! set, `{one,two}` one of several words. None of them matches a slash. Matching keeps a set of reachable positions
+//! and never backtracks: it takes at most parts times characters steps.
 
 use crate::limits::LIMITS;
 
@@ -110,7 +108,6 @@ impl Part {
         ends
     }
 
-    /// True if this part matches the character.
     fn is(&self, character: char) -> bool {
         match self {
             Self::Is(this) => character == *this,
@@ -124,7 +121,6 @@ impl Part {
     }
 }
 
-/// Parses the characters between brackets.
 fn one_of(set: &str) -> Part {
     let (is_not, set) = set.strip_prefix('!').map_or((false, set), |set| (true, set));
     let signs: Vec<char> = set.chars().collect();

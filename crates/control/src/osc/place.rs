@@ -26,7 +26,6 @@ pub enum PlaceError {
     NoPortNorAny,
 }
 
-/// The loopback address, which other computers cannot reach.
 const LOOPBACK: &str = "127.0.0.1";
 
 impl FromStr for Place {

@@ -20,9 +20,7 @@ use crate::{Board, InputQueue, Present, Slider};
 
 /// The interval at which the thread checks if it is still in use.
 const LOOK: Duration = Duration::from_millis(200);
-/// The shortest wait for a packet.
 const LEAST_LOOK: Duration = Duration::from_millis(1);
-/// The maximum size of a UDP packet.
 const PACKET_MAX: usize = 65_535;
 
 /// The state of the receiver.
@@ -243,7 +241,6 @@ impl Hearing {
     }
 }
 
-/// Returns all addresses that have a meaning now.
 fn addresses(present: &Present, actions: &[ActionRow]) -> Vec<String> {
     let params = present.params.iter().map(|param| &param.name);
     let turns = params.flat_map(|name| [format!("/param/{name}"), format!("/share/{name}")]);
@@ -255,7 +252,6 @@ fn addresses(present: &Present, actions: &[ActionRow]) -> Vec<String> {
     turns.chain(scenes).chain(acts).chain(questions.map(str::to_owned)).chain(switches).collect()
 }
 
-/// True if the read timed out or was interrupted.
 fn is_patience(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
 }

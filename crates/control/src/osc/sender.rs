@@ -69,7 +69,6 @@ impl Drop for OscSender {
     }
 }
 
-/// Sends at the given interval until `is_over` is set.
 fn send(place: &Place, interval: Duration, sample: &Mutex<Sample>, is_over: &AtomicBool) -> io::Result<()> {
     let to = place.resolve()?;
     let socket = UdpSocket::bind(if to.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" })?;

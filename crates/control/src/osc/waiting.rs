@@ -13,14 +13,11 @@ const TO_UNIX: u64 = 2_208_988_800;
 /// Units per second in the fraction of an OSC time.
 const PARTS: f64 = 4_294_967_296.0;
 
-/// The time at which a message takes effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum When {
     /// At once: requested so, or in the past.
     Now,
-    /// After this duration.
     In(Duration),
-    /// Too far in the future.
     TooLate,
 }
 
@@ -40,7 +37,6 @@ pub(super) fn when(time: Option<OscTime>, now: SystemTime) -> When {
     }
 }
 
-/// Scheduled messages with their senders.
 #[derive(Default)]
 pub(super) struct Waiting {
     /// Messages by due time, then by order of arrival.
@@ -59,13 +55,11 @@ impl Waiting {
         has_room
     }
 
-    /// Takes the next message that is due at `now`.
     pub(super) fn take(&mut self, now: Instant) -> Option<(OscMessage, SocketAddr)> {
         let first = self.messages.first_entry().filter(|first| first.key().0 <= now)?;
         Some(first.remove())
     }
 
-    /// Returns the time until the next message is due.
     pub(super) fn patience(&self, now: Instant) -> Option<Duration> {
         self.messages.first_key_value().map(|((due, _), _)| due.saturating_duration_since(now))
     }

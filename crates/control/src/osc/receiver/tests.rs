@@ -33,12 +33,10 @@ fn packet(addr: &str, args: Vec<OscType>) -> Vec<u8> {
     encoder::encode(&OscPacket::Message(message(addr.to_owned(), args))).unwrap()
 }
 
-/// Returns the answers to a packet; messages scheduled for later are rejected.
 fn batch(hearing: &Hearing, packet: &[u8]) -> Vec<OscMessage> {
     hearing.hear(packet, SystemTime::now(), |_, _| false)
 }
 
-/// Returns a bundle with one message for a time.
 fn bundle(time: SystemTime, addr: &str, args: Vec<OscType>) -> Vec<u8> {
     let timetag = OscTime::try_from(time).unwrap();
     let content = vec![OscPacket::Message(message(addr.to_owned(), args))];
@@ -179,7 +177,6 @@ fn packets_come_through_a_real_socket_and_answers_go_back() {
     socket.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), free).unwrap();
     wakes.recv().unwrap();
     assert_eq!(input_queue.take().params[0].name, "size");
-    // A message scheduled for later.
     let soon = SystemTime::now() + Duration::from_millis(300);
     socket.send_to(&bundle(soon, "/share/size", vec![OscType::Float(0.5)]), free).unwrap();
     wakes.recv().unwrap();
