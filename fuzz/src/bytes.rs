@@ -40,7 +40,6 @@ const NUMBERS: [f32; 32] = [
 ];
 
 impl Bytes<'_> {
-    /// Returns the next byte.
     pub(crate) fn next(&mut self) -> u8 {
         let Some((first, rest)) = self.0.split_first() else { return 0 };
         self.0 = rest;
@@ -61,7 +60,6 @@ impl Bytes<'_> {
         }
     }
 
-    /// Returns a finite number.
     pub(crate) fn finite(&mut self) -> f32 {
         let number = self.number();
         if number.is_finite() { number } else { 0.75 }

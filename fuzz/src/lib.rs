@@ -21,7 +21,6 @@ use std::path::Path;
 
 pub(crate) use seeds::{Seed, changed, dictionary};
 
-/// A fuzz target.
 pub(crate) struct Target {
     /// Name, which is also that of its program in `bin/`.
     pub name: &'static str,
@@ -61,25 +60,20 @@ pub(crate) const DECODE: Target =
 /// Playlists and cue sheets.
 pub(crate) const LISTS: Target =
     Target { name: "lists", run: files::lists, seeds: seeds::lists, speaks: false, changes: 600 };
-/// Settings files.
 pub(crate) const SETTINGS: Target =
     Target { name: "settings", run: files::settings, seeds: seeds::settings, speaks: false, changes: 300 };
 /// Requests and messages to the page for phones.
 pub(crate) const PHONES: Target =
     Target { name: "phones", run: phones::phones, seeds: seeds::phones, speaks: false, changes: 40_000 };
 
-/// OSC packets.
 pub(crate) const OSC: Target =
     Target { name: "osc", run: control::osc, seeds: seeds::packets, speaks: false, changes: 4_000 };
-/// Bytes of a MIDI device.
 pub(crate) const MIDI: Target =
     Target { name: "midi", run: control::midi, seeds: seeds::midi, speaks: false, changes: 4_000 };
 
-/// Show files.
 pub(crate) const SHOWS: Target =
     Target { name: "shows", run: shows::shows, seeds: seeds::shows, speaks: false, changes: 1_000 };
 
-/// All targets.
 pub(crate) const TARGETS: [&Target; 12] = [
     &SYNTAX,
     &SCENE,

@@ -8,7 +8,6 @@ use mariana_field::lang;
 use super::files::{LIST_ENDS, SOUND_ENDS};
 use super::random::Random;
 
-/// A seed input.
 pub(crate) struct Seed {
     /// The file name.
     pub name: String,
@@ -54,7 +53,6 @@ const SCENES: &[(&str, &str)] = &[
     ("choice", "object o { shape = if x > 0 then if y < 1 then 2 else length(p) - 1 else min(abs(z), 2) }"),
 ];
 
-/// Returns the short scenes.
 pub(crate) fn small_scenes() -> Vec<Seed> {
     SCENES.iter().map(|(name, text)| seed(*name, *text)).collect()
 }
@@ -189,7 +187,6 @@ fn osc_bundle(time: [u32; 2], elements: &[Vec<u8>]) -> Vec<u8> {
     bytes
 }
 
-/// Returns OSC packets.
 pub(crate) fn packets() -> Vec<Seed> {
     let half = 0.5_f32.to_be_bytes();
     let turn = osc_message("/param/size", ",ff", &[half, half].concat());
@@ -213,7 +210,6 @@ pub(crate) fn packets() -> Vec<Seed> {
     ]
 }
 
-/// Returns MIDI byte streams.
 pub(crate) fn midi() -> Vec<Seed> {
     let sysex = [&[0xF0, 0x7E][..], &[0x11; 40], &[0xF7]].concat();
     let song = [&[0xFA][..], &[0xF8; 50], &[0xFC, 0xF2, 0x10, 0x02, 0xFB], &[0xF8; 30]].concat();

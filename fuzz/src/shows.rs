@@ -82,7 +82,6 @@ pub(crate) fn shows(data: &[u8]) {
     assert!(again.is_ok(), "{:?}", again.err());
 }
 
-/// Most clips to check.
 const CLIPS_MAX: usize = 50;
 
 fn check(prepared_show: &PreparedShow, timeline: &Timeline) {

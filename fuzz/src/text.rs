@@ -12,7 +12,6 @@ use super::words;
 /// Scenes with more clauses are not compiled to GLSL here.
 const GLSL_CLAUSES_MAX: usize = 6_000;
 
-/// Checks lexer and parser.
 pub(crate) fn syntax(data: &[u8]) {
     let text = String::from_utf8_lossy(data);
     let (diagnostics, sources) = lang::check_syntax("fuzz", &text);

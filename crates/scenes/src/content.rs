@@ -11,7 +11,6 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use super::folder::read_at_most;
 use crate::limits::LIMITS;
 
-/// The state of a file at one time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Look {
     pub content: Content,

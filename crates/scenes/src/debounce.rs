@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// The kind of a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A program has opened the file for writing and not closed it yet.
@@ -15,7 +14,6 @@ pub(super) enum Kind {
     Touched,
 }
 
-/// Delays before files are read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Waits {
     /// Time without events before the files are read.
@@ -39,7 +37,6 @@ impl Waits {
     };
 }
 
-/// The pending changes.
 #[derive(Debug, Default)]
 pub(super) struct Changes {
     touched: BTreeSet<PathBuf>,
@@ -73,7 +70,6 @@ impl Changes {
         Some(latest.min(self.last? + waits.quiet))
     }
 
-    /// Returns the changed files and clears the list.
     pub(super) fn take(&mut self) -> BTreeSet<PathBuf> {
         std::mem::take(self).touched
     }

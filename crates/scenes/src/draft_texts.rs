@@ -1,4 +1,3 @@
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,7 +20,6 @@ impl DraftTexts {
         self.texts.get(file)
     }
 
-    /// Returns the numbers of a file that are being turned.
     pub(super) fn turning(&self, file: &Path) -> &[Turning] {
         self.turning.as_ref().filter(|(of, _)| **of == *file).map_or(&[], |(_, turning)| turning)
     }

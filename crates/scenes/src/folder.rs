@@ -23,7 +23,6 @@ pub(super) enum Refusal {
     NotText(usize),
 }
 
-/// The folder of a scene file.
 #[derive(Debug, Clone)]
 pub(super) struct Folder(PathBuf);
 
@@ -40,7 +39,6 @@ impl Folder {
         self.0.join(name)
     }
 
-    /// Reads `name`, at most `max` bytes.
     pub(super) fn bytes(&self, name: &str, max: usize) -> Result<Vec<u8>, Refusal> {
         let path = self.inside(name)?;
         let refused = |error: io::Error| Refusal::Unreadable(error.to_string());
@@ -51,7 +49,6 @@ impl Folder {
         read_at_most(&path, max).map_err(refused)?.ok_or(Refusal::TooLarge(max))
     }
 
-    /// Reads `name` as text, at most `max` bytes.
     pub(super) fn text(&self, name: &str, max: usize) -> Result<String, Refusal> {
         Self::text_of(self.bytes(name, max)?)
     }

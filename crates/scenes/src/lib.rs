@@ -55,7 +55,6 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
 static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/scenes");
 
-/// The extension of scene files.
 const ENDING: &str = "scene";
 
 /// The source of a scene, which can be compiled repeatedly.
@@ -221,7 +220,6 @@ fn including(folder: Folder, drafts: &DraftTexts) -> impl FnMut(&str) -> Result<
     }
 }
 
-/// Returns a draft as text.
 fn text_of<'a>(file: &Path, draft: &'a [u8]) -> Result<&'a str, SceneError> {
     std::str::from_utf8(draft)
         .map_err(|error| SceneError::NotText { path: file.to_owned(), position: error.valid_up_to() })
@@ -252,7 +250,6 @@ fn shipped(name: &str) -> Option<&'static str> {
     SHIPPED.get_file(format!("{name}.{ENDING}"))?.contents_utf8()
 }
 
-/// Reads a scene file up to the size limit.
 fn read(path: &Path) -> Result<String, SceneError> {
     let unreadable =
         |error: std::io::Error| SceneError::Unreadable { path: path.to_owned(), reason: error.to_string() };

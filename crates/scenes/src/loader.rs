@@ -136,7 +136,6 @@ impl<T> Drop for Loader<T> {
     }
 }
 
-/// The next load.
 enum Asked {
     Source(SceneSource),
     Again,

@@ -64,7 +64,6 @@ impl SceneList {
     }
 }
 
-/// Sort key of the cycle.
 fn rank(scene: &SceneSource) -> (u8, &OsStr, &OsStr) {
     match scene {
         SceneSource::Formula(text) => (0, OsStr::new(text), OsStr::new("")),

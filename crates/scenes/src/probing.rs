@@ -44,7 +44,6 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Longest pause between two grids. The thread pauses as long as the last grid took, to leave the processors to the
 /// show.
 const REST_MAX: Duration = Duration::from_secs(1);
-/// Columns of a grid.
 const COLUMNS: usize = 160;
 /// Width of a probe's ray, as a fraction of a pixel.
 const PROBE_WIDTH: f64 = 0.05;

@@ -21,7 +21,6 @@ use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
 
 static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/textures");
 
-/// Extensions of image files.
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// Loads textures and caches the decoded ones of the last scene. Loading a scene again decodes only changed images

@@ -26,7 +26,6 @@ struct Wanted {
     lost: BTreeSet<PathBuf>,
 }
 
-/// A watch on some files.
 pub(super) struct Watch {
     watcher: Option<RecommendedWatcher>,
     /// Watched folders with their identities, to detect a replaced folder.
@@ -44,7 +43,6 @@ pub(super) type Tell = Box<dyn Fn(PathBuf, Kind) + Send>;
 /// Device and inode number of a folder; `None` on systems without them.
 type Identity = Option<(u64, u64)>;
 
-/// Longest chain of links to follow.
 const LINKS_MAX: usize = 16;
 
 impl Watch {

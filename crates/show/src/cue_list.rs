@@ -97,7 +97,6 @@ impl Length {
     /// Zero seconds.
     pub const ZERO: Self = Self::Seconds(0.0);
 
-    /// The units of lengths.
     pub(super) const UNITS: [Unit; 3] = [
         Unit { of: Self::Seconds, names: &["s"] },
         Unit { of: Self::Beats, names: &["beat", "beats"] },
@@ -112,7 +111,6 @@ impl Length {
     }
 }
 
-/// A unit of length.
 pub(super) struct Unit {
     /// Constructor of a length in this unit.
     pub of: fn(f64) -> Length,

@@ -32,9 +32,8 @@ pub struct SceneCard {
     pub cameras: Vec<String>,
 }
 
-/// Upper limit of the energy of calm music.
+/// Energy below which music is calm, and from which it is loud.
 const CALM: f32 = 0.45;
-/// Lower limit of the energy of loud music.
 const LOUD: f32 = 0.6;
 /// Energy from which cameras change twice as often.
 const VERY_LOUD: f32 = 0.8;
@@ -43,7 +42,6 @@ const VERY_LOUD: f32 = 0.8;
 struct Turns {
     /// Upper limit of the energy.
     below: f32,
-    /// Bars between changes.
     bars: f64,
     /// Shortest time for a camera, in seconds.
     seconds_min: f64,
@@ -135,11 +133,8 @@ pub(super) fn next_scene(cards: &[SceneCard], seen: &[usize], energy: f32) -> Op
 struct Director<'a> {
     cards: &'a [SceneCard],
     seed: u64,
-    /// The scene of each section letter.
     of_letter: HashMap<&'a str, usize>,
-    /// The chosen scenes so far.
     seen: Vec<usize>,
-    /// Number of times each scene was shown.
     visits: Vec<usize>,
 }
 
@@ -231,7 +226,6 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
     }
 }
 
-/// Returns the rhythm of camera changes for this energy.
 fn turns_at(energy: f32) -> &'static Turns {
     let [calm, even, loud, very_loud] = &TURNS;
     [calm, even, loud].into_iter().find(|turns| energy < turns.below).unwrap_or(very_loud)

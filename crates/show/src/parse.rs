@@ -48,7 +48,6 @@ impl Parsed {
 /// Largest value of a parameter. Differences of two such values are finite.
 const VALUE_MAX: f32 = 1e30;
 
-/// Most mistakes reported at once.
 pub(super) const DIAGNOSTICS_MAX: usize = 20;
 
 /// Parses the text of a show file. Messages call it `name`.
@@ -443,7 +442,6 @@ fn is_fraction(param: &str) -> bool {
     PICTURE_NUMBERS.contains(&param)
 }
 
-/// The mistake for an unknown portal shape.
 fn no_shape(word: Word<'_>) -> Box<Diagnostic> {
     let shapes = || BlendKind::ALL.into_iter().filter(|(kind, ..)| matches!(kind, BlendKind::Portal(_)));
     let unknown = Diagnostic::new(word.span, format!("{} is not a portal shape", word.shown()));
@@ -472,7 +470,6 @@ fn no_second_word(first: Word<'_>, second: Word<'_>) -> Option<Box<Diagnostic>> 
     }))
 }
 
-/// Joins quoted names with commas.
 fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }

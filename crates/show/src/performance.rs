@@ -73,7 +73,6 @@ pub struct Turned<'a> {
 #[derive(Debug, Clone)]
 pub struct Performance {
     scenes: Vec<Played>,
-    /// The last recorded moment.
     last: Option<f64>,
     /// True if a limit on cue lists was reached.
     is_full: bool,
@@ -81,7 +80,6 @@ pub struct Performance {
     finish: [f32; 2],
 }
 
-/// A recorded scene.
 #[derive(Debug, Clone)]
 struct Played {
     scene: String,
@@ -94,12 +92,10 @@ struct Played {
     /// True if the song went back and this replaces later frames. An earlier frame may then be less than a
     /// millisecond before it.
     plays_over: bool,
-    /// The clip's animations.
     moves: Vec<Move>,
     lines: BTreeMap<String, Line>,
 }
 
-/// The recorded values of one parameter.
 #[derive(Debug, Clone)]
 struct Line {
     /// The default value in the scene's text.

@@ -48,7 +48,6 @@ impl Pictures {
         brightness.iter().any(|one| one.from.min(one.to) < 1.0)
     }
 
-    /// Returns the image settings at `time` seconds.
     pub(super) fn at(&self, time: f64) -> Picture {
         let [brightness, freeze] = &self.moves;
         let [light, _] = PLAIN_PICTURE;

@@ -85,7 +85,6 @@ fn moves_of(setting: &Setting, start: f64, lines: &BarLines) -> Vec<Move> {
     setting.steps.iter().map(part).collect()
 }
 
-/// The reason why a song lacks a moment.
 struct Missing {
     sentence: String,
     hint: String,

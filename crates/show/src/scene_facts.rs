@@ -40,7 +40,6 @@ impl SceneFacts {
         (self.about.enter, self.about.leave)
     }
 
-    /// Returns the director's card for the scene `name`.
     pub(super) fn card(&self, name: &str) -> SceneCard {
         SceneCard { scene: name.to_owned(), about: self.about.clone(), cameras: self.cameras.clone() }
     }

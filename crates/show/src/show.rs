@@ -42,7 +42,6 @@ pub struct Show {
     /// `None` if all entries wait for the cue key.
     timeline: Option<Timeline>,
     cue_list: CueList,
-    /// Preferred transitions by scene name.
     ways: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
 }

@@ -48,7 +48,6 @@ pub(super) fn with_substitutes(
     Some(found)
 }
 
-/// Returns the middle of a scene's energy range.
 fn energy(card: &SceneCard) -> f32 {
     0.5 * (card.about.energy.0 + card.about.energy.1)
 }

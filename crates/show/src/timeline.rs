@@ -9,7 +9,6 @@ use mariana_field::lang::{Param, Scene};
 pub struct Timeline {
     /// Clips sorted by start; at least one.
     clips: Vec<Clip>,
-    /// The image settings.
     pictures: Pictures,
 }
 
@@ -151,7 +150,6 @@ impl Timeline {
 const EXACT: f64 = 1e-6;
 
 impl Move {
-    /// True if the animation has started at `time` seconds.
     pub(super) fn has_begun(&self, time: f64) -> bool {
         time - self.start >= -EXACT
     }

@@ -71,12 +71,10 @@ impl SessionBus {
         self.send(&player, "/org/mpris/MediaPlayer2", arguments)
     }
 
-    /// The session's folder.
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Address of the bus.
     pub(crate) fn address(&self) -> String {
         format!("unix:path={}", self.folder.join("bus").display())
     }

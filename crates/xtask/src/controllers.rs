@@ -112,7 +112,6 @@ fn measure(
     Ok(())
 }
 
-/// Waits until the log has this text.
 pub fn wait_for(log: &Path, words: &str) -> anyhow::Result<()> {
     let begun = Instant::now();
     loop {

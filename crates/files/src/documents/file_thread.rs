@@ -16,9 +16,7 @@ use crate::limits::LIMITS;
 
 /// Interval at which files are checked for changes by other programs.
 const LOOK: Duration = Duration::from_millis(400);
-/// Shortest time between two backups of one text.
 const KEEP: Duration = Duration::from_millis(300);
-/// Most names tried for a new file.
 const NAMES_MAX: usize = 1_000;
 
 /// A thread for file access. It ends when this is dropped and all requests are done.
@@ -103,7 +101,6 @@ impl FileThread {
     }
 }
 
-/// The last known state of a file.
 struct Known {
     stamp: Stamp,
     holds: OnDisk,
@@ -238,7 +235,8 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
             let Some(text) = one.text.take() else { continue };
             one.last = Some(now);
             if let Err(reason) = self.kept.keep(file, &text) {
-                let reason = format!("Mariana cannot back up the unsaved text of {}: {reason}", file.display());
+                let reason =
+                    format!("Mariana cannot back up the unsaved text of {}: {reason}", file.display());
                 (self.tell)(FileEvent::Failed { file: file.clone(), reason });
             }
         }

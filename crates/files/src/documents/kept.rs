@@ -16,7 +16,6 @@ use super::Bytes;
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
 
-/// Extension of backup files.
 const ENDING: &str = "unsaved";
 
 /// The backup of an unsaved text.
@@ -35,7 +34,6 @@ pub struct KeptTexts {
     folder: Option<PathBuf>,
 }
 
-/// The first line of a backup.
 #[derive(Serialize, Deserialize)]
 struct Head {
     /// An explanation for a person who finds the file.

@@ -45,7 +45,6 @@ impl Place {
         self.folder.path().join(name)
     }
 
-    /// Writes `text` into the file `name` and loads it.
     fn begin(&self, name: &str, text: &str) {
         fs::write(self.path(name), text).unwrap();
         self.loader.request(SceneSource::File(self.path(name)));

@@ -10,22 +10,17 @@ use super::{MOMENT, SIZE};
 use crate::SceneSource;
 use crate::limits::LIMITS;
 
-/// Interval at which the process is polled.
 const INTERVAL: Duration = Duration::from_millis(20);
 
-/// The reason for a missing thumbnail.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NotDrawn {
     /// The system cannot start the process or read the file.
     #[error("the thumbnail cannot be drawn ({0})")]
     System(#[from] io::Error),
-    /// The process failed.
     #[error("the thumbnail cannot be drawn")]
     Failed,
-    /// The process exceeded the time limit.
     #[error("drawing the thumbnail takes more than {} s", LIMITS.thumbnail_seconds_max)]
     TooSlow,
-    /// The caller stopped the process.
     #[error("")]
     Stopped,
 }

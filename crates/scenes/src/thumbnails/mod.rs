@@ -64,7 +64,6 @@ pub struct Thumbnails {
     looked: Receiver<Looked>,
 }
 
-/// Requests that wait for the thread.
 #[derive(Debug, Default)]
 struct Requests {
     waiting: Mutex<Waiting>,
@@ -80,7 +79,6 @@ struct Waiting {
     ahead: VecDeque<SceneSource>,
 }
 
-/// A request for one scene.
 #[derive(Debug, Clone, PartialEq)]
 enum Request {
     Comment(SceneSource),
@@ -309,7 +307,6 @@ fn comment_of(source: &SceneSource) -> About {
     About::Comment(first_comment(&text).collect::<Vec<_>>().join(" "))
 }
 
-/// Returns the thumbnail of a shipped scene.
 fn jpeg_shipped_with(source: &SceneSource) -> Option<&'static [u8]> {
     match source {
         SceneSource::Shipped(name) => shipped(name),
@@ -353,7 +350,6 @@ fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     Ok(reader.decode()?.into_rgba8())
 }
 
-/// Decodes a shipped thumbnail.
 fn read_jpeg(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     Ok(image::load_from_memory_with_format(bytes, image::ImageFormat::Jpeg)?.into_rgba8())
 }
@@ -378,7 +374,6 @@ fn keep(path: &Path, bytes: &[u8]) {
     }
 }
 
-/// Removes the oldest thumbnails beyond the limit.
 fn forget_oldest(folder: &Path) {
     let Ok(listing) = fs::read_dir(folder) else { return };
     let mut files: Vec<(std::time::SystemTime, PathBuf)> = listing

@@ -23,27 +23,21 @@ const SPREAD: [f64; 2] = [0.1, 0.9];
 /// Normalized energy of the calmest section.
 const CALMEST: f32 = 0.15;
 
-/// The reason for a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reason {
-    /// The song begins.
     Start,
-    /// A section begins.
     Section,
-    /// A drop.
     Drop,
     /// A long section is split.
     Long,
 }
 
-/// A moment where the scene changes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Change<'a> {
     pub(super) when: When,
     /// The moment in seconds.
     pub(super) time: f64,
     pub(super) reason: Reason,
-    /// The letter of the section.
     pub(super) letter: Option<&'a str>,
     /// Energy before the change, and after it, 0..1.
     pub(super) before: f32,
@@ -153,7 +147,6 @@ fn change(song: &SongStructure, when: When, time: f64, reason: Reason) -> Change
     Change { when, time, reason, letter, before: energy, energy }
 }
 
-/// Returns the changes within a long section.
 fn within<'a>(song: &'a SongStructure, lines: &BarLines, section: &Section) -> Vec<Change<'a>> {
     let calm = 1.0 - f64::from(section.energy);
     let usual = SECONDS_USUAL[1] + (SECONDS_USUAL[0] - SECONDS_USUAL[1]) * calm;

@@ -9,7 +9,6 @@ use std::f32::consts::{PI, TAU};
 pub struct Noise(u64);
 
 impl Noise {
-    /// A generator with a different sequence for each seed.
     pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66_D1CE_4E5B)
     }

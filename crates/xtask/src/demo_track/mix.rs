@@ -9,7 +9,6 @@ use std::f32::consts::TAU;
 
 /// Bars rendered beyond the end for reverb tails. They are added to the beginning, as in a loop.
 const TAIL_BARS: usize = 4;
-/// Gain before the limiter.
 const MASTER_GAIN: f32 = 0.5;
 /// Peak level: -2 dBFS leaves room for overshoots of lossy codecs.
 const CEILING: f32 = 0.794;
@@ -134,7 +133,6 @@ fn shape_pads(pads: &mut [Frame]) {
     }
 }
 
-/// Renders the whole piece of [`BARS`] bars.
 pub fn render() -> Vec<Frame> {
     let length = (BARS + TAIL_BARS) * BAR;
     let hits = score::drums();

@@ -12,18 +12,14 @@
 //! | 24..36  | full two  | the theme in thirds, a second theme with left and right stabs, the theme's answer |
 //! | 36..40  | outro     | drums thin out; pads and bells lead back to bar 0 |
 
-/// Sample rate in Hz.
 pub const SAMPLE_RATE: u32 = 48_000;
 /// Samples per sixteenth note, which makes exactly 112.5 beats per minute.
 pub const STEP: usize = 6_400;
 /// Sixteenth notes per bar (4/4).
 pub const STEPS: usize = 16;
-/// Samples per bar.
 pub const BAR: usize = STEP * STEPS;
-/// Bars of the piece.
 pub const BARS: usize = 40;
 
-/// One note of a pitched instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Note {
     /// Onset in samples from the start of the piece.
@@ -45,7 +41,6 @@ impl Note {
     }
 }
 
-/// A drum or noise sound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drum {
     Kick,
@@ -66,7 +61,6 @@ pub enum Drum {
     Impact,
 }
 
-/// One stroke of a drum.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     pub drum: Drum,
@@ -99,10 +93,8 @@ const BREAK: [Chord; 4] = [C_MAJOR_9, A_MINOR_9, E_MINOR_9, D_SUS_4];
 const BRIDGE: [Chord; 4] = [C_MAJOR_9, D_ADD_9, E_MINOR_9, B_MINOR_7];
 const HOME: [Chord; 4] = [C_MAJOR_9, D_ADD_9, G_ADD_9, D_SUS_4];
 
-/// The four-bar progressions in order.
 const FORM: [[Chord; 4]; BARS / 4] = [VERSE, VERSE, RISE, VERSE, VERSE, BREAK, VERSE, BRIDGE, VERSE, HOME];
 
-/// Returns the chord at `step` of `bar`.
 pub fn chord_at(bar: usize, step: usize) -> Chord {
     match (bar, step >= STEPS / 2) {
         // The suspension before the first loud part resolves in the middle of its bar.
@@ -348,7 +340,6 @@ pub fn stabs() -> Vec<Note> {
     notes
 }
 
-/// All drums and noise sounds.
 pub fn drums() -> Vec<Hit> {
     let mut hits = Vec::new();
     let mut hit = |drum, bar: usize, step: usize, velocity: f32, pan: f32| {

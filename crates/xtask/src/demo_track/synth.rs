@@ -10,7 +10,6 @@ use std::f32::consts::{FRAC_PI_4, PI, TAU};
 /// A stereo sample frame: left, right.
 pub type Frame = [f32; 2];
 
-/// Length of a sample in seconds.
 pub const DT: f32 = 1.0 / SAMPLE_RATE as f32;
 
 /// Returns the frequency of a MIDI note in Hz, detuned by `cents`.
@@ -43,7 +42,6 @@ impl Phase {
         now
     }
 
-    /// A sine wave.
     pub fn sine(&mut self, hz: f32) -> f32 {
         (TAU * self.advance(hz)).sin()
     }
@@ -140,12 +138,10 @@ impl Filter {
         filter
     }
 
-    /// Sets the corner frequency.
     pub fn tune(&mut self, hz: f32) {
         self.g = (PI * hz.clamp(10.0, 20_000.0) * DT).tan();
     }
 
-    /// Filters one sample.
     pub fn run(&mut self, input: f32) -> f32 {
         let a1 = 1.0 / (1.0 + self.g * (self.g + self.k));
         let v3 = input - self.ic2;

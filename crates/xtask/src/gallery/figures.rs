@@ -28,9 +28,7 @@ pub struct Figures {
     pub cost: Evaluations,
     /// Fraction of pixels that differ visibly between this moment and silence.
     pub moved: f64,
-    /// Largest fraction of black pixels at any moment.
     pub black: f64,
-    /// Largest fraction of white pixels at any moment.
     pub white: f64,
 }
 

@@ -85,7 +85,6 @@ and white: the largest fraction of black or white pixels at any of the four mome
 |---|---|---|---|---|---|---|
 ";
 
-/// Draws the images of a scene.
 fn draw(name: &str, sounds: &[Sound], folder: &Path) -> anyhow::Result<()> {
     let mut painter = Painter::open(&SceneChoice {
         source: SceneSource::Shipped(name.to_owned()),

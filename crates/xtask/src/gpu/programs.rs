@@ -28,12 +28,9 @@ const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 /// The scene whose views are linked as well.
 const VIEWED: &str = "speakers";
 
-/// A linked program.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Linked {
-    /// Name and version of the driver.
     pub(super) driver: String,
-    /// Name of the program.
     pub(super) name: String,
     /// Figures of the fragment shader; `None` if the driver reports none.
     pub(super) counts: Option<Counts>,

@@ -4,13 +4,10 @@ use glam::Vec3;
 
 use super::field::Field;
 
-/// Width of an image in pixels.
 pub const WIDTH: usize = 200;
-/// Height of an image in pixels.
 pub const HEIGHT: usize = 150;
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
-/// Most steps of a ray.
 const STEPS: usize = 300;
 /// Distance at which a ray has hit the surface.
 const TOUCH: f32 = 8e-4;

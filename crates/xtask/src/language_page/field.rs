@@ -31,7 +31,6 @@ pub struct Field<'a> {
     coordinates: [Vec<f32>; 3],
 }
 
-/// The bounds of a shape.
 pub struct Extent {
     /// Points on and in the shape.
     pub points: Vec<Vec3>,

@@ -21,7 +21,6 @@ use mariana_field::graph::FrameInputs;
 
 use mariana_field::lang::PICTURES;
 
-/// Writes the page and draws its images.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let folder = arguments.first().map_or_else(|| Path::new(crate::root::ROOT).join("docs"), PathBuf::from);
     let shapes = folder.join("shapes");

@@ -62,7 +62,6 @@ fn excerpt() -> String {
     rest.get(..end).unwrap_or("").to_owned()
 }
 
-/// Appends a line.
 fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
     let _ = writeln!(text, "{content}");
 }

@@ -21,7 +21,6 @@ pub fn to_srgb(x: f32) -> u8 {
     (s * 255.0).round() as u8
 }
 
-/// Multiplies `color` by `factor`.
 pub fn scale(color: Color, factor: f32) -> Color {
     color.map(|c| c * factor)
 }

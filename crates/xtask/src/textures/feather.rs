@@ -7,7 +7,6 @@ use super::shape::{Point, Shape};
 /// Position and look of a feather. Lengths are in units, angles in radians (0 points right, negative is up).
 #[derive(Clone, Copy)]
 pub struct Feather {
-    /// Position of the root.
     pub root: Point,
     /// Direction from the root to the tip.
     pub angle: f32,
@@ -15,7 +14,6 @@ pub struct Feather {
     pub width: f32,
     /// Shape of the tip, from 0 (round) to 1 (pointed).
     pub point: f32,
-    /// Colour of the fringe along the edge.
     pub fringe: Color,
     /// Strength of the fringe, 0..1.
     pub fringe_strength: f32,

@@ -8,7 +8,6 @@ use super::feather::{Feather, scatter};
 use super::noise::{free_turbulence, mix, mix3, random, smoothstep};
 use super::shape::{Point, Shape};
 
-/// Width and height of the image in pixels.
 pub const SIDE: usize = 1024;
 
 /// Paints the image as rows of sRGB bytes with straight alpha, `SIDE * SIDE * 4` bytes.
@@ -97,7 +96,6 @@ fn leg(canvas: &mut Canvas, shift: Point, light: f32) {
     });
 }
 
-/// The white fan of the tail.
 fn tail(canvas: &mut Canvas) {
     let vanes: [(f32, f32, u32); 7] = [
         (0.26, 172.0, 0xc9c4ba),
@@ -475,7 +473,6 @@ fn curls(canvas: &mut Canvas) {
     }
 }
 
-/// Paints neck, white ring, head, bill and eye.
 fn head(canvas: &mut Canvas) {
     let outline = Shape::smooth(&[
         [188.0, 214.0],
@@ -583,7 +580,6 @@ fn bill(canvas: &mut Canvas) {
     canvas.fill(&smile, None, 0.3, |_, _| (rgb(0x4a380c), 0.9));
 }
 
-/// Paints the dark eye with its two highlights.
 fn eye(canvas: &mut Canvas) {
     let center = [258.0, 176.0];
     let disc = |c: Point, r: f32| Shape::ellipse(c, [r, r], 0.0);

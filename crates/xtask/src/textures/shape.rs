@@ -2,13 +2,11 @@
 //!
 //! Lengths are in units of the image (1024 units wide), x to the right, y down.
 
-/// A point or a vector.
 pub type Point = [f32; 2];
 
 /// Points per span of a spline.
 const STEPS: usize = 10;
 
-/// A closed polygon.
 pub struct Shape {
     points: Vec<Point>,
     low: Point,
@@ -70,7 +68,6 @@ impl Shape {
         Self::polygon(side(1.0).chain(side(-1.0).rev()).collect())
     }
 
-    /// Returns the lower and upper corner of the bounding box.
     pub fn bounds(&self) -> (Point, Point) {
         (self.low, self.high)
     }

@@ -6,7 +6,6 @@
 
 use super::noise::{gradient, mix, mix3, random, smoothstep, turbulence};
 
-/// Width and height of the image in pixels.
 pub const SIDE: usize = 1024;
 /// Samples per pixel along each axis.
 const SAMPLES: usize = 2;
