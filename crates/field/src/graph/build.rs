@@ -1,6 +1,4 @@
-//! Builders of expressions.
-//!
-//! The helpers combine operators. None of them is an operator itself.
+//! Builders of expressions. The helpers combine operators; none of them is an operator itself.
 
 use super::{Graph, Input, Node, NodeId, Op};
 
@@ -38,8 +36,7 @@ impl Graph {
         self.intern(node)
     }
 
-    /// One channel of a texture of the scene at (u, v): 0 red, 1 green, 2 blue, 3 alpha; higher numbers are taken
-    /// modulo 4.
+    /// One channel of a texture at (u, v): 0 red, 1 green, 2 blue, 3 alpha; other numbers are taken modulo 4.
     pub fn texture(&mut self, texture: u16, channel: u8, u: NodeId, v: NodeId) -> NodeId {
         self.intern(Node::Texture { texture, channel: channel & 3, u, v })
     }
@@ -104,11 +101,8 @@ impl Graph {
         self.simplified_unary(Op::Square, a)
     }
 
-    /// a to the power of b.
-    ///
-    /// A constant integer exponent up to ±[`PRODUCT_EXPONENT_MAX`] means a product, for any base: `x^2` is x * x. A
-    /// negative exponent means 1 over the product, or 0 if the product is 0. Any other exponent means [`Op::Pow`],
-    /// which is 0 for a negative base.
+    /// a to the power of b. A constant integer exponent up to ±[`PRODUCT_EXPONENT_MAX`] means a product, for any base
+    /// (`x^2` is x * x), or 1 over it (0 if it is 0). Any other means [`Op::Pow`], which is 0 for a negative base.
     pub fn pow(&mut self, a: NodeId, b: NodeId) -> NodeId {
         match self.as_constant(b) {
             Some(n) if n.fract() == 0.0 && n.abs() <= PRODUCT_EXPONENT_MAX => {
@@ -124,7 +118,6 @@ impl Graph {
         }
     }
 
-    /// a to the power of n by repeated squaring.
     fn whole_power(&mut self, a: NodeId, mut n: u32) -> NodeId {
         let mut power = a;
         let mut product = None;
@@ -151,8 +144,7 @@ impl Graph {
         self.simplified_unary(Op::Not, c)
     }
 
-    /// a where c is not 0, else b: MASK(c, a) + MASK(NOT c, b). This is exact: MASK turns the other side into +0 for
-    /// any value, NaN included.
+    /// a where c is not 0, else b, exactly: MASK(c, a) + MASK(NOT c, b) turns the other side into +0, even a NaN.
     pub fn select(&mut self, c: NodeId, a: NodeId, b: NodeId) -> NodeId {
         if a == b {
             return a;
@@ -192,8 +184,7 @@ impl Graph {
         self.mul(squared, rest)
     }
 
-    /// The scalar product, summed from the first component; 0 for empty slices. Components without a partner are
-    /// ignored.
+    /// The scalar product, summed from the first component; 0 for empty slices. Unpaired components are ignored.
     pub fn dot(&mut self, a: &[NodeId], b: &[NodeId]) -> NodeId {
         let mut sum = None;
         for (&a, &b) in a.iter().zip(b) {

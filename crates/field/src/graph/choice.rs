@@ -23,8 +23,7 @@ impl Op {
         self.properties().has(Properties::CHOOSES)
     }
 
-    /// Returns the operand that is the value for every a and b in the given intervals. An operand that may be a NaN
-    /// never loses a comparison, so the choice also holds for NaNs.
+    /// The operand that is the value all over the intervals. One that may be a NaN never loses a comparison.
     #[inline]
     pub fn choice(self, a: Interval, b: Interval) -> Choice {
         let (left, right) = match self {

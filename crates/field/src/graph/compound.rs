@@ -1,16 +1,12 @@
-//! Compounds: several operators as one clause of the interpreter.
+//! Compounds: several operators as one clause of the interpreter, whose time grows with the number of clauses. A
+//! clause has two registers and a number, but most operators use only two of these three.
 //!
-//! The interpreter's time grows with the number of clauses. A clause has two registers and a number, but most operators
-//! use only two of these three. A compound uses all three for several operators whose intermediate values nothing else
-//! reads.
+//! Their value and GLSL follow from their parts, each rounded separately. They have no rules for bounds and slopes:
+//! they are made when a tape is written for the interpreter, after pruning and all other analysis. A compound may
+//! therefore contain minima without hiding a choice from pruning.
 //!
-//! **Defined by their parts.** The value and the GLSL of a compound follow from its parts, each rounded separately.
-//! Compounds have no rules for bounds and slopes: they are made when a tape is written for the interpreter, after
-//! pruning and all other analysis. A compound may therefore contain minima without hiding a choice from pruning.
-//!
-//! **Numbers.** 96..128, after the two-operand operators: two registers and the clause's immediate.
-//!
-//! Compounds make the interpreter's code at most 7.3 % longer on Vega and 5 % on Xe, with the same registers.
+//! Their numbers are 96..128, after the two-operand operators. They make the interpreter's code at most 7.3 % longer
+//! on Vega and 5 % on Xe, with the same registers.
 
 use std::fmt::Write as _;
 
@@ -29,9 +25,7 @@ enum Reads {
     B,
     /// The clause's number.
     C,
-    /// A quarter over the clause's number.
     QuarterOverC,
-    /// A constant of the compound itself.
     Always(f32),
     Part(usize),
 }
@@ -54,8 +48,7 @@ const fn one(op: Op, a: Reads) -> Part {
 
 macro_rules! compounds {
     ($( $(#[doc = $doc:literal])+ $id:ident = $number:literal $name:literal [$($part:expr),+]; )+) => {
-        /// Several operators on two registers a and b and a number c. The module's documentation states their common
-        /// properties.
+        /// Several operators on two registers a and b and a number c.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum Compound { $( $(#[doc = $doc])+ $id = $number, )+ }
@@ -188,8 +181,7 @@ impl Compound {
         nodes.last().copied().unwrap_or_default()
     }
 
-    /// Writes GLSL: the declarations of the intermediate values, which precede the statement that reads them, and the
-    /// compound's expression. The operands are called `a`, `b` and `c`.
+    /// Writes the declarations of the intermediate values, then the expression of the operands `a`, `b` and `c`.
     pub(crate) fn glsl(
         self,
         fill: impl Fn(&mut String, &str, &str, &str),
@@ -249,9 +241,8 @@ impl Compounds {
         self.0 |= compound.bit();
     }
 
-    /// The compounds that save at least one clause in forty. Other compounds would cost more than they save: a renderer
-    /// that does not skip branches computes every operator of a variant for every clause. `count` returns how often
-    /// each compound of a set is used, and the number of operators.
+    /// The compounds that save at least one clause in forty. Others do not pay: a renderer that does not skip
+    /// branches computes every operator of a variant for every clause.
     pub(crate) fn that_pay(count: impl Fn(Self) -> Uses) -> Self {
         let mut kept = Self::ALL;
         // A second round, because the uses of a removed compound may go to another one.
@@ -270,7 +261,6 @@ impl Compounds {
     }
 }
 
-/// A compound must save one clause of this many.
 const CLAUSES_PER_SAVED: usize = 40;
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -295,7 +285,6 @@ impl Uses {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Arg {
     Value(u32),
-    /// A number that is constant on the tape.
     Number(f32),
 }
 
@@ -354,8 +343,7 @@ const ROOTED: [u32; 128] = {
     rooted
 };
 
-/// The compounds in which an operator may be an operand of the last part, by operator number. Every compound has such
-/// an operand.
+/// The compounds in which an operator may be an operand of the last part, by number. Every compound has one.
 const BEFORE_LAST: [u32; 128] = {
     let mut before = [0; 128];
     let mut place = 0;
@@ -513,7 +501,6 @@ mod tests {
         one
     }
 
-    /// The opcodes of a tape for an interpreter with these compounds.
     fn opcodes(graph: &Graph, root: NodeId, compounds: Compounds) -> Vec<u8> {
         let tape = Tape::build(graph, &[root], &TapeOptions::default()).unwrap();
         let table: Vec<f32> = tape.table().iter().map(|entry| entry.constant().unwrap()).collect();

@@ -1,20 +1,16 @@
 //! Fused operators: a pair of operators becomes one operator if nothing else reads the value between them.
 //!
-//! Most distances consist of lengths, boxes and balls, in which squares, sums, differences and roots follow each other.
-//! The time of an interpreter grows with the number of clauses, so a distance with a third fewer clauses takes a third
-//! less time. Only the interpreter gets fused operators. Later, when a tape is written, compounds (`compound.rs`)
-//! combine more operators, after pruning.
-//!
-//! Fusing is bit-exact: the result is rounded as the two operators rounded it. Cells use the whole tape far from
-//! surfaces, where no ray evaluates the distance, and where no room is left for a shortened one.
+//! Most distances consist of lengths, boxes and balls, in which squares, sums, differences and roots follow each
+//! other. The time of an interpreter grows with the number of clauses, and a distance has a third fewer fused ones.
+//! Only the interpreter gets them. Later, after pruning, compounds (`compound.rs`) combine more operators. Fusing is
+//! bit-exact: the result is rounded as the two operators rounded it.
 
 use super::node::{Node, NodeId};
 use super::op::Op;
 use super::{Graph, GraphError};
 
 impl Graph {
-    /// Returns the nodes that the roots need as a new graph with fused pairs of operators. The roots become nodes of
-    /// the new graph.
+    /// Returns what the roots need as a new graph with fused pairs of operators; they become nodes of it.
     ///
     /// # Errors
     /// [`GraphError::TooManyNodes`] if a graph has reached its limit; the roots are then unchanged.
@@ -88,13 +84,11 @@ impl<'a> Fusing<'a> {
 
     /// Returns the largest operator whose result is this node.
     fn tile(&self, id: NodeId) -> Node {
-        // A node that only `id` reads.
         let own = |id: NodeId| (self.readers[id.index()] == 1).then(|| self.graph.node(id));
         let own_square = |id: NodeId| match own(id) {
             Some(Node::Unary(Op::Square, a)) => Some(a),
             _ => None,
         };
-        // The operands a and 0 of a max(a, 0) that only `id` reads.
         let own_outside = |id: NodeId| match own(id) {
             Some(Node::Binary(Op::Max, a, b)) if self.graph.as_constant(b) == Some(0.0) => Some((a, b)),
             Some(Node::Binary(Op::Max, a, b)) if self.graph.as_constant(a) == Some(0.0) => Some((b, a)),

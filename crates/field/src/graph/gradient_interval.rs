@@ -9,17 +9,17 @@ use super::rules;
 /// Bounds of a value and of its derivatives by x, y and z over a box. At a kink they hold the slopes of both sides.
 /// Jumps have no slope (see `slope_rules.rs`).
 ///
-/// **Lengths.** The slope of a square root is unbounded at 0, but the slope of a length is not. With s = Σ aᵢ² and r =
-/// √s, ∂r/∂x = Σ (aᵢ/r) ∂aᵢ/∂x. Since Σ (aᵢ/r)² = 1, the Cauchy-Schwarz inequality gives |∂r/∂x| ≤ √(Σ (∂aᵢ/∂x)²). A
-/// sum of squares therefore carries Σ (∂aᵢ/∂x)² along until its root is taken.
+/// **Lengths.** The slope of a square root is unbounded at 0, but the slope of a length is not. With s = Σ aᵢ² and r
+/// = √s, ∂r/∂x = Σ (aᵢ/r) ∂aᵢ/∂x. Since Σ (aᵢ/r)² = 1, the Cauchy-Schwarz inequality gives |∂r/∂x| ≤ √(Σ (∂aᵢ/∂x)²).
+/// A sum of squares therefore carries Σ (∂aᵢ/∂x)² along until its root is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GradientInterval {
     /// The value.
     pub value: Interval,
     /// The gradient.
     pub gradient: [Interval; 3],
-    /// For each axis an upper bound of the sum of the squared derivatives of the squared terms, if the value is known
-    /// to be a sum of squares (a non-negative constant counts as one); infinite otherwise.
+    /// For each axis an upper bound of Σ (∂aᵢ)² if the value is known to be Σ aᵢ² or a non-negative constant, else
+    /// infinite.
     squares: [f32; 3],
 }
 
@@ -82,8 +82,7 @@ impl GradientInterval {
         Self { value, gradient: [0, 1, 2].map(each), squares }
     }
 
-    /// A two-operand operator. A fused one is split into its parts, because sums of squares are recognized only from
-    /// the separate operators.
+    /// Like [`GradientInterval::binary`], with fused operators split: only separate ones show sums of squares.
     pub fn in_parts(op: Op, a: &Self, b: &Self, frame: &FrameInputs) -> Self {
         let one = |op: Op, a: &Self| Self::unary(op, a, frame);
         let two = |op: Op, a: &Self, b: &Self| Self::binary(op, a, b, frame);
@@ -102,8 +101,8 @@ impl GradientInterval {
         }
     }
 
-    /// A minimum, maximum or mask has the slopes of the operand that it chooses. If it may choose either, the bounds
-    /// hold the slopes of both. (The chain rule alone would allow any weighted sum of both.)
+    /// A minimum, maximum or mask has the slopes of the operand that it chooses, or the hull of both. (The chain rule
+    /// alone would allow any weighted sum of both.)
     fn chosen(operands: [(&Self, Interval); 2], value: Interval) -> Self {
         let may_be = operands.iter().filter(|(_, fraction)| fraction.hi > 0.0).map(|(operand, _)| **operand);
         let surely = operands.iter().any(|(_, fraction)| fraction.lo > 0.0)
@@ -113,8 +112,7 @@ impl GradientInterval {
         Self { value, ..chosen }
     }
 
-    /// Returns the axis and the coordinate at which a one-operand operator jumps inside a box, if it jumps on a single
-    /// plane across one axis.
+    /// The axis and the coordinate at which a one-operand operator jumps, if it jumps on one plane in the box.
     pub fn jump(op: Op, a: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let offset = match op {
             Op::Floor | Op::Ceil | Op::Trunc | Op::Fract => 0.0,
@@ -134,8 +132,8 @@ impl GradientInterval {
         Self { value: rules::sub(a.value, b.value), gradient, ..*a }.place_of(0.0, sides)
     }
 
-    /// Returns the axis and the coordinate inside the box at which the value is `wanted`, if the value changes linearly
-    /// along only one axis and stays below `wanted` + 1, so that the box contains no further jump.
+    /// Returns the axis and the coordinate inside the box at which the value is `wanted`, if the value changes
+    /// linearly along only one axis and stays below `wanted` + 1, so that the box contains no further jump.
     fn place_of(&self, wanted: f32, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let inside = self.value.lo < wanted && wanted < self.value.hi && self.value.hi < wanted + 1.0;
         let mut along = (0..3).filter(|axis| !rules::is_zero(self.gradient[*axis]));
@@ -169,8 +167,7 @@ pub struct Pieces {
 
 /// Most pieces of a box. Cuts beyond this number are ignored.
 const PIECES_MAX: usize = 32;
-/// The gap left on both sides of a jump, as a fraction of the coordinate, so that rounding cannot reach across the
-/// jump.
+/// The gap on both sides of a jump, as a fraction of the coordinate, so that rounding cannot reach across it.
 const JUMP_WIDTH: f32 = 2e-6;
 
 impl Pieces {
@@ -215,8 +212,8 @@ fn is_factor(a: &GradientInterval) -> bool {
     a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
 }
 
-/// The chain rule. A constant operand contributes nothing, even if the function's slope is infinite. Where the function
-/// is flat, no change of the operand matters.
+/// The chain rule. A constant operand contributes nothing, even if the function's slope is infinite. Where the
+/// function is flat, no change of the operand matters.
 #[inline(always)]
 fn along(slope: Interval, change: Interval) -> Interval {
     if rules::is_zero(slope) || rules::is_zero(change) {

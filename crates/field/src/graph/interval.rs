@@ -87,7 +87,6 @@ impl Interval {
         Self::new(below, above)
     }
 
-    /// Clamped to the range of a function.
     #[inline(always)]
     pub(super) fn clamped(self, low: f32, high: f32) -> Self {
         if self.is_any() { self } else { Self { lo: self.lo.clamp(low, high), hi: self.hi.clamp(low, high) } }

@@ -2,11 +2,9 @@
 //!
 //! A [`Graph`] is an arena in which operands precede the nodes that use them. Building a node that already exists
 //! returns the existing one (hash-consing), so that a common subexpression is computed once. Builders also fold
-//! constants and apply algebra that is exact in floating point; `simplify.rs` lists the rules.
-//!
-//! Builders never fail in the middle of an expression. A graph that has reached its limit returns arbitrary nodes and
-//! remembers the error, which [`Graph::check`] and everything that reads the graph then return. All traversals are
-//! iterative.
+//! constants and apply algebra that is exact in floating point (`simplify.rs`). They never fail: a graph that has
+//! reached its limit returns arbitrary nodes and remembers the error, which [`Graph::check`] and everything that
+//! reads the graph then return. All traversals are iterative.
 
 mod build;
 mod choice;
@@ -69,8 +67,7 @@ pub enum GraphError {
 #[derive(Debug, Clone)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// Open addressing: 1 + a node's index, or 0 for a free slot. The number of slots is a power of two; at most half
-    /// are taken.
+    /// Open addressing, at most half full: 1 + a node's index, or 0. The number of slots is a power of two.
     places: Vec<u32>,
     nodes_max: usize,
     full: bool,
@@ -160,8 +157,7 @@ impl Graph {
     /// Checks that every requested node has been built.
     ///
     /// # Errors
-    /// [`GraphError::TooManyNodes`] once a builder has reached the limit. The nodes returned since then are
-    /// meaningless.
+    /// [`GraphError::TooManyNodes`] once a builder has reached the limit: nodes returned since are meaningless.
     pub fn check(&self) -> Result<(), GraphError> {
         if self.full { Err(GraphError::TooManyNodes { max: self.nodes_max }) } else { Ok(()) }
     }
@@ -175,7 +171,6 @@ impl Graph {
         }
     }
 
-    /// Returns the node that equals `node`, and builds it if necessary.
     // Inlined because callers know the kind of node.
     #[inline(always)]
     fn intern(&mut self, node: Node) -> NodeId {
@@ -191,7 +186,6 @@ impl Graph {
         self.push(node, place)
     }
 
-    /// Adds a node and stores it in the given slot of the hash table.
     fn push(&mut self, node: Node, place: usize) -> NodeId {
         if self.nodes.len() >= self.nodes_max {
             self.full = true;

@@ -158,8 +158,7 @@ impl Node {
         }
     }
 
-    /// True if the keys of both nodes are equal ([`Node::key`]). Constants compare by their bits, so that NaN equals
-    /// NaN.
+    /// True if the keys of both nodes are equal. Constants compare by their bits, so that NaN equals NaN.
     #[inline(always)]
     pub(super) fn is(self, other: Self) -> bool {
         match (self, other) {

@@ -1,20 +1,20 @@
 //! The operators, each defined once by a row of one table.
 //!
-//! A row gives the number, the printed name, the properties, the value on the CPU, the interval rule (`rules.rs`), the
-//! partial derivatives, their interval rule (`slope_rules.rs`) and the GLSL expression. The CPU evaluators, the
-//! interpreter's switch and the compiled source all follow from the table, so they cannot differ from each other.
+//! A row gives the number, the printed name, the properties, the value on the CPU, the interval rule (`rules.rs`),
+//! the partial derivatives, their interval rule (`slope_rules.rs`) and the GLSL expression. CPU evaluators, the
+//! interpreter's switch and compiled source all follow from it, so they cannot differ.
 //!
-//! **Numbers.** One-operand operators have numbers 16..64, two-operand operators 64..128. The tape adds the form of the
-//! operands (see `tape`). Encoded words keep their meaning only while these numbers stay the same.
+//! **Numbers.** One-operand operators have numbers 16..64, two-operand operators 64..128; the tape adds the form of
+//! the operands. Encoded words depend on these numbers.
 //!
 //! **Total.** Every operator is defined for all operands, including those for which GLSL leaves the result undefined:
-//! square roots of negative numbers are 0, logarithms are taken of at least [`SMALLEST`], operands of arcs are clamped,
-//! x / 0 is 0, mod(x, 0) is x, and pow of a negative base is 0. For finite operands an operator never returns a NaN. An
-//! overflow gives an infinity, and infinities may combine to a NaN as in IEEE 754. MIN and MAX of a NaN and a number
-//! return the number.
+//! square roots of negative numbers are 0, logarithms are taken of at least [`SMALLEST`], operands of arcs are
+//! clamped, x / 0 is 0, mod(x, 0) is x, and pow of a negative base is 0. For finite operands an operator never
+//! returns a NaN. An overflow gives an infinity, and infinities may combine to a NaN as in IEEE 754. MIN and MAX of a
+//! NaN and a number return the number.
 //!
-//! **One zero.** No operator distinguishes -0 from +0, so the sign of a zero is not part of a value. That makes `x + 0
-//! = x` exact. Evaluators add +0 to the values they return, so that results are equal bit for bit.
+//! **One zero.** No operator distinguishes -0 from +0, which makes `x + 0 = x` exact. Evaluators add +0 to the values
+//! they return, so that results are equal bit for bit.
 //!
 //! **Agreement.** Plain arithmetic, rounding, comparisons and HASH are correctly rounded on the CPU and on GPUs that
 //! follow IEEE 754. Division, roots and transcendental functions agree to a few units in the last place, and GPUs may
@@ -43,10 +43,9 @@ impl Properties {
     pub const WHOLE: Self = Self(4);
     /// The result depends on the frame's tables; it cannot be folded.
     pub const READS_FRAME: Self = Self(8);
-    /// Costs several times as much as an addition. The interpreter's clauses of such an operator come second in a
-    /// texel.
+    /// Costs several times as much as an addition. The interpreter's clauses of it come second in a texel.
     pub const EXPENSIVE: Self = Self(32);
-    /// Over a box one operand alone may be the value, so that the other is not needed there ([`Op::choice`]).
+    /// Over a box one operand alone may be the value, so that the other is not needed ([`Op::choice`]).
     pub const CHOOSES: Self = Self(64);
     /// The result is 0 or 1.
     pub const TRUTH: Self = Self(16 | 2 | 4);
@@ -61,8 +60,7 @@ impl Properties {
     }
 }
 
-/// A computation that is instantiated for each operator's function, so that the function is inlined into a loop over
-/// points.
+/// A computation that is instantiated for each operator's function, which is then inlined into a loop over points.
 pub trait Kernel {
     /// Runs with the operator's function of the operands a and b and the frame. One-operand operators ignore b.
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
@@ -81,7 +79,7 @@ macro_rules! operators {
             value $value:expr, bounds $bounds:expr, slopes $slopes:expr, slope_bounds $slope_bounds:expr,
             glsl $glsl:literal;
     )+) => {
-        /// An operator of the expression graph. The module's documentation states their common properties.
+        /// An operator of the expression graph.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum Op { $( $(#[doc = $doc])+ $id = $number, )+ }
@@ -100,8 +98,7 @@ macro_rules! operators {
                 match self { $( Op::$id => $properties, )+ }
             }
 
-            /// GLSL expression of the operator, with `$a` and `$b` for its operands. The operands must be names or
-            /// literals because they may occur more than once.
+            /// GLSL expression with `$a` and `$b` for the operands: names or literals, because they may repeat.
             pub const fn glsl(self) -> &'static str {
                 match self { $( Op::$id => $glsl, )+ }
             }
@@ -161,8 +158,8 @@ macro_rules! operators {
             }
 
             /// Returns intervals that hold the partial derivatives by a and by b for all a and b in the given
-            /// intervals, where `r` bounds the value. They hold the results of [`Op::slopes`], and at kinks the slopes
-            /// of both sides. Jumps have no slope (see `slope_rules.rs`).
+            /// intervals, where `r` bounds the value; at kinks the slopes of both sides. Jumps have no slope
+            /// (`slope_rules.rs`).
             #[inline(always)]
             pub fn slope_bounds(
                 self, a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
@@ -325,8 +322,7 @@ operators! {
         slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "table_band($a)";
-    /// The spectrum at a in 0..1, low to high, clamped; a cubic B-spline of the entries
-    /// ([`TableData`](super::TableData)).
+    /// The spectrum at a in 0..1, low to high, clamped; a cubic B-spline ([`TableData`](super::TableData)).
     Spectrum = 41 "SPECTRUM" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.spectrum.at(a, 0.0),
         bounds |a, _, frame| frame.spectrum.bounds(a, Interval::point(0.0)),
@@ -380,8 +376,7 @@ operators! {
         slopes |a, b, _, _| (1.0, -div(a, b).floor()),
         slope_bounds |a, b, _, _| slopes::modulo(a, b),
         glsl "($b == 0.0 ? $a : $a - $b * floor($a / $b))";
-    /// a to the power of b for positive a. A base that is 0 or negative (or below [`SMALLEST`]) gives 0, and
-    /// 1 where b is 0.
+    /// a to the power of b. A base that is 0, negative or below [`SMALLEST`] gives 0, and 1 where b is 0.
     Pow = 71 "POW" NEVER_NEGATIVE.and(EXPENSIVE),
         value |a, b, _| pow(a, b), bounds |a, b, _| rules::pow(a, b),
         slopes |a, b, r, _| if a >= SMALLEST { (b * r / a, r * a.ln()) } else { (0.0, 0.0) },
@@ -426,8 +421,7 @@ operators! {
         value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "cell_hash($a, $b)";
-    /// The history of the spectrum at a in 0..1 (low to high) and the age b in 0..1 (now to oldest), clamped; a
-    /// bicubic B-spline.
+    /// The history of the spectrum at a (0 low .. 1 high) and age b (0 now .. 1 oldest); a bicubic B-spline.
     History = 79 "HISTORY" READS_FRAME.and(EXPENSIVE),
         value |a, b, frame| frame.history.at(a, b), bounds |a, b, frame| frame.history.bounds(a, b),
         slopes |a, b, _, frame| frame.history.slopes(a, b),

@@ -7,7 +7,6 @@ use proptest::prelude::*;
 
 use super::{FrameInputs, Graph, Input, Node, NodeId, Op, TableData, TextureReader};
 
-/// Numbers at which arithmetic is likely to fail.
 pub(crate) const SPECIALS: [f32; 24] = [
     0.0,
     -0.0,
@@ -35,7 +34,6 @@ pub(crate) const SPECIALS: [f32; 24] = [
     std::f32::consts::PI,
 ];
 
-/// One step in building an expression: an operation and its operands, which are earlier steps.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Step {
     Constant(f32),
@@ -45,7 +43,6 @@ pub(crate) enum Step {
     Texture(u16, u16),
 }
 
-/// Any number: an ordinary one, a special one, or one of random bits.
 pub(crate) fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
         4 => -10.0f32..10.0,

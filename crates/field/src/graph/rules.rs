@@ -1,5 +1,5 @@
-//! The interval rules of the operators: for all values in the operands' intervals, the result holds the value that the
-//! CPU computes.
+//! The interval rules of the operators: for all values in the operands' intervals, the result holds the value that
+//! the CPU computes.
 //!
 //! Sums, products, quotients and roots are rounded to nearest, which never reverses an order. Ends computed in f32
 //! therefore bound every value computed in f32. Library functions need not be monotonic everywhere where the true
@@ -11,8 +11,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use super::interval::{Interval, LIBRARY_ERROR};
 use super::numbers::{self, SMALLEST};
 
-/// Largest angle in radians for which f64 is precise enough to find the position in the period. Sines of larger angles
-/// are bounded by -1..1 only.
+/// Largest angle in radians for which f64 finds the position in the period. Sines of larger ones are in -1..1.
 const ANGLE_MAX: f32 = 1e5;
 /// MOD may overflow if an operand or the quotient exceeds this magnitude.
 const MODULO_MAX: f32 = 1e30;

@@ -1,14 +1,13 @@
 //! Interval rules of the partial derivatives: for all values in the operands' intervals, the result holds the slopes
 //! that [`super::Op::slopes`] returns, and at a kink the slopes of both sides.
 //!
-//! **Jumps.** FLOOR, LESS, HASH and similar operators have slope 0 on both sides of a jump, and slope 0 here, although
-//! nothing bounds the change across the jump. Formulas use these operators for parts that jump but whose combination
-//! does not: noise is smooth across its cells, a repeated shape across its seams. For such a value the mean value
-//! theorem holds: between two points of a box it changes by no more than the slopes on all pieces allow. A value that
-//! does jump is bounded only from one jump to the next.
+//! **Jumps.** FLOOR, LESS, HASH and similar operators have slope 0 here, although nothing bounds the change across a
+//! jump. Formulas use them for parts that jump but whose combination does not: noise, repeated shapes. Such a value
+//! changes by no more than the slopes on all pieces allow (the mean value theorem). A value that does jump is bounded
+//! only from one jump to the next.
 //!
-//! **Rounding.** As in `rules.rs`, slopes are computed by the same operations as in [`super::Op::slopes`], in the same
-//! order and rounded to nearest, which never reverses an order. Library functions are widened.
+//! **Rounding.** Slopes are computed by the same operations as in [`super::Op::slopes`], in the same order and
+//! rounded to nearest, which never reverses an order. Library functions are widened.
 
 use super::choice::Choice;
 use super::interval::Interval;
@@ -144,8 +143,7 @@ pub(super) fn modulo(a: Interval, b: Interval) -> (Interval, Interval) {
     (ONE, rules::neg(rules::div(a, b).map_rising(f32::floor)))
 }
 
-/// The slopes of an operator that chooses one of its operands. The choice is unknown if either may be chosen or if they
-/// touch.
+/// The slopes of an operator that chooses an operand: unknown if either may be chosen or if they touch.
 #[inline(always)]
 pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
     match op.choice(a, b) {

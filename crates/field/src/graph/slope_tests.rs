@@ -65,8 +65,7 @@ fn bounds_hold_slopes_at_specials() {
         SPECIALS.into_iter().flat_map(pairs).filter(|interval| !interval.is_any()).collect();
     for &op in Op::ALL {
         for (count, &a) in intervals.iter().enumerate() {
-            // One-operand operators ignore b, so one is enough. For two operands, every seventh b, with a different
-            // start each time.
+            // One-operand operators ignore b. For two operands, every seventh b, with a different start each time.
             let step = if op.arity() == 1 { intervals.len() } else { 7 };
             for &b in intervals.iter().skip(count % 7).step_by(step) {
                 let within = |i: Interval| SPECIALS.into_iter().filter(move |&v| i.contains(v));
@@ -77,7 +76,6 @@ fn bounds_hold_slopes_at_specials() {
     }
 }
 
-/// The slope of a quotient by a NaN is a NaN, but once had bounds.
 #[test]
 fn bounds_hold_slopes_at_operands_that_are_no_numbers() {
     let values = || SPECIALS.into_iter().chain([f32::NAN]);
@@ -93,8 +91,7 @@ fn bounds_hold_slopes_at_operands_that_are_no_numbers() {
     }
 }
 
-/// Checks every second one-operand operator, beginning with `first`, between neighbours of a dense sweep over all
-/// magnitudes.
+/// Checks every second one-operand operator, from `first` on, between neighbours of a dense sweep.
 fn sweep(first: usize) {
     let sweep: Vec<f32> = (0..=u32::MAX).step_by(8_191).map(f32::from_bits).filter(|v| !v.is_nan()).collect();
     let frame = frame();
@@ -120,7 +117,6 @@ fn bounds_hold_slopes_densely_for_every_other_operator() {
     sweep(1);
 }
 
-/// Where an operator is smooth, the bounds of its slope over a short interval are tight enough to be useful.
 #[test]
 fn bounds_of_slopes_are_close() {
     let frame = frame();

@@ -1,10 +1,9 @@
 //! The numbers of the sound that scenes read by name, one row each. Everything else about them follows from the rows:
-//! the names in the language and their documentation, tapes, GLSL, the frame's uniform block, the bounds for any sound,
-//! the frames with which a scene is tried, and `mariana eval --set`.
+//! names and documentation in the language, tapes, GLSL, the uniform block, bounds, `mariana eval --set`.
 //!
-//! The numbers from `bar` on describe the whole song ([`SoundInput::is_of_song`]). Functions read bands and tables
-//! (`band(i)`, `spectrum(u)`), which are in [`FrameInputs`](super::FrameInputs). `chroma(i)` is a function as well, but
-//! its twelve numbers are rows here, because a function of twelve numbers needs no operator.
+//! The numbers from `bar` on describe the whole song. Bands and tables (`band(i)`, `spectrum(u)`) are in
+//! [`FrameInputs`](super::FrameInputs). The twelve numbers of the function `chroma(i)` are rows here: they need no
+//! operator.
 
 use std::ops::{Index, IndexMut};
 
@@ -136,8 +135,7 @@ impl SoundInput {
         Self::ChromaB,
     ];
 
-    /// True for a number of the whole song. It is 0 until the whole song has been analysed. Scenes may define values of
-    /// the same name, which hide it.
+    /// True for a number of the whole song: 0 until it is analysed. A scene's value of the same name hides it.
     pub const fn is_of_song(self) -> bool {
         self as usize >= Self::Bar as usize
     }

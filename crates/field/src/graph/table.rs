@@ -4,12 +4,9 @@
 //! continuous, and every value is in the range of the four entries around it. Rows are blended by the same spline.
 //! Entries beyond an end are mirrored, so the curve is level there and meets the constant beyond without a kink.
 //!
-//! The curve between two entries, called a piece, is stored as its four Bézier points. A shader reads it with one
-//! fetch, and the points bound the piece (Farin 2002): values are in their hull, slopes in the hull of their
-//! differences.
-//!
-//! With straight lines between entries, terrain took 64.2 evaluations per pixel; the spline takes 59.6, because its
-//! slopes have no jumps.
+//! The curve between two entries, a piece, is stored as its four Bézier points. A shader reads it with one fetch;
+//! values are in their hull and slopes in the hull of their differences (Farin 2002). With straight lines terrain
+//! took 64.2 evaluations per pixel; the spline takes 59.6, because its slopes have no jumps.
 
 use std::array;
 use std::sync::{Arc, OnceLock};
@@ -40,8 +37,7 @@ struct Derived {
     extremes: OnceLock<Extremes>,
 }
 
-/// The extremes of the Bézier points of each patch (a piece between two rows), and of their differences along columns
-/// and rows.
+/// The extremes of each patch's Bézier points (a patch: a piece between two rows) and of their differences.
 #[derive(Debug)]
 struct Extremes {
     values: TableExtremes,
@@ -73,7 +69,6 @@ fn bezier([a, b, c, d]: [f32; 4]) -> Points {
     [(a + 4.0 * b + c) / 6.0, (2.0 * b + c) / 3.0, (b + 2.0 * c) / 3.0, (b + 4.0 * c + d) / 6.0]
 }
 
-/// The weights of the Bézier points at `x` in 0..1.
 fn bernstein(x: f32) -> Points {
     let s = 1.0 - x;
     [s * s * s, 3.0 * s * s * x, 3.0 * s * x * x, x * x * x]
@@ -127,8 +122,7 @@ impl TableData {
         Self { columns, rows, values, derived, ..Self::EMPTY }
     }
 
-    /// Like [`TableData::rows`], with coordinate 0 at row `first` and coordinate 1 at row `first + span`, both clamped
-    /// to the existing rows.
+    /// Like [`TableData::rows`], with coordinate 0 at row `first` and 1 at row `first + span`, both clamped.
     pub fn scrolling(values: impl Into<Arc<[f32]>>, columns: usize, first: f32, span: f32) -> Self {
         Self { scroll: Some((first.max(0.0), span.max(0.0))), ..Self::rows(values, columns) }
     }
@@ -232,13 +226,11 @@ impl TableData {
         3.0 * self.columns.saturating_sub(1) as f32
     }
 
-    /// The slope by v if neighbouring Bézier points differ by 1.
     fn rows_scale(&self) -> f32 {
         if self.rows > 1 { 3.0 * self.scroll().1 } else { 0.0 }
     }
 
-    /// Returns bounds of [`TableData::slopes`] over intervals of the coordinates. They include the slope 0 beyond an
-    /// end if the interval reaches that far.
+    /// Returns bounds of [`TableData::slopes`] over intervals, with 0 if an interval reaches beyond an end.
     pub fn slope_bounds(&self, u: Interval, v: Interval) -> (Interval, Interval) {
         if self.unknown.is_some() {
             return (Interval::ALL, Interval::ALL);
@@ -270,7 +262,8 @@ impl TableData {
         )
     }
 
-    /// Returns bounds of the value over intervals of the coordinates: the extremes of the Bézier points that affect it.
+    /// Returns bounds of the value over intervals of the coordinates: the extremes of the Bézier points that affect
+    /// it.
     pub fn bounds(&self, u: Interval, v: Interval) -> Interval {
         let bounds = match (self.unknown, self.touched(u, v)) {
             (Some((lo, hi)), _) => Interval { lo, hi },
@@ -286,8 +279,7 @@ impl TableData {
         Interval { lo, hi: bounds.hi + error }
     }
 
-    /// Returns the extremes, and the first and last column and row of the patches that can be read. `None` for a table
-    /// without entries.
+    /// The extremes, and the first and last column and row of the patches to read; `None` without entries.
     fn touched(&self, u: Interval, v: Interval) -> Option<Touched<'_>> {
         let derived = self.derived.as_ref()?;
         let touched = |coordinate: Interval, count: usize, place: &dyn Fn(f32) -> (usize, f32)| {
@@ -308,8 +300,7 @@ impl TableData {
         Extremes { values: of(0), across: of(1), down: of(2) }
     }
 
-    /// The ranges of a patch's 4 x 4 Bézier points and of their differences along columns and rows. The differences are
-    /// widened by their rounding. NaN if an entry is not finite.
+    /// The ranges of a patch's Bézier points and of their differences (widened); NaN if an entry is not finite.
     fn patch(&self, row: usize, piece: usize) -> [(f32, f32); 3] {
         let strips = self.strips(row, piece);
         let points: [Points; 4] = array::from_fn(|k| match self.rows {
@@ -325,7 +316,6 @@ impl TableData {
     }
 }
 
-/// The rows' Bézier points, blended with these weights.
 #[inline]
 fn blended(strips: [Points; 4], weights: Points) -> Points {
     array::from_fn(|k| dot(weights, strips.map(|points| points[k])))
@@ -346,7 +336,6 @@ mod tests {
 
     use super::*;
 
-    /// The cubic B-spline, with 1 unit between knots (de Boor 1978).
     fn cubic(x: f64) -> f64 {
         let x = x.abs();
         match x {
@@ -356,7 +345,6 @@ mod tests {
         }
     }
 
-    /// The surface by its definition: a sum over all entries, mirrored at the ends.
     fn defined(table: &TableData, u: f64, v: f64) -> f64 {
         let (columns, rows) = (table.columns as i32, table.rows as i32);
         let mirrored = |index: i32, count: i32| {

@@ -1,21 +1,16 @@
-//! The least and the greatest number in any rectangle of a table, without visiting every entry.
-//!
-//! Building a tree of cells asks for rectangles of thousands of entries, thousands of times per frame. A segment tree
-//! over the columns, whose nodes are segment trees over the rows, gives the exact answer from at most four times
-//! log2(rows) times log2(columns) nodes.
-//!
-//! Visiting every entry took 15 % of the build time of terrain's tree.
+//! Finds the least and the greatest number in any rectangle of a table without visiting every entry, by a segment
+//! tree over the columns whose nodes are segment trees over the rows: at most 4 log2(rows) log2(columns) nodes.
+//! Building a tree of cells asks for rectangles of thousands of entries, thousands of times per frame. Visiting every
+//! entry took 15 % of the build time of terrain's tree.
 
 use super::interval::Interval;
 
-/// Segment trees over a table's rows and columns.
 #[derive(Debug, Default)]
 pub(super) struct TableExtremes {
     columns: usize,
     rows: usize,
-    /// Node `column * 2 * rows + row`. Both indices count as in a segment tree, whose root is 1 and whose leaves begin
-    /// at the number of entries. The nodes of a column are adjacent, because consecutive cells often ask for the same
-    /// column. An entry that is not finite has no bounds.
+    /// Node `column * 2 * rows + row`. Both indices count as in a segment tree: root 1, leaves from the number of
+    /// entries on. A column's nodes are adjacent, because consecutive cells often ask for the same column.
     nodes: Vec<(f32, f32)>,
 }
 
@@ -26,8 +21,7 @@ fn hull(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
 }
 
 impl TableExtremes {
-    /// Builds the trees of a table of rows with `columns` entries each. `entries` are the bounds of the entries, row
-    /// after row.
+    /// `entries` are the bounds of the entries, row after row.
     pub(super) fn of(entries: impl ExactSizeIterator<Item = (f32, f32)>, columns: usize) -> Self {
         let rows = entries.len().checked_div(columns).unwrap_or(0);
         let height = 2 * rows;
@@ -53,8 +47,8 @@ impl TableExtremes {
         Self { columns, rows, nodes }
     }
 
-    /// Returns the extremes in these columns and rows, the ends included; [`Interval::ANY`] if an entry there is not
-    /// finite. An empty rectangle has `lo > hi`.
+    /// The extremes in these columns and rows, ends included: [`Interval::ANY`] if an entry is not finite, `lo > hi`
+    /// for an empty rectangle.
     pub(super) fn within(&self, columns: (usize, usize), rows: (usize, usize)) -> Interval {
         let mut found = NONE;
         each_node(self.columns, columns, |column| {
@@ -68,7 +62,6 @@ impl TableExtremes {
     }
 }
 
-/// Visits the nodes of a segment tree over `count` entries that make up the range, its ends included.
 fn each_node(count: usize, (first, last): (usize, usize), mut visit: impl FnMut(usize)) {
     if count == 0 {
         return;

@@ -69,8 +69,6 @@ proptest! {
     }
 }
 
-/// Applies every operator to every other, in the arrangements that rules look for, at points where rounding and
-/// infinities matter.
 #[test]
 fn every_pair_of_operators_is_simplified_exactly() {
     let frame = frame();
@@ -118,7 +116,6 @@ fn every_pair_of_operators_is_simplified_exactly() {
     }
 }
 
-/// Tries intervals with special ends at all special numbers within them, also if only one end is NaN.
 #[test]
 fn bounds_hold_specials() {
     let frame = frame();
@@ -172,7 +169,6 @@ fn bounds_hold_specials() {
     }
 }
 
-/// Checks one-operand rules on intervals between neighbours of a dense sweep over all magnitudes.
 #[test]
 fn bounds_hold_densely_for_one_operand() {
     let frame = frame();
@@ -220,7 +216,6 @@ fn no_operator_makes_a_nan_of_finite_numbers() {
     }
 }
 
-/// Checks the properties that simplification relies on, for every pair of special numbers.
 #[test]
 fn properties_hold() {
     let frame = frame();
@@ -247,7 +242,6 @@ fn properties_hold() {
     }
 }
 
-/// Compares slopes with central differences, where the operators are smooth.
 #[test]
 fn slopes_match_differences() {
     let frame = frame();
@@ -314,13 +308,11 @@ fn equal_expressions_are_one_node() {
     assert_eq!(graph.len(), before + 1);
     let (zero, minus_zero) = (graph.constant(0.0), graph.constant(-0.0));
     assert_eq!(zero, minus_zero);
-    // The hash table keeps all nodes when it grows.
     let constants: Vec<NodeId> = (0..5_000).map(|i| graph.constant(i as f32 + 0.5)).collect();
     let again: Vec<NodeId> = (0..5_000).map(|i| graph.constant(i as f32 + 0.5)).collect();
     assert_eq!(constants, again);
 }
 
-/// The rules produce the shortest form.
 #[test]
 fn rules_apply() {
     let mut g = Graph::new();
@@ -455,7 +447,6 @@ fn inputs_used_include_only_those_of_the_root() {
     assert_eq!(used.textures.into_iter().collect::<Vec<_>>(), [3]);
 }
 
-/// Neighbouring cells are independent: the hash has the mean, variance and correlation of a uniform random number.
 #[test]
 fn hash_is_spread_evenly() {
     let count = 100 * 100;
