@@ -4,7 +4,6 @@ use super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::fields::{DefaultValue, Field, Holds};
 use crate::graph::NodeId;
 
-/// Defines [`Way`] from rows: documentation, variant, and name in scenes and shows.
 macro_rules! define_ways {
     ($( $(#[$documentation:meta])* $way:ident, $name:literal; )*) => {
         /// The transition from one scene to another.
@@ -42,7 +41,6 @@ impl Way {
         Self::ALL.into_iter().find(|way| way.name() == name)
     }
 
-    /// The way with this number; `None` if there is none.
     pub(super) fn numbered(number: f32) -> Option<Self> {
         Self::ALL.into_iter().find(|way| f32::from(*way as u8) == number)
     }
@@ -57,8 +55,7 @@ pub struct About {
     pub author: Option<String>,
     /// The licence under which it may be used.
     pub license: Option<String>,
-    /// The energy of the music for which the scene is made, least and most, 0..1. The loudest moments of a song have
-    /// energy 1.
+    /// The least and greatest energy of music for which the scene is made; a song's loudest moments have 1.
     pub energy: (f32, f32),
     /// Words that describe its mood. Scenes that follow each other should have few in common.
     pub moods: Vec<String>,
@@ -66,8 +63,8 @@ pub struct About {
     pub enter: Option<Way>,
     /// The preferred transition from this scene.
     pub leave: Option<Way>,
-    /// The distance to the shape in which the scene may appear, as seen from its front: x to the right, y up, z towards
-    /// the eye. In the middle of the transition, 1 is the distance from the eye to the camera's target.
+    /// The distance to the shape in which the scene may appear, as seen from its front: x right, y up, z towards the
+    /// eye. In the middle of the transition, 1 is the distance from the eye to the camera's target.
     pub portal: Option<NodeId>,
 }
 

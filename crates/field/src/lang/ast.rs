@@ -69,7 +69,6 @@ pub(super) enum Expr {
     For(u32),
 }
 
-/// The expressions of all files.
 #[derive(Debug, Default)]
 pub(super) struct Ast {
     nodes: Vec<(Expr, Span)>,
@@ -103,7 +102,6 @@ impl Ast {
     }
 }
 
-/// A name with its location.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Name {
     pub symbol: Symbol,
@@ -117,7 +115,6 @@ pub(super) enum Type {
     Vec2,
     Vec3,
     Vec4,
-    /// The name of a texture's file.
     Texture,
 }
 
@@ -136,7 +133,6 @@ impl Type {
         }
     }
 
-    /// The name with its article, for messages.
     pub(super) fn described(self) -> &'static str {
         match self {
             Self::Number => "a number",
@@ -195,8 +191,7 @@ pub(super) enum Item {
         name: Name,
         value: ExprId,
     },
-    /// Sky, picture and about have no name; a camera may have one. `span` is the head's location. `broken` if a missing
-    /// field was already reported.
+    /// Sky, picture and about have no name, a camera may. `broken` if a missing field was already reported.
     Section {
         section: Section,
         name: Option<Name>,

@@ -13,7 +13,6 @@ pub(super) enum InputValue {
 
 /// Sets of the inputs that an expression may use.
 pub(super) mod uses {
-    /// The point in space.
     pub(crate) const POINT: u8 = 1;
     pub(crate) const NORMAL: u8 = 2;
     /// The direction of a ray that hits nothing.
@@ -21,7 +20,6 @@ pub(super) mod uses {
     pub(crate) const TEXTURE: u8 = 8;
     /// Time, sound and parameters.
     pub(crate) const FRAME: u8 = 16;
-    /// Position of the eye.
     pub(crate) const EYE: u8 = 32;
     pub(crate) const NOTHING: u8 = 0;
 }
@@ -42,7 +40,8 @@ const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str)
 use InputValue::{Constant, Many, One};
 use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, POINT};
 
-/// All inputs except numbers of the sound. The direction is read from the slots of the normal: no expression has both.
+/// All inputs except numbers of the sound. The direction is read from the slots of the normal: no expression has
+/// both.
 const OTHERS: &[InputRow] = &[
     row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
     row("x", One(Input::X), POINT, "p.x, to the right"),
@@ -77,7 +76,6 @@ const OTHERS: &[InputRow] = &[
     row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),
 ];
 
-/// Every input: the inputs above, and the numbers of the sound that are read by a single name.
 pub(super) const INPUTS: &[InputRow] = &{
     let mut rows = [const { row("", Constant(0.0), NOTHING, "") }; OTHERS.len() + named_sounds()];
     let mut at = 0;
@@ -129,22 +127,18 @@ pub(super) enum Builtin {
     /// Rounding of a number, or of a shape's edges.
     Round,
     Pow,
-    /// A function of three operands, applied to each component.
     Three(Three),
     Length,
     Dot,
-    /// A vector with this number of components.
     Construct(u8),
     Band,
     Chroma,
-    /// A table that is read at a coordinate.
     Table(Op),
     History,
     Texture,
 }
 
-/// A function: its name, its parameters on the language's page, its meaning, the least and most arguments, and its
-/// description.
+/// A function: name, parameters on the language's page, meaning, least and most arguments, and description.
 pub(super) struct BuiltinRow {
     pub name: &'static str,
     pub parameters: &'static str,
@@ -275,7 +269,8 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     ),
 ];
 
-/// Functions of any number of values: the name, and the number of arguments at the end that are not among these values.
+/// Functions of any number of values: the name, and the number of arguments at the end that are not among these
+/// values.
 pub(super) const FOLDS: &[(&str, usize)] = &[
     ("min", 0),
     ("max", 0),

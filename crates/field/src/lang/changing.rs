@@ -1,9 +1,9 @@
 //! Numbers of a text that are being edited: they become inputs of a frame, so that the program compiled for the text
 //! can also draw it with other numbers.
 //!
-//! A number is identified by its index among the numbers of the scene's own text. If two versions of a text differ only
-//! in numbers, the same index means the same number. Numbers that determine the scene's structure stay constants:
-//! exponents, the bounds of loops, the defaults and ranges of parameters.
+//! A number is identified by its index among the numbers of the scene's own text. If two versions of a text differ
+//! only in numbers, the same index means the same number. Numbers that determine the scene's structure stay
+//! constants: exponents, the bounds of loops, the defaults and ranges of parameters.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -27,8 +27,8 @@ pub struct Turning {
     pub most: f32,
 }
 
-/// Returns the indices, from 0, of the numbers that differ between two versions of a text; `None` if more differs than
-/// numbers, blanks and comments.
+/// Returns the indices, from 0, of the numbers that differ between two versions of a text; `None` if more differs
+/// than numbers, blanks and comments.
 pub fn changed_numbers(before: &str, now: &str) -> Option<BTreeSet<usize>> {
     let mut names = library::library().names.clone();
     let (before, now) = (tokens(before, &mut names), tokens(now, &mut names));
@@ -68,7 +68,6 @@ fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
     tokens
 }
 
-/// The numbers that are being edited, while a scene's text is lowered.
 #[derive(Debug, Default)]
 pub(super) struct ChangingNumbers {
     /// Offsets of the numbers in the text, sorted.
@@ -78,14 +77,12 @@ pub(super) struct ChangingNumbers {
     /// The first input that is a number of the text. The inputs before it are parameters.
     first: usize,
     values: Vec<f32>,
-    /// The offsets of the dragged numbers, with their ranges.
     turning: Vec<(u32, Turning)>,
     /// Inputs on whose value the scene's structure depends: if they change, the text has to be read again.
     depended_on: RefCell<BTreeSet<u16>>,
 }
 
 pub(super) struct ChangingNumber {
-    /// Its offset in the text.
     pub offset: u32,
     pub value: f32,
     /// The range in which a frame may set it.
@@ -112,8 +109,8 @@ impl ChangingNumbers {
         this
     }
 
-    /// Returns the input for the number that begins at `offset`, if it is being edited. The first `declared` inputs are
-    /// parameters. There may be `max` inputs in all; further numbers stay constants.
+    /// Returns the input for the number that begins at `offset`, if it is being edited. The first `declared` inputs
+    /// are parameters. There may be `max` inputs in all; further numbers stay constants.
     pub(super) fn input(&mut self, offset: u32, value: f32, declared: usize, max: usize) -> Option<Input> {
         self.offsets.binary_search(&offset).ok()?;
         if let Some((_, input)) = self.inputs.iter().find(|(known, _)| *known == offset) {
@@ -132,7 +129,6 @@ impl ChangingNumbers {
         Some(Input::Param(number))
     }
 
-    /// The numbers that occurred, in the order of their inputs.
     pub(super) fn numbers(&self) -> impl Iterator<Item = ChangingNumber> {
         let fixed = self.depended_on.borrow().clone();
         self.inputs.iter().zip(&self.values).map(move |(&(offset, input), &value)| {
@@ -219,14 +215,12 @@ mod tests {
         let (first, second) = (world(&before, &places), world(&now, &places));
         assert!(first.is_compiled_like(&second));
         assert_eq!(first.compiled_glsl().unwrap(), second.compiled_glsl().unwrap());
-        // The values do not change.
         for (text, world) in [(&before, &first), (&now, &second)] {
             let plain = compile("test", text, &mut no_includes).scene.unwrap();
             for at in [Point::at(0.3, -0.2, 2.0), Point::at(1.0, 1.0, -1.0)] {
                 assert_eq!(distance(&plain, at), distance(&world.scene, at));
             }
         }
-        // Parameters come before the numbers, and only they have a slider.
         let with_param = world("param k = 0.5 in 0 .. 1\nsphere(p, k) - 0.1", &[3]);
         let shown: Vec<(&str, bool)> =
             with_param.scene.params.iter().map(|param| (param.name.as_str(), param.is_number)).collect();
@@ -269,7 +263,6 @@ mod tests {
             let scene = changing(text, &number.into_iter().collect::<Vec<_>>());
             assert_eq!(distance(&scene, Point::at(-2.0, 0.5, 0.0)), -7.5, "{text}");
         }
-        // Loops, parameters, and values derived from such a number.
         let text =
             "let rounds = 3\nparam k = 0.5 in 0 .. 2\nlength(p) - k * sum(for i in 0..rounds: 0.1 * i)";
         let scene = changing(text, &[0, 1, 2, 3, 4, 5]);

@@ -1,7 +1,7 @@
 //! Mistakes in a scene, and their rendering as text.
 //!
-//! They look as in terminal compilers: message, location, source line, underline, hint. Tabs become four columns, wide
-//! characters take two, control characters are replaced by a placeholder, and a very long line is cut around its
+//! They look as in terminal compilers: message, location, source line, underline, hint. Tabs become four columns,
+//! wide characters take two, control characters are replaced by a placeholder, and a very long line is cut around its
 //! mistake.
 
 use std::fmt::Write;
@@ -221,7 +221,6 @@ impl Paint {
     }
 }
 
-/// The mistakes found so far, up to a maximum number.
 #[derive(Debug, Default)]
 pub(super) struct Diagnostics {
     list: Vec<Diagnostic>,

@@ -1,14 +1,12 @@
-//! Splits a text into tokens. This never fails: text that is not a token is reported and becomes a token of kind
-//! `Unknown`.
+//! Splits a text into tokens. Never fails: other text is reported and becomes a token of kind `Unknown`.
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::{BYTE_ORDER_MARK, Span};
 use super::symbol::{Interner, Key, Symbol};
 use super::token::{Kind, Token};
 
-/// Appends the tokens of `text`, whose first byte has the offset `base`, and a final token of kind `End`.
-///
-/// At most `tokens_max` tokens are kept. If there are more, this is reported and the rest is ignored.
+/// Appends the tokens of `text`, whose first byte has the offset `base`, and a final `End`. More than `tokens_max`
+/// tokens are reported and ignored.
 pub(super) fn tokenize(
     text: &str,
     base: u32,
@@ -135,7 +133,6 @@ impl Lexer<'_> {
         self.bytes.get(self.at..).unwrap_or(&[])
     }
 
-    /// Length of the word that begins here: letters, digits and underscores.
     #[inline]
     fn word_length(&self) -> usize {
         let rest = self.rest();
@@ -196,7 +193,6 @@ impl Lexer<'_> {
         (Kind::Number, Symbol(value.to_bits()))
     }
 
-    /// Reports text that follows a number without a space.
     #[cold]
     fn number_in_name(&mut self, start: usize, end: usize) {
         let (number, tail) = (&self.text[start..end], &self.text[end..self.at]);
@@ -303,9 +299,7 @@ enum Begins {
     Line,
     Name,
     Number,
-    /// A sign of one byte.
     Sign(Kind),
-    /// The token depends on the following bytes.
     Other,
 }
 
@@ -338,7 +332,6 @@ const BEGINS: [Begins; 256] = {
     table
 };
 
-/// True for bytes that may continue a name.
 const IN_WORD: [bool; 256] = {
     let mut table = [false; 256];
     let mut byte = 0;
@@ -352,8 +345,7 @@ const IN_WORD: [bool; 256] = {
 /// Any number with this many decimal digits fits a u64.
 const DIGITS_MAX: usize = 19;
 
-/// Returns the nearest f32 to a decimal number, if a single division can compute it. `digits` are its digits without
-/// the point, and the last `decimals` of them follow the point.
+/// The nearest f32 to `digits` with `decimals` of them after the point, if a single division can compute it.
 #[inline]
 fn exact_value(digits: u64, decimals: usize) -> Option<f32> {
     // Both parts are exact in f32, so one division rounds correctly.

@@ -50,8 +50,7 @@ impl Loader<'_, '_> {
         let max = self.limits.scene_bytes_max;
         let base = if self.bytes > max { None } else { self.sources.add(name, text) };
         let Some(base) = base else {
-            // A text that is too long is not kept. Its mistake is reported at its include, or for the scene itself at
-            // the start of an empty text.
+            // A text that is too long is not kept: report it at its include, or at the start of an empty scene.
             let span = included.unwrap_or_else(|| {
                 self.sources.add(name, "");
                 Span::default()
@@ -93,8 +92,8 @@ impl Loader<'_, '_> {
             let message = format!("files include each other in a circle: {}", circle.join(" includes "));
             return self.diagnostics.push(Diagnostic::new(span, message).hint("remove this `include`"));
         }
-        // Once the list of mistakes is full, no more files are requested, so a text full of failing includes costs no
-        // more than any other.
+        // Once the list of mistakes is full, request no more files: failing includes then cost no more than other
+        // text.
         if self.loaded.includes.contains(&name) || self.diagnostics.full() {
             return;
         }

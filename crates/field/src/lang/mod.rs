@@ -4,19 +4,19 @@
 //! text → lexer → tokens → parser → tree → lower → Scene (one expression graph, and the meaning of its nodes)
 //! ```
 //!
-//! [`compile`] never fails: it returns a [`Scene`] if there was no mistake, and otherwise every mistake that it found,
-//! up to a limit, as [`Diagnostic`]s. No text makes it panic, recurse without bound or take more memory than
+//! [`compile`] never fails: it returns a [`Scene`] if there was no mistake, and otherwise every mistake that it
+//! found, up to a limit, as [`Diagnostic`]s. No text makes it panic, recurse without bound or take more memory than
 //! [`crate::limits`] allow.
 //!
 //! **Meaning.** The language follows GLSL: vectors of two to four numbers with swizzles, functions that apply to each
-//! component, scalars that combine with every vector. Types are inferred for each use. Functions are expanded where
-//! they are called and loops are unrolled, so a scene is one expression without calls or loops, and recursion is a
-//! mistake. For integer exponents `x^2` is a product and thus defined for negative x; `^` groups from the right and
-//! binds tighter than a preceding minus. `a % b` is GLSL's mod. Division by zero gives 0 (see [`crate::graph`]).
+//! component, scalars that combine with every vector. Types are inferred for each use. Functions are expanded and
+//! loops unrolled, so a scene is one expression, and recursion is a mistake. For integer exponents `x^2` is a
+//! product, defined for negative x; `^` groups from the right and binds tighter than a preceding minus. `a % b` is
+//! GLSL's mod. Division by zero gives 0 (see [`crate::graph`]).
 //!
 //! **Names.** A name in a function is a parameter, a `let` of the function, a `let` or `param` of the scene, or an
-//! input, looked up in this order. Functions have a separate namespace, so `let box = box(p, 1)` is fine. A scene's
-//! function takes precedence over the library's function of the same name, except within the library.
+//! input, in this order. Functions have a separate namespace, so `let box = box(p, 1)` is fine. A scene's function
+//! hides the library's, except within the library.
 //!
 //! This module does no I/O: a [`Resolver`] supplies the texts that `include` names.
 
@@ -152,8 +152,7 @@ fn compile_all(
     Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
 }
 
-/// Returns the mistakes in a text's tokens and grammar, and the texts that their spans refer to. Includes are not read,
-/// and the meaning of names is not checked.
+/// Returns the mistakes in a text's tokens and grammar, and its sources. Reads no includes and resolves no names.
 pub fn check_syntax(name: &str, text: &str) -> (Vec<Diagnostic>, Sources) {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);

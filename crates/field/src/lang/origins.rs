@@ -1,9 +1,8 @@
 //! Maps the values of a scene's expressions back to its text.
 //!
-//! While a text is lowered, the start of each expression is recorded in a list of notes, in the order of the visits.
-//! The text behind a value is therefore a range of notes: all that were recorded while the value was computed. The use
-//! of a named value records a reference to the range of that value. The library's own texts record no notes: their
-//! values belong to the call.
+//! Lowering records the start of each expression in a list of notes, in the order of the visits. The text behind a
+//! value is the range of notes recorded while the value was computed. The use of a named value records a reference to
+//! that value's range. The library's texts record no notes: their values belong to the call.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -33,7 +32,6 @@ enum Note {
     Uses(Stretch),
 }
 
-/// A value with the expression that computes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Made {
     node: NodeId,
@@ -81,7 +79,6 @@ impl Origins {
         }
     }
 
-    /// Records the use of a value that these notes belong to.
     #[inline]
     pub(super) fn uses(&mut self, by: Stretch) {
         if by.from < by.to && self.notes.len() < NOTES_MAX {
@@ -89,8 +86,7 @@ impl Origins {
         }
     }
 
-    /// Records the head of a block, with the names of its fields and the values that it uses. Heads are always
-    /// recorded, even when the list of notes is full.
+    /// Records the head of a block: its field names and the values it uses. Not limited by [`NOTES_MAX`].
     pub(super) fn head(&mut self, begins: impl Iterator<Item = Span>, uses: &[Stretch]) -> Stretch {
         let from = self.mark();
         self.notes.extend(begins.map(|span| Note::Begins(span.start)));
@@ -107,7 +103,6 @@ impl Origins {
         }
     }
 
-    /// Records a block of the object with this number: its text apart from its shape, and the whole text.
     pub(super) fn of_object(&mut self, object: usize, head: Stretch, whole: Stretch) {
         if self.objects.len() <= object {
             self.objects.resize_with(object + 1, Vec::new);
@@ -126,7 +121,6 @@ impl Origins {
         }
     }
 
-    /// Records that a material is mixed from two others.
     pub(super) fn of_mixture(&mut self, material: usize, parts: [usize; 2]) {
         for part in parts {
             for block in self.materials.get(part).cloned().unwrap_or_default() {
@@ -163,8 +157,8 @@ impl Origins {
     }
 
     /// Returns the locations in the text that contribute to a surface, sorted and without duplicates. The surface
-    /// belongs to an object with a material; `path` leads from the object's shape to the node that is the value there.
-    /// If no node of the path is known, the whole text of the object contributes.
+    /// belongs to an object with a material; `path` leads from the object's shape to the node that is the value
+    /// there. If no node of the path is known, the whole text of the object contributes.
     pub fn places(&self, object: usize, material: usize, path: &[NodeId]) -> Vec<TextPlace> {
         let mut open: Vec<Stretch> = Vec::new();
         let mut starts = BTreeSet::new();
@@ -216,7 +210,6 @@ mod tests {
         compile("test", text, &mut no_includes).scene.unwrap()
     }
 
-    /// The lines, from 1, that contribute to the end of a path in an object's shape.
     fn lines(text: &str, object: usize, path: &[NodeId], scene: &Scene) -> Vec<usize> {
         let material = scene.objects[object].material;
         let places = scene.origins.places(object, material, path);

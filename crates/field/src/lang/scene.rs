@@ -1,9 +1,9 @@
 //! A checked scene: one graph, and the meaning of its nodes.
 //!
-//! **Bounds and estimates.** A shape may leave out parts: of 32 bars only two are measured. An object's `bound` is then
-//! a lower bound of the distance to everything left out, and rays step by the lesser of bound and shape. Penumbras and
-//! occlusion use only the shape because a bound would cast shadows of objects that do not exist (Abt 2022, figure 12).
-//! Beyond the bound the estimate grows until it casts none.
+//! **Bounds and estimates.** A shape may leave out parts: of 32 bars only two are measured. An object's `bound` is
+//! then a lower bound of the distance to everything left out, and rays step by the lesser of bound and shape.
+//! Penumbras and occlusion use only the shape because a bound would cast shadows of objects that do not exist (Abt
+//! 2022, figure 12). Beyond the bound the estimate grows until it casts none.
 
 use std::sync::Arc;
 
@@ -60,16 +60,14 @@ pub struct Object {
     pub span: Span,
     /// The distance function. Depends on the point and the frame.
     pub shape: NodeId,
-    /// A lower bound of the distance to everything that the shape leaves out (of many bars it may measure only the two
-    /// that are nearest in x). Rays step by the lesser of bound and shape. Shadows and occlusion, which need actual
-    /// surfaces, use only the shape.
+    /// A lower bound of the distance to everything that the shape leaves out. Rays step by the lesser of both.
+    /// Shadows and occlusion, which need actual surfaces, use only the shape.
     pub bound: Option<NodeId>,
     /// Index into [`Scene::materials`].
     pub material: usize,
 }
 
-/// Defines [`LightKind`] from rows: documentation, variant, the name in shaders, and the field that [`Light::place`]
-/// returns.
+/// A row: documentation, variant, name in shaders, and the field that [`Light::place`] returns.
 macro_rules! define_light_kinds {
     ($( $(#[$documentation:meta])* $kind:ident, $name:literal, $place:ident; )*) => {
         /// The kind of a light.
@@ -121,8 +119,8 @@ section! {
 }
 
 section! {
-    /// A camera. Its values depend only on the frame. The default camera shows the unit ball at the origin and the ball
-    /// of the thesis at (1, 1, 6).
+    /// A camera. Its values depend only on the frame. The default camera shows the unit ball at the origin and the
+    /// ball of the thesis at (1, 1, 6).
     Camera {}
     position: Vector = Parts([0.0, 2.0, -5.0]), FRAME, "The eye.";
     target: Vector = Parts([0.0, 0.5, 0.0]), FRAME, "The point it looks at.";
@@ -209,8 +207,8 @@ pub struct Param {
     pub min: f32,
     /// Largest value.
     pub max: f32,
-    /// True for a number of the text that is being edited. Such a parameter has no name and comes after all others. Its
-    /// range is a single value, except while the number is being dragged.
+    /// True for a number of the text that is being edited. Such a parameter has no name and comes after all others.
+    /// Its range is a single value, except while the number is being dragged.
     pub is_number: bool,
     /// The location of the declaration, or of the number in the text.
     pub span: Span,

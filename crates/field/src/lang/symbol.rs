@@ -10,7 +10,6 @@ impl Symbol {
     }
 }
 
-/// Assigns equal numbers, counted from 0, to equal names.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Interner {
     text: String,
@@ -43,7 +42,6 @@ impl Interner {
         self.intern_with_key(name, Key::of(name.as_bytes()))
     }
 
-    /// Like [`Interner::intern`], for a caller that already has the name's key.
     #[inline]
     pub(super) fn intern_with_key(&mut self, name: &str, key: Key) -> Symbol {
         match self.find(name, key) {
@@ -138,7 +136,6 @@ impl Key {
         Self(state | Self::DIGEST)
     }
 
-    /// True if the key determines the name.
     fn is_whole_name(self) -> bool {
         self.0 < Self::DIGEST
     }
@@ -164,7 +161,6 @@ mod tests {
         let mut base = Interner::default();
         let (a, b) = (base.intern("sphere"), base.intern("box"));
         let mut own = base.clone();
-        // Names shorter and longer than a key.
         let names = (0..500).map(|number| format!("{}{number}", ["n", "a_longer_name_"][number % 2]));
         let names: Vec<String> = names.collect();
         let symbols: Vec<Symbol> = names.iter().map(|name| own.intern(name)).collect();

@@ -38,7 +38,6 @@ pub(super) enum Kind {
     Not,
     /// Unknown characters, which were reported.
     Unknown,
-    /// The end of the text.
     End,
 }
 

@@ -4,7 +4,6 @@ use super::ast::Type;
 use super::symbol::Symbol;
 use crate::graph::NodeId;
 
-/// One to four numbers: a scalar or a vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Vector {
     len: u8,
@@ -21,7 +20,6 @@ impl Vector {
         Self::from_slice(&parts)
     }
 
-    /// Returns `None` unless there are one to four parts.
     pub(super) fn from_slice(parts: &[NodeId]) -> Option<Self> {
         let first = *parts.first()?;
         let mut all = [first; 4];
