@@ -8,8 +8,7 @@
 //! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare
 //! operators ([`is_rare`]) are always second in a texel; if no clause precedes one, the first clause does nothing.
 //!
-//! Several operators may become one compound ([`Compound`]). This happens after pruning, so that none of their
-//! choices is lost.
+//! Compounds ([`Compound`]) are formed after pruning, so that no choice is lost.
 
 use super::program::{Arg, Form, Program, Step, refill};
 use crate::graph::{Compound, Compounds, Operation, Uses, Values};
@@ -35,7 +34,6 @@ struct Clause {
     number: f32,
 }
 
-/// Encodes programs and remembers the registers that they needed.
 #[derive(Debug)]
 pub(super) struct Encoder {
     compounds: Compounds,
@@ -46,7 +44,6 @@ pub(super) struct Encoder {
     uses: Vec<u8>,
     /// The last step that reads each value: `u32::MAX` for outputs, 0 if no step reads it.
     last_use: Vec<u32>,
-    /// The register of each value.
     register: Vec<u8>,
     /// True for each texture sample that is in a register already.
     sampled: Vec<bool>,
@@ -71,7 +68,6 @@ impl Clause {
     }
 }
 
-/// A program before compounds are formed.
 struct Uncompounded<'a> {
     program: &'a Program,
     uses: &'a [u8],
@@ -89,13 +85,12 @@ impl Values for Uncompounded<'_> {
     }
 }
 
-/// Error for a program that needs more registers than are available.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TooManyRegisters;
 
 impl Encoder {
-    /// Creates an encoder with a limit on registers. A compound reads its operands later than its parts did and may
-    /// need more registers, so a program that exceeds the limit is encoded again without compounds.
+    /// Creates an encoder with a limit on registers. Compounds read operands later than their parts did and may need
+    /// more registers, so a program that exceeds the limit is encoded again without them.
     pub(super) fn new(compounds: Compounds, registers_max: usize) -> Self {
         Self {
             compounds,
@@ -138,7 +133,6 @@ impl Encoder {
         }
     }
 
-    /// Encodes a program with some compounds. Returns the number of registers, or `None` if they run out.
     fn encode_with(&mut self, compounds: Compounds, program: &Program, roots: &[Arg]) -> Option<usize> {
         self.list_clauses(compounds, program, roots);
         self.texels.clear();
@@ -211,8 +205,7 @@ impl Encoder {
         Some(highest)
     }
 
-    /// Loads a texture sample on its first read. Returns the number of registers it needs, or `None` if they run out.
-    /// Other inputs are in their registers.
+    /// Loads a texture sample on its first read; other inputs are in registers. `None` if registers run out.
     fn sample(
         &mut self,
         value: u32,

@@ -12,8 +12,7 @@
 use super::program::{Arg, BOUND, Program};
 use crate::graph::{FrameInputs, GradientInterval, Interval, Pieces};
 
-/// Smallest scale that is not 0: far above the numbers that GPUs flush to 0, and far below any slope that matters to
-/// a ray.
+/// Smallest scale but 0: far above numbers that GPUs flush to 0, and far below slopes that matter to a ray.
 const SCALE_MIN: f32 = 1e-30;
 /// The largest finite float whose lower half is 0. Greater slopes count as unbounded.
 const SCALE_MAX: f32 = f32::from_bits(0x7F7F_0000);
@@ -101,13 +100,13 @@ pub(super) struct Gradients {
 }
 
 impl Gradients {
-    /// Creates an evaluator for a world whose slopes are at most about `steepest` ([`crate::world::Slopes::steepest`]).
+    /// Creates an evaluator for a world whose slopes are at most about `steepest`
+    /// ([`crate::world::Slopes::steepest`]).
     pub(super) fn new(steepest: f32) -> Self {
         Self { values: Vec::new(), jumps: Pieces::default(), steepest }
     }
 
-    /// The packed bounds of the gradient of a program's bound over a box. The box is cut where parts of the program
-    /// jump.
+    /// The packed bounds of the gradient of a program's bound over a box, which is cut at the program's jumps.
     pub(super) fn words(&mut self, program: &Program, sides: [Interval; 3], frame: &FrameInputs) -> [u32; 2] {
         self.jumps.clear();
         let whole = run(&mut self.values, Some(&mut self.jumps), program, sides, frame);
@@ -170,7 +169,6 @@ mod tests {
         Interval::new(a.min(b), a.max(b))
     }
 
-    /// Replaces bounds that are not finite.
     fn finite(side: Interval) -> Interval {
         if side.is_any() {
             return Interval { lo: -1e38, hi: 1e38 };

@@ -21,7 +21,6 @@ pub(super) struct ShortLives {
 }
 
 impl ShortLives {
-    /// Repeats nodes of a list with `positions` positions where that shortens lives.
     pub(super) fn of(nodes: &[(usize, Node)], positions: usize) -> Self {
         let none = (Node::Constant(0.0), 0);
         let mut lives = Self {
@@ -80,8 +79,7 @@ impl ShortLives {
         }
     }
 
-    /// The newest computation of a value, which is repeated if it is far and cheap. Recurses less than [`COST_MAX`]
-    /// deep.
+    /// The newest computation of a value, repeated if it is far and cheap. Recurses less than [`COST_MAX`] deep.
     fn operand(&mut self, id: NodeId) -> NodeId {
         let old = id.index();
         let (Some(&(position, at)), Some(&(node, cost))) = (self.newest.get(old), self.sources.get(old))

@@ -99,9 +99,9 @@ pub struct RegionVariant {
 }
 
 impl RegionVariant {
-    /// The features that nearly every scene needs: all operators, and as many registers as the largest shipped scene.
-    /// With 32 registers instead of 16, Vega's compiler (ACO) uses no more registers of the GPU. `non_lipschitz` adds
-    /// support for values that are not distances.
+    /// All operators, and as many registers as the largest shipped scene: with 32 registers instead of 16, Vega's
+    /// compiler (ACO) uses no more registers of the GPU. `non_lipschitz` adds support for values that are not
+    /// distances.
     pub fn universal(non_lipschitz: bool) -> Self {
         Self {
             operators: Op::ALL.iter().copied().collect(),
@@ -119,7 +119,6 @@ pub struct RegionKey {
     tables: Vec<TableData>,
 }
 
-/// The frame's inputs and sound tables that expressions read.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Reads {
     inputs: Vec<Input>,
@@ -127,10 +126,6 @@ struct Reads {
 }
 
 impl Reads {
-    /// Collects the reads of the roots of a graph.
-    ///
-    /// # Errors
-    /// Returns the error of [`Graph::check`].
     fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
         let used = graph.inputs_used(roots)?;
         let inputs = used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect();
@@ -153,13 +148,11 @@ impl Reads {
     }
 }
 
-/// The numbers that are folded in for a frame's inputs.
 enum Numbers<'a> {
     /// Unknown values, which decide nothing.
     Unknown,
     /// Numbers that simplify nothing, as in most frames.
     Typical,
-    /// The numbers of a frame.
     Of(&'a FrameInputs),
 }
 
@@ -171,7 +164,6 @@ const TYPICAL: f32 = 0.618_034;
 pub struct RegionPlan {
     /// The nodes of the distance and the object, operands first.
     nodes: Vec<(usize, Node)>,
-    /// Positions of the roots among all nodes.
     roots: [usize; 3],
     graph_nodes: usize,
     reads: Reads,
@@ -199,8 +191,7 @@ impl RegionPlan {
         )
     }
 
-    /// Creates the plan of bound, estimate and object. `steepest` is
-    /// [`Slopes::steepest`](crate::world::Slopes::steepest) if the bound is not a distance.
+    /// `steepest` is [`Slopes::steepest`](crate::world::Slopes::steepest) if the bound is not a distance.
     fn of(
         graph: &Graph,
         mut roots: [NodeId; 3],
@@ -334,8 +325,8 @@ fn encodes(encoder: &mut Encoder, program: &Program) -> bool {
     [[BOUND, ESTIMATE], [OBJECT, OBJECT]].iter().all(|roots| encoder.encode(program, roots).is_ok())
 }
 
-/// Appends nodes, operands first, with the given numbers folded in. Returns the value of each of the graph's
-/// `graph_nodes` nodes. `of_point` maps inputs of the point and texture samples to values.
+/// Appends nodes, operands first, with the numbers folded in. Returns the value of each of the `graph_nodes` nodes.
+/// `of_point` maps inputs of the point and texture samples to values.
 fn fold(
     program: &mut Program,
     (nodes, graph_nodes): (&[(usize, Node)], usize),

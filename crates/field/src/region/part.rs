@@ -22,9 +22,9 @@ const UNDIVIDED_MAX: usize = 16;
 const FINE_FRACTION: f32 = 0.16;
 /// The same limit if gradients are needed.
 const NON_LIPSCHITZ_FINE_FRACTION: f32 = 0.3;
-/// Most programs of a brick before decisions that save little are dropped. In lattice the 64 cells of a brick had 25
-/// different programs, mostly because of signs below ABS and operands of MAX. The limit costs lattice and city 3 %
-/// more clauses. Without such decisions anywhere, speakers would run 13 % more.
+/// Most programs of a brick before decisions that save little are dropped. In lattice a brick had 25 programs, mostly
+/// because of signs below ABS and operands of MAX. The limit costs lattice and city 3 % more clauses; dropping such
+/// decisions everywhere would cost speakers 13 %.
 const GROUPS_MANY: usize = 16;
 /// Farther from surfaces than this, no ray asks for the object.
 const OBJECT_REACH: f32 = 0.25;
@@ -45,12 +45,10 @@ struct Level {
     structure: Structure,
 }
 
-/// The texels of a part, and the positions of bricks and tapes in them.
 #[derive(Debug, Default)]
 struct Written {
     /// Bricks and tapes. Their addresses are counted from the end of the trunk's texels.
     texels: Vec<Texel>,
-    /// Positions in `texels` where bricks begin.
     bricks: Vec<usize>,
     /// The keys of bricks that a later tree may copy, and their positions.
     keys: Vec<(u64, usize)>,
@@ -58,8 +56,7 @@ struct Written {
     heads: Vec<usize>,
 }
 
-/// The blocks of a tree's root that belong to one of several parts. Parts are independent, so that each may have a
-/// thread.
+/// The blocks of a tree's root that belong to one of several parts. Each part may have its own thread.
 #[derive(Debug)]
 pub struct Part<'a> {
     trunk: &'a Trunk<'a>,
@@ -68,14 +65,12 @@ pub struct Part<'a> {
     /// Most texels that the part may write.
     room: usize,
     written: Written,
-    /// Blocks of the root, by number.
     blocks: Vec<(usize, Cells)>,
     encoder: Encoder,
     scratch: Scratch,
     /// Second words of cells by the hash of their programs.
     known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
     levels: [Level; 3],
-    /// For scenes whose value is not a distance.
     gradients: Option<Gradients>,
     stats: RegionStats,
 }
@@ -139,8 +134,8 @@ impl<'a> Part<'a> {
         self.written.texels.len()
     }
 
-    /// Takes the blocks of the root and the texels, for a tree in which `before` texels of other parts come first.
-    /// Adds the parts that a later tree may copy to `memory`.
+    /// Takes the root's blocks and the texels, for a tree that begins with `before` texels of other parts. Adds what
+    /// a later tree may copy to `memory`.
     pub(super) fn finish(
         mut self,
         before: usize,
@@ -171,7 +166,6 @@ impl<'a> Part<'a> {
         (self.blocks, self.written.texels, self.stats)
     }
 
-    /// Builds the 64 cells of a block. Divides cells of the root that may contain a surface.
     fn cells(&mut self, program: &Program, structure: &Structure, block: Block, depth: usize) -> Cells {
         let mut cells = [[0; 4]; CELLS];
         let trunk = self.trunk;
@@ -248,7 +242,6 @@ impl<'a> Part<'a> {
         cells
     }
 
-    /// The address of a new brick with the cells of `inner`; `None` if there is no room.
     fn brick(&mut self, level: &Level, program: Option<u64>, inner: Block, depth: usize) -> Option<u32> {
         let address = self.address(CELLS)?;
         let brick = self.written.texels.len();
@@ -264,7 +257,6 @@ impl<'a> Part<'a> {
         Some(address)
     }
 
-    /// The cells of a block that are worth dividing, given their program.
     fn divisible(&self, program: &Program, block: &Block, cells: u64) -> u64 {
         if self.gradients.is_none() && program.steps.len() <= UNDIVIDED_MAX {
             return 0;
@@ -346,7 +338,6 @@ impl<'a> Part<'a> {
         second
     }
 
-    /// Writes the tape of a new program; `None` if there is no room.
     fn new_tape(&mut self, program: &Program) -> Option<u32> {
         let (object, object_tape) = match program.roots[OBJECT] {
             Arg::Number(number) if (0.0..OBJECT_UNKNOWN as f32).contains(&number) => {
@@ -361,8 +352,7 @@ impl<'a> Part<'a> {
         Some(tape | object << 24)
     }
 
-    /// Copies the cells of a brick and their tapes from the previous frame's tree. `None` if it has no such brick or
-    /// there is no room.
+    /// Copies a brick's cells and tapes from the previous frame's tree; `None` if there is none, or no room.
     fn brick_of_before(&mut self, key: u64) -> Option<Cells> {
         let before = self.trunk.before?;
         let mut cells = [[0; 4]; CELLS];
@@ -385,8 +375,7 @@ impl<'a> Part<'a> {
         Some(cells)
     }
 
-    /// Copies a tape from the previous frame's tree, given a cell's second word there, and returns the new second
-    /// word.
+    /// Copies a tape from the previous frame's tree, given a cell's second word there; returns the new one.
     fn tape_of_before(&mut self, second: u32) -> Option<u32> {
         let tape = self.trunk.before?.tape(second)?;
         if let Some(known) = self.known.get(&tape.program) {
@@ -430,13 +419,11 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The group of 2x2x2 cells that contains one of the 64.
 const fn eighth_of(cell: usize) -> u64 {
     let first = cell & 0b10_10_10;
     0b11_0011 << first | 0b11_0011 << (first + 16)
 }
 
-/// The eight groups of 2x2x2 cells.
 const EIGHTHS: [u64; 8] = {
     let mut eighths = [0; 8];
     let mut number = 0;

@@ -5,17 +5,13 @@ use crate::graph::{FrameInputs, Op, Operation, Properties};
 
 /// Number of values before the first step of a distance: x, y, z and the penumbra.
 pub(super) const INPUTS: usize = 4;
-/// The index of the penumbra, the last input.
 pub(super) const PENUMBRA: u32 = 3;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Form {
-    /// Neither: both are values.
     Values,
-    /// The second argument.
     NumberRight,
-    /// The first argument.
     NumberLeft,
 }
 
@@ -59,7 +55,6 @@ impl Step {
     }
 }
 
-/// The positions of a program's results among its roots.
 pub(super) const BOUND: usize = 0;
 pub(super) const ESTIMATE: usize = 1;
 pub(super) const OBJECT: usize = 2;
@@ -100,7 +95,6 @@ impl Program {
         use Arg::Number;
         let b = if op.arity() == 1 { Number(0.0) } else { b };
         match (op, a, b) {
-            // One-operand operators of values are kept.
             (_, Arg::Value(_), _) if op.arity() == 1 => {}
             (_, Number(a), Number(b)) => {
                 let value = op.value(a, b, frame);
@@ -124,7 +118,6 @@ impl Program {
         }
     }
 
-    /// Appends a step without simplifying it.
     #[inline(always)]
     pub(super) fn push_step(&mut self, step: Step) -> Arg {
         self.steps.push(step);
@@ -162,7 +155,6 @@ impl Program {
         hash ^ hash >> 29
     }
 
-    /// The step that computes a value; `None` for an input.
     #[inline]
     pub(super) fn step(&self, value: u32) -> Option<Step> {
         self.steps.get((value as usize).checked_sub(self.inputs)?).copied()
@@ -173,20 +165,16 @@ impl Program {
     }
 }
 
-/// Properties of a program's steps that pruning needs repeatedly.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Structure {
-    /// For minima and maxima, the value whose bounds decide which operands count. If another minimum is the only
-    /// reader of a minimum, this is the outer one's value, so that nested minima are pruned as one minimum of many
-    /// operands.
+    /// For minima and maxima, the value whose bounds decide which operands count: the outer minimum's if that is the
+    /// only reader, so that nested minima are pruned as one minimum of many operands.
     pub(super) outermost: Vec<u32>,
     /// True if the step may become a constant or one of its arguments in some cell.
     pub(super) may_settle: Vec<bool>,
     /// For each value, the number of steps that only it needs, itself included.
     weight: Vec<u16>,
-    /// For each value, the number of its readers.
     uses: Vec<u8>,
-    /// For each value, its last reader.
     reader: Vec<u32>,
 }
 
@@ -249,7 +237,6 @@ impl Structure {
     }
 }
 
-/// Fills a list with `count` copies of an element, reusing its memory.
 pub(super) fn refill<T: Clone>(list: &mut Vec<T>, count: usize, element: T) {
     list.clear();
     list.resize(count, element);

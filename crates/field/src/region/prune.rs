@@ -11,19 +11,15 @@ use super::lanes::{Lanes, mask};
 use super::program::{Arg, BOUND, ESTIMATE, Form, OBJECT, Program, Step, Structure, refill};
 use crate::graph::{FrameInputs, Op};
 
-/// The decisions about a value, as masks of cells.
 #[derive(Debug, Clone, Copy, Default)]
 struct Decided {
     live: u64,
     /// Cells where it is the same number everywhere.
     number: u64,
-    /// Cells where it equals operand a.
     left: u64,
-    /// Cells where it equals operand b.
     right: u64,
 }
 
-/// The decisions about each value of a program.
 #[derive(Debug, Default)]
 pub(super) struct ChoiceTrace {
     values: Vec<Decided>,
@@ -34,7 +30,6 @@ pub(super) struct ChoiceTrace {
     pub(super) coarse: bool,
     /// The steps that some cell needs, last first.
     needed: Vec<u32>,
-    /// The needed steps with a decision in some cell.
     settled: Vec<u32>,
 }
 
@@ -54,7 +49,6 @@ fn above(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
     }
 }
 
-/// Cells where an argument is entirely below these ends.
 #[inline(always)]
 fn below(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
     match arg {
@@ -98,12 +92,11 @@ fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u6
 }
 
 impl ChoiceTrace {
-    /// Decides which steps the distance needs in the cells of `need`, and the object in the cells of `need_object`.
-    /// `rows` are the bounds of the program's values. The cells of each mask in `together` share their decisions: a
-    /// decision that does not hold in all of them is dropped.
+    /// Decides which steps the distance needs in the cells of `need`, and the object in those of `need_object`.
+    /// `rows` are the bounds of the program's values. Decisions must hold in all cells of a mask in `together`.
     ///
-    /// An operand of a minimum is dropped in cells where it is above the upper end of the whole nest of minima. Such
-    /// an operand is never the least, so the value keeps its bits.
+    /// An operand of a minimum is dropped in cells where it is above the upper end of the whole nest of minima: it is
+    /// never the least there, so the value keeps its bits.
     pub(super) fn decide(
         &mut self,
         program: &Program,
@@ -116,7 +109,6 @@ impl ChoiceTrace {
         decide(self, program, structure, rows, &roots, together);
     }
 
-    /// Decides for a program whose results are all needed in all cells.
     pub(super) fn decide_all(
         &mut self,
         program: &Program,
@@ -146,7 +138,6 @@ impl ChoiceTrace {
         }
     }
 
-    /// Writes the program of a group's cells, with or without the steps that the object needs.
     pub(super) fn shortened(
         &self,
         program: &Program,
@@ -338,7 +329,6 @@ fn is_same(number: u64, cells: u64, values: &[f32; 64]) -> bool {
     mask(|cell| values[cell] == first) & cells == cells
 }
 
-/// Splits every group into its cells inside and outside of a mask.
 fn split(groups: &mut Vec<u64>, mask: u64) {
     for index in 0..groups.len() {
         let group = groups[index];
@@ -350,7 +340,6 @@ fn split(groups: &mut Vec<u64>, mask: u64) {
     }
 }
 
-/// Splits the groups inside of a mask by their values.
 fn split_by_value(groups: &mut Vec<u64>, inside: u64, values: &[f32; 64]) {
     let first = values[(inside.trailing_zeros() as usize).min(63)];
     if mask(|cell| values[cell] == first) & inside == inside {

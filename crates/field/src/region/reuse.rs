@@ -15,7 +15,6 @@ use super::program::Program;
 use super::tree::{Block, Regions};
 use crate::graph::Properties;
 
-/// Lookup tables for copying from a tree.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Memory {
     /// First texels of bricks, by the keys of their blocks ([`key_of`]).
@@ -24,7 +23,6 @@ pub(super) struct Memory {
     pub(super) programs: HashMap<u64, u64, BuildHasherDefault<Hashed>>,
     /// Second words of cells, by the hashes of their programs.
     pub(super) seconds: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
-    /// First texel of the object's whole tape.
     pub(super) whole_object: u32,
 }
 
@@ -34,7 +32,6 @@ pub(super) struct Before<'a>(&'a Regions);
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TapeBefore<'a> {
     pub(super) program: u64,
-    /// The nearest object, as in a cell's second word.
     pub(super) object: u32,
     pub(super) texels: &'a [Texel],
     /// The texels of the object's tape; `None` for the whole one.
@@ -69,7 +66,6 @@ impl<'a> Before<'a> {
         Some(TapeBefore { program, object: second >> 24, texels: self.texels_of(at)?, object_tape })
     }
 
-    /// The texels of a tape, up to its END.
     fn texels_of(self, first: u32) -> Option<&'a [Texel]> {
         let from = self.0.texels.get(first as usize..)?;
         let end = from.iter().position(|texel| texel[2] & 255 == 0)?;
@@ -77,7 +73,6 @@ impl<'a> Before<'a> {
     }
 }
 
-/// A key for a block of cells, given the hash of their program.
 pub(super) fn key_of(program: u64, block: &Block) -> u64 {
     let [x, y, z] = block.low.map(|side| u64::from(side.to_bits()));
     let place = spread_long(x | y << 32) ^ spread_long(z).rotate_left(29);
@@ -89,7 +84,6 @@ pub(super) fn is_of_place(program: &Program) -> bool {
     !program.steps.iter().any(|step| step.op.properties().has(Properties::READS_FRAME))
 }
 
-/// A cell's second word as a key.
 pub(super) fn spread(second: u32) -> u64 {
     spread_long(u64::from(second))
 }

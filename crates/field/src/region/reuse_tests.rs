@@ -4,7 +4,6 @@ use super::tests::{LATTICE, MANY, inputs_of, point};
 use super::*;
 use crate::world::testing::{SPEAKERS, world_of};
 
-/// Squared balls, one of which follows the sound: not a distance.
 const NON_LIPSCHITZ: &str = "
 object balls {
   shape = union(for i in 0..6: dot(p - vec3(4 * i - 10, 0, 0), p - vec3(4 * i - 10, 0, 0)) - 1 - select(i - 2, 0, band(3)))
@@ -12,7 +11,6 @@ object balls {
 fn select(i, a, b) = if abs(i) < 0.5 then b else a
 ";
 
-/// Balls, some of which follow the spectrum.
 const HEARS: &str = "
 fn ball(i) = sphere(p - vec3(3 * i - 9, 0, 0), 0.8 + (if i < 3 then 0.4 * spectrum(0.5 + 0.01 * p.x) else 0))
 union(for i in 0..6: ball(i))
@@ -47,8 +45,7 @@ fn assert_same_cells(tree: &Regions, fresh: &Regions, inputs: &FrameInputs, poin
     }
 }
 
-/// Builds a tree for each frame after the previous frame's tree, compares it with a fresh one, and returns the
-/// fraction of bricks that were copied.
+/// Compares each frame's tree, built after the previous one, with a fresh one. Returns the copied fraction of bricks.
 fn fraction_copied(text: &str, parts: usize, frames: &[(f32, f32)]) -> f64 {
     let world = world_of(text);
     let plan = RegionPlan::new(&world);

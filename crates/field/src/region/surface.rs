@@ -1,13 +1,11 @@
 //! Shortens the programs of materials and light for parts of space.
 //!
 //! Each program has its own grid of 8x8x8 cells, which maps a point, or for the sky a direction, to a tape. The
-//! outermost cells extend as far as anything is drawn, so every point has a cell. As in the tree of distances,
-//! interval arithmetic on a frame's values decides which steps a cell does not need. Cells with the same steps share
-//! a tape. So do the eight cells of a block, except those that need far fewer steps than the block. In its cell a
-//! shortened tape gives the same bits as the whole one. `world::shortening` selects the programs.
-//!
-//! Cells in which no surface can be visible keep the whole tape and take no time: the tree of distances and the
-//! planes show where surfaces are ([`Surfaces`]).
+//! outermost cells extend as far as anything is drawn. As in the tree of distances, interval arithmetic on a frame's
+//! values decides which steps a cell does not need. Cells with the same steps share a tape, and so do the eight cells
+//! of a block unless they need far fewer steps than the block. In its cell a shortened tape gives the same bits as
+//! the whole one. Cells in which no surface can be visible ([`Surfaces`]) keep the whole tape and take no time.
+//! `world::shortening` selects the programs.
 
 use std::collections::HashMap;
 
@@ -25,8 +23,7 @@ pub(crate) const SIDE: usize = 8;
 const OF_POINT: usize = Input::OF_POINT.len();
 /// Largest coordinate at which anything is drawn.
 const FARTHEST: f32 = 1e7;
-/// Overlap of cells as a fraction of their size and their distance from the origin, because shaders round
-/// differently.
+/// Overlap of cells, as a fraction of their size and their distance from the origin: shaders round differently.
 const OVERLAP: f32 = 1e-5;
 /// Largest component of normals and directions, after rounding.
 const NORMAL_MAX: f32 = 1.001;
@@ -46,7 +43,6 @@ const SHORTER_FRACTION: f32 = 0.9;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Over {
-    /// Space.
     Points,
     /// The directions in which the sky is visible; the point is the origin.
     Directions,
@@ -77,7 +73,6 @@ impl Grid {
         })
     }
 
-    /// True if a cell of the grid over directions may contain a vector of length 1.
     fn may_hold_a_direction(&self, cell: [usize; 3]) -> bool {
         let (mut nearest, mut farthest) = (0.0, 0.0);
         for (axis, place) in cell.into_iter().enumerate() {
@@ -112,7 +107,6 @@ pub struct Surfaces<'a> {
 }
 
 impl Surfaces<'_> {
-    /// True if a program may run in a box.
     fn may_meet(&self, sides: [Interval; 3]) -> bool {
         let sides = sides.map(|side| Interval { lo: side.lo - self.around, hi: side.hi + self.around });
         let meets = |[a, b, c, d]: &[f32; 4]| {
@@ -169,23 +163,18 @@ pub(crate) struct ShortTape {
     pub(crate) samples: bool,
 }
 
-/// The tapes of a program in a frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct ShortTapes {
     pub(crate) grid: Grid,
     /// The tape of each cell; `None` for the whole one. Empty if all cells use the whole one.
     pub(crate) cells: Vec<Option<usize>>,
     pub(crate) tapes: Vec<ShortTape>,
-    /// The fraction of the whole tape's texels that is saved, averaged over the cells in which the program may run;
-    /// `None` if there was no time or room to compute it.
+    /// The mean fraction of the whole tape's texels that is saved; `None` without time or room to compute it.
     pub(crate) saved: Option<f32>,
 }
 
 impl SurfacePlan {
-    /// Creates the plan of a graph's roots. Textures have no coordinates here, because they are sampled beforehand.
-    ///
-    /// # Errors
-    /// Returns the error of [`Graph::check`].
+    /// Creates the plan of a graph's roots. Textures have no coordinates here: they are sampled beforehand.
     pub(crate) fn new(
         graph: &Graph,
         roots: &[NodeId],
@@ -203,12 +192,10 @@ impl SurfacePlan {
         })
     }
 
-    /// True if the program's length allows shortening in any frame.
     pub(crate) fn may_become_shorter(&self) -> bool {
         (WHOLE_MAX + 1..=NODES_MAX).contains(&self.nodes.len())
     }
 
-    /// The inputs that determine the shortened tapes.
     pub(crate) fn key(&self, frame: &FrameInputs) -> RegionKey {
         self.reads.key(frame)
     }
@@ -234,7 +221,6 @@ impl SurfacePlan {
     }
 }
 
-/// Shortens the programs of a frame, one after the other.
 #[derive(Debug)]
 pub(crate) struct Shortener<'a> {
     frame: &'a FrameInputs,
@@ -253,7 +239,6 @@ pub(crate) struct Shortener<'a> {
 }
 
 impl<'a> Shortener<'a> {
-    /// Creates a shortener for an interpreter with these compounds and registers.
     pub(crate) fn new(
         frame: &'a FrameInputs,
         grid: Grid,
@@ -383,7 +368,6 @@ impl<'a> Shortener<'a> {
         found
     }
 
-    /// The program of a group of cells, by the last decisions.
     fn shortened(&mut self, program: &Program, group: u64) -> Program {
         let mut short = Program::default();
         let (frame, scratch) = (self.frame, &mut self.scratch);
@@ -433,7 +417,6 @@ fn number_of([x, y, z]: [usize; 3]) -> usize {
     x + SIDE * (y + SIDE * z)
 }
 
-/// The cells of each block of 2x2x2.
 fn blocks() -> impl Iterator<Item = [[usize; 3]; 8]> {
     let child = |block: [usize; 3]| {
         move |child: usize| std::array::from_fn(|axis| 2 * block[axis] + (child >> axis & 1))

@@ -32,8 +32,7 @@ pub(super) fn point(regions: &Regions, number: u32) -> [f32; 3] {
     })
 }
 
-/// Compares cells' tapes, bounds and objects with the world's own tapes at many points. Returns the mean length of
-/// the tapes that were run.
+/// Compares cells with the world's own tapes at many points. Returns the mean length of the tapes that were run.
 fn assert_regions_are_right(world: &World, inputs: &FrameInputs, points: u32) -> f64 {
     let plan = RegionPlan::new(world);
     let options = RegionOptions { texels_max: 1 << 22, ..Default::default() };
@@ -76,7 +75,6 @@ fn the_speakers_are_the_same_in_every_cell() {
     }
 }
 
-/// Boxes and smoothly joined balls, as two objects.
 pub(super) const MANY: &str = "
 fn place(i) = vec3(5 * sin(12.9898 * i), 3 + 3 * sin(78.233 * i), 5 * sin(37.719 * i))
 object boxes { shape = union(for i in 0..60: box(p - place(i), vec3(0.2 + 0.1 * sin(i), 0.3, 0.25))) }
@@ -198,7 +196,6 @@ fn a_tree_in_parts_is_the_same_tree() {
     }
 }
 
-/// Number of registers that a tape of the tree uses, including its results.
 fn registers_of(tree: &Regions, tape: u32) -> usize {
     let mut most = 0;
     for texel in &tree.texels[tape as usize..] {
@@ -357,7 +354,6 @@ proptest! {
     }
 }
 
-/// If the value is not a distance, each cell with a surface has bounds of its slopes.
 #[test]
 fn cells_hold_the_slopes_in_them() {
     for (text, widest) in [
@@ -413,7 +409,6 @@ fn a_foam_of_many_parts_needed_more_than_256_registers() {
     for (world, plan) in [numbers, shared] {
         assert!(plan.runs(), "{:?}", plan.variant().registers);
         assert!(!plan.variant().operators.contains(&Op::Sin), "{:?}", plan.variant().operators);
-        // The tree's tapes give the values of the formula.
         let inputs = inputs_of(&world, 3.5, 0.8);
         let regions = plan.build(&inputs, &RegionOptions::default());
         for number in 0..500 {

@@ -103,18 +103,15 @@ pub(super) struct Trunk<'a> {
     /// The still empty root, and the whole tapes.
     pub(super) texels: Vec<Texel>,
     pub(super) variant: &'a RegionVariant,
-    /// [`crate::world::Slopes::steepest`], for a variant that is not Lipschitz.
     pub(super) steepest: f32,
     /// The previous frame's tree, if anything can be copied from it.
     pub(super) before: Option<Before<'a>>,
-    /// True if the tree is centred on the eye.
     pub(super) unbounded: bool,
     pub(super) rounding: Rounding,
     pub(super) whole: Whole,
     stats: RegionStats,
 }
 
-/// The decisions about the 64 blocks of the root.
 #[derive(Debug)]
 pub(super) struct Root {
     /// The block whose cells are the blocks of the root.
@@ -124,7 +121,6 @@ pub(super) struct Root {
     pub(super) groups: Vec<u64>,
 }
 
-/// Allowances for rounding errors, for the size of the tree's box.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rounding {
     /// Subtracted from bounds.
@@ -139,13 +135,11 @@ pub(super) struct Whole {
     pub(super) object: u32,
 }
 
-/// The world that the rays meet, apart from its program.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traced<'a> {
     /// True if there are surfaces other than planes.
     pub(super) has_rest: bool,
     pub(super) variant: &'a RegionVariant,
-    /// [`crate::world::Slopes::steepest`].
     pub(super) steepest: f32,
     pub(super) last: Option<&'a Regions>,
 }
@@ -234,7 +228,6 @@ impl RegionStats {
 }
 
 impl Trunk<'_> {
-    /// An encoder whose tapes stay within the variant.
     pub(super) fn encoder(&self) -> Encoder {
         Encoder::new(self.variant.compounds, self.variant.registers)
     }
@@ -265,7 +258,6 @@ impl Trunk<'_> {
     }
 }
 
-/// Shrinks the bounds over all frames to one frame's surfaces.
 fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInputs) -> ([f32; 3], [f32; 3]) {
     let (mut low, mut high) = bounds;
     let mut rows = Vec::new();
@@ -299,7 +291,6 @@ fn surely_above(value: f32, limit: f32) -> bool {
     value > limit
 }
 
-/// The box of the tree: its lower corner and its extent.
 fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3]) -> ([f32; 3], [f32; 3]) {
     let (low, high) = bounds.unwrap_or((
         center.map(|middle| middle - UNBOUNDED_REACH),
@@ -313,7 +304,6 @@ fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3]) -> ([f32; 3], 
     (low, size)
 }
 
-/// Bounds all values of a program in the cells of a block, each enlarged by `overlap` on all sides.
 pub(super) fn bound_cells(
     program: &Program,
     block: Block,
@@ -335,7 +325,6 @@ pub(super) fn bound_cells(
     bound(program, rows, frame);
 }
 
-/// The position of one of 64 cells in its block.
 pub(super) const fn place_in(cell: usize) -> [usize; 3] {
     [cell % BRICK_SIDE, cell / BRICK_SIDE % BRICK_SIDE, cell / (BRICK_SIDE * BRICK_SIDE)]
 }
