@@ -8,7 +8,6 @@ use crate::graph::{Graph, Node, NodeId, Op, Properties};
 const NONE: u32 = u32::MAX;
 pub(super) const PAGE: usize = 256;
 
-/// Implements [`Tape::build`].
 pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> Result<Tape, TapeError> {
     if !(2..=256).contains(&options.registers) {
         return Err(TapeError::RegisterCount { count: options.registers });
@@ -97,15 +96,12 @@ struct Allocator<'a> {
     options: &'a TapeOptions,
     tape: Tape,
     places: Vec<Place>,
-    /// The value in each register.
     held: [Option<NodeId>; 256],
-    /// The next use of each register's value.
     next_use: [u32; 256],
     free: [u64; 4],
     /// A bit for each register that must not be spilled now.
     pinned: [u64; 4],
     free_memory: Vec<u16>,
-    /// First entry of the table's current page.
     page_start: usize,
 }
 
@@ -122,8 +118,7 @@ impl Allocator<'_> {
         }
     }
 
-    /// The entry of the current page that holds the value. Call this right before emitting the clause that uses it:
-    /// it may begin a new page.
+    /// The entry of the current page with the value. May begin a page: call it right before emitting its clause.
     fn entry(&mut self, id: NodeId) -> u8 {
         let known = self.places[id.index()].register_or_entry;
         if known != NONE && known as usize >= self.page_start {
@@ -163,7 +158,6 @@ impl Allocator<'_> {
         self.pinned[usize::from(register >> 6)] |= 1 << (register & 63);
     }
 
-    /// Takes the lowest free register; spills a value if all are in use.
     fn take_any(&mut self) -> Result<u8, TapeError> {
         let lowest = (0..4)
             .find(|&part| self.free[part] != 0)
@@ -221,7 +215,6 @@ impl Allocator<'_> {
         Ok((self.tape.memory - 1) as u16)
     }
 
-    /// Pins the value's register, loading the value if necessary.
     fn fetch(&mut self, id: NodeId) -> Result<u8, TapeError> {
         if self.in_table(id) { self.fetch_entry(id) } else { self.fetch_value(id) }
     }
@@ -234,7 +227,6 @@ impl Allocator<'_> {
         Ok(output)
     }
 
-    /// Implements [`Allocator::fetch`] for a value that is not in the table.
     #[inline]
     fn fetch_value(&mut self, id: NodeId) -> Result<u8, TapeError> {
         let place = self.places[id.index()];
@@ -261,8 +253,7 @@ impl Allocator<'_> {
         self.places[id.index()].register_or_entry = u32::from(register);
     }
 
-    /// Frees the register after the last use of its value. A register that only carries an entry of the table is
-    /// always freed.
+    /// Frees the register after its value's last use; always, if it only carries an entry of the table.
     fn used(&mut self, register: u8, next_use: u32) {
         self.next_use[usize::from(register)] = next_use;
         if next_use == NONE || self.held[usize::from(register)].is_none() {

@@ -208,7 +208,6 @@ impl Instruction {
     }
 }
 
-/// The input of the point at a position of [`Input::OF_POINT`].
 pub(super) fn input_of_place(place: u8) -> Input {
     Input::OF_POINT[usize::from(place) % Input::OF_POINT.len()]
 }

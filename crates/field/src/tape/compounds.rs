@@ -22,19 +22,15 @@ pub(super) struct Clause {
     absorbed: bool,
 }
 
-/// The clauses of a tape in the interpreter's form, and the values that they read.
 #[derive(Debug)]
 pub(super) struct RunClauses {
     clauses: Vec<Clause>,
-    /// Number of reads of each value, at most 2. The first values are the registers at the start, then each clause
-    /// has one.
+    /// Number of reads, at most 2, of each register at the start, then of each clause's value.
     uses: Vec<u8>,
-    /// The value in each register at the end.
     held: [u32; INITIAL],
 }
 
 impl RunClauses {
-    /// Converts a tape, given the numbers of its table.
     pub(super) fn of(tape: &Tape, table: &[f32]) -> Self {
         let count = tape.clauses().len();
         let mut uses = Vec::with_capacity(INITIAL + count);
@@ -103,7 +99,6 @@ impl RunClauses {
         run
     }
 
-    /// Counts a clause's read of a register and returns the register's value.
     fn read(&mut self, register: u8) -> u32 {
         let value = self.held[usize::from(register)];
         if let Some(uses) = self.uses.get_mut(value as usize) {
@@ -112,7 +107,6 @@ impl RunClauses {
         value
     }
 
-    /// Replaces clauses by compounds of this set. `outputs` are the registers of the results.
     pub(super) fn compound(&mut self, compounds: Compounds, outputs: &[u8]) {
         for output in outputs {
             self.read(*output);

@@ -7,7 +7,6 @@ use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point};
 
 const LANES: usize = 64;
 
-/// The kind of values that a tape computes.
 pub(super) trait Domain {
     type Value: Copy;
     type Entry: Copy;
@@ -18,7 +17,6 @@ pub(super) trait Domain {
     fn texture(&mut self, texture: u16, channel: u8, u: &Self::Value, v: &Self::Value) -> Self::Value;
 }
 
-/// The decoded clauses and working memory of an evaluator.
 #[derive(Debug, Clone)]
 pub(super) struct Machine<V, E = f32> {
     /// Decoded once, because a tape runs at many points.

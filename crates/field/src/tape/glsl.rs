@@ -45,7 +45,6 @@ pub fn input_name(input: Input) -> String {
     }
 }
 
-/// Writes an operator's template with its operands filled in.
 pub(super) fn fill(text: &mut String, template: &str, a: &str, b: &str) {
     let mut rest = template;
     while let Some(at) = rest.find('$') {
@@ -90,7 +89,6 @@ pub fn function(
     sampling: Sampling,
 ) -> Result<String, GraphError> {
     let order = graph.order(roots)?.nodes;
-    // p and n of the neighbouring pixels.
     let neighbours = match sampling {
         Sampling::None => None,
         Sampling::AlongPosition => Some(["p + dx, n", "p + dy, n"]),
@@ -113,9 +111,7 @@ pub fn function(
 struct Writer<'a> {
     graph: &'a Graph,
     text: String,
-    /// Texture coordinates that have their own function, by number.
     coordinates: Vec<(NodeId, NodeId)>,
-    /// The textures read so far, with their coordinates.
     sampled: Vec<(u16, NodeId, NodeId)>,
     /// The sums of squares found so far: their square roots need no guard.
     squares: HashSet<NodeId>,
@@ -139,8 +135,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Writes the signature, with `results` out parameters or a return value, and the texture coordinates of the
-    /// neighbours.
+    /// Writes the signature (`results` out parameters or a return value) and the neighbours' texture coordinates.
     fn head(&mut self, name: &str, results: Option<usize>, neighbours: Option<[&str; 2]>) {
         let text = &mut self.text;
         let arguments =
@@ -176,7 +171,6 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Writes the temporary of a node; constants and inputs have none.
     fn statement(&mut self, id: NodeId) {
         let node = self.graph.node(id);
         let is_sum = match node {

@@ -1,30 +1,27 @@
 //! Input of the interpreter in `shaders/interpreter.glsl`: tapes as texels, and the generated text of a variant.
 //!
 //! **Texels.** [`Tape::append_texels`] writes two clauses into a texel, each followed by its immediate. If an operand
-//! is an entry of the tape's table, its byte is [`IMMEDIATE`] and the immediate holds its number as float bits. The
-//! shader therefore needs neither pages nor a table, and LOAD means register := immediate. The immediate of a TEXTURE
+//! is an entry of the tape's table, its byte is [`IMMEDIATE`] and the immediate holds its number as float bits, so
+//! the shader needs neither pages nor a table, and LOAD means register := immediate. The immediate of a TEXTURE
 //! clause is four times the number of its texture plus its channel; the clause reads a sample that was taken before.
 //! Inputs of the point are left out if the interpreter starts with them in the right registers. A first clause that
 //! is 0 does nothing. The second clause of the last texel is END, with the registers of the first two outputs in
 //! bytes 2 and 3. Rare operators ([`is_rare`]) are always second in a texel; the shader computes them between runs of
-//! texels.
-//!
-//! **Compounds** ([`Compound`]) replace several clauses if their registers still hold the operands. A scene's set of
-//! compounds is chosen once, for all frames.
+//! texels. Compounds ([`Compound`]) replace several clauses if their registers still hold the operands; a scene's set
+//! of compounds is chosen once, for all frames.
 //!
 //! **Variants.** The text holds only the operators of a [`Variant`]. With `EVERY_CASE`, for renderers that never skip
 //! a branch (llvmpipe), all cases are computed and the result is selected by the bits of its number
 //! (`tape/select.rs`). Without it the text finds the case by binary search.
 //!
 //! **The universal variant** ([`Variant::universal`]) runs nearly every scene, so that on GPUs an edit never waits
-//! for a compiler. It has many registers on purpose: AMD's compilers put arrays of more than 64 numbers into memory.
-//! Materials run once per surface, so their registers cost less there than in GPU registers, which the whole program
-//! would have to hold. With 64 registers of materials in GPU registers, Mesa's LLVM needs 256 registers, 15 spills
-//! and 8 s on Vega.
+//! for a compiler. It has many registers on purpose: AMD's compilers put arrays of more than 64 numbers into memory,
+//! which costs materials little because they run once per surface. With 64 of their registers in GPU registers,
+//! Mesa's LLVM needs 256 registers, 15 spills and 8 s on Vega.
 //!
-//! **A point at a time.** The interpreter runs a tape for one point. Only texture coordinates, a few clauses, also
-//! run for the pixels to the right and above, before the material's own tape. Because a frame's numbers are
-//! immediates of the clauses, programs are written again for each frame, which takes microseconds.
+//! **A point at a time.** The interpreter runs a tape for one point; only texture coordinates, a few clauses, also
+//! run for the pixels to the right and above. A frame's numbers are immediates of the clauses, so programs are
+//! written again for each frame, which takes microseconds.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -111,7 +108,6 @@ impl Tape {
     }
 }
 
-/// True if an instruction must be second in its texel.
 pub(super) fn is_second(instruction: Instruction) -> bool {
     match instruction {
         Instruction::Unary { op, .. } | Instruction::Binary { op, .. } => is_rare(op),
@@ -287,7 +283,6 @@ impl Variant {
     }
 }
 
-/// The interpreter's code for one number.
 #[derive(Debug)]
 struct Case {
     number: u8,

@@ -21,8 +21,8 @@
 //! | 128..160 | the operator with the number opcode - 64: op(register, table) | register | register a | table |
 //! | 192..224 | the operator with the number opcode - 128: op(table, register) | register | table | register b |
 //!
-//! The opcodes 96..128 are compounds ([`Compound`]): several operators on two registers and the clause's immediate.
-//! Only the interpreter knows them. They replace clauses when a tape is written for it.
+//! The opcodes 96..128 are compounds ([`Compound`]), which replace clauses when a tape is written for the
+//! interpreter.
 //!
 //! [`Compound`]: crate::graph::Compound
 //!
@@ -31,9 +31,8 @@
 //!
 //! **Registers.** The inputs of the point are read first, in the order X, Y, Z, NX, NY, NZ; the rest follows the
 //! graph's order of evaluation. A register is free after the last use of its value. An output takes the register of
-//! operand b if that has become free, else operand a's, else the lowest free one. If no register is free, the value
-//! with the farthest next use is spilled (Belady 1966) and reloaded when it is needed. Inputs of the point are never
-//! stored: they are read again.
+//! operand b if free, else operand a's, else the lowest free one. If none is free, the value with the farthest next
+//! use is spilled (Belady 1966); inputs of the point are read again instead.
 
 mod allocate;
 mod clause;

@@ -1,13 +1,11 @@
-//! GLSL selections by the bits of a clause, for renderers that never skip a branch. They choose a register held in a
-//! variable, or the result of an operator among the results of all operators.
+//! GLSL selections by the bits of a clause, for renderers that never skip a branch: of a register or an operator's
+//! result.
 //!
-//! If all cases are computed anyway, n - 1 selections on at most seven bits distinguish n cases. They take half the
+//! If all cases are computed anyway, n - 1 selections on at most seven bits distinguish n cases. That is half the
 //! instructions of n comparisons with as many selections. llvmpipe reads an array with a variable index lane by lane,
-//! and writes it with a branch per lane: about sixty instructions. A selected register of a file of twelve takes two
-//! instructions per register.
-//!
-//! Selections use `mix`, because Mesa turns nested `?:` into branches and llvmpipe computes a mask of lanes for each
-//! of them. Compilers for GPUs turn branches into selections where that pays.
+//! and writes it with a branch per lane: about sixty instructions; selecting takes two per register. Selections use
+//! `mix`, because Mesa turns nested `?:` into branches and llvmpipe computes a mask of lanes for each of them.
+//! Compilers for GPUs turn branches into selections where that pays.
 //!
 //! Tried: one square root for all operators that need one, selected by the bits of their operands. It saves 3 % in
 //! lattice and nothing in city and kaleidoscope.
@@ -78,7 +76,6 @@ pub(super) fn operator(cases: &[(u8, String)]) -> String {
     }
 }
 
-/// Selects among cases whose numbers differ only in the bits up to `bit`.
 fn by_bits(cases: &[(u8, String)], bit: u32) -> Option<String> {
     if let [] | [_] = cases {
         return cases.first().map(|(_, value)| value.clone());

@@ -47,7 +47,6 @@ fn continuous_steps(size: usize) -> impl Strategy<Value = Vec<Step>> {
     proptest::collection::vec(step, 1..size)
 }
 
-/// A box as its lower corner and size, and points in it.
 type Places = ([(f32, f32); 3], Vec<[f32; 3]>);
 
 fn places() -> impl Strategy<Value = Places> {
@@ -58,7 +57,6 @@ fn places() -> impl Strategy<Value = Places> {
 }
 
 impl GradientInterval {
-    /// Bounds of the change along a displacement.
     fn change(&self, way: [f64; 3]) -> (f64, f64) {
         let mut change = (0.0, 0.0);
         for (slope, way) in self.gradient.iter().zip(way) {
@@ -82,7 +80,6 @@ fn tape_of(steps: &[Step]) -> Tape {
     Tape::build(&graph, &[root], &TapeOptions { registers: 8, ..TapeOptions::default() }).unwrap()
 }
 
-/// The value of a tape, computed with 64-bit numbers.
 fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
     let mut table = Vec::new();
     tape.table_values(frame, &mut table);
@@ -200,7 +197,6 @@ fn assert_within(tape: &Tape, sides: [(f32, f32); 3], low: [f32; 3], high: [f32;
     }
 }
 
-/// The square root of a sum of squares has a bounded slope everywhere, even at a ball's centre or a box's corner.
 #[test]
 fn lengths_have_bounds_through_their_centre() {
     let ball = shape(|g, p| g.length(&p));
@@ -231,8 +227,7 @@ fn lengths_have_bounds_through_their_centre() {
     assert_within(&squeezed, [(-1.0, 2.0); 3], [-0.501, 0.0, 0.0], [0.501, 0.0, 0.0]);
 }
 
-/// The gradient of a decided minimum is its operand's gradient. Otherwise it is the hull of both operands' gradients,
-/// not their sum.
+/// If undecided, it is the hull of both operands' gradients, not their sum.
 #[test]
 fn a_minimum_has_the_slopes_of_one_operand() {
     let two = shape(|g, [x, y, _]| {

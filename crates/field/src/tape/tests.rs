@@ -228,7 +228,6 @@ fn choices_are_recorded_in_the_order_of_the_tape() {
     assert_eq!(evaluator.choices(), [Choice::Right, Choice::Right]);
 }
 
-/// Checks the gradients of a sphere and a gyroid, with and without spilled registers.
 #[test]
 fn gradients_match_known_ones() {
     let mut g = Graph::new();
@@ -264,7 +263,6 @@ fn gradients_match_known_ones() {
     }
 }
 
-/// A maximum of x * c over many constants, checked against its known value.
 fn with_constants(count: usize) -> Tape {
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
@@ -379,7 +377,6 @@ fn limits_are_reached() {
             graph.binary(Op::Atan2, sum, y)
         })
         .collect();
-    // A tree in which every value is needed again.
     let forward = values[1..].iter().fold(values[0], |all, &v| graph.binary(Op::Pow, all, v));
     let backward = values[..19].iter().rev().fold(values[19], |all, &v| graph.binary(Op::Pow, all, v));
     let root = graph.add(forward, backward);
@@ -441,7 +438,6 @@ fn glsl_is_written_from_the_operators() {
     );
     let values: String =
         cases.iter().map(|(number, value)| format!("    float v{number} = ({value});\n")).collect();
-    // END and LOAD have the numbers 0 and 2.
     let unary = "mix(mix(a, a, HAS(word, 0, 1)), mix(v24, v25, HAS(word, 0, 0)), HAS(word, 0, 4))";
     let binary = "mix(mix(v64, v65, HAS(word, 0, 0)), v69, HAS(word, 0, 2))";
     let selection = format!("{values}    r = mix({unary}, {binary}, (word & 192u) != 0u);\n");
