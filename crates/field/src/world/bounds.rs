@@ -66,12 +66,8 @@ const MARGIN: f32 = 1.0 / 1000.0;
 
 type Cell = Bounds;
 
-/// A box around the surfaces of a tape's first output in all frames of `any`; `None` if the surfaces are unbounded or
-/// may be in every cell.
-///
-/// The cube is repeatedly divided into eight, at first everywhere, then only at the faces of the box. Parts without a
-/// surface are dropped. A face is final once a point just inside it may be on a surface: further cuts would not
-/// remove that point.
+/// A box around the surfaces of a tape's first output in all frames of `any`; `None` if they are unbounded or may be
+/// in every cell. A face is final once a point just inside it may be on a surface.
 pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     let mut evaluator = IntervalEvaluator::new(tape, any);
     let mut left = CLAUSES_MAX / tape.clauses().len().max(1);
@@ -137,7 +133,6 @@ fn is_free_outside(cube: &Cell, evaluator: &mut IntervalEvaluator<'_>, clauses: 
     let mut inner = *cube;
     while inner.high[0] < FARTHEST * REACH {
         let outer = Cell { low: inner.low.map(|v| 2.0 * v), high: inner.high.map(|v| 2.0 * v) };
-        // Six slabs, which together are the shell.
         let mut rest = outer;
         for face in 0..6 {
             let (axis, mut slab) = (face % 3, rest);
@@ -185,8 +180,7 @@ fn eighths(cell: &Cell) -> impl Iterator<Item = Cell> + '_ {
     })
 }
 
-/// Cuts the largest slice without surfaces off a face of the cell; `None` if not even a slice of about `wanted` is
-/// empty.
+/// Cuts the largest slice without surfaces off a face; `None` if not even about `wanted` is empty.
 fn shaved(
     cell: &Cell,
     axis: usize,

@@ -9,8 +9,7 @@ use crate::lang::material_members;
 use crate::tape::glsl::{self, Sampling};
 
 impl World {
-    /// True if a program compiled for this world also draws the other one: they differ only in values that are
-    /// computed once per frame.
+    /// True if a program compiled for this world also draws the other one: they differ only in hoisted values.
     pub fn is_compiled_like(&self, other: &Self) -> bool {
         let materials = |world: &Self| -> Vec<usize> {
             world.scene.objects.iter().map(|object| object.material).collect()
@@ -62,7 +61,6 @@ impl World {
         Ok(with_copies(functions, inputs))
     }
 
-    /// Writes the functions that the renderer's shaders call.
     fn contract(&self) -> String {
         let mut text = String::from(
             "vec2 scene_distance(vec3 p, float penumbra) {\n    vec2 d;\n    \

@@ -57,7 +57,6 @@ struct Sample {
 
 #[derive(Debug, Clone, Default)]
 struct Samples {
-    /// Samples outside of solids and on surfaces.
     outside: Vec<Sample>,
     surface: Vec<Sample>,
 }
@@ -92,7 +91,6 @@ impl Growth {
         (0..=POWER_MAX).map(|power| Self { middle, half: bounds.half(), power }).collect()
     }
 
-    /// A sample's value and slope, divided by the growth at its point.
     fn divided(&self, sample: &Sample) -> (f32, f32) {
         let off = [0, 1, 2].map(|axis| (sample.place[axis] - self.middle[axis]) / self.half);
         let base = 1.0 + off.iter().map(|part| part * part).sum::<f32>();
@@ -194,7 +192,6 @@ fn median(numbers: impl Iterator<Item = f32>) -> Option<f32> {
     numbers.get(numbers.len() / 2).copied()
 }
 
-/// The boxes in which a scene without bounds is sampled around the camera's target.
 pub(super) fn around(target: [f32; 3]) -> Vec<Bounds> {
     AROUND.map(|reach| Bounds::around(target, reach)).to_vec()
 }

@@ -36,10 +36,6 @@ pub struct FrameValues {
 }
 
 impl FrameTape {
-    /// Builds the tapes of a scene.
-    ///
-    /// # Errors
-    /// Returns a [`TapeError`] for a tape that exceeds the limits.
     pub(super) fn build(scene: &Scene, planes: &[Plane]) -> Result<Self, TapeError> {
         // Shaders do not run these tapes, so they may have as many outputs as registers.
         let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };

@@ -11,7 +11,6 @@ use crate::limits::LIMITS;
 /// The hoisted expressions.
 #[derive(Debug, Clone, Default)]
 pub struct Hoisted {
-    /// Only these expressions and their operands.
     graph: Graph,
     order: Order,
     /// Root i is `Input::Hoisted(i)`.
@@ -38,7 +37,6 @@ impl Hoisted {
     }
 }
 
-/// The nodes of one graph and their counterparts in another.
 struct Moved(Vec<NodeId>);
 
 impl Moved {
@@ -50,7 +48,6 @@ impl Moved {
         self.0[id.index()]
     }
 
-    /// Copies a node unchanged, after its operands.
     fn copy(&mut self, from: &Graph, id: NodeId, to: &mut Graph) {
         self.0[id.index()] = match from.node(id) {
             Node::Constant(value) => to.constant(value),
@@ -63,9 +60,6 @@ impl Moved {
 }
 
 /// Hoists the parts of the roots that do not depend on the point. All other nodes stay the same, bit for bit.
-///
-/// # Errors
-/// Returns the error of [`Graph::check`].
 pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoisted), GraphError> {
     let all: Vec<NodeId> = roots.all().collect();
     let order = graph.order(&all)?.nodes;

@@ -36,7 +36,6 @@ pub struct TapeBuffers {
     /// Sky, ambient light, glow, and the materials.
     programs: Vec<Program>,
     of_objects: Vec<usize>,
-    /// Bounds of the surfaces at any sound and time, if known.
     bounds: Option<Bounds>,
     /// The interpreter that runs all programs, on a GPU.
     pub variant: Variant,
@@ -46,7 +45,6 @@ pub struct TapeBuffers {
     pub cost: Cost,
 }
 
-/// Expressions together with the textures that they sample.
 #[derive(Debug, Clone, PartialEq)]
 struct Program {
     tape: Tape,
@@ -91,7 +89,6 @@ impl Program {
         self.tapes().map(|tape| tape.clauses().len()).sum()
     }
 
-    /// The header of a tape with the program's results in these registers.
     fn head(registers: &[u8], textures: usize) -> [u32; 4] {
         let mut outputs = [0; 12];
         for (byte, register) in outputs.iter_mut().zip(registers) {
@@ -132,8 +129,8 @@ impl Program {
 
 type Sampled = (u16, [NodeId; 2]);
 
-/// Splits texture coordinates off the expressions. Returns the remaining graph and roots, and the coordinates of each
-/// texture. Textures are numbered in an order in which they can be sampled.
+/// Splits texture coordinates off the expressions: the remaining graph and roots, and each texture's coordinates.
+/// Textures are numbered in an order in which they can be sampled.
 fn without_coordinates(
     graph: &Graph,
     roots: &[NodeId],
@@ -202,7 +199,6 @@ impl TapeBuffers {
         self.programs.iter().map(|program| &program.plan)
     }
 
-    /// Number of texels of a whole program in a frame.
     pub(super) fn whole_length(&self, program: usize, inputs: &FrameInputs) -> usize {
         let mut texels = Vec::new();
         if let Some(program) = self.programs.get(program) {
@@ -227,8 +223,7 @@ impl TapeBuffers {
     }
 }
 
-/// Appends the grid of a program, whose whole tape begins at `whole` and whose shortened ones at `starts`. Returns
-/// the grid's address.
+/// Appends a program's grid, given its whole tape and the starts of its shortened ones. Returns its address.
 fn append_grid(short: &ShortTapes, whole: u32, starts: &[u32], texels: &mut Vec<[u32; 4]>) -> u32 {
     let start = texels.len() as u32;
     let [x, y, z] = short.grid.low.map(f32::to_bits);

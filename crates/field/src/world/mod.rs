@@ -239,7 +239,6 @@ impl World {
     }
 }
 
-/// The parts of a scene: planes, traced rest, and emission of its objects.
 struct Surfaces {
     planes: Vec<Plane>,
     rest: Option<Rest>,
@@ -248,10 +247,8 @@ struct Surfaces {
 
 /// Reach of a normalized value around its surfaces, as a fraction of half the size of their bounds.
 const NORMALIZED_FRACTION: f32 = 1.0;
-/// The reach in a scene without bounds.
 const TAMED_REACH: f32 = 8.0;
 
-/// The analysis of a scene's rest before it is traced; see the fields of [`World`].
 #[derive(Default)]
 struct Traced {
     bounds: Option<Bounds>,
@@ -295,7 +292,6 @@ fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 4]>) -> R
 pub(crate) mod testing {
     use super::World;
 
-    /// The speakers of the thesis.
     pub(crate) const SPEAKERS: &str = include_str!("../../../../tests/oracle/speakers.scene");
 
     pub(crate) fn world_of(text: &str) -> World {

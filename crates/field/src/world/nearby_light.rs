@@ -15,12 +15,9 @@
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 
-/// Emission near a point in red, green and blue, and the distance to the nearest shining object, as functions of the
-/// point. Emissions mix between objects, nearer ones more strongly, so that there is no visible seam. An emission
-/// that depends on the normal is evaluated for a surface that faces up. `None` if no object shines.
-///
-/// # Errors
-/// Returns the error of [`Graph::check`].
+/// Emission near a point in red, green and blue, and the distance to the nearest shining object; `None` if no object
+/// shines. Nearer objects weigh more, so that there is no visible seam. An emission that depends on the normal is
+/// evaluated for a surface that faces up.
 pub(super) fn nearby_light(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, GraphError> {
     let zero = scene.graph.constant(0.0);
     let objects = scene.objects.iter();

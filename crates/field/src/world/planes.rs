@@ -35,18 +35,12 @@ pub struct Rest {
 /// The dependence of an expression on the point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Shape {
-    /// Independent of the point.
     Constant,
-    /// Affine, as in the equation of a plane.
     Affine,
-    /// Any other dependence.
     Other,
 }
 
 /// Takes the planes out of a scene's shapes. The shape of an object with a `bound` stays whole.
-///
-/// # Errors
-/// Returns the error of [`Graph::check`].
 pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), GraphError> {
     let shapes: Vec<NodeId> = scene.objects.iter().map(|object| object.shape).collect();
     let kinds = kinds(&scene.graph, &shapes)?;
@@ -74,7 +68,6 @@ pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), Gra
     Ok((planes, combine(graph, &rest)))
 }
 
-/// The rest of an object without its planes.
 struct Part {
     object: usize,
     shape: NodeId,
@@ -83,9 +76,8 @@ struct Part {
 
 /// The union of the parts.
 ///
-/// If a shape leaves out parts of an object, its value beyond `bound` is the distance to the wrong surface, which
-/// would tear a penumbra. The penumbra therefore ends at the bound: from there on the estimate is so large that it
-/// casts no shadow. It grows gradually, so that no edge is visible.
+/// Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. From the bound
+/// on, the estimate therefore grows until it casts no shadow, gradually, so that no edge is visible.
 fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     let penumbra = graph.input(Input::NX);
     let one = graph.constant(1.0);

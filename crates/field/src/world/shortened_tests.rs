@@ -11,8 +11,7 @@ use crate::region::{RegionOptions, RegionPlan, run_texels};
 use crate::world::testing::{SPEAKERS, world_of};
 use crate::world::{ShortenOptions, ShortenRequest};
 
-/// Runs the program at a position of the directory in the same way as `run_program` in the shaders. Returns its
-/// outputs and the number of texels of its tape.
+/// Runs a program as `run_program` in the shaders does. Returns its outputs and the number of texels of its tape.
 fn run(texels: &[[u32; 4]], place: usize, over: Over, at: &Point, frame: &FrameInputs) -> (Vec<f32>, usize) {
     let inputs: [f32; 6] = std::array::from_fn(|i| if i < 3 { at.position[i] } else { at.normal[i - 3] });
     let asked = if over == Over::Points { at.position } else { at.normal };
@@ -66,8 +65,6 @@ fn frame_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     frame
 }
 
-/// Lamps in rooms, a floor that is lit within a square, a pattern that changes from place to place, and a sky with a
-/// horizon.
 const ROOMS: &str = "
 fn room(p) = clamp(round(p.x / 4), -2, 2)
 fn wave(q, i) = sin(i * length(q - vec2(i, 2)) - t) / (1 + length(q))
@@ -97,15 +94,13 @@ fn whole_texels(buffers: &TapeBuffers, frame: &FrameInputs) -> Vec<[u32; 4]> {
     buffers.texels(frame, &ShortPrograms::default())
 }
 
-/// Compares all programs of a world at many points. Returns the mean fraction of the whole tapes' texels that were
-/// run.
+/// Compares all programs of a world at many points. Returns the mean fraction of the whole tapes that was run.
 fn assert_the_same(world: &World, frame: &FrameInputs, options: &ShortenOptions<'_>) -> f64 {
     let buffers = world.tape_buffers().unwrap();
     let texels = buffers.texels(frame, &shortened(&buffers, frame, options));
     assert_these_are_the_same(world, frame, &texels)
 }
 
-/// Compares the programs of a frame with the whole ones.
 fn assert_these_are_the_same(world: &World, frame: &FrameInputs, short: &[[u32; 4]]) -> f64 {
     let whole = whole_texels(&world.tape_buffers().unwrap(), frame);
     let materials = world.scene.objects.iter().enumerate();
@@ -156,7 +151,6 @@ fn programs_without_room_are_whole() {
     }
 }
 
-/// Programs do not run away from surfaces, so they are not shortened there.
 #[test]
 fn programs_are_shortened_where_surfaces_are() {
     let world = world_of(ROOMS);
@@ -195,7 +189,6 @@ fn programs_are_shortened_where_surfaces_are() {
     assert!(away[0] < away[1], "away: {away:?}");
 }
 
-/// A floor whose light ends at a square while it is quiet, and a wall with a pattern everywhere.
 const CHANGING: &str = "
 fn wave(q, i) = sin(i * length(q - vec2(i, 2)) - t) / (1 + length(q))
 material floor {
@@ -207,7 +200,6 @@ object floor { shape = p.y material = floor }
 object wall { shape = box(p - vec3(0, 1, 4), vec3(10, 2, 0.2)) material = wall }
 ";
 
-/// The materials that a request contains.
 fn names(request: &ShortenRequest, materials: usize) -> Vec<bool> {
     (0..materials).map(|number| request.key_of(PROGRAMS_OF_LIGHT + number).is_some()).collect()
 }

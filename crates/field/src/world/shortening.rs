@@ -67,7 +67,6 @@ impl ShortenRequest {
         self.keys.iter().zip(&other.keys).all(served)
     }
 
-    /// The numbers of a program that is to be shortened.
     pub(super) fn key_of(&self, program: usize) -> Option<&RegionKey> {
         self.keys.get(program)?.as_ref()
     }
@@ -82,7 +81,6 @@ impl ShortPrograms {
 }
 
 impl WorthShortening {
-    /// Selects every program that may become shorter.
     pub(super) fn of(may_become_shorter: impl Iterator<Item = bool>) -> Self {
         Self { rests: may_become_shorter.map(|may| may.then_some(0)).collect() }
     }

@@ -23,10 +23,7 @@ fn surroundings() -> String {
     )
 }
 
-/// Parses and validates the functions.
-///
-/// # Errors
-/// Returns the message of naga.
+/// The error is naga's message.
 pub(super) fn validate(functions: &str) -> Result<(), String> {
     let text = surroundings() + functions + "void main() {}\n";
     let module = Frontend::default()

@@ -9,7 +9,6 @@ use crate::graph::{Graph, NodeId};
 use crate::lang::Camera;
 use crate::world::Bounds;
 
-/// Three numbers of a graph.
 pub(super) type Vector = [NodeId; 3];
 
 /// A position of the second scene in the first: `second = turned(first) + offset`.
@@ -43,7 +42,6 @@ impl Alignment {
         [cos * x + sin * z + a, y + b, cos * z - sin * x + c]
     }
 
-    /// Maps a point of the second scene to the first.
     fn common_place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let ([cos, sin], [a, b, c]) = (self.turn, self.offset);
         let (x, z) = (x - a, z - c);
@@ -63,25 +61,21 @@ impl Alignment {
         (1..8).fold(corner(0), |all, number| all.hull(&corner(number), 0.0))
     }
 
-    /// Maps a direction of the first scene to the second.
     pub(super) fn own_direction(&self, graph: &mut Graph, v: Vector) -> Vector {
         self.turned(graph, v, self.turn)
     }
 
-    /// Maps a direction of the second scene to the first.
     pub(super) fn common_direction(&self, graph: &mut Graph, v: Vector) -> Vector {
         let [cos, sin] = self.turn;
         self.turned(graph, v, [cos, -sin])
     }
 
-    /// Maps a point of the first scene to the second.
     pub(super) fn own_point(&self, graph: &mut Graph, p: Vector) -> Vector {
         let turned = self.own_direction(graph, p);
         let offset = self.offset.map(|part| graph.constant(part));
         [0, 1, 2].map(|axis| graph.add(turned[axis], offset[axis]))
     }
 
-    /// Maps a point of the second scene to the first.
     pub(super) fn common_point(&self, graph: &mut Graph, p: Vector) -> Vector {
         let offset = self.offset.map(|part| graph.constant(part));
         let off = [0, 1, 2].map(|axis| graph.sub(p[axis], offset[axis]));

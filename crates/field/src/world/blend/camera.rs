@@ -58,7 +58,6 @@ pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Cam
     }
 }
 
-/// The same turn within half a circle.
 fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
     let (circle, half) = (graph.constant(std::f32::consts::TAU), graph.constant(0.5));
     let circles = graph.div(turn, circle);
@@ -68,7 +67,7 @@ fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
     graph.sub(turn, whole)
 }
 
-/// The reciprocal of a camera's focus distance. Blur is proportional to it. It is finite for an infinite focus, which
+/// The reciprocal of a camera's focus distance, to which blur is proportional. Finite for an infinite focus, which
 /// means the target's distance.
 fn nearness(graph: &mut Graph, camera: &Camera, line: &LineOfSight) -> NodeId {
     let (one, largest) = (graph.constant(1.0), graph.constant(f32::MAX));

@@ -5,7 +5,6 @@ use super::side::Side;
 use crate::graph::{FrameInputs, Graph, Point};
 use crate::tape::{PointEvaluator, Tape, TapeOptions};
 
-/// Columns and rows of rays.
 const RAYS: (usize, usize) = (15, 9);
 /// Most steps of a ray, and the least length of one.
 const STEPS: usize = 96;
@@ -62,7 +61,6 @@ fn of_rays(graph: &Graph, side: &Side) -> Option<Vec<f32>> {
     Some(depths)
 }
 
-/// Depth of the solid that a ray hits; `None` for a miss.
 fn depth_along(value: &mut impl FnMut([f32; 3]) -> f32, eye: [f32; 3], way: [f32; 3]) -> Option<f32> {
     let at = |t: f32| [0, 1, 2].map(|axis| eye[axis] + t * way[axis]);
     let mut t = 0.0;

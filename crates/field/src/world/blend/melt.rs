@@ -1,14 +1,12 @@
 //! The melt: a union of two scenes in which the old solids shrink while the new ones grow.
 //!
-//! **Union.** A mixture (1-s)*a + s*b soon loses small objects: a heart in a tunnel vanishes when s times the
-//! distance to the walls exceeds the depth of the heart. A melt therefore draws the union of both scenes with
-//! shrunken solids. The distance a becomes a + q*f(b): f(b) rises from 0 at the other scene's surfaces to 1 far from
-//! them, and q grows without limit while the scene's fraction falls to 0 ([`yielding`]). The old scene shrinks onto
-//! the surfaces of the new one, and the new one grows out of the old. q is proportional to the depth of the scene's
-//! solids ([`super::depth`]): at a fraction of 0.2 they have lost half of it.
-//!
-//! **Hollow solids.** Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`], so
-//! that they vanish in time.
+//! **Union.** A mixture (1-s)*a + s*b soon loses small objects, such as a heart in a tunnel. A melt therefore draws
+//! the union of both scenes with shrunken solids. The distance a becomes a + q*f(b): f(b) rises from 0 at the other
+//! scene's surfaces to 1 far from them, and q grows without limit while the scene's fraction falls to 0
+//! ([`yielding`]). The old scene shrinks onto the surfaces of the new one, and the new one grows out of the old. q is
+//! proportional to the depth of the scene's solids ([`super::depth`]): at a fraction of 0.2 they have lost half of
+//! it. Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`], so that they vanish
+//! in time.
 //!
 //! **Slopes.** f has a slope of at most 1 / [`REACH`], so (a + q*f(b)) / (1 + q/[`REACH`]) has a slope of at most 1.
 //! Its maximum with a has the same surfaces, and longer steps far from them. Solids are at most half of [`HOLLOW`]
@@ -39,9 +37,7 @@ const BEGIN: f32 = 0.2;
 const LEAST: f32 = 1e-6;
 
 pub(super) struct Melt {
-    /// Planes that are solved.
     pub(super) planes: Vec<NodeId>,
-    /// All other surfaces.
     pub(super) rest: Option<Steps>,
     /// Weight of the second side's material.
     pub(super) owner: NodeId,
@@ -86,8 +82,7 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     Melt { planes, rest, owner, haze }
 }
 
-/// The depth that solids lose far from the other side: q in the module's notation. `fractions` are the other side's
-/// and the own one.
+/// The depth q that solids lose far from the other side. The fractions are the other side's and the own one.
 fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 2]) -> NodeId {
     // Half of the depth at an own fraction of 0.2.
     let [least, eighth] = [LEAST, 0.125 * depth].map(|number| graph.constant(number));
@@ -96,7 +91,6 @@ fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 
     graph.mul(ratio, eighth)
 }
 
-/// The shrunken surfaces of a side.
 #[derive(Clone, Copy)]
 struct Yielding {
     steps: Steps,
@@ -104,7 +98,6 @@ struct Yielding {
     offset: NodeId,
 }
 
-/// Shrinks a side towards the other side's surfaces.
 fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -> Yielding {
     let [zero, one, reach] = [0.0, 1.0, REACH].map(|number| graph.constant(number));
     let last = farthest(graph, lost, reach);
@@ -131,7 +124,7 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
     Yielding { steps: parts.map(|part| part[0]), offset: parts[1][1] }
 }
 
-/// Distance from the other side beyond which there are no solids, if `lost` is subtracted far from it.
+/// Distance from the other side beyond which there are no solids if `lost` is subtracted far from it.
 fn farthest(graph: &mut Graph, lost: NodeId, reach: NodeId) -> NodeId {
     let [one, least, deepest] = [1.0, LEAST, 0.5 * HOLLOW].map(|number| graph.constant(number));
     let lost = graph.max(lost, least);
@@ -142,7 +135,6 @@ fn farthest(graph: &mut Graph, lost: NodeId, reach: NodeId) -> NodeId {
     graph.div(kept, rest)
 }
 
-/// The value of solids that are hollow deep inside.
 fn hollow(graph: &mut Graph, value: NodeId) -> NodeId {
     let hollow = graph.constant(-HOLLOW);
     let farther_in = graph.sub(hollow, value);

@@ -5,10 +5,8 @@
 //! ```
 //!
 //! **A blend is a scene.** [`World::blend`] combines two worlds; the same programs, tree and views draw the result.
-//! The fraction of the second world is one more parameter, so one program draws every fraction. At the fractions 0
-//! and 1 draw the pure worlds instead: they need no second field.
-//!
-//! **Order of parameters.** The first scene's, the second scene's, the fraction: [`blended_params`].
+//! The fraction of the second world is the last parameter ([`blended_params`]), so one program draws every fraction.
+//! At the fractions 0 and 1 draw the pure worlds instead: they need no second field.
 //!
 //! **Mixed quantities.** In all kinds of blends, the light of shining objects is weighted by its side's fraction,
 //! lights change in the middle half, and sky, reach, image settings and camera are mixed. The tone map is a name and
@@ -216,7 +214,6 @@ fn fraction_param(fraction: f32) -> Param {
     }
 }
 
-/// Both scenes as one object.
 fn whole(name: String, shape: NodeId) -> Object {
     Object { name, span: Default::default(), shape, bound: None, material: 0 }
 }
@@ -226,7 +223,6 @@ fn whole(name: String, shape: NodeId) -> Object {
 /// surface.
 const SHADOW_STEP_GROWTH: f32 = 0.004;
 
-/// Checks that both scenes together stay within the limits of one.
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     let counts = |of: fn(&World) -> usize| of(from) + of(to);
     let fraction = 1;
@@ -268,7 +264,6 @@ fn clear_of_the_eye(
     Ok(rest.map(|part| graph.add(part, missing)))
 }
 
-/// Mixes numbers in the same order.
 fn mixed_all(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<NodeId> {
     a.iter().zip(b).map(|(&a, &b)| if a == b { a } else { graph.mix(a, b, s) }).collect()
 }
@@ -284,7 +279,6 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
     if a_own.reflect != b_own.reflect {
         let one = graph.constant(1.0);
         let twice = graph.add(s, s);
-        // Fade the mirrors of each side on the surfaces of the other.
         let on_b = graph.add(owner, owner);
         let on_a = graph.add(one, one);
         let on_a = graph.sub(on_a, on_b);

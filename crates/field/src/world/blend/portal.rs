@@ -27,13 +27,9 @@ const LEFT_MIN: f32 = 1e-3;
 /// Fraction of a transition in which a scene's shape emerges, and in which it is filled up.
 const QUARTER: f32 = 0.25;
 
-/// The camera's target and the directions of an image around it.
 struct Seen {
-    /// From the target to the point.
     off: Vector,
-    /// To the right in the image.
     right: Vector,
-    /// From the eye to the target.
     view: Vector,
     length: NodeId,
 }
@@ -65,7 +61,6 @@ impl Seen {
             let (left, right) = (graph.mul(a, d), graph.mul(b, c));
             graph.sub(left, right)
         };
-        // Forwards times right.
         let up = [cross([ry, rz], [by, bz]), cross([rz, rx], [bz, bx]), cross([rx, ry], [bx, by])];
         [self.right, up, back].map(|axis| dot(graph, self.off, axis))
     }
@@ -85,14 +80,12 @@ fn growth(graph: &mut Graph, fraction: NodeId) -> NodeId {
     graph.div(fraction, rest)
 }
 
-/// The distance to a ball around the target that grows with a fraction.
 fn ball(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
     let grown = growth(graph, fraction);
     let (reached, from) = (graph.mul(grown, seen.length), graph.length(&seen.off));
     graph.sub(from, reached)
 }
 
-/// The distance to a half space that grows with a fraction.
 fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
     let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
     let rest = graph.sub(one, fraction);
@@ -151,11 +144,8 @@ fn portal(
 /// Planes, the rest, and the numbers of the material.
 type Through = (Vec<NodeId>, Option<Steps>, Vec<NodeId>);
 
-/// Puts the first scene outside of the portal and the second one inside. Returns the common planes, the rest, and the
-/// material. `to` is the second scene with the numbers of images and parameters before its own.
-///
-/// # Errors
-/// Returns the error of [`Graph::check`].
+/// Puts the first scene outside of the portal and the second one inside. `to` is the second scene with the numbers of
+/// images and parameters before its own.
 pub(super) fn through(
     graph: &mut Graph,
     (a, b): (&Side, &Side),

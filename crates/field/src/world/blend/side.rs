@@ -13,11 +13,8 @@ pub(super) struct Side {
     pub(super) planes: Vec<NodeId>,
     /// True if rays may not step by the values.
     pub(super) non_lipschitz: bool,
-    /// The box around all surfaces except planes, if known.
     pub(super) bounds: Option<Bounds>,
-    /// All surfaces except planes.
     pub(super) rest: Option<Steps>,
-    /// The numbers of the material of the nearest object.
     pub(super) material: Vec<NodeId>,
     /// Emission near a point, and the distance to its source.
     pub(super) glow: Option<[NodeId; 4]>,
@@ -31,9 +28,6 @@ pub(super) struct Side {
 
 impl Side {
     /// Copies a world into the graph. `before` are the numbers of images and parameters before its own.
-    ///
-    /// # Errors
-    /// Returns the error of [`Graph::check`].
     pub(super) fn of(
         graph: &mut Graph,
         world: &World,
@@ -108,7 +102,6 @@ impl Side {
 /// Traced surfaces: the length of a ray's step, and the estimate.
 pub(super) type Steps = [NodeId; 2];
 
-/// The inputs of a scene's expressions in its own coordinates.
 #[derive(Clone, Copy)]
 struct Own {
     point: Vector,
@@ -131,7 +124,6 @@ impl Own {
         Self { normal: alignment.own_direction(graph, self.normal), ..self }
     }
 
-    /// The replacement of an input.
     fn value(&self, input: Input) -> Option<NodeId> {
         let ([x, y, z], [nx, ny, nz], [ex, ey, ez]) = (self.point, self.normal, self.eye);
         Some(match input {
@@ -149,11 +141,9 @@ impl Own {
     }
 }
 
-/// Copies all nodes and returns the new position of each.
 fn copied(graph: &mut Graph, from: &Graph, before: (usize, usize), own: &Own) -> Vec<NodeId> {
     let mut moved: Vec<NodeId> = Vec::with_capacity(from.len());
     for node in from.nodes() {
-        // Operands precede the nodes that use them.
         let copy = copy(graph, node, before, &|input| own.value(input), &moved);
         moved.push(copy);
     }
@@ -161,9 +151,6 @@ fn copied(graph: &mut Graph, from: &Graph, before: (usize, usize), own: &Own) ->
 }
 
 /// Copies `root` and its operands, with the point at `place`.
-///
-/// # Errors
-/// Returns the error of [`Graph::check`].
 pub(super) fn copied_at(
     graph: &mut Graph,
     (from, root): (&Graph, NodeId),
@@ -212,9 +199,6 @@ pub(super) fn position(graph: &mut Graph) -> Vector {
 }
 
 /// A value at another point, with zero normals.
-///
-/// # Errors
-/// Returns the error of [`Graph::check`].
 pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId, GraphError> {
     let mut moved = vec![NodeId::default(); graph.len()];
     let zero = graph.constant(0.0);
@@ -258,7 +242,6 @@ fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId, GraphError> {
     Ok(graph.div(plane, slope))
 }
 
-/// Applies a [`NormalizedValue`].
 fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: NormalizedValue) -> NodeId {
     let one = graph.constant(1.0);
     let mut scale = graph.constant(tamed.scale);

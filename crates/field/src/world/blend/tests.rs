@@ -7,11 +7,9 @@ use crate::tape::{IntervalEvaluator, PointEvaluator, Tape, TapeOptions};
 use crate::world::testing::{SPEAKERS, world_of};
 use proptest::prelude::*;
 
-/// Shapes that are exact distances.
 const SHAPES: [&str; 4] =
     ["sphere(q, 1.2)", "box(q, vec3(1, 0.7, 0.4))", "torus(q, 1, 0.3)", "round_box(q, vec3(0.8), 0.2)"];
 
-/// A scene of two such shapes side by side and possibly a floor at this height.
 fn scene((shape, other): (usize, usize), [x, y, z]: [f32; 3], floor: Option<f32>) -> World {
     let floor = floor.map_or(String::new(), |height| format!("object floor {{ shape = p.y + {height} }}\n"));
     let [shape, other] = [shape, other].map(|number| SHAPES[number % SHAPES.len()]);
@@ -146,7 +144,6 @@ proptest! {
     }
 }
 
-/// A scene with nearly every feature of the language.
 const RICH: &str = "param size = 1.5 in 0 .. 3\nparam glow = 0.25 in 0 .. 1\n\
     material red { color = vec3(0.8, 0.1, glow) roughness = 0.9 emission = vec3(glow, 0, 0) }\n\
     material floor { color = 0.3 reflect = 0.5 }\n\
@@ -210,7 +207,6 @@ fn a_portal_of_a_scene_has_the_shape_that_it_names() {
     let shape = BlendKind::Portal(PortalShape::Own);
     let blend = World::blend(&outside, &corner, shape, &Alignment::NONE, 0.5).unwrap();
     let solid = |fraction: f32, [right, up, near]: [f32; 3]| {
-        // The portal is far from the eye.
         let inputs = FrameInputs { eye: [-1e5, -1e5, 1e5], ..frame(&outside, &corner, fraction) };
         let camera = blend.frame_tape.values(&inputs).camera;
         let view = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
@@ -257,7 +253,6 @@ fn materials_at_a_portals_cut_do_not_depend_on_rounding() {
         for number in 0..200 {
             let off = [0, 1, 2].map(|axis| cell_hash(number as f32, axis as f32) - 0.5);
             let length = off.iter().map(|part| part * part).sum::<f32>().sqrt();
-            // As accurate as a traced ray.
             let near = radius * (1.0 + 1e-4 * (cell_hash(number as f32, 3.0) - 0.5));
             let p = [0, 1, 2].map(|axis| camera.target[axis] + off[axis] / length * near);
             let found = value(&blend, blend.scene.materials[0].color[0], p, &inputs);
@@ -471,7 +466,6 @@ fn an_aligned_scene_is_seen_as_by_its_own_camera() {
             assert!((found.position[axis] - own).abs() < room, "{fraction}: {:?}", found.position);
         }
     }
-    // At the end the second scene's surfaces, lamps and sky are where its own camera sees them.
     let (found, own) = (melt.frame_tape.values(&at(1.0)), camera(&b));
     let seen = |camera: &crate::lang::Camera<f32>, way: [f32; 3]| {
         let [x, y, z] = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
