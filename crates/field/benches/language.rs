@@ -1,20 +1,17 @@
-//! Text to words: the CPU cost of an edit of a scene, compared with a public peer.
+//! Text to words: the CPU cost of an edit of a scene, compared with fidget (Keeter's successor to the work that the
+//! tape follows) on one thread and without its JIT. Run it with `cargo bench --features peer --bench language`; the
+//! feature is separate because the peer compiles slowly.
 //!
-//! Run it with `cargo bench --features peer --bench language`. The feature is separate because the peer compiles
-//! slowly.
+//! Both sides begin with a text in memory and end with the program of their interpreter:
 //!
-//! The peer is fidget (Keeter's successor to the work that the tape follows), on one thread and without its JIT. Both
-//! sides begin with a text in memory and end with the program of their interpreter:
+//! - **mariana** lexes, parses and checks the text, expands functions, merges common subexpressions, allocates a tape
+//!   to 256 registers and writes it as words. A text is a whole scene, so the default material, light, camera and sky
+//!   are also built.
+//! - **fidget**: `Context::from_text` (one instruction per line: no precedence, types or functions; constants in f64;
+//!   common subexpressions merged), then `VmFunction::new`, a tape of 255 registers.
 //!
-//! - **mariana**: the text is lexed and parsed, its names and sizes are checked, functions are expanded, the graph is
-//!   built with common subexpressions merged, and a tape of its distance is allocated to 256 registers and written as
-//!   words. A text is a whole scene, so the default material, light, camera and sky are also built.
-//! - **fidget**: `Context::from_text` splits lines into words, looks names up and builds its graph, also with common
-//!   subexpressions merged; `VmFunction::new` flattens that and allocates a tape to 255 registers. Its text has one
-//!   instruction per line, so it needs no precedence, types or functions. It computes constants in f64.
-//!
-//! Throughput is in clauses of the source: lines of fidget's text, for each row that has one, otherwise clauses of the
-//! tape. A formula needs fewer words than the lines; `lets` repeats them word for word.
+//! Throughput is in clauses of the source: lines of fidget's text, for each row that has one, otherwise clauses of
+//! the tape. A formula needs fewer words than the lines; `lets` repeats them word for word.
 
 #![allow(clippy::expect_used)]
 
@@ -75,7 +72,6 @@ impl Lines {
         text
     }
 
-    /// The text as a scene with a `let` for each line.
     fn lets(&self) -> String {
         let mut text = String::new();
         for (place, (name, operands, value)) in self.0.iter().enumerate() {
@@ -98,8 +94,7 @@ impl Lines {
     }
 }
 
-/// The plane y = 0 and a ball, min(y, sqrt(x² + (y - 1)² + (z - 6)²) - 1), as instructions and as section 4.4 of the
-/// thesis prints it.
+/// The plane y = 0 and a ball, as instructions and as section 4.4 of the thesis prints it.
 fn plane_and_ball() -> (Lines, String) {
     let mut lines = Lines::default();
     let [x, y, z] = ["var-x", "var-y", "var-z"].map(|name| lines.op(name, &[]));
@@ -114,7 +109,6 @@ fn plane_and_ball() -> (Lines, String) {
     (lines, "min(y, sqrt(x*x+(y-1)*(y-1)+(z-6)*(z-6))-1)".to_owned())
 }
 
-/// The union of alternating boxes and balls in different places, as instructions and as a formula.
 fn boxes_and_balls(count: usize) -> (Lines, String) {
     let mut lines = Lines::default();
     let mut shapes = Vec::new();
@@ -167,7 +161,6 @@ fn balls(count: usize) -> String {
     format!("union({})", (0..count).map(ball).collect::<Vec<_>>().join(",\n"))
 }
 
-/// Asserts that a text of Mariana has the same values as a text of fidget.
 fn assert_same(text: &str, instructions: &str) {
     let (tape, frame) = (tape(text), FrameInputs::default());
     let mut ours = PointEvaluator::new(&tape, &frame);
@@ -183,8 +176,8 @@ fn assert_same(text: &str, instructions: &str) {
 }
 
 fn text_to_words(criterion: &mut Criterion) {
-    // Freeing a large block makes glibc keep freed pages, as it does in the program after it has decoded an image.
-    // Otherwise every iteration would get the same pages from the kernel again.
+    // Freeing a large block makes glibc keep freed pages, as after decoding an image in the program. Otherwise every
+    // iteration would get them from the kernel again.
     drop(black_box(vec![1_u8; 16 << 20]));
     let mut group = criterion.benchmark_group("text_to_words");
     // About as many lines as fidget's largest model.

@@ -1,6 +1,6 @@
-//! The time to build the region trees of consecutive frames, on one thread, for some shipped scenes and a scene of over
-//! 11,000 clauses. `first` builds a tree from nothing. `next` reuses the previous frame's tree; its frames are 1/60 s
-//! apart, with changing music.
+//! The time to build the region trees of consecutive frames, on one thread, for some shipped scenes and a scene of
+//! over 11,000 clauses. `first` builds a tree from nothing. `next` reuses the previous frame's tree; its frames are
+//! 1/60 s apart, with changing music.
 
 use mariana_field::graph::{SoundInput, SoundInputs};
 use std::hint::black_box;
@@ -11,7 +11,6 @@ use mariana_field::lang::{compile, no_includes};
 use mariana_field::region::{RegionOptions, RegionPlan};
 use mariana_field::world::World;
 
-/// 400 boxes, and 100 balls that are smoothly joined.
 const MANY: &str = "
 fn place(i) = vec3(10 * sin(12.9898 * i), 3 + 3 * sin(78.233 * i), 10 * sin(37.719 * i))
 let boxes = union(for i in 0..400: box(p - place(i), vec3(0.2 + 0.1 * sin(i), 0.3, 0.25)))
@@ -44,7 +43,6 @@ fn heard_until(frame: usize) -> Vec<f32> {
     (0..HEARD.1).flat_map(|row| (0..HEARD.0).map(move |column| of(row, column))).collect()
 }
 
-/// A frame in loud music.
 fn inputs_of(world: &World, frame: usize) -> FrameInputs {
     let mut inputs = FrameInputs {
         time: 31.0 + frame as f32 / 60.0,

@@ -8,7 +8,6 @@ use mariana_field::tape::{
     Batch, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeOptions,
 };
 
-/// The union of `count` boxes in different places, and of half as many balls.
 fn scene(graph: &mut Graph, count: usize) -> NodeId {
     let p = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
     let zero = graph.constant(0.0);

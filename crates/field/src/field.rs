@@ -1,4 +1,5 @@
-//! A field compiled from text, with shortcuts to the rest of the crate: evaluation, bounds, tape, GLSL and region tree.
+//! A field compiled from text, with shortcuts to the rest of the crate: evaluation, bounds, tape, GLSL and region
+//! tree.
 
 use crate::graph::{FrameInputs, Interval};
 use crate::region::{RegionOptions, RegionPlan, Regions};
@@ -13,8 +14,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// Compiles a formula, or a whole scene that includes no files. The field of a scene is the distance to its nearest
-    /// object.
+    /// Compiles a formula, or a scene without includes, whose field is the distance to its nearest object.
     ///
     /// # Errors
     /// Mistakes in the text, each with its location and a hint; or a text that exceeds the [`limits`](crate::limits).
@@ -54,8 +54,7 @@ impl Field {
         self.world.compiled_glsl()
     }
 
-    /// Builds the tree of cells over the surfaces of a frame. Each cell has a lower bound of the distance and a
-    /// shortened tape.
+    /// Builds the tree of cells over a frame's surfaces, with lower bounds of the distance and shortened tapes.
     pub fn tree(&self, frame: &FrameInputs) -> Regions {
         RegionPlan::new(&self.world).build(frame, &RegionOptions::default())
     }

@@ -1,7 +1,4 @@
-//! All limits of this crate.
-//!
-//! Code reads its limits from here, errors name the number that they exceed, and tests pass smaller limits to reach
-//! them.
+//! All limits of this crate. Errors name the number that they exceed, and tests pass smaller limits to reach them.
 
 /// Upper limits on the text of a scene and on everything built from it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,4 @@
-//! Constants of ray tracing, shared by the shaders and by the tests that trace the same rays on the CPU.
-//!
-//! Shaders get them as defines, so that a test always checks the tracer that is shipped.
+//! Constants of ray tracing, shared by the shaders (as defines) and by tests that trace the same rays on the CPU.
 
 macro_rules! rays {
     ($($(#[doc = $doc:literal])+ $name:ident: $kind:ty = $value:literal;)+) => {
@@ -18,7 +16,8 @@ rays! {
     STEPS_MAX: u32 = 128;
     /// A ray hits when the distance is below this fraction of the pixel cone's radius.
     HIT_FRACTION: f32 = 0.25;
-    /// Growth of the hit fraction per step beyond [`STEPS_MANY`], so that a ray that creeps along a surface ends there.
+    /// Growth of the hit fraction per step beyond [`STEPS_MANY`], so that a ray that creeps along a surface ends
+    /// there.
     HIT_FRACTION_GROWTH: f32 = 0.03;
     /// Number of steps from which the hit fraction grows.
     STEPS_MANY: u32 = 32;
@@ -26,16 +25,15 @@ rays! {
     FAR: f32 = 1000.0;
     /// Most evaluations along a ray through a formula that is not a distance field, grazing rays included.
     NON_LIPSCHITZ_STEPS_MAX: u32 = 512;
-    /// Evaluations after which such a ray takes steps that are long enough to reach its end with the remaining
-    /// evaluations.
+    /// Evaluations after which such a ray takes steps long enough to reach its end with the remaining evaluations.
     NON_LIPSCHITZ_STEPS_MANY: u32 = 64;
     /// Pixel cones are at least as wide as at this distance from the eye. Smaller steps would use up a ray before it
     /// has left the lens.
     NON_LIPSCHITZ_NEAR: f32 = 0.1;
     /// Most rounds that narrow down the point where such a formula changes its sign.
     CLOSINGS_MAX: u32 = 6;
-    /// The smallest step through such a formula, as a fraction of the pixel cone's radius: nothing visible is thinner.
-    /// Used by [`non_lipschitz_step`].
+    /// The smallest step through such a formula, as a fraction of the pixel cone's radius: nothing visible is
+    /// thinner. Used by [`non_lipschitz_step`].
     NON_LIPSCHITZ_STEP_MIN: f32 = 0.5;
     /// Growth of the smallest step with each step, so that a ray that grazes a surface ends.
     NON_LIPSCHITZ_STEP_GROWTH: f32 = 0.04;
@@ -62,14 +60,12 @@ pub fn hit_fraction(step: u32) -> f32 {
     HIT_FRACTION + HIT_FRACTION_GROWTH * step.saturating_sub(STEPS_MANY) as f32
 }
 
-/// Returns the step at `t` of a ray that ends at `end` and has taken `step` steps through a formula that is no distance
-/// field. `value` is the formula's value at `t`. It falls by at most `slope` per unit of length until the ray leaves
-/// its cell, `leaves` from `t`. `radius` is the radius of the pixel's cone at `t`, or at [`NON_LIPSCHITZ_NEAR`] if `t`
-/// is less.
+/// Returns the step at `t` of a ray to `end`, after `step` steps through a formula that is no distance field.
+/// `value`, the formula's value at `t`, falls by at most `slope` per unit of length until the ray leaves its cell,
+/// `leaves` from `t`. `radius` is the radius of the pixel's cone at `t`, or at [`NON_LIPSCHITZ_NEAR`] if `t` is less.
 ///
 /// No step passes a surface, unless the smallest step is longer than the distance to it. From
-/// [`NON_LIPSCHITZ_STEPS_MANY`] steps on, the smallest step grows with the distance so that the remaining steps reach
-/// the end of the ray.
+/// [`NON_LIPSCHITZ_STEPS_MANY`] steps on, the smallest step grows so that the remaining steps reach the end.
 pub fn non_lipschitz_step(
     step: u32,
     (value, slope): (f32, f32),

@@ -9,7 +9,6 @@ pub struct Deciding<'a> {
     graph: &'a Graph,
     root: NodeId,
     order: Order,
-    /// True for each node that depends on the point.
     of_point: Vec<bool>,
 }
 
@@ -38,8 +37,8 @@ impl<'a> Deciding<'a> {
         self.order.nodes.iter().filter(|id| self.graph.is_clause(**id)).count()
     }
 
-    /// The path from the shape to the part that decides its value at a point. It leads through minima and maxima, and
-    /// through operations that only shift, scale or negate a value.
+    /// The path from the shape to the part that decides its value at a point, through minima and maxima and through
+    /// operations that only shift, scale or negate a value.
     pub fn path(&self, position: [f32; 3], frame: &FrameInputs) -> Vec<NodeId> {
         if self.next(self.root, |_| 0.0).is_none() {
             return vec![self.root];
@@ -59,7 +58,6 @@ impl<'a> Deciding<'a> {
         path
     }
 
-    /// The operand that decides a node's value.
     fn next(&self, id: NodeId, value: impl Fn(NodeId) -> f32) -> Option<NodeId> {
         let of_point = |id: NodeId| self.of_point[id.index()];
         match self.graph.node(id) {

@@ -131,8 +131,8 @@ impl<'a> RayProbe<'a> {
         unit(sum)
     }
 
-    /// The path from a shape to the part that was hit, as far as the text has an origin for it. `deciding` belongs to
-    /// the hit's object.
+    /// The path from a shape to the hit part, as far as the text has an origin for it. `deciding` is the hit
+    /// object's.
     pub fn path(&self, hit: &Hit, deciding: Option<&Deciding<'_>>) -> Vec<NodeId> {
         let plane = hit.plane.and_then(|plane| self.world.planes.get(plane));
         let mut path = match (plane, deciding) {
@@ -185,7 +185,6 @@ impl<'a> RayProbe<'a> {
         Some(span)
     }
 
-    /// The value for a ray at a point, by the tape of its cell.
     fn value(&self, cell: Option<&Cell>, point: [f32; 3], traced: &mut Traced) -> f32 {
         let tape = cell.map_or(self.regions.whole_tape, |cell| cell.tape);
         traced.evaluations += 1;

@@ -9,9 +9,7 @@ use crate::world::World;
 const EYE: [f32; 3] = [1.5, 1.5, -3.0];
 /// Tangent of half the field of view.
 const TAN_HALF: f32 = 0.46;
-/// Direction towards the light.
 const LIGHT: [f32; 3] = [-0.35, 0.85, -0.4];
-/// Brightness of unlit surfaces.
 const DARKEST: f32 = 0.18;
 /// Colour of lit surfaces, as sRGB.
 const COLOR: [f32; 3] = [236.0, 214.0, 186.0];

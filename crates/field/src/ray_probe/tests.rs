@@ -8,7 +8,6 @@ use crate::region::{RegionOptions, RegionPlan};
 use crate::world::World;
 use crate::world::testing::{SPEAKERS, world_of};
 
-/// The spread of a ray for a single point.
 const NARROW: f32 = 1e-4;
 
 fn frame_of(world: &World, time: f32) -> FrameInputs {
@@ -61,7 +60,6 @@ fn rays_hit_a_ball_a_wall_a_floor_and_the_sky() {
                 assert!(near(found, normal, 5e-3), "{found:?}, not {normal:?}");
             };
             looks([0.0, 0.0, 5.0], 4.0, 1, [0.0, 0.0, -1.0]);
-            // The near face of the box is at z = 4.5.
             let to = [3.0, 0.0, 4.5];
             looks(to, (9.0_f32 + 4.5 * 4.5).sqrt(), 2, [0.0, 0.0, -1.0]);
             looks([1.0, -1.0, 0.0], 2.0_f32.sqrt(), 0, [0.0, 1.0, 0.0]);
@@ -100,8 +98,7 @@ fn a_formula_that_is_no_distance_is_hit_where_its_sign_changes() {
     });
 }
 
-/// The first surface along a ray, found by short steps with the graph's own evaluator, which is independent of the
-/// tree.
+/// An independent tracer: short steps with the graph's own evaluator, without the tree.
 fn marched(world: &World, frame: &FrameInputs, ray: &Ray, far: f32) -> Option<f32> {
     let at = |t: f32| {
         let [x, y, z] = ray.at(t);
@@ -126,7 +123,6 @@ fn marched(world: &World, frame: &FrameInputs, ray: &Ray, far: f32) -> Option<f3
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
-    /// The field is 0 at a hit and never below 0 before it.
     #[test]
     fn hits_agree_with_the_fields_own_evaluator(
         aim in prop::array::uniform3(-1.0..1.0_f32),
@@ -159,8 +155,7 @@ proptest! {
     }
 }
 
-/// Regression: the cone of a pixel meets the surface a little before the ray does; the difference depends on the
-/// angle.
+/// Regression: the cone of a pixel meets the surface a little before the ray does, depending on the angle.
 #[test]
 fn a_ray_that_grazed_a_surface_was_taken_for_one_that_missed_it() {
     let world = world_of(
@@ -202,7 +197,6 @@ fn statistics_count_rays_and_clauses_by_object() {
     }
     let names: Vec<&str> = ray_statistics.objects.iter().map(|object| object.name.as_str()).collect();
     assert_eq!(names, ["floor", "ball", "pair"]);
-    // The two parts of the pair are distinguished by their lines.
     let line = |byte: usize| KNOWN[..byte].matches('\n').count() + 1;
     let of_pair: Vec<Vec<usize>> = ray_statistics
         .parts
@@ -221,7 +215,6 @@ fn statistics_count_rays_and_clauses_by_object() {
     assert_eq!(pair.rays, pair.parts.iter().map(|part| part.rays).sum::<u32>());
     assert_eq!(pair.run, pair.parts.iter().map(|part| part.run).sum::<u64>());
     assert!(pair.parts[0].run >= pair.parts[1].run && pair.parts[1].rays > 0, "{:?}", pair.parts);
-    // The ball is right in the middle, and the sky above it.
     let at = |row: usize| ray_statistics.cells[row * 48 + 24];
     let ball = ray_statistics.parts.iter().position(|part| part.object == 1).unwrap() as u16 + 1;
     assert_eq!((at(17), at(0)), (ball, 0));

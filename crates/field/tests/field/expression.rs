@@ -14,19 +14,16 @@ impl Random {
         mixed ^ mixed >> 31
     }
 
-    /// A whole number below `end`.
     pub(crate) fn below(&mut self, end: usize) -> usize {
         (self.word() % end as u64) as usize
     }
 
-    /// A number from `low` to `high`.
     pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * (self.word() >> 40) as f32 / (1u32 << 24) as f32
     }
 }
 
-/// Builds an expression of about `operators` operators, all equally likely, and returns its root. Most operands are
-/// recent results, so that few results stay unused.
+/// Builds about `operators` operators, all equally likely. Most operands are recent results, so that few stay unused.
 pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operators: usize) -> NodeId {
     const OF_FRAME: [Input; 4] =
         [Input::T, Input::Sound(SoundInput::VolumeLeft), Input::Band(7), Input::Param(1)];
@@ -65,7 +62,6 @@ pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operator
             unused.push(node);
         }
     }
-    // Add the unused results, so that all of them count.
     let mut root = unused.pop().unwrap_or_else(|| leaf(random, graph));
     for node in unused {
         root = graph.add(root, node);

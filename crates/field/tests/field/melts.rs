@@ -8,7 +8,6 @@ use mariana_field::lang::{compile, no_includes};
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use mariana_field::world::{Alignment, BlendKind, World, blended_params};
 
-/// Columns and rows of rays.
 const RAYS: (usize, usize) = (32, 18);
 const STEPS: usize = 160;
 /// A ray hits a surface that is nearer than this fraction of its length.

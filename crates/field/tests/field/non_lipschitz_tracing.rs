@@ -40,7 +40,6 @@ fn tape_of(formula: &str) -> Tape {
     Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).unwrap()
 }
 
-/// Bounds of the value and its gradient in a cell.
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     bound: f32,
@@ -87,7 +86,6 @@ impl Cells<'_> {
     }
 }
 
-/// Distance at which the ray leaves a cell.
 fn exit_of(cell: &Cell, origin: [f32; 3], direction: [f32; 3]) -> f32 {
     let exits = (0..3).map(|axis| {
         let face = cell.low[axis] + if direction[axis] >= 0.0 { cell.side } else { 0.0 };
@@ -100,7 +98,6 @@ fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
     (0..3).map(|axis| (-gradient[axis].lo * direction[axis]).max(-gradient[axis].hi * direction[axis])).sum()
 }
 
-/// The result and the cost of a ray.
 #[derive(Debug, Default)]
 struct Traced {
     hit: Option<f32>,
@@ -205,7 +202,6 @@ fn no_hit_is_missed() {
                 continue;
             }
             direction = direction.map(|v| v / length);
-            // From about `away` in a direction, towards a random point near the middle.
             let aim = [0, 1, 2].map(|_| random.between(-0.35, 0.35) * half.min(4.0));
             let origin = [0, 1, 2].map(|axis| aim[axis] - direction[axis] * away);
             let [x, y, z] = origin;
@@ -213,7 +209,6 @@ fn no_hit_is_missed() {
                 continue;
             }
             traced_rays += 1;
-            // The ray's part in the cube.
             let (mut start, mut end) = (0.0_f32, f32::INFINITY);
             for axis in 0..3 {
                 let two = [-half, half].map(|face| (face - origin[axis]) / direction[axis]);
