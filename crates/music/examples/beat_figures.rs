@@ -1,14 +1,12 @@
 //! Measures beat tracking on real songs: `cargo run --release -p mariana-music --example beat_figures -- SONGS BEATS`
-//! prints a table. `SONGS` is a folder of songs that `ffmpeg` can read. `BEATS` is a folder with a file `NAME.beats`
-//! for each song `NAME.*`, which has the time of one true beat in seconds on each line. Songs without such a file are
-//! skipped.
+//! prints a table. `SONGS` is a folder of songs that `ffmpeg` can read; the folder `BEATS` has a file `NAME.beats`
+//! for each song `NAME.*`, with the time of one true beat in seconds on each line. Other songs are skipped.
 //!
-//! `heard` is live input, `played` a file during playback, and `whole` an analysis of the whole song. F allows ±70 ms.
-//! AMLt is the fraction of beats whose position and distance from the previous beat are right within 17.5 %; double
-//! tempo, half tempo and off-beats also count as right (Davies, Degara and Plumbley 2009). Beats of the first 5 s do
-//! not count. `lock` is the time of the first of four consecutive right beats in live input; `jumps` counts tempo
-//! changes of more than 8 % per minute. Songs alternate between two halves, whose means are printed
-//! separately.
+//! `heard` is live input, `played` a file during playback, `whole` an analysis of the whole song. F allows ±70 ms.
+//! AMLt is the fraction of beats whose position and distance from the previous beat are right within 17.5 %, also at
+//! double or half tempo and off the beat (Davies, Degara and Plumbley 2009). The first 5 s do not count. `lock` is
+//! the time of the first of four consecutive right beats in live input; `jumps` counts tempo changes of more than 8 %
+//! per minute.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -17,13 +15,9 @@ use std::process::Command;
 use mariana_music::{Alignment, Analyzer, SongListener, StereoFrame, TimedFeatures};
 
 const RATE: u32 = 48_000;
-/// The start of the evaluation, in seconds.
 const SETTLED: f64 = 5.0;
-/// The tolerance for a right beat, in seconds.
 const TOLERANCE: f64 = 0.07;
-/// The tolerance of AMLt, as a fraction of the beat period.
 const FRACTION: f64 = 0.175;
-/// The smallest relative tempo change that counts as a jump.
 const JUMP: f64 = 0.08;
 
 fn decoded(song: &Path) -> Result<Vec<StereoFrame>, Box<dyn Error>> {
@@ -38,7 +32,6 @@ fn decoded(song: &Path) -> Result<Vec<StereoFrame>, Box<dyn Error>> {
     Ok(samples.as_chunks::<2>().0.to_vec())
 }
 
-/// Returns the beats as tracked, and the tempo jumps per minute.
 fn followed(frames: &[StereoFrame], alignment: Alignment) -> (Vec<f64>, f64) {
     let mut beats = Vec::new();
     let mut last = (0.0, 0.0, 0.0);
@@ -87,7 +80,6 @@ fn f_measure(found: &[f64], truth: &[f64]) -> f64 {
     2.0 * f64::from(hits) / (found.len() + truth.len()).max(1) as f64
 }
 
-/// Returns the index of the true beat nearest to `time`.
 fn nearest(truth: &[f64], time: f64) -> Option<usize> {
     let after = truth.partition_point(|beat| *beat < time);
     [after.checked_sub(1), Some(after)]
@@ -97,7 +89,6 @@ fn nearest(truth: &[f64], time: f64) -> Option<usize> {
         .min_by(|a, b| (truth[*a] - time).abs().total_cmp(&(truth[*b] - time).abs()))
 }
 
-/// The fraction of beats that are right and follow a right beat.
 fn followed_rightly(found: &[f64], truth: &[f64]) -> f64 {
     let right = found.windows(2).filter(|pair| {
         let Some(index) = nearest(truth, pair[1]).filter(|index| *index > 0) else { return false };
@@ -123,7 +114,6 @@ fn amlt(found: &[f64], truth: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Returns the time of the first of four consecutive right beats.
 fn lock(found: &[f64], truth: &[f64]) -> Option<f64> {
     let right =
         |time: &f64| nearest(truth, *time).is_some_and(|index| (truth[index] - time).abs() <= TOLERANCE);

@@ -56,7 +56,6 @@ fn means(name: &str, rows: &[[f64; 4]]) {
     );
 }
 
-/// Bars as tracked in live input.
 fn live_bars() {
     let (mut all, mut songs) = ([0.0; 2], 0);
     for style in Style::ALL {
@@ -120,7 +119,6 @@ fn drops() {
     }
 }
 
-/// Styles, tempos and swing.
 fn rhythm() {
     let mut rows = Vec::new();
     for (number, style) in Style::ALL.into_iter().enumerate() {
@@ -145,7 +143,6 @@ fn rhythm() {
     means("rhythm", &rows);
 }
 
-/// Sections that differ only in timbre or only in harmony.
 fn alone() {
     for alone in ["timbre", "harmony"] {
         let mut rows = Vec::new();

@@ -20,14 +20,12 @@ use crate::limits::LIMITS;
 /// The maximum position (190 000 years at 768 kHz), so that counting never overflows.
 const POSITION_MAX: u64 = 1 << 62;
 
-/// Attack time of the volume, in seconds. The slower release lets a drawn woofer swing back softly.
+/// Attack and release times of the volume, in seconds. The slow release lets a drawn woofer swing back softly.
 const VOLUME_ATTACK: f64 = 0.010;
-/// Release time of the volume, in seconds.
 const VOLUME_RELEASE: f64 = 0.150;
 
-/// Attack time of the bands' heights, in seconds. A bar rises at once and falls slowly enough to be read.
+/// Attack and release times of the bands, in seconds. A bar rises at once and falls slowly enough to be read.
 const BAND_ATTACK: f64 = 0.010;
-/// Release time of the bands' heights, in seconds.
 const BAND_RELEASE: f64 = 0.200;
 
 /// Release time of `beat`, in seconds.
@@ -43,7 +41,6 @@ const DRIVE_SECONDS: f64 = 4.0;
 const BASS: std::ops::Range<usize> = 0..8;
 /// Bands of `mid`: up to 1.85 kHz.
 const MID: std::ops::Range<usize> = 8..21;
-/// Bands of `treble`: the rest.
 const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 
 /// Delay of the onset strength relative to the onset, in hops: for centred and for trailing windows.
@@ -74,14 +71,12 @@ fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
 
 /// Measures the features of a stream, once per hop.
 ///
-/// The hop is 512 sample frames at 44.1 and 48 kHz, scaled by the nearest power of two at other rates (7.5 to 15.1 ms).
-/// Windows are 16, 4 and 2 hops long: the long one for the bass, the short one for the treble and for onsets. Moments
-/// are at whole multiples of the hop, counted from frame 0 of the stream. The [`Alignment`] sets the position of the
-/// windows: centred windows read half a window ([`Analyzer::lookahead`]) after the moment. The samples before the first
-/// and after the last frame count as silence.
+/// The hop is 512 sample frames at 44.1 and 48 kHz, scaled by the nearest power of two at other rates (7.5 to 15.1
+/// ms). Windows are 16, 4 and 2 hops long: the long one for the bass, the short one for the treble and for onsets.
+/// Moments are at whole multiples of the hop from frame 0 of the stream; the [`Alignment`] places the windows around
+/// them. Samples before the first and after the last frame count as silence.
 ///
-/// The output depends, bit for bit, only on the samples, not on the sizes of the pushed blocks. Nothing is allocated
-/// after `new`.
+/// The output depends, bit for bit, only on the samples. Nothing is allocated after `new`.
 pub struct Analyzer {
     sample_rate: u32,
     lookahead: usize,
@@ -91,9 +86,7 @@ pub struct Analyzer {
     slow: SlowWindow,
     /// The ranges of the middle and the short window in the buffer, and their spectra.
     windows: [(std::ops::Range<usize>, Spectrum); 2],
-    /// The range of the buffer for the volume.
     volume_stretch: std::ops::Range<usize>,
-    /// The range of the buffer for the waveform.
     wave_stretch: std::ops::Range<usize>,
     bands: Bands,
     lines: Lines,
@@ -111,11 +104,9 @@ struct Progress {
     position: u64,
     /// True if frames were pushed since the (re)start.
     any: bool,
-    /// True if a moment was measured since the (re)start.
     has_measured: bool,
 }
 
-/// The smoothing of the features.
 struct Followers {
     volume: Follower,
     bands: Follower,
@@ -222,10 +213,8 @@ impl Analyzer {
         self.lookahead
     }
 
-    /// Resets the analyzer; the next frame pushed is frame `position` of the stream, from 0.
-    ///
-    /// The first moment is the first multiple of the hop at or after `position`; everything before counts as silence.
-    /// To get the features of an uninterrupted analysis after a seek, start a second earlier.
+    /// Resets the analyzer; the next frame pushed is frame `position` of the stream, from 0. Everything before counts
+    /// as silence. To get the features of an uninterrupted analysis after a seek, start a second earlier.
     pub fn restart(&mut self, position: u64) {
         let position = position.min(POSITION_MAX);
         let moment = position.next_multiple_of(self.hop() as u64);
@@ -262,7 +251,6 @@ impl Analyzer {
         self.restart(0);
     }
 
-    /// Measures a full window, emits the features, and advances the window by a hop.
     fn emit_if_full(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
         if self.buffer.is_full() {
             self.measure();

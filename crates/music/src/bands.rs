@@ -3,31 +3,23 @@
 use super::resolution::Resolution;
 use super::scale::{BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB};
 
-/// The level with height 0, in decibels.
 const HEIGHT_ZERO_DB: f32 = -66.0;
 
-/// The level with height 1, in decibels.
-///
-/// Music mastered at -14 LUFS has a total level of about -13 dB (0 dB: a full-scale sine in both channels). Spread
-/// evenly over 32 bands (pink), this is -28 dB each, a height of 0.63. Music usually falls towards the treble, so the
+/// The level with height 1, in decibels. Music at -14 LUFS has a total level of about -13 dB (0 dB: a full-scale sine
+/// in both channels); spread evenly over 32 bands (pink), this is -28 dB each, a height of 0.63. In most music the
 /// bass is near -18 dB (0.8), a kick near -10 dB (0.93) and the treble near -45 dB (0.35).
 const HEIGHT_ONE_DB: f32 = -6.0;
 
-/// Returns the lower edge of band `index` in hertz; for `BAND_COUNT`, the upper edge of the last band.
-///
-/// The edges divide 30 Hz to 16 kHz into equal ratios (1.217, a little over a quarter of an octave). They do not depend
-/// on the sample rate, so a tone falls into the same band at every rate.
+/// Returns the lower edge of band `index` in hertz; for `BAND_COUNT`, the upper edge of the last band. The edges
+/// divide 30 Hz to 16 kHz into equal ratios (1.217, a little over a quarter of an octave) at every sample rate.
 pub fn band_edge(index: usize) -> f64 {
     BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(index as f64 / BAND_COUNT as f64)
 }
 
-/// The weights of the bins in each band.
-///
-/// Bin k covers the interval [k - ½, k + ½] bins. A band takes from each bin the fraction of that interval between the
-/// band's edges. Adjacent bands therefore divide the bin on their common edge, and no power is lost or counted twice.
-/// The three windows are weighted by [`Resolution::fraction`].
+/// The weights of the bins in each band. Bin k covers [k - ½, k + ½] bins, and a band takes the fraction of it that
+/// is between the band's edges, so that no power is lost or counted twice. [`Resolution::fraction`] weights the
+/// windows.
 pub(super) struct Bands {
-    /// The bins of each band in each window.
     bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
     weights: Vec<f32>,
 }

@@ -1,18 +1,13 @@
 //! Tempo and beat tracking: estimates the phase within the beat and predicts the next beat.
 //!
-//! The tracker is a hidden Markov model. A state is a period and a phase within it, both in whole hops (the bar pointer
-//! of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer 2015). At each hop, every state
-//! advances by one; at the end of a beat it may change to a similar period. The model expects an onset at the start of
-//! a beat, possibly one at its half, and rather none at its quarters. It is causal and uses only the spectral flux. All
-//! states of a period move together, so their ring is rotated instead of copied: a hop costs a few multiplications per
-//! period and one sum over all states.
+//! The tracker is a causal hidden Markov model of the spectral flux. A state is a period and a phase within it, both
+//! in whole hops (the bar pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer
+//! 2015). At each hop, every state advances by one; at the end of a beat it may change to a similar period. The model
+//! expects an onset at the start of a beat, possibly one at its half, and rather none at its quarters. All states of
+//! a period move together, so their ring is rotated instead of copied.
 //!
-//! **The beat is inferred, not picked.** One likelihood weighs octaves, swing and missing beats against each other; a
-//! prior over tempos counts again with each beat, and the phase predicts the next beat. The reported tempo has inertia:
-//! it changes only to a much likelier one.
-//!
-//! **The model forgets within seconds.** It keeps only windowed, held and leaky quantities, so a moment looks the same
-//! however it was reached. After a seek the analysis starts 13 s before the target, because a history spans 10 s.
+//! The reported tempo changes only to a much likelier one. The model keeps only windowed, held and leaky quantities,
+//! so a moment looks the same however it was reached: the analysis starts 13 s before a seek's target.
 
 use std::f32::consts::TAU;
 use std::ops::Range;
@@ -25,13 +20,10 @@ const START_SECONDS: f64 = 0.021;
 /// The time for which an onset strength is held, in seconds.
 const HELD_SECONDS: f64 = 0.032;
 
-/// Likelihood of an onset strength at the start of a beat, relative to the rest of the beat: a factor, and the power of
-/// the odds of the strength. Halves have more onsets than the rest, quarters fewer, which distinguishes a beat from
-/// half a beat.
+/// Likelihood of an onset strength at the start of a beat, relative to the rest of the beat: a factor, and the power
+/// of the odds of the strength. Halves have more onsets, quarters fewer, which distinguishes a beat from half a beat.
 const BEAT: (f32, f32) = (1.1, 0.5);
-/// Likelihood of an onset at the half of a beat; see [`BEAT`].
 const HALF: (f32, f32) = (1.05, 0.05);
-/// Likelihood of an onset at the quarters of a beat; see [`BEAT`].
 const QUARTER: (f32, f32) = (1.0, -0.05);
 
 /// The most likely tempo in beats per minute, and the distance in octaves at which a tempo is less likely by exp(-1/2).
@@ -42,7 +34,6 @@ const LIKELY_EACH_BEAT: f64 = 0.7;
 /// The cost of a tempo change at the end of a beat: exp(-this · relative change of the period). A change by one hop
 /// costs only [`NEIGHBOUR`], because most tempos are between two periods, and their beats alternate between them.
 const TEMPO_STIFFNESS: f32 = 90.0;
-/// The cost of a change by one hop; see [`TEMPO_STIFFNESS`].
 const NEIGHBOUR: f32 = 1.2;
 /// The largest change of period between two beats, in hops.
 const REACH: usize = 8;
@@ -75,7 +66,6 @@ pub(super) struct Beat {
     pub(super) phase: f32,
 }
 
-/// The states of one period.
 struct Ring {
     /// The index of the first state in the belief.
     start: usize,
@@ -108,11 +98,9 @@ pub(super) struct BeatTracker {
     /// The number of hops in the start of a beat.
     start: usize,
     hold: usize,
-    /// The last onset strengths.
     held: [f32; 4],
     forget: u32,
     since_onset: u32,
-    /// The number of onsets since the restart.
     onsets: u32,
     /// The delay of the flux, in hops.
     late: f32,
@@ -215,7 +203,6 @@ impl BeatTracker {
         }
     }
 
-    /// Weights the states by the onset strength.
     fn observe(&mut self, held: f32) {
         let odds = (held + 0.03) / (1.03 - held);
         let [beat, half, quarter] = [BEAT, HALF, QUARTER].map(|(factor, power)| factor * odds.powf(power));
@@ -301,7 +288,6 @@ impl BeatTracker {
         ring.saturating_sub(reach)..(ring + reach + 1).min(self.rings.len())
     }
 
-    /// Returns the ring with the largest belief among these.
     fn likeliest(&self, among: Range<usize>) -> usize {
         let start = among.start;
         let totals = self.totals[among].iter().enumerate();

@@ -5,13 +5,10 @@ use super::StereoFrame;
 /// The number of frames per hop at the lower rate, if the hop has at least that many.
 const KEPT_PER_HOP: usize = 64;
 
-/// The number of times that the moving mean is applied.
 const ORDER: usize = 4;
 
-/// A decimating low-pass filter that keeps one frame in `step`.
-///
-/// The filter is the mean of `step` frames, applied four times (Hogenauer 1981). Its zeros are at all multiples of the
-/// lower rate, so that frequencies that would alias to below 500 Hz are attenuated by 80 dB.
+/// A decimating low-pass filter that keeps one frame in `step`: the mean of `step` frames, applied four times
+/// (Hogenauer 1981). Its zeros are at all multiples of the lower rate: aliases below 500 Hz are attenuated by 80 dB.
 pub(super) struct Decimator {
     step: usize,
     taps: Vec<f32>,
@@ -31,7 +28,6 @@ impl Decimator {
         Self { step, taps: taps.into_iter().map(|tap| tap as f32).collect() }
     }
 
-    /// The number of input frames per output frame.
     pub(super) fn step(&self) -> usize {
         self.step
     }
@@ -41,7 +37,6 @@ impl Decimator {
         self.taps.len() / 2
     }
 
-    /// Returns the power gain of the filter at `hz`.
     pub(super) fn power_gain(&self, hz: f64, sample_rate: f64) -> f64 {
         let half_angle = std::f64::consts::PI * hz / sample_rate;
         if half_angle == 0.0 {

@@ -6,10 +6,9 @@ use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, SPECTRUM_POINTS, WAVE_PER_HOP, sp
 
 macro_rules! features {
     ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $silence:expr, $between:ident;)+) => {
-        /// The audio features of one moment. Every number is finite, for any samples.
-        ///
-        /// Values in decibels and hertz are measurements. The others are for drawing: levelled by [`Gain`](super::Gain)
-        /// and smoothed with attack and release.
+        /// The audio features of one moment. Every number is finite, for any samples. Values in decibels and hertz
+        /// are measurements; the others are for drawing: levelled by [`Gain`](super::Gain) and smoothed with attack
+        /// and release.
         #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
         pub struct Features {
             $($(#[doc = $doc])+ pub $name: $type,)+
@@ -19,12 +18,10 @@ macro_rules! features {
             /// The features of silence.
             pub const SILENCE: Self = Self { $($name: $silence,)+ };
 
-            /// Interpolates each number by the rule in its row.
             fn between(&self, other: &Self, amount: f32) -> Self {
                 Self { $($name: $between(self.$name, other.$name, amount),)+ }
             }
 
-            /// Returns the number with this name, or `None` if there is none or it is a list.
             fn row(&self, name: &str) -> Option<f32> {
                 match name {
                     $(stringify!($name) => self.$name.number_alone(),)+
@@ -112,7 +109,6 @@ impl Features {
     }
 }
 
-/// A number or an array of numbers.
 trait Numbers: Sized {
     fn mixed(self, other: Self, amount: f32) -> Self;
     fn number_alone(self) -> Option<f32>;

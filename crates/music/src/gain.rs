@@ -1,8 +1,6 @@
-//! Automatic gain, so that quiet and loud sources move a scene alike.
-//!
-//! The gain applies to the values that scenes see, not to measurements in decibels. It depends only on the loudest
-//! moment of the last 1.2 s. It is 0 dB within the range of published music, so that a song's quiet passages stay
-//! quiet, and 0 dB for room noise.
+//! Automatic gain, so that quiet and loud sources move a scene alike. It applies to the values that scenes see, not
+//! to measurements in decibels, and depends only on the loudest moment of the last 1.2 s. It is 0 dB for room noise
+//! and within the range of published music, so that a song's quiet passages stay quiet.
 
 use super::bands::decibels;
 use super::smoothing::Follower;
@@ -27,12 +25,10 @@ const GATE_DB: (f32, f32) = (-40.0, -50.0);
 /// The time for which the loudest moment counts, in seconds. It is longer than a beat, so that the gain does not pump.
 const HELD_SECONDS: f64 = 1.2;
 
-/// Time constant of the power, in seconds.
+/// Time constants in seconds: of the power, of a rising and of a falling gain.
 const POWER_SECONDS: f64 = 0.04;
 
-/// Time constant of a rising gain, in seconds.
 const GAIN_RISE: f64 = 0.10;
-/// Time constant of a falling gain, in seconds.
 const GAIN_FALL: f64 = 0.03;
 
 /// Returns the gain for a level, both in decibels.
@@ -58,13 +54,11 @@ pub(super) struct AutoGain {
     power_follower: Follower,
     gain_follower: Follower,
     gain_db: f32,
-    /// The smoothed powers of the last moments, in a ring buffer.
     held: Vec<f32>,
     next: usize,
 }
 
 impl AutoGain {
-    /// Creates a gain control for hops of `hop_seconds`.
     pub(super) fn new(gain: Gain, hop_seconds: f64) -> Self {
         Self {
             gain,
@@ -101,7 +95,6 @@ impl AutoGain {
     }
 }
 
-/// Converts a gain in decibels to an amplitude factor.
 pub(super) fn amplitude(gain_db: f32) -> f32 {
     if gain_db == 0.0 { 1.0 } else { 10.0_f32.powf(gain_db / 20.0) }
 }

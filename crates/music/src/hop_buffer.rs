@@ -15,7 +15,6 @@ pub(super) fn hop_at(rate: f64) -> usize {
     (REFERENCE_HOP * (rate / REFERENCE_RATE).log2().round().exp2()) as usize
 }
 
-/// A window of sample frames that advances by a hop whenever it is full.
 pub(super) struct HopBuffer {
     frames: Vec<StereoFrame>,
     filled: usize,
@@ -28,7 +27,6 @@ impl HopBuffer {
         Self { frames: vec![[0.0; 2]; length], filled, hop }
     }
 
-    /// Clears all frames; the next frame is stored at index `filled`.
     pub(super) fn restart(&mut self, filled: usize) {
         self.frames.fill([0.0; 2]);
         self.filled = filled;
@@ -47,7 +45,6 @@ impl HopBuffer {
         (&self.frames[start..self.filled], later)
     }
 
-    /// Fills the rest of the window with silence.
     pub(super) fn end(&mut self) {
         self.frames[self.filled..].fill([0.0; 2]);
         self.filled = self.frames.len();
@@ -57,7 +54,6 @@ impl HopBuffer {
         self.filled == self.frames.len()
     }
 
-    /// Advances a full window by a hop.
     pub(super) fn advance(&mut self) {
         self.frames.copy_within(self.hop.., 0);
         self.filled -= self.hop;
@@ -67,7 +63,6 @@ impl HopBuffer {
         &self.frames
     }
 
-    /// The last `count` frames of the window.
     pub(super) fn newest(&self, count: usize) -> &[StereoFrame] {
         &self.frames[self.frames.len() - count..]
     }

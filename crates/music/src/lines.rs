@@ -4,17 +4,14 @@ use super::bands::decibels;
 use super::resolution::Resolution;
 use super::scale::{LEVEL_FLOOR_DB, SPECTRUM_POINTS, spectrum_hz};
 
-/// The level with height 0, in decibels.
 const HEIGHT_ZERO_DB: f32 = -84.0;
 
 /// The level with height 1, in decibels. Single lines of music are 10 to 20 dB below the level of their band.
 const HEIGHT_ONE_DB: f32 = -12.0;
 
-/// The factor from Parseval's scale to Hann's coherent gain for the power at a tone's bin: the noise bandwidth of 1.5
-/// bins.
+/// The factor from Parseval's scale to Hann's coherent gain at a tone's bin: the noise bandwidth of 1.5 bins.
 const NOISE_BANDWIDTH: f32 = 1.5;
 
-/// The bins of each point.
 pub(super) struct Lines {
     points: Vec<Point>,
 }
@@ -48,7 +45,6 @@ impl Part {
 }
 
 impl Lines {
-    /// Creates the points for windows of [`Resolution::hops`] times `hop` frames at `sample_rate` hertz.
     pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
         let steps = (SPECTRUM_POINTS - 1) as f64;
         let points = (0..SPECTRUM_POINTS).map(|index| {

@@ -1,18 +1,14 @@
 //! Bar tracking in live input: the number of the current beat in its bar, if it is certain enough.
 //!
-//! Each completed beat gives the same evidence as the bars of a whole song ([`crate::song`]): the strength of low and
-//! high onsets, and the change of pitches and timbre from the previous beat (Goto 2001). A hidden Markov model over the
-//! positions in bars of four and three beats accumulates it beat by beat. A position is reported only while it is much
-//! likelier than the others.
-//!
-//! In 6/8, two dotted beats are reported as half of a bar of four. Live bars add 2 µs to the 29 µs of a moment.
+//! Each completed beat gives the same evidence as the bars of a whole song ([`crate::song`]): low and high onsets,
+//! and the change of pitches and timbre (Goto 2001). A hidden Markov model over the positions in bars of four and
+//! three beats accumulates it. In 6/8, two dotted beats are reported as half of a bar of four. Live bars add 2 µs to
+//! the 29 µs of a moment.
 
 use super::rises::LowAndHigh;
 use super::scale::{SPECTRUM_POINTS, spectrum_place};
 
-/// The lengths of bars, in beats.
 const METERS: [usize; 2] = [4, 3];
-/// The number of positions in all bars.
 const STATES: usize = 7;
 
 /// Onsets belong to a beat from the first fraction of the previous beat to the second fraction of the beat itself.
@@ -43,12 +39,9 @@ pub(super) struct LiveBar {
     pub(super) beats: f32,
 }
 
-/// The onset strengths of a moment.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Strokes {
-    /// The rise of low frequencies.
     pub(super) low: f32,
-    /// The rise of high frequencies.
     pub(super) high: f32,
     /// The flux, relative to the largest recent flux.
     pub(super) flux: f32,
@@ -83,13 +76,10 @@ impl Usual {
 }
 
 pub(super) struct LiveBars {
-    /// The spectrum points in the range of pitches.
     pitches: std::ops::Range<usize>,
     phase: f32,
-    /// Onset strengths of the current beat.
     now: Strokes,
     next: Strokes,
-    /// The sum of the spectra of this beat.
     sum: [f32; SPECTRUM_POINTS],
     count: f32,
     before: [f32; SPECTRUM_POINTS],
@@ -151,7 +141,6 @@ impl LiveBars {
         self.reported
     }
 
-    /// Updates the belief with the evidence of the completed beat, and starts the next beat.
     fn end_beat(&mut self) {
         let scale = 1.0 / self.count.max(1.0);
         let mean = self.sum.map(|sum| sum * scale);

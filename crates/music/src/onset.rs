@@ -11,9 +11,8 @@ const COMPRESSION: f32 = 20.0;
 /// Amplitudes below this (-70 dB) are too weak for an onset.
 const AMPLITUDE_MIN: f32 = 3e-4;
 
-/// The strength of the adaptive whitening (Stowell and Plumbley 2007): 0 leaves the levels of groups unchanged; at 1
-/// the loudest recent amplitude of each group is 1. Whitening makes changes count that are quieter than a loud chord in
-/// other groups.
+/// The strength of the adaptive whitening (Stowell and Plumbley 2007): at 1 each group's loudest recent amplitude is
+/// 1, at 0 nothing changes. It lets changes count that are quieter than a loud chord in other groups.
 const WHITENING: f32 = 0.4;
 
 /// Time constant of the decay of the loudest amplitudes, in seconds.
@@ -43,7 +42,6 @@ const SUDDEN_MOST: f32 = 8.0;
 /// The maximum rise that enters the mean, relative to it, so that onsets do not raise it much.
 const TEACHES_MOST: f32 = 3.0;
 
-/// The rise of the spectrum between two moments.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Rise {
     /// The spectral flux: the weighted mean over groups of the rise of log(1 + 20·level), 0 or more. A group's level is
@@ -54,14 +52,12 @@ pub(super) struct Rise {
     pub(super) sudden: f32,
 }
 
-/// Measures the rise of the spectrum.
 pub(super) struct Flux {
     /// The first bins of the groups, and the end of the last.
     edges: [usize; GROUPS + 1],
     /// The weights of the groups, with sum 1.
     weights: [f32; GROUPS],
     last: [[f32; GROUPS]; LAG],
-    /// The loudest recent total amplitude.
     loudest: f32,
     loudest_of: [f32; GROUPS],
     usual: [f32; GROUPS],
@@ -71,7 +67,6 @@ pub(super) struct Flux {
 }
 
 impl Flux {
-    /// Creates a flux for power spectra of `bins` bins of `bin_hz` hertz, `hop_seconds` apart.
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
         let hz = |group: f64| BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(group / GROUPS as f64);
         let mut edges = [0; GROUPS + 1];
@@ -102,7 +97,6 @@ impl Flux {
         self.usual = [USUAL_AT_FIRST; GROUPS];
     }
 
-    /// Returns the rise at the next moment, from its power per bin.
     pub(super) fn follow(&mut self, power: &[f32]) -> Rise {
         let amplitudes: [f32; GROUPS] = std::array::from_fn(|group| {
             let bins = power.get(self.edges[group]..self.edges[group + 1]).unwrap_or_default();
@@ -160,7 +154,6 @@ pub(super) struct Onsets {
     /// The last values of [`Rise::sudden`], in a ring buffer.
     sudden: Vec<f32>,
     flux: Vec<f32>,
-    /// The number of moments so far.
     moment: usize,
     taken: usize,
     sorted: Vec<f32>,
@@ -192,8 +185,7 @@ impl Onsets {
         (self.above, self.since) = (false, self.apart);
     }
 
-    /// Processes the rise of a moment. Returns true at an onset, and the flux relative to the largest recent flux,
-    /// 0..1.
+    /// Returns true at an onset, and the moment's flux relative to the largest recent flux, 0..1.
     pub(super) fn follow(&mut self, rise: Rise) -> (bool, f32) {
         for (ring, value) in [(&mut self.sudden, rise.sudden), (&mut self.flux, rise.flux)] {
             let place = self.moment % ring.len();

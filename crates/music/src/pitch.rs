@@ -36,11 +36,10 @@ pub(super) fn strongest_hz([long, middle]: [&[f32]; 2], sample_rate: f64, hop: u
     }
 }
 
-/// Finds the strongest peak among the bins from `first` up to `end` of a Hann window's power spectrum.
-///
-/// The ratio of the peak's magnitude to its larger neighbour, alpha = |X(k±1)| / |X(k)|, gives the offset of the tone
-/// towards that neighbour: (2·alpha - 1) / (alpha + 1) bins. For Hann this is exact except for leakage from other
-/// tones, including the mirrored one (Jain, Collins and Davis 1979; Grandke 1983).
+/// Finds the strongest peak among the bins from `first` up to `end` of a Hann window's power spectrum. The ratio of
+/// the peak's magnitude to its larger neighbour, alpha = |X(k±1)| / |X(k)|, gives the offset of the tone towards that
+/// neighbour: (2·alpha - 1) / (alpha + 1) bins. For Hann this is exact except for leakage from other tones, including
+/// the mirrored one (Jain, Collins and Davis 1979; Grandke 1983).
 fn strongest_line(power: &[f32], first: usize, end: usize) -> Option<Line> {
     let end = end.min(power.len().saturating_sub(1));
     let inner = power.get(first..end)?;

@@ -1,11 +1,7 @@
-//! Three window lengths: the long one separates low tones, the short one locates high sounds in time.
-//!
-//! A window of 16 hops separates the tones of the bass, 2 hops locate a high sound in time, and 4 hops are in between.
-//! Adjacent windows are cross-faded over frequency by a raised cosine, so that a tone keeps its level at any frequency.
-//! The long window is computed at an eighth of the rate, with a tenth of the work. For live input the windows end at
-//! the newest sample (`Alignment::Trailing`), so there is no delay.
+//! Three window lengths: 16 hops separate the tones of the bass, 2 hops locate a high sound in time, 4 hops are in
+//! between. Adjacent windows are cross-faded over frequency. The long window is computed at an eighth of the rate,
+//! with a tenth of the work. For live input the windows end at the newest sample, so there is no delay.
 
-/// One of the three windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Resolution {
     /// 16 hops, 171 ms at 48 kHz, bins of 5.9 Hz: the bass.
@@ -16,17 +12,14 @@ pub(super) enum Resolution {
     Short,
 }
 
-/// The crossover range from the long to the middle window, in hertz.
+/// The crossover ranges between adjacent windows, in hertz.
 const LONG_TO_MIDDLE: (f64, f64) = (200.0, 500.0);
 
-/// The crossover range from the middle to the short window, in hertz.
 const MIDDLE_TO_SHORT: (f64, f64) = (2_000.0, 5_000.0);
 
 impl Resolution {
-    /// All windows, the longest first.
     pub(super) const ALL: [Self; 3] = [Self::Long, Self::Middle, Self::Short];
 
-    /// The length of the window in hops.
     pub(super) const fn hops(self) -> usize {
         match self {
             Self::Long => 16,
@@ -36,10 +29,8 @@ impl Resolution {
     }
 
     /// Returns the fraction of the power at `hz` that is taken from this window, 0..1. The three fractions sum to 1.
-    ///
-    /// Adjacent windows are cross-faded by a raised cosine, over a range many times wider than their main lobes. Within
-    /// one lobe the fraction is nearly linear, so a tone loses at most 0.04 dB. A sharp border would cut off part of
-    /// the lobes of a tone next to it.
+    /// The cross-fade is a raised cosine, many times wider than a main lobe, so a tone loses at most 0.04 dB. A sharp
+    /// border would cut off part of the lobes of a tone next to it.
     pub(super) fn fraction(self, hz: f64) -> f64 {
         let passed = |(low, high): (f64, f64)| {
             let way = ((hz - low) / (high - low)).clamp(0.0, 1.0);

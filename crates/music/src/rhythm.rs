@@ -6,9 +6,7 @@ use super::onset::{Flux, Onsets};
 use super::rises::Rises;
 use super::scale::SPECTRUM_POINTS;
 
-/// The onset and the beat of one moment.
 pub(super) struct RhythmMoment {
-    /// True at an onset.
     pub(super) begins: bool,
     pub(super) beat: Beat,
     strokes: Option<Strokes>,
@@ -43,7 +41,6 @@ impl Rhythm {
         }
     }
 
-    /// Processes the power per bin of the next moment.
     pub(super) fn follow(&mut self, power: &[f32]) -> RhythmMoment {
         let (begins, flux) = self.onsets.follow(self.flux.follow(power));
         let strokes = self.bars.as_mut().map(|(rises, _)| Strokes::of(rises.follow(power), flux));

@@ -11,18 +11,15 @@ const LOUDEST_SECONDS: f64 = 8.0;
 /// The distance of the two compared moments, in hops.
 const LAG: usize = 2;
 
-/// The powers and rises of a moment.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LowAndHigh {
     pub(super) power: f32,
     pub(super) low_power: f32,
-    /// The rise of the low band's amplitude, relative to the loudest recent amplitude.
+    /// The rise of each band's amplitude, relative to the loudest recent amplitude.
     pub(super) low_rise: f32,
-    /// The rise of the high band's amplitude, relative to the loudest recent amplitude.
     pub(super) high_rise: f32,
 }
 
-/// Measures the rises of both bands.
 pub(super) struct Rises {
     low_end: usize,
     high_start: usize,
@@ -33,7 +30,6 @@ pub(super) struct Rises {
 }
 
 impl Rises {
-    /// Creates a measurement for power spectra of `bins` bins of `bin_hz` hertz, `hop_seconds` apart.
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
         let bin = |hz: f64| ((hz / bin_hz).round() as usize).clamp(1, bins);
         Self {
@@ -49,7 +45,6 @@ impl Rises {
         (self.loudest, self.before) = (0.0, [[0.0; 2]; LAG]);
     }
 
-    /// Returns the powers and rises of the next moment, from its power per bin.
     pub(super) fn follow(&mut self, bins: &[f32]) -> LowAndHigh {
         let sum = |range: std::ops::Range<usize>| bins.get(range).unwrap_or_default().iter().sum::<f32>();
         let power = sum(1..bins.len());

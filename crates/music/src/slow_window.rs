@@ -4,7 +4,6 @@ use super::StereoFrame;
 use super::decimate::Decimator;
 use super::spectrum::Spectrum;
 
-/// The decimated window with its filter and spectrum.
 pub(super) struct SlowWindow {
     kept: Vec<StereoFrame>,
     decimator: Decimator,
@@ -30,7 +29,6 @@ impl SlowWindow {
         self.decimator.keep(frames, &mut self.kept[start..]);
     }
 
-    /// Fills the whole window from `frames`.
     pub(super) fn fill(&mut self, frames: &[StereoFrame]) {
         self.decimator.keep(frames, &mut self.kept);
     }

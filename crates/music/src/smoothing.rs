@@ -17,7 +17,6 @@ impl Follower {
         Self { keep_rising: (-step / attack).exp() as f32, keep_falling: (-step / release).exp() as f32 }
     }
 
-    /// Moves `value` one step towards `target`.
     pub(super) fn follow(&self, value: &mut f32, target: f32) {
         let distance = *value - target;
         let keep = if distance < 0.0 { self.keep_rising } else { self.keep_falling };

@@ -12,7 +12,6 @@ pub const WAVEFORM_POINTS: usize = 4 * WAVE_PER_HOP;
 /// The number of points of a history row, each the mean of four spectrum points.
 pub const HISTORY_POINTS: usize = SPECTRUM_POINTS / POINTS_PER_COLUMN;
 
-/// The number of spectrum points that are averaged into one point of the history.
 pub(super) const POINTS_PER_COLUMN: usize = 4;
 
 /// The interval of history rows in moments: 43 ms at 48 kHz.

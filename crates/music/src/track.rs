@@ -12,27 +12,22 @@ use super::tables::{
 };
 use crate::limits::LIMITS;
 
-/// The time span of [`FeatureTrack::default`], in seconds.
 const DEFAULT_SECONDS: f64 = 20.0;
 
 /// The shortest hop of any analyzer, in seconds.
 const SHORTEST_HOP: f64 = 0.0075;
 
-/// The number of history rows beyond the time span: a cubic at each end needs additional rows, and a moment is between
-/// two rows.
+/// History rows beyond the time span: a cubic needs more at each end, and a moment is between two rows.
 const ROWS_BESIDES: usize = 4;
 
-/// The maximum number of history rows.
 const HISTORY_ROWS: usize =
     (HISTORY_SECONDS / (MOMENTS_PER_ROW as f64 * SHORTEST_HOP)) as usize + 1 + ROWS_BESIDES;
 
 /// A row of the history: the number of its moment divided by [`MOMENTS_PER_ROW`], and its heights.
 type Row = (u64, [f32; HISTORY_POINTS]);
 
-/// A bounded record of features in order of time.
-///
-/// Features are interpolated linearly between moments, so they are one function of time at any frame rate. After `new`
-/// only requested tables are allocated.
+/// A bounded record of features in order of time, interpolated linearly between moments, so that they are one
+/// function of time at any frame rate. After `new` only requested tables are allocated.
 #[derive(Clone, Debug)]
 pub struct FeatureTrack {
     moments: VecDeque<TimedFeatures>,

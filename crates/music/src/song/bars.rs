@@ -1,10 +1,7 @@
-//! The bars of a song: the meter and the downbeats.
-//!
-//! For the meter, onsets repeat from bar to bar, so beats are similar at the distance of a bar (the beat spectrum of
-//! Foote and Uchihashi 2001; Gouyon and Herrera 2003 for meters). For the downbeats, low drums and changes of harmony
-//! and timbre are likelier at the start of a bar, snares in between (Goto 2001). The likeliest path through the
-//! positions in the bar is decoded over the whole song, so that one extra beat costs one bar and not the rest of the
-//! song.
+//! The bars of a song: the meter and the downbeats. For the meter, beats are similar at the distance of a bar (the
+//! beat spectrum of Foote and Uchihashi 2001; Gouyon and Herrera 2003 for meters). For the downbeats, low drums and
+//! changes of harmony and timbre are likelier at the start of a bar, snares in between (Goto 2001). The likeliest
+//! path is decoded over the whole song, so that one extra beat costs one bar and not the rest of the song.
 
 use serde::{Deserialize, Serialize};
 

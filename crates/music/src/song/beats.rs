@@ -1,10 +1,8 @@
-//! The beats of a whole song.
-//!
-//! The model is the same as in the causal tracker ([`crate::beat`]): states are a period and a phase within it, and the
-//! period may change at the end of a beat. Here the likeliest path through the whole song is decoded by dynamic
-//! programming (Viterbi 1967). Nothing is decided within a beat, so it is enough to know for every moment and period
-//! the best path with a beat there and the next beat a period later, including the reward of its half and quarters
-//! (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of rewards).
+//! The beats of a whole song. The model is the same as in the causal tracker ([`crate::beat`]), but the likeliest
+//! path through the whole song is decoded by dynamic programming (Viterbi 1967). Nothing is decided within a beat, so
+//! it is enough to know for every moment and period the best path with a beat there and the next beat a period later,
+//! including the reward of its half and quarters (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of
+//! rewards).
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -17,12 +15,9 @@ const TEMPO: (f64, f64) = (215.0, 52.0);
 /// The likeliest tempo in beats per minute, and the cost per beat and squared octave of distance from it.
 const LIKELY: (f64, f64) = (108.0, 0.6);
 
-/// The reward of a beat: a constant, and a factor of the log odds of the onset strength. Halves have more onsets than
-/// the rest of a beat, quarters fewer.
+/// The rewards of a beat, its half and its quarters: a constant, and a factor of the onset strength's log odds.
 const BEAT: (f32, f32) = (0.0, 1.5);
-/// The reward of the half of a beat; see [`BEAT`].
 const HALF: (f32, f32) = (0.15, 0.15);
-/// The reward of the quarters of a beat; see [`BEAT`].
 const QUARTER: (f32, f32) = (0.0, -0.15);
 
 /// The cost of a change of period, per relative change beyond one hop.
@@ -47,7 +42,6 @@ const STRUCK_MIN: f32 = 0.25;
 /// The minimum agreement of the onsets' positions within the beats, at one, two, three or four per beat: the length of
 /// their mean as points on a circle. Music has 0.3 and more, speech and rain less than 0.2.
 const AGREE_MIN: f64 = 0.25;
-/// The numbers of parts per beat for the agreement.
 const PARTS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 /// The minimum standard deviation of the level of music with a beat, in decibels. A held note with vibrato has a steady
 /// level.
@@ -121,7 +115,6 @@ pub(super) fn beats(heard: &Heard) -> Vec<f64> {
     }
 }
 
-/// Returns the log odds of the onset strength held at each moment.
 fn odds(strengths: &[f32]) -> Vec<f32> {
     let at = |index: usize| strengths.get(index).copied().unwrap_or_default();
     let odds = |index: usize| {

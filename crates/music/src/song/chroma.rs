@@ -34,7 +34,6 @@ impl Tuning {
     }
 }
 
-/// Measures pitches in spectra.
 pub(super) struct FineChroma {
     bin_hz: f64,
     first: usize,
@@ -44,7 +43,6 @@ pub(super) struct FineChroma {
 }
 
 impl FineChroma {
-    /// Creates a chroma measurement for power spectra of `bins` bins of `bin_hz` hertz.
     pub(super) fn new(bin_hz: f64, bins: usize) -> Self {
         let bin = |hz: f64| (hz / bin_hz) as usize;
         Self {

@@ -1,9 +1,7 @@
-//! Builds and drops of a song.
-//!
-//! A build is a stretch of bars that become brighter and denser in onsets (Solberg 2014 on builds in club music), up to
-//! an end. A drop is a bar in which, after a build or a pause, the missing low band returns, and which begins some of
-//! the song's loudest and densest bars (Yadati et al. 2014). No single one of these is enough: a crescendo has the
-//! rise, an entering band has the low frequencies, and a pause before the last chorus has the silence.
+//! Builds and drops of a song. A build is a stretch of bars that become brighter and denser in onsets (Solberg 2014
+//! on builds in club music). A drop is a bar in which, after a build or a pause, the missing low band returns, and
+//! which begins some of the song's loudest and densest bars (Yadati et al. 2014). No single one of these is enough: a
+//! crescendo has the rise, an entering band the low frequencies, and a pause before the last chorus the silence.
 
 use super::heard::{Heard, TIMBRE_BANDS};
 use super::units::{Unit, units};
@@ -40,11 +38,9 @@ const LOW_OVER_EVE: f32 = 8.0;
 const LOW_BARS: usize = 2;
 /// The number of bars before the eve's bar for comparisons.
 const BARS_BEFORE: usize = 4;
-/// The minimum difference of the low band between a drop and the bars before it, or between its eve and earlier eves,
-/// in decibels.
+/// The minimum difference of the low band, in decibels, from a drop to the bars before, or its eve to earlier eves.
 const LOW_AWAY: f32 = 4.0;
-/// The minimum difference of the low band between a drop and the bars before it, if a pause precedes it. A band that
-/// pauses for one bar is no drop.
+/// The first of these if a pause precedes the drop: a band that pauses for one bar is no drop.
 const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
 /// The minimum level differences of a pause to the bars after it and to earlier eves, in decibels.
 const PAUSE: (f32, f32) = (8.0, 4.0);

@@ -10,31 +10,25 @@ pub(super) const TIMBRE_BANDS: usize = 20;
 /// The interval of timbre and chroma, in hops.
 pub(super) const SLOW_HOPS: usize = 8;
 
-/// The measurements of one hop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moment {
     pub(super) flux: f32,
     pub(super) begins: bool,
-    /// The rise of the low band's amplitude, relative to the loudest recent amplitude.
+    /// The rise of each band's amplitude, relative to the loudest recent amplitude.
     pub(super) low_rise: f32,
-    /// The rise of the high band's amplitude, relative to the loudest recent amplitude.
     pub(super) high_rise: f32,
     pub(super) power: f32,
     pub(super) low_power: f32,
-    /// The largest sample magnitude.
     pub(super) peak: f32,
 }
 
-/// The measurements of [`SLOW_HOPS`] hops.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlowMoment {
-    /// The mean power of each band.
     pub(super) timbre: [f32; TIMBRE_BANDS],
     /// The amplitudes of pitches, folded into one octave.
     pub(super) chroma: [f32; FINE_BINS],
 }
 
-/// All measurements of a song.
 #[derive(Debug, Default)]
 pub(super) struct Heard {
     pub(super) hop_seconds: f64,

@@ -47,9 +47,8 @@ impl Tonality {
     }
 }
 
-/// The fit of each pitch class above the tonic in major (probe-tone ratings of Krumhansl and Kessler 1982).
+/// The fit of each pitch class above the tonic (probe-tone ratings of Krumhansl and Kessler 1982).
 const MAJOR: [f32; 12] = [6.35, 2.23, 3.48, 2.33, 4.38, 4.09, 2.52, 5.19, 2.39, 3.66, 2.29, 2.88];
-/// The fit of each pitch class above the tonic in minor; same source.
 const MINOR: [f32; 12] = [6.33, 2.68, 3.52, 5.38, 2.60, 3.53, 2.54, 4.75, 3.98, 2.69, 3.34, 3.17];
 
 /// The bonus in correlation for a song that consists only of the tonic's triad.
@@ -64,8 +63,7 @@ const PITCHED_MIN: f32 = 0.4;
 /// The minimum difference between the most and the least frequent pitch class, relative to the mean.
 const CONTRAST_MIN: f32 = 0.8;
 
-/// The minimum mean distance of a beat's pitch class fractions from the whole song's. A held note with overtones is no
-/// harmony.
+/// The minimum mean distance of a beat's pitch class fractions from the song's: a held note is no harmony.
 const CHANGE_MIN: f32 = 0.05;
 
 const CHORD_MIN: f32 = 0.35;
@@ -163,7 +161,6 @@ fn largest(values: &[f32]) -> usize {
     (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or_default()
 }
 
-/// Rotates the fractions so that `root` is first.
 fn turned(fractions: &[f32; 12], root: u8) -> [f32; 12] {
     std::array::from_fn(|class| fractions[(class + usize::from(root)) % 12])
 }

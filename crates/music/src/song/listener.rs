@@ -14,9 +14,8 @@ use crate::slow_window::SlowWindow;
 use crate::spectrum::Spectrum;
 use ebur128::{EbuR128, Mode};
 
-/// The window for onsets, in hops.
+/// The windows for onsets and for pitches (341 ms), in hops.
 const SHORT_HOPS: usize = 2;
-/// The window for pitches, in hops: 341 ms.
 const LONG_HOPS: usize = 32;
 /// Listens to a whole song and returns its structure at the end.
 ///
@@ -50,7 +49,6 @@ pub struct SongListener {
     heard: Heard,
 }
 
-/// The mean power of the timbre bands over a slow moment.
 struct Timbre {
     /// The ends of the bands, in bins.
     edges: [usize; TIMBRE_BANDS + 1],
@@ -58,7 +56,6 @@ struct Timbre {
 }
 
 impl Timbre {
-    /// Creates the bands for a window of `length` frames with bins of `bin_hz` hertz.
     fn new(length: usize, bin_hz: f64) -> Self {
         let bin = |hz: f64| ((hz / bin_hz).round() as usize).clamp(1, length / 2);
         let mut edges = [0; TIMBRE_BANDS + 1];
@@ -80,7 +77,6 @@ impl Timbre {
         }
     }
 
-    /// Returns the means and restarts them.
     fn take(&mut self) -> [f32; TIMBRE_BANDS] {
         std::mem::replace(&mut self.sums, [0.0; TIMBRE_BANDS])
     }

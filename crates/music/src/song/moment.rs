@@ -1,5 +1,4 @@
-//! The values of a song's structure that a scene reads at a moment: a pure function of structure and time, fast enough
-//! for every frame.
+//! The values of a song's structure that a scene reads at a moment: a pure, fast function of structure and time.
 
 use serde::Serialize;
 
@@ -7,9 +6,8 @@ use super::structure::{Section, SongStructure};
 use super::{Mode, PITCH_CLASSES};
 use crate::features::Features;
 
-/// The duration of a drop's fade, in bars.
+/// The duration of a drop's fade in bars, or without bars in seconds.
 const DROP_BARS: f64 = 2.0;
-/// The duration of a drop's fade without bars, in seconds.
 const DROP_SECONDS: f64 = 4.0;
 /// The number of the letter Z. Later letters count as Z.
 const LETTERS: u8 = 26;
@@ -149,7 +147,6 @@ impl At<'_> {
         Some((below_one(place / in_bar as f64), number as f32))
     }
 
-    /// Returns the number of the section, and the position in it.
     fn place_in_section(self) -> Option<(f32, f32)> {
         let time = self.time;
         let after = self.song.sections.partition_point(|section| section.start <= time);
@@ -184,7 +181,6 @@ impl At<'_> {
         1.0 - fraction(time, *drop, drop + self.seconds_of_drop(*drop))
     }
 
-    /// Returns the duration of a drop's fade in seconds.
     fn seconds_of_drop(self, drop: f64) -> f64 {
         let Some(meter) = self.song.meter else { return DROP_SECONDS };
         let beats = DROP_BARS * meter.beats() as f64;
@@ -231,7 +227,6 @@ fn number_of(section: &Section) -> f32 {
     f32::from(number)
 }
 
-/// Returns the position of a time between `start` and `end`, 0..1.
 fn fraction(time: f64, start: f64, end: f64) -> f32 {
     let length = end - start;
     if length > 0.0 { unit(((time - start) / length) as f32) } else { 0.0 }
@@ -252,7 +247,6 @@ fn positive(value: f64) -> f64 {
     value.max(0.0)
 }
 
-/// Rounds to a number below 1.
 fn below_one(value: f64) -> f32 {
     unit(value as f32).min(1.0 - f32::EPSILON)
 }

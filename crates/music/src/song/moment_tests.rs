@@ -6,8 +6,7 @@ use super::super::{Meter, Mode, PitchFractions, Section, SongBeat, SongStructure
 use super::SongMoment;
 use crate::features::Features;
 
-/// A song of 32 s in 4/4 at 120 beats per minute. The first bar begins at 1 s; section A is followed by B with a drop
-/// at 17 s.
+/// 4/4 at 120 beats per minute. The first bar begins at 1 s; section A is followed by B with a drop at 17 s.
 fn song() -> SongStructure {
     let section = |start, end, letter: &str| Section { start, end, letter: letter.into(), energy: 0.5 };
     let chroma = |index: usize| {
@@ -127,7 +126,6 @@ fn numbers_have_names() {
     }
 }
 
-/// Any number, in songs, outside of them, and not finite.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         -5.0..400.0_f64,
@@ -144,7 +142,6 @@ fn any_fraction() -> impl Strategy<Value = f32> {
 }
 
 prop_compose! {
-    /// Any structure, with unsorted times and gaps.
     fn any_song()(
         seconds in any_number(),
         tempo in proptest::option::of(any_fraction()),

@@ -1,10 +1,8 @@
-//! The sections of a song: borders and repeats.
-//!
-//! The borders are the cheapest segmentation of the song into homogeneous stretches (Jensen 2007, the shortest path
-//! through a song; Foote 2000 finds the same borders as peaks of novelty). A stretch is homogeneous if its timbre is
-//! constant, and if its harmony is constant or repeats every one, two, four or eight bars: a repeated harmony is not
-//! new (Serrà et al. 2014). Whole phrases cost less than other lengths (Sargent, Bimbot and Vincent 2011). Stretches
-//! with similar timbre and harmony get the same letter (McFee and Ellis 2014 cluster likewise).
+//! The sections of a song: borders and repeats. The borders are the cheapest segmentation into homogeneous stretches
+//! (Jensen 2007, the shortest path through a song; Foote 2000 finds the same borders as peaks of novelty). In a
+//! stretch, timbre is constant, and harmony is constant or repeats every one, two, four or eight bars (Serrà et al.
+//! 2014). Whole phrases cost less than other lengths (Sargent, Bimbot and Vincent 2011). Stretches with similar
+//! timbre and harmony get the same letter (McFee and Ellis 2014 cluster likewise).
 
 use super::heard::TIMBRE_BANDS;
 use super::units::Unit;
@@ -42,7 +40,6 @@ pub(super) struct Stretch {
     pub(super) letter: usize,
 }
 
-/// Returns the sections of a song with these bars.
 pub(super) fn sections(bars: &[Unit]) -> Vec<Stretch> {
     if bars.is_empty() {
         return Vec::new();
@@ -92,8 +89,7 @@ fn with_unit_deviation<const N: usize>(rows: &[[f32; N]], least: f32) -> Vec<[f3
         .collect()
 }
 
-/// Prefix sums of rows and of their squared lengths, for the deviation within any stretch in constant time: of every
-/// row, or of every `step`-th.
+/// Prefix sums of rows and of their squared lengths, of every row or of every `step`-th.
 struct Sums<const N: usize> {
     step: usize,
     /// `sums[n]` is the sum of rows n - step, n - 2·step and so on.

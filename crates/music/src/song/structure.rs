@@ -217,8 +217,7 @@ impl SongStructure {
     }
 }
 
-/// Returns the mean of the middle half of the periods between the times. A median would show the rounding of times to
-/// hops.
+/// Returns the mean of the middle half of the periods; a median would show the rounding of times to hops.
 fn period(times: &[f64]) -> f64 {
     let mut periods: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     periods.sort_by(f64::total_cmp);
@@ -250,7 +249,6 @@ fn grid(times: &[f64], period: f64, seconds: f64) -> Vec<f64> {
     grid
 }
 
-/// Returns A to Z, then AA to AZ and so on.
 fn letter(index: usize) -> String {
     let last = char::from(b'A' + (index % 26) as u8);
     if index < 26 { last.to_string() } else { letter(index / 26 - 1) + &last.to_string() }

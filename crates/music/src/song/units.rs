@@ -8,16 +8,14 @@ const FLUX_OF_NOISE: f32 = 0.1;
 /// The range of levels that count, in decibels below the loudest moment.
 const RANGE_DB: f32 = 60.0;
 
-/// The mean measurements of a stretch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit {
     /// The level of each band, 0..60 decibels above the floor.
     pub(super) timbre: [f32; TIMBRE_BANDS],
     /// The fraction of each pitch class, C first. The sum is 1, or 0 without pitches.
     pub(super) chroma: [f32; 12],
-    /// The total level, in decibels above the floor.
+    /// The levels of all bands and of the low band, in decibels above the floor.
     pub(super) level: f32,
-    /// The level of the low band, in decibels above the floor.
     pub(super) low: f32,
     /// The mean flux above the flux of noise, a measure of onset density.
     pub(super) onsets: f32,

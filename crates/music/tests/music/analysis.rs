@@ -19,7 +19,6 @@ use proptest::prelude::*;
 #[global_allocator]
 static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisabler;
 
-/// Returns the level of all bands together, in decibels.
 fn total_db(features: &Features) -> f64 {
     let power: f64 = features.band_levels_db.iter().map(|&db| 10_f64.powf(f64::from(db) / 10.0)).sum();
     10.0 * power.log10()

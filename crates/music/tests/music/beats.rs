@@ -16,7 +16,6 @@ fn track_of(frames: &[StereoFrame], alignment: Alignment) -> FeatureTrack {
     track
 }
 
-/// Returns the times at which the phase wraps, sampled at a high frame rate.
 fn beats_of(track: &FeatureTrack) -> Vec<f64> {
     const FPS: f64 = 240.0;
     let mut beats = Vec::new();
@@ -120,13 +119,11 @@ fn onsets_of(frames: &[StereoFrame]) -> Vec<f64> {
     analyze(RATE, frames).iter().filter(begins).map(|moment| moment.time).collect()
 }
 
-/// A short tone every `gap` seconds.
 fn click_at(t: f64, gap: f64) -> f64 {
     let since = t % gap;
     (std::f64::consts::TAU * 1_500.0 * since).sin() * (-since / 0.004).exp()
 }
 
-/// A chord of three tones with eight partials each.
 fn organ(t: f64, lowest_hz: f64) -> f64 {
     let partial =
         |hz: f64, number: u32| (std::f64::consts::TAU * hz * f64::from(number) * t).sin() / f64::from(number);

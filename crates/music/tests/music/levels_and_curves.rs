@@ -12,7 +12,6 @@ use mariana_music::{
 
 #[test]
 fn the_gain_has_settled_two_seconds_after_a_step_of_30_db() {
-    // -10 dB and -40 dB.
     let (loud, quiet) = (0.316, 0.01);
     for (first, second) in [(loud, quiet), (quiet, loud)] {
         let frames = signal(48_000, 16.0, |t| chord(t, if t < 8.0 { first } else { second }));

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use mariana_music::StereoFrame;
 
-/// The sample rate of the rhythms.
 pub(crate) const RATE: u32 = 48_000;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +18,6 @@ pub(crate) enum Drum {
 /// A stroke of a pattern: its position in beats, its drum and its loudness.
 pub(crate) type Stroke = (f64, Drum, f64);
 
-/// A repeating pattern with its length in beats.
 #[derive(Clone, Debug)]
 pub(crate) struct Pattern {
     pub name: &'static str,
@@ -27,7 +25,6 @@ pub(crate) struct Pattern {
     pub strokes: Vec<Stroke>,
 }
 
-/// A metronome: one click per beat.
 pub(crate) fn clicks() -> Pattern {
     Pattern { name: "clicks", beats: 1.0, strokes: vec![(0.0, Drum::Click, 0.8)] }
 }
@@ -79,8 +76,7 @@ pub(crate) fn drums(swing: f64) -> Vec<Pattern> {
     ]
 }
 
-/// Plays `seconds` of a pattern. Returns the samples and the times of the beats; `tempo(t)` gives beats per minute at
-/// `t` seconds.
+/// Returns the samples and the times of the beats; `tempo(t)` gives beats per minute at `t` seconds.
 pub(crate) fn play(
     pattern: &Pattern,
     seconds: f64,
@@ -108,7 +104,6 @@ pub(crate) fn play(
     (frames, beats)
 }
 
-/// Adds a stroke at the start of `frames`.
 fn strike(frames: &mut [StereoFrame], drum: Drum, loud: f64, noise: &mut u32) {
     let (length, pan) = match drum {
         Drum::Click => (0.02, 0.0),

@@ -19,7 +19,6 @@ pub(crate) fn analyze_by(mut analyzer: Analyzer, frames: &[StereoFrame]) -> Vec<
     moments
 }
 
-/// Generates `seconds` of a signal: `sample(t)` gives both channels at `t` seconds.
 pub(crate) fn signal(rate: u32, seconds: f64, mut sample: impl FnMut(f64) -> [f64; 2]) -> Vec<StereoFrame> {
     let count = (f64::from(rate) * seconds) as usize;
     (0..count).map(|n| sample(n as f64 / f64::from(rate)).map(|x| x as f32)).collect()
@@ -36,7 +35,6 @@ pub(crate) fn noise(state: &mut u64) -> f64 {
     (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// The interval from `b` to `a` in cents.
 pub(crate) fn cents(a: f64, b: f64) -> f64 {
     1200.0 * (a / b).log2()
 }

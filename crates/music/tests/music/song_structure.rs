@@ -1,5 +1,4 @@
-//! Tests of the structure of generated songs, and of other sounds. (The example `song_figures` measures all styles,
-//! tempos, forms and keys; the tests check a few of each.)
+//! Tests of the structure of generated songs, and of other sounds. The example `song_figures` measures more of them.
 
 use crate::signals::noise;
 use crate::songs::{
@@ -17,7 +16,6 @@ fn heard(song: &Song) -> (SongStructure, Truth) {
     (structure(RATE, &frames), truth)
 }
 
-/// Checks the invariants of any structure.
 fn require_sense(structure: &SongStructure) {
     assert!(structure.beats.windows(2).all(|pair| pair[0].time < pair[1].time));
     let beats_per_bar = structure.meter.map_or(0, Meter::beats);
@@ -156,7 +154,6 @@ fn no_bars_are_reported_without_bars() {
     }
 }
 
-/// Counts the moments with a reported bar.
 fn reported_of_bars(mut analyzer: Analyzer, frames: &[StereoFrame]) -> usize {
     let mut reported = 0;
     analyzer.push(frames, &mut |moment| reported += usize::from(moment.features.bar_beat > 0.0));

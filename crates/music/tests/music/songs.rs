@@ -6,7 +6,6 @@ use mariana_music::{
     Alignment, Analyzer, Features, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality,
 };
 
-/// The style of the drums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Style {
     Rock,
@@ -91,7 +90,6 @@ enum Drum {
     Tom,
 }
 
-/// The timbre of tones, by the amplitudes of their partials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Voice {
     Soft,
@@ -109,15 +107,12 @@ impl Voice {
     }
 }
 
-/// The role of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
     Plain,
-    /// Rises to the next part.
     Build,
     /// Ends with a bar of silence.
     Pause,
-    /// Becomes louder from bar to bar.
     Crescendo,
     /// Begins with a drop if a build or a pause precedes it.
     Drop,
@@ -151,12 +146,10 @@ pub(crate) struct Song {
     pub seed: u32,
 }
 
-/// The ground truth of a song.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Truth {
     pub beats: Vec<f64>,
     pub downbeats: Vec<f64>,
-    /// The borders between parts.
     pub borders: Vec<f64>,
     pub letters: Vec<(f64, f64, char)>,
     pub drops: Vec<f64>,
@@ -238,13 +231,9 @@ pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
 /// Ballads with one property of music with drops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Swell {
-    /// Only drums that come and go.
     None,
-    /// Each verse becomes louder up to the chorus.
     Crescendo,
-    /// Drums and bass enter with the second verse.
     LateBand,
-    /// A bar of silence precedes the last chorus.
     Pause,
     /// A bar of silence precedes the last chorus, after a bridge without drums and bass.
     BarePause,
@@ -277,7 +266,6 @@ impl Swell {
     }
 }
 
-/// A quiet song whose drums come and go.
 fn ballad(mode: Mode) -> Vec<Part> {
     let mut form = pop(mode);
     for part in &mut form {
@@ -349,7 +337,6 @@ impl Synthesizer {
         }
     }
 
-    /// Noise with a rising level.
     fn riser(&mut self, from: f64, to: f64, loud: f64) {
         let start = (from * self.rate) as usize;
         let count = ((to - from) * self.rate) as usize;
@@ -416,7 +403,6 @@ impl Song {
         0.5 + 60.0 * spent
     }
 
-    /// Synthesizes the song at `rate` sample frames per second.
     pub(crate) fn play(&self, rate: u32) -> (Vec<StereoFrame>, Truth) {
         let mut synthesizer = Synthesizer::new(rate, self.time(self.beats()) + 1.0, self.seed);
         let mut truth = Truth::default();
@@ -540,8 +526,7 @@ pub(crate) fn beats_heard(rate: u32, frames: &[StereoFrame]) -> Vec<(f64, f32)> 
     beats
 }
 
-/// Returns the fraction of beats with a known bar position, and the fraction of bars that start at a true downbeat. The
-/// beats are from [`beats_heard`].
+/// Returns the fractions of beats with a known bar position and of bars that start at a true downbeat.
 pub(crate) fn bars_heard(beats: &[(f64, f32)], truth: &Truth) -> [f64; 2] {
     let reported = beats.iter().filter(|(_, beat)| *beat > 0.0).count();
     let firsts: Vec<f64> = beats.iter().filter(|(_, beat)| *beat == 1.0).map(|(time, _)| *time).collect();
@@ -565,7 +550,6 @@ pub(crate) fn f_measure(found: &[f64], truth: &[f64], tolerance: f64) -> f64 {
     2.0 * f64::from(hits) / (found.len() + truth.len()).max(1) as f64
 }
 
-/// Returns the starts of all sections except the first.
 pub(crate) fn borders(structure: &SongStructure) -> Vec<f64> {
     structure.sections.iter().skip(1).map(|section| section.start).collect()
 }
