@@ -47,7 +47,6 @@ impl Fault {
     }
 }
 
-/// The requested fault and its time.
 static WANTED: OnceLock<Option<(Fault, Instant)>> = OnceLock::new();
 static STRUCK: AtomicBool = AtomicBool::new(false);
 

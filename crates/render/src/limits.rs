@@ -1,6 +1,4 @@
-//! The renderer's limits.
-//!
-//! Code, error messages and tests all read them from [`LIMITS`].
+//! The renderer's limits. Code, error messages and tests all read them from [`LIMITS`].
 
 /// Limits on input from outside and on the memory that the renderer allocates for it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -12,8 +12,7 @@ pub type Map = [[f64; 3]; 3];
 pub const CROP_MAX: f64 = 90.0;
 /// Largest distance of a corner outside the screen, as a fraction of the screen.
 pub const CORNER_OUTSIDE_MAX: f64 = 1.0;
-/// Smallest area of the quadrilateral on each side of its diagonals, as a fraction of the screen. Less is almost a
-/// line.
+/// Smallest area on each side of the corners' diagonals, as a fraction of the screen. Less is almost a line.
 const AREA_MIN: f64 = 1e-3;
 
 /// Mirroring of the image.
@@ -150,9 +149,8 @@ impl Placement {
         (side(size.0, right - left), side(size.1, bottom - top))
     }
 
-    /// Maps a position on the screen to the position in the image that is shown there, both as fractions to the right
-    /// and down. If the third number is not positive, or the position is outside the visible part, nothing is shown
-    /// there.
+    /// Maps a position on the screen to the shown position in the image, both as fractions to the right and down.
+    /// Nothing is shown where the third number is not positive or the position is outside the visible part.
     pub fn map(&self) -> Map {
         let [left, top, right, bottom] = self.crop.rest();
         let (turns_x, turns_y) = self.flip.turns();
@@ -173,8 +171,7 @@ pub type Area = [f64; 4];
 /// The whole window.
 pub const WHOLE: Area = [0.0, 0.0, 1.0, 1.0];
 
-/// The largest centred area in a window of `window` pixels with the aspect ratio of `shape`. Returns the whole window
-/// if the difference is less than a pixel.
+/// The largest centred area of a window with the aspect ratio of `shape`; all of it if within a pixel.
 pub fn fitted(shape: (u32, u32), window: (u32, u32)) -> Area {
     let [width, height] = [shape.0, shape.1].map(|side| f64::from(side.max(1)));
     let [across, down] = [window.0, window.1].map(|side| f64::from(side.max(1)));
@@ -266,7 +263,6 @@ mod tests {
         for (place, corner) in places.into_iter().zip(OF_SCREEN) {
             assert_led(&placement, place, corner);
         }
-        // The diagonals cross at the centre of the image.
         let [a, b, c, d] = places;
         let cross = |u: [f64; 2], v: [f64; 2]| u[0] * v[1] - u[1] * v[0];
         let (ac, bd, ab) =

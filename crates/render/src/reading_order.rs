@@ -1,7 +1,5 @@
-//! Reorders the words of a line for display by Unicode's bidirectional algorithm (UAX #9).
-//!
-//! egui joins Arabic letters and writes each word of Arabic and Hebrew from right to left, but places words from left
-//! to right. It therefore gets the words in display order.
+//! Reorders the words of a line for display by Unicode's bidirectional algorithm (UAX #9): egui joins Arabic letters
+//! and writes each word of Arabic and Hebrew from right to left, but places words from left to right.
 
 use std::borrow::Cow;
 
@@ -40,7 +38,6 @@ pub fn as_seen(text: &str) -> Cow<'_, str> {
             }
         }
     }
-    // The delimiters have no glyphs.
     seen.retain(|letter| !ISOLATE.contains(&letter));
     Cow::Owned(seen)
 }
@@ -62,7 +59,6 @@ mod tests {
         assert_eq!(as_seen("one two"), "one two");
         assert_eq!(as_seen("Grüße · 日本 🎵"), "Grüße · 日本 🎵");
         assert_eq!(as_seen("שיר של אהבה"), "אהבה של שיר");
-        // A number is read from the left, the words around it from the right.
         assert_eq!(as_seen("שיר 12 חדש"), "חדש 12 שיר");
         assert_eq!(as_seen("play أغنية جديدة now"), "play جديدة أغنية now");
     }

@@ -19,8 +19,7 @@ use crate::limits::LIMITS;
 /// Largest distance of a letter's outline from its origin, in font sizes.
 const LETTER_REACH_MAX: f32 = 8.0;
 
-/// A script whose letters differ from those of others with the same codes (Han unification): the prefix of its locales,
-/// the language of its fonts' names, and the suffix of their names.
+/// A script with Han unification: the prefix of its locales, its fonts' language, and the suffix of their names.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Writing(&'static str, &'static str, &'static str);
 
@@ -51,8 +50,7 @@ struct Candidate {
     rank: Rank,
 }
 
-/// Criteria between two fonts with equally many letters, the most important first: the user's script, upright style,
-/// normal weight, normal width, proportional, sans-serif.
+/// Criteria between fonts with equally many letters: script, upright, weight, width, proportional, sans-serif.
 type Rank = (bool, bool, Reverse<u16>, Reverse<u16>, bool, bool);
 
 impl SystemFonts {
@@ -74,8 +72,7 @@ impl SystemFonts {
         }
     }
 
-    /// Returns unused fonts that together cover as many of `letters` as the system can, those with most letters first.
-    /// Logs the letters that no font has.
+    /// Unused fonts that together cover the most of `letters`, most letters first. Logs letters that no font has.
     pub fn with_letters(&mut self, letters: &BTreeSet<char>) -> Vec<FontInsert> {
         let folder = self.folder.as_deref();
         let database = self.database.get_or_insert_with(|| read_fonts(folder));
@@ -131,7 +128,6 @@ fn read_fonts(folder: Option<&Path>) -> Database {
     database
 }
 
-/// The script of a locale such as `ja_JP.UTF-8`.
 fn writing_of(locale: &str) -> Option<Writing> {
     WRITINGS.into_iter().find(|writing| locale.starts_with(writing.0))
 }
@@ -191,8 +187,7 @@ fn can_draw(font: &FontRef<'_>, letter: char) -> bool {
     fits && font.outline_glyphs().get(glyph).is_some()
 }
 
-/// The font for egui, with the lowest priority, and its size in bytes. `None` if the file cannot be read or exceeds
-/// `bytes_max`.
+/// The font for egui, with lowest priority, and its bytes. `None` if unreadable or larger than `bytes_max`.
 fn insert(face: &FaceInfo, bytes_max: u64) -> Option<(FontInsert, u64)> {
     let (Source::File(path) | Source::SharedFile(path, _)) = &face.source else { return None };
     let mut data = Vec::new();

@@ -82,7 +82,6 @@ mod tests {
     use super::super::grid::{COLUMNS, ROWS};
     use super::*;
 
-    /// The flashes in four seconds of a colour that is on for half of each period, in some of the cells.
     fn flashes(hz: f64, fps: u32, on: [f32; 3], off: [f32; 3], lit: fn(usize) -> bool) -> Flashes {
         let mut analyser = Analyser::default();
         for frame in 0..4 * fps {

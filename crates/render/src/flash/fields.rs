@@ -81,7 +81,6 @@ mod tests {
         for (x, y) in [(0, 0), (17, 11), (COLUMNS - 8, ROWS - 6)] {
             assert_eq!(largest_fraction(|cell| within(cell, x..x + 8, y..y + 6)), 0.25);
         }
-        // Two positions that no field contains together.
         let apart = |cell| within(cell, 0..4, 0..6) || within(cell, 40..48, 30..36);
         assert_eq!(largest_fraction(apart), 0.25);
     }

@@ -67,7 +67,6 @@ mod tests {
     #[test]
     fn cells_are_means_of_linear_light_and_a_pixel_fills_them_all() {
         let mut rgba = vec![255; 96 * 72 * 4];
-        // Half of the first cell is black.
         for at in [0, 96] {
             rgba[4 * at..4 * at + 3].fill(0);
         }
@@ -75,7 +74,6 @@ mod tests {
         assert_eq!(grid.colors()[..2], [[0.5; 3], [1.0; 3]]);
         let one = Grid::of_picture(&[188, 0, 0, 255], (1, 1));
         assert!(one.colors().iter().all(|[r, g, b]| (r - 0.503).abs() < 1e-3 && (*g, *b) == (0.0, 0.0)));
-        // Fewer bytes than pixels, and values that are not finite.
         assert_eq!(Grid::of_picture(&[], (9, 9)), Grid::new([[f32::NAN; 3]]));
     }
 }

@@ -1,22 +1,19 @@
 //! Limits the flashes of a video: dims the light that would be the fourth flash within a second.
 //!
 //! Each cell counts the changes of the incoming and of the displayed frames. A rise that could begin a fourth flash
-//! marks the cell until a second after the last such rise. Marked cells are limited if they cover more than a certain
-//! fraction of a field. A limited cell gets a ceiling: its lowest luminance of the last second plus a small margin, so
-//! that a flash continues as a flicker too faint to count. After the flashes end, the ceiling rises slowly. Flashing
-//! red loses saturation instead.
+//! marks the cell for a second. Marked cells are limited if they cover more than a certain fraction of a field: a
+//! ceiling, the lowest luminance of the last second plus a margin too small to count, holds until it rises slowly after
+//! the flashes. Flashing red loses saturation instead.
 //!
 //! **Limits have no visible edges.** Ceilings spread over neighbouring cells, higher with the square of the distance,
-//! and are interpolated between cells. No pixel exceeds the interpolated ceiling, so a cell's mean does not exceed the
-//! cell's own ceiling. A pixel depends only on its own light and on ceilings, which rise slowly, so dimmed pixels next
-//! to a flash do not flicker with it.
+//! and are interpolated between cells, so a cell's mean does not exceed its own ceiling. A pixel depends only on its
+//! own light and on ceilings, so dimmed pixels next to a flash do not flicker with it.
 //!
-//! **The displayed frames are counted.** The mean colours of the dimmed frame are measured again
-//! ([`Limiter::note_shown`]), and the next frame's ceilings follow from them.
+//! **The displayed frames are counted**: measured again after dimming ([`Limiter::note_shown`]).
 //!
 //! Measured light is approximate, and drawn light is rounded to bytes. Thresholds are therefore lower than the
-//! definition's, and a borderline change is dated as late as possible. A rise that comes about a frame too early is
-//! only delayed by that frame. Otherwise three flashes a second in step with the frames would be limited now and then.
+//! definition's, and a borderline change is dated as late as possible. A rise about a frame too early is only delayed
+//! by that frame: otherwise three flashes a second in step with the frames would be limited now and then.
 
 use super::fields;
 use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
@@ -32,8 +29,7 @@ pub(super) const HOLD: f64 = 1.0;
 pub(super) const SWING: f32 = 0.07;
 /// Half of the time for which lows are remembered, in seconds.
 const MEMORY: f64 = 0.6;
-/// The ceiling's rise, in luminance per second: `FOLLOW` when the lows have become brighter, `RELEASE` after the last
-/// flash.
+/// Rise of the ceiling in luminance per second: `FOLLOW` when the lows have become brighter, `RELEASE` after flashes.
 pub(super) const FOLLOW: f32 = 0.25;
 pub(super) const RELEASE: f32 = 0.5;
 /// Fraction of grey in a limited red. With this much grey no red is saturated.
@@ -77,7 +73,6 @@ impl Correction {
     }
 }
 
-/// Compresses a luminance so that it stays below the ceiling.
 fn below_ceiling(light: f32, ceiling: f32) -> f32 {
     let (knee, rest) = (KNEE * ceiling, (1.0 - KNEE) * ceiling);
     if light > knee { ceiling - rest * (-(light - knee) / rest).exp() } else { light }
@@ -88,7 +83,6 @@ struct Cell {
     light: LightSwing,
     light_changes: Times,
     light_until: f64,
-    /// The displayed luminance, with its changes.
     shown: LightSwing,
     shown_changes: Times,
     red: RedSwing,
@@ -123,12 +117,10 @@ impl Cell {
         }
     }
 
-    /// The target ceiling of a limited cell.
     fn highest(&self) -> f32 {
         self.lows[0].min(self.lows[1]) + SWING
     }
 
-    /// Moves the ceiling towards its target for a time of `seconds`.
     fn move_ceiling(&mut self, limited: bool, seconds: f32) {
         self.ceiling = match limited {
             true => self.highest().min(self.ceiling + FOLLOW * seconds),
@@ -146,7 +138,6 @@ impl Cell {
             && self.shown_changes.count(now, early) + 1 >= CHANGES
     }
 
-    /// Like `is_too_much`, for red.
     fn is_too_much_red(&self, color: [f32; 3], now: f64, early: f64) -> bool {
         let mut shown = self.shown_red;
         shown.step(color, &CAUTIOUS) == Some(Change::Up)
@@ -310,10 +301,8 @@ impl Limiter {
     }
 }
 
-/// The limits of a cell before they spread.
 #[derive(Debug, Clone, Copy)]
 struct Own {
-    /// Copy of [`Cell::ceiling`].
     ceiling: f32,
     /// The largest luminance while a rise is delayed. It lasts one or two frames, so it only spreads to adjacent cells.
     highest: f32,

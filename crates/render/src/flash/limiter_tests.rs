@@ -13,7 +13,6 @@ fn small(cell: usize) -> bool {
     cell % COLUMNS < 6 && cell / COLUMNS < 6
 }
 
-/// A frame below its ceilings, with a pixel per cell.
 fn shown_of(frame: &Grid, corrections: &[Correction]) -> Grid {
     Grid::new(frame.colors().iter().zip(corrections).map(|(color, correction)| correction.apply(*color)))
 }
@@ -31,7 +30,6 @@ impl Show {
         Self { limiter: Limiter::default(), analyser: Analyser::default(), time: 0.0, touched: 0 }
     }
 
-    /// Shows a frame and returns the luminance of its first cell.
     fn frame(&mut self, seconds: f64, color: [f32; 3], lit: fn(usize) -> bool) -> f32 {
         let frame = Grid::new((0..CELLS).map(|cell| if lit(cell) { color } else { BLACK }));
         self.time += seconds;
@@ -43,7 +41,6 @@ impl Show {
         luminance(shown.colors()[0])
     }
 
-    /// Shows a strobe and returns the luminances of the first cell.
     fn strobe(
         &mut self,
         (hz, fps, seconds): (f64, f64, f64),
@@ -83,7 +80,6 @@ fn bursts_have_at_most_three_flashes_a_second() {
         for _ in 0..600 {
             random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let (bits, seconds) = (random >> 16, f64::from(random >> 28) / 400.0 + 0.004);
-            // Ten seconds of random levels, some held for long.
             let level = if show.time % 3.0 < 1.6 { (bits & 7) as f32 / 7.0 } else { 0.5 };
             show.frame(seconds, [level; 3], everywhere);
         }
@@ -95,7 +91,6 @@ fn bursts_have_at_most_three_flashes_a_second() {
 fn light_that_returns_after_flashes_is_no_flash() {
     for hold in 35..65 {
         let mut show = Show::new();
-        // The flashes are at the end of a part of the memory.
         for frame in 0..35 {
             let flashes = frame > 26 && frame % 2 == 1;
             show.frame(1.0 / 60.0, if flashes { WHITE } else { BLACK }, everywhere);
@@ -115,7 +110,6 @@ fn a_change_to_red_that_is_too_dim_to_count_does_not_hide_a_later_one() {
     // From cyan to red: large enough as input, but not as displayed, because the luminance is limited.
     show.frame(0.02, [0.0, 1.0, 1.0], everywhere);
     show.frame(0.02, [1.0, 0.15, 0.05], everywhere);
-    // Four red flashes, which begin after that change and end more than a second after it.
     show.frame(0.3, BLACK, everywhere);
     for _ in 0..4 {
         show.frame(0.12, RED, everywhere);
@@ -143,7 +137,6 @@ fn slow_small_and_rare_changes_pass_unchanged() {
             assert_eq!(show.touched, 0, "{name} at {fps} fps");
         }
     }
-    // A swell, and a step.
     let mut show = Show::new();
     for frame in 0..600 {
         let time = frame as f32 / 60.0;
@@ -170,7 +163,6 @@ fn three_hertz_at_a_frame_rate_that_is_no_multiple_are_sometimes_delayed_by_a_fr
     for colors in [[WHITE, BLACK], [RED, BLACK]] {
         let mut show = Show::new();
         show.strobe((3.0, 60.0 / 1.001, 20.0), colors, everywhere);
-        // Each of the few flashes that begin a frame early loses that frame.
         assert!((1..=12).contains(&show.touched), "{} frames changed", show.touched);
         assert!(show.worst().general <= 3 && show.worst().red <= 3, "{:?}", show.worst());
     }
@@ -185,7 +177,6 @@ fn the_fourth_flash_is_dimmed_without_pumping_or_jumps() {
     for (frame, light) in seen.iter().enumerate().skip(18) {
         assert!((0.199..0.271).contains(light), "frame {frame} has {light}");
     }
-    // The strobe ends without a jump.
     let mut last = *seen.last().unwrap();
     for frame in 0..240 {
         let light = show.frame(1.0 / 60.0, WHITE, everywhere);
@@ -236,8 +227,7 @@ fn cells_far_from_a_flash_do_not_change() {
     assert!(limited > 60);
 }
 
-/// Regression: unlimited neighbours of a limited cell kept all of their light, so that the edge between them was
-/// visible.
+/// Regression: unlimited neighbours of a limited cell kept all their light, and the edge between them flickered.
 #[test]
 fn a_flash_beside_steady_light_was_limited_with_an_edge_that_flickers() {
     let half = |cell: usize| cell % COLUMNS < COLUMNS / 2;
@@ -253,7 +243,6 @@ fn a_flash_beside_steady_light_was_limited_with_an_edge_that_flickers() {
                 assert!((pair[1] - pair[0]).abs() < 0.45, "frame {frames}: {row:?}");
             }
         }
-        // After the first dimmed frames steady light stays steady.
         if let Some(last) = last.replace(lights.clone()).filter(|_| frames > 12) {
             for (cell, (before, now)) in last.iter().zip(&lights).enumerate().filter(|(cell, _)| !half(*cell))
             {

@@ -31,9 +31,7 @@ pub(super) const RED: [f32; 2] = [0.4507, 0.5229];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Change {
-    /// To the brighter state, or to red.
     Up,
-    /// To the darker state, or away from red.
     Down,
 }
 
@@ -88,7 +86,6 @@ impl LightSwing {
         still && !sure
     }
 
-    /// The lowest luminance since the last change, if that was a fall.
     pub(super) fn low(&self) -> f32 {
         self.low
     }
@@ -96,7 +93,6 @@ impl LightSwing {
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RedSwing {
-    /// True if the last change was to red.
     red: bool,
     /// The chromaticity since the last change that is farthest from the next change's direction.
     extreme: Option<[f32; 2]>,
@@ -127,7 +123,6 @@ impl RedSwing {
         None
     }
 
-    /// True if the last change was so small that it may only count from this colour on.
     pub(super) fn may_count_only_at(&self, color: [f32; 3], counts: &Thresholds) -> bool {
         !self.sure && is_saturated_red(color, counts.red_fraction) == self.red
     }
@@ -171,7 +166,6 @@ impl Times {
         }
     }
 
-    /// Forgets changes older than a second.
     pub(super) fn forget(&mut self, now: f64) {
         while self.0.front().is_some_and(|time| *time <= now - 1.0 + ROUNDING) {
             self.0.pop_front();
@@ -205,10 +199,8 @@ mod tests {
         assert_eq!(light_changes(&[0.3, 0.41, 0.3]), 2);
         assert_eq!(light_changes(&[0.82, 1.0, 0.82]), 0, "the darker state is bright");
         assert_eq!(light_changes(&[0.7, 1.0, 0.7]), 2);
-        // Slowly up and down again: one change each.
         let ramp = (0..200).map(|i| if i < 100 { i as f32 / 100.0 } else { 2.0 - i as f32 / 100.0 });
         assert_eq!(light_changes(&ramp.collect::<Vec<_>>()), 2);
-        // From peak to valley, in any number of small steps.
         assert_eq!(light_changes(&[0.0, 0.5, 0.45, 0.55, 0.5, 0.6, 0.0]), 2);
     }
 
@@ -232,7 +224,6 @@ mod tests {
         }
         assert_eq!(red_changes(&[white, black, white, green, white]), 0);
         assert_eq!(red_changes(&[[0.5, 0.2, 0.2], black, [0.5, 0.2, 0.2]]), 0, "the red is not saturated");
-        // Almost no light, and two saturated reds.
         assert_eq!(red_changes(&[[0.005, 0.0, 0.0], black, [0.005, 0.0, 0.0]]), 0);
         assert_eq!(red_changes(&[red, [0.9, 0.1, 0.0], red]), 0);
     }

@@ -107,8 +107,7 @@ impl Frame {
         block
     }
 
-    /// The planes as unit normal and distance of the origin. A plane that does not exist in this frame has the normal
-    /// 0.
+    /// The planes as unit normal and distance of the origin. The normal is 0 for a plane that this frame lacks.
     fn planes(&self) -> impl Iterator<Item = [f32; 4]> {
         self.values.planes.iter().take(PLANES_MAX).map(|plane| {
             let [a, b, c, d] = plane.map(f64::from);
@@ -125,12 +124,10 @@ pub fn light_defines() -> impl Iterator<Item = String> {
     kinds.chain([format!("LIGHT_KINDS {}", LightKind::ALL.len())])
 }
 
-/// The number of a kind of light in the shaders, from 1.
 fn number_of(kind: LightKind) -> f32 {
     kind as u8 as f32 + 1.0
 }
 
-/// Packs a light as `frame_block.glsl` describes it.
 fn light(light: &Light<f32>) -> [[f32; 4]; LIGHT] {
     let ([x, y, z], kind) = (light.place(), number_of(light.kind));
     let ([r, g, b], [rx, ry, rz], [ux, uy, uz]) = (light.color, light.right, light.up);
@@ -138,7 +135,6 @@ fn light(light: &Light<f32>) -> [[f32; 4]; LIGHT] {
     [[x, y, z, kind], [r, g, b, light.radius.max(0.0)], [rx, ry, rz, range], [ux, uy, uz, shadow]]
 }
 
-/// Writes the vectors of one member and advances past it.
 fn put(rest: &mut &mut [[f32; 4]], length: usize, vectors: impl IntoIterator<Item = [f32; 4]>) {
     let (member, behind) = std::mem::take(rest).split_at_mut(length);
     for (to, from) in member.iter_mut().zip(vectors) {

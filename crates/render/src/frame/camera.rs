@@ -90,7 +90,6 @@ mod tests {
     #[test]
     fn both_speakers_are_in_view_at_every_window_shape() {
         let world = world_of(SPEAKERS);
-        // Aspect ratios from 1:40 to 40:1.
         for shape in (-16..=16).map(|tenth| 10_f64.powf(f64::from(tenth) / 10.0)) {
             let size =
                 if shape < 1.0 { (100, (100.0 / shape) as u32) } else { ((100.0 * shape) as u32, 100) };
@@ -137,7 +136,6 @@ mod tests {
         let (right, _) = camera.project(DVec3::new(0.5, 0.0, 1.0)).unwrap();
         let (_, high) = camera.project(DVec3::new(0.0, 0.5, 1.0)).unwrap();
         assert!(right > 0.0 && high > 0.0);
-        // The axis that pointed up now points right.
         let rolled = Camera::of(&lang::Camera { roll: 0.5, ..asked }, 1.6);
         let (turned, _) = rolled.project(DVec3::new(0.0, 0.5, 1.0)).unwrap();
         assert!(turned > 0.0, "{turned}");

@@ -75,8 +75,7 @@ impl HeldInputs {
         Ok(true)
     }
 
-    /// Joins the held inputs of two scenes, for a scene that appends the second's parameters to the `params` of the
-    /// first.
+    /// Joins the held inputs of two scenes, the second's parameters following the first's `params` parameters.
     pub fn followed_by(&self, second: &Self, params: usize) -> Self {
         let moved = second.0.iter().map(|&(place, value)| match place {
             Place::Param(number) => (Place::Param(params + number), value),

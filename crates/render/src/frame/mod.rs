@@ -1,6 +1,5 @@
-//! [`Frame`]: the inputs of one image of a world, computed from time, sound and camera.
-//!
-//! A frame is plain numbers without OpenGL, and is the same for a window, a still and a video.
+//! [`Frame`]: the inputs of one image of a world, computed from time, sound and camera. They are plain numbers without
+//! OpenGL, the same for a window, a still and a video.
 
 pub mod block;
 pub mod camera;
@@ -94,7 +93,6 @@ impl Frame {
     }
 }
 
-/// The inputs of a world's expressions; missing parameters have the defaults of the scene's text.
 fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInputs {
     let Sound { features, tables, song } = sound;
     let number = |name: &str| features.number(name).or_else(|| song.number(name)).unwrap_or(0.0);
@@ -152,7 +150,6 @@ impl Frame {
         self
     }
 
-    /// Places the camera and passes its position to the expressions.
     fn see_from(&mut self, world: &World, aspect: f64, orbit: OrbitControls) {
         (self.orbit, self.camera) = (orbit, Camera::by_hand(&self.values.camera, aspect, &orbit));
         self.picture = Picture::of(&self.values, &self.camera, world.features.lens);

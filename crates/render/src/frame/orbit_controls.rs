@@ -1,8 +1,7 @@
 //! Orbit controls: the user turns and zooms the view around the point that the scene's camera looks at.
 //!
-//! The controls add to the scene's camera, which may keep moving. Regions, bounds and planes do not depend on them. In
-//! materials and the sky, `eye` is the real position of the eye. The formulas of the scene's camera path do not see the
-//! controls.
+//! The controls add to the scene's camera, which may keep moving. `eye` in materials and the sky follows them; regions,
+//! bounds, planes and the formulas of the camera path do not.
 
 use glam::DVec3;
 
@@ -12,7 +11,6 @@ pub struct OrbitControls {
     /// Rotation around the vertical in degrees; positive values move the eye to the left.
     yaw: f32,
     pitch: f32,
-    /// Factor of the distance.
     zoom: f32,
 }
 
@@ -62,8 +60,7 @@ impl OrbitControls {
         [self.yaw, self.pitch, self.zoom]
     }
 
-    /// Builds controls from [`OrbitControls::turns`], clamped to their ranges. Numbers that are not finite have no
-    /// effect.
+    /// Controls from [`OrbitControls::turns`], clamped to their ranges. Numbers that are not finite have no effect.
     pub fn of_turns([yaw, pitch, zoom]: [f32; 3]) -> Self {
         let turn = |turn: f32| if turn.is_finite() { turn % 360.0 } else { 0.0 };
         let zoom = if zoom.is_finite() { zoom.clamp(ZOOM.0 as f32, ZOOM.1 as f32) } else { 1.0 };

@@ -68,7 +68,6 @@ pub const BLUR_MAX: f32 = 0.04;
 const EXPOSURE_MAX: f32 = 1000.0;
 const GRAIN_MAX: f32 = 16.0;
 const LENS_RADIUS_MAX: f32 = 1e6;
-/// Range of the distance of focus.
 const FOCUS: (f32, f32) = (1e-3, 1e7);
 
 fn within(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {

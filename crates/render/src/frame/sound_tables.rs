@@ -33,8 +33,7 @@ fn append(texels: &mut Vec<[f32; 4]>, table: &TableData, pieces: usize) {
     texels.resize(end, [0.0; 4]);
 }
 
-/// The coefficients of the cubic with these Bézier points, constant term first. Shaders need fewer registers for this
-/// form.
+/// The cubic with these Bézier points, constant term first: in this form shaders need fewer registers.
 fn polynomial(&[a, b, c, d]: &[f32; 4]) -> [f32; 4] {
     [a, 3.0 * (b - a), 3.0 * (a - 2.0 * b + c), d - a + 3.0 * (b - c)]
 }
@@ -83,7 +82,6 @@ mod tests {
         for (text, read) in [
             ("length(p) - 1 - band(3)", false),
             ("length(p) - 1 - spectrum(y)", true),
-            // Computed once per frame.
             ("length(p) - 1 - spectrum(0.5)", false),
             (
                 "object a { shape = sphere(p, 1) material = m }\nmaterial m { color = vec3(history(x, y)) }",

@@ -2,7 +2,6 @@
 
 use mariana_field::world::World;
 
-/// The thesis' speakers.
 pub(crate) const SPEAKERS: &str = include_str!("../../../../tests/oracle/speakers.scene");
 
 pub(crate) fn world_of(text: &str) -> World {

@@ -1,12 +1,10 @@
 //! Compiles programs on worker threads with their own contexts, in parallel with the frame loop.
 //!
 //! A driver takes from tens of milliseconds to many seconds for a large shader, and does part of the work at the first
-//! draw. A worker therefore links the program and draws a small image with it, with the same states and kinds of
-//! textures that the renderer will use. The drawing thread receives plain values, among them the driver's binary of the
-//! program, and finds the code compiled at the draw in the driver's cache. Contexts never share objects, because
-//! drivers mishandle shared objects ([`super::program::ReadyProgram`]).
-//!
-//! Compiled programs are stored between runs (`compile_worker`).
+//! draw. A worker therefore links the program and draws a small image with it, in the renderer's states and kinds of
+//! textures. The drawing thread receives plain values, among them the driver's binary, because drivers mishandle
+//! objects shared between contexts ([`super::program::ReadyProgram`]). `compile_worker` stores compiled programs
+//! between runs.
 
 #![expect(unsafe_code, reason = "glutin's functions that create contexts are unsafe")]
 
@@ -69,8 +67,7 @@ impl WorkerContext {
         Ok(Self { display: display.clone(), context })
     }
 
-    /// Creates a context on EGL's default display; [`super::headless::Headless`] uses another display. `None` if EGL
-    /// refuses.
+    /// Creates a context on EGL's default display, unlike [`super::headless::Headless`]. `None` if EGL refuses.
     pub fn beside_headless() -> Option<Self> {
         #[cfg(target_os = "linux")]
         let made = super::headless::default_context();
@@ -134,7 +131,6 @@ pub struct BackgroundCompiler {
     queue: Arc<Queue>,
     finished: Receiver<Finished>,
     threads: Vec<JoinHandle<()>>,
-    /// Sources of the program texts, used without threads.
     library: ShaderLibrary,
     info: GlInfo,
 }
@@ -163,7 +159,6 @@ impl Queue {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the next job. `None` when the compiler ends.
     fn next(&self) -> Option<ProgramJob> {
         let mut state = self.lock();
         loop {
@@ -262,8 +257,7 @@ impl Drop for BackgroundCompiler {
             while !thread.is_finished() && Instant::now() < until {
                 std::thread::sleep(Duration::from_millis(2));
             }
-            // A driver cannot be interrupted and may need minutes for a large scene. The worker's context is
-            // independent of the window's, so the window's can be dropped first.
+            // A driver cannot be interrupted and may need minutes. The worker's context does not use the window's.
             if !thread.is_finished() {
                 tracing::info!("a driver is still compiling: Mariana exits without waiting for it");
                 continue;

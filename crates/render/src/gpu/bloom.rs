@@ -1,9 +1,8 @@
 //! Bloom: light that the lens and the eye scatter.
 //!
-//! The light is halved in size repeatedly, then enlarged again; each level is mixed with the enlarged smaller levels
-//! (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014). Unlike in that method, nothing
-//! is added: every level is a mean of light, and `present.frag` subtracts the scattered light from its origin, so that
-//! the image gets no brighter.
+//! The light is halved in size repeatedly, then enlarged again and mixed level by level (Jimenez, "Next Generation Post
+//! Processing in Call of Duty: Advanced Warfare", 2014). Here every level is a mean of light, and `present.frag`
+//! subtracts the scattered light from its origin, so that the image gets no brighter.
 
 use super::error::GpuError;
 use super::gl::Gl;
@@ -23,7 +22,6 @@ pub(super) struct Bloom {
     pub(super) up: LazyProgram,
 }
 
-/// The levels, largest first.
 pub(super) struct BloomTargets {
     levels: Vec<Target>,
 }
@@ -54,8 +52,7 @@ impl Bloom {
     }
 }
 
-/// The fraction of the smaller levels when `levels` remain. All weights sum to 1, and each is smaller than the previous
-/// one.
+/// The fraction of the smaller levels when `levels` remain. All weights sum to 1; each is below the previous one.
 fn fraction_of_smaller(levels: usize) -> f32 {
     let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
     weights(1) / weights(0)

@@ -1,7 +1,5 @@
-//! Disables Mesa's shader cache when its disk is full.
-//!
-//! Mesa up to 22.3 maps the index of that cache into memory without reserving disk space. When a write then finds no
-//! space, a bus error kills the process.
+//! Disables Mesa's shader cache when its disk is full. Mesa up to 22.3 maps the index of that cache into memory without
+//! reserving disk space, and when a write then finds no space, a bus error kills the process.
 
 #![expect(unsafe_code, reason = "sets an environment variable before other threads start")]
 
@@ -13,8 +11,7 @@ const ROOM_MIN: u64 = 16 << 20;
 
 const OFF: &str = "MESA_SHADER_CACHE_DISABLE";
 
-/// Disables Mesa's cache for this process and its children if its disk is almost full. Call it first: it has no effect
-/// once other threads run.
+/// Disables Mesa's cache for this process and its children if its disk is almost full. Call before starting threads.
 pub fn leave_where_full() {
     let folder = folder(|name| std::env::var_os(name).filter(|value| !value.is_empty()));
     let room = folder.and_then(|folder| room_in(&folder));
@@ -25,7 +22,6 @@ pub fn leave_where_full() {
     }
 }
 
-/// Mesa's cache folder, from the environment variables that Mesa reads.
 fn folder(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
     let place = |name: &str| variable(name).map(PathBuf::from);
     place("MESA_SHADER_CACHE_DIR")

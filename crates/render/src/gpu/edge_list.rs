@@ -1,18 +1,15 @@
 //! A list of the pixels at edges, so that their further samples can be drawn densely.
 //!
-//! A software renderer runs a shader for eight neighbouring pixels at once. If few of them are at an edge, most of that
-//! work is wasted: further samples of 13 % of the pixels would cost more than the first samples of all. Their samples
-//! are therefore drawn side by side in a separate target, in a block for each pixel. A software renderer reads the
-//! marked pixels back at no cost. A GPU would have to wait for that, and uses the stencil instead.
+//! A software renderer runs a shader for eight neighbouring pixels at once, so further samples of 13 % of the pixels
+//! would cost more than the first samples of all. They are therefore drawn side by side in a separate target, in a
+//! block for each pixel. Reading the marks back costs a software renderer nothing; a GPU would wait, and uses the
+//! stencil.
 //!
-//! Tried: sorting the list by surface, so that neighbours run the same tapes. Times stay within 3 %: samples at edges
-//! are expensive because they run 2.4 times the clauses, not because their neighbours differ.
-//!
-//! Tried: reusing the light of a first sample of the same surface. It saves 18 % of the clauses and no time on
-//! llvmpipe, where eight neighbours wait for the slowest, and loses 2 dB.
-//!
-//! If eight neighbours always waited for the one with the most clauses, frames would take 7 % (wave_tank) to 23 %
-//! (speakers) longer. A loop in which each lane begins its next step by itself cannot gain much more than that.
+//! Tried: sorting the list by surface (within 3 %: samples at edges run 2.4 times the clauses, which does not depend on
+//! their neighbours), and reusing the light of a first sample of the same surface (18 % fewer clauses, no time on
+//! llvmpipe, where eight neighbours wait for the slowest, and 2 dB worse). If eight neighbours always waited for the
+//! slowest, frames would take 7 % (wave_tank) to 23 % (speakers) longer: letting each advance by itself cannot gain
+//! much more.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -29,7 +26,6 @@ use super::tiles::Part;
 /// Pixels are listed by squares with sides of this many pixels, so that pixels drawn together show similar surfaces.
 const TILE: usize = 8;
 
-/// The list of edge pixels of an image, and the target of their samples.
 pub(super) struct EdgeList {
     gl: Gl,
     size: (u32, u32),
@@ -48,7 +44,6 @@ pub(super) struct EdgeList {
 }
 
 impl EdgeList {
-    /// Creates a list for images of `size` pixels, with samples stored as `texels`.
     pub(super) fn new(
         gl: &Gl,
         size: (u32, u32),
@@ -137,13 +132,11 @@ impl EdgeList {
         ])
     }
 
-    /// Binds the texture that the scene's shader reads. llvmpipe compiles the shader for each kind of bound texture,
-    /// read or not, so bind this one from the first sample on.
+    /// Binds what the scene's shader reads. llvmpipe compiles per kind of texture, so bind it from the first sample on.
     pub(super) fn bind_pixels(&self) {
         self.bind(&self.pixels, "edge_pixels");
     }
 
-    /// Binds the textures that `resolve.frag` reads: the samples and the blocks of the pixels.
     pub(super) fn bind_samples(&self) {
         self.samples.bind_color(0, unit_of("extra_samples"));
         self.bind(&self.squares, "edge_squares");
@@ -180,13 +173,11 @@ impl EdgeList {
     }
 }
 
-/// Returns a side of at least this many texels that is no power of two. Software renderers compile a variant for powers
-/// of two. A side that changes during a show must not cause such a delay.
+/// Rounds up to no power of two: software renderers compile a variant for those, which would delay a show.
 fn no_power_of_two(side: u32) -> u32 {
     if side.is_power_of_two() { side + 1 } else { side }
 }
 
-/// The internal and the transfer format of texels with two or four 16-bit integers.
 fn index_formats(numbers: usize) -> (u32, u32) {
     if numbers == 2 { (glow::RG16UI, glow::RG_INTEGER) } else { (glow::RGBA16UI, glow::RGBA_INTEGER) }
 }

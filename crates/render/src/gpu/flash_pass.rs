@@ -58,7 +58,6 @@ pub struct FlashPass {
     programs: FlashPrograms,
     memory: FlashMemory,
     cells: CellDraws,
-    /// Numbers for the passes over cells.
     step_block: Block,
     steps: Steps,
     /// True before the first frame and after [`FlashPass::forget`].
@@ -79,7 +78,6 @@ struct FlashPrograms {
     limit_enlarged: Program,
 }
 
-/// The state of the cells.
 struct FlashMemory {
     measured: Target,
     /// States of this frame and of the previous one.
@@ -95,7 +93,6 @@ struct FlashMemory {
 
 struct CellDraws {
     gl: Gl,
-    /// Numbers for a single pass.
     place_block: Block,
     vertices: VertexArray,
 }
@@ -144,8 +141,7 @@ impl FlashPass {
         self.forget();
     }
 
-    /// Measures a finished image that is shown `seconds` after the previous one, and decides which cells to dim. The
-    /// first image is never dimmed.
+    /// Measures an image shown `seconds` after the previous one, and decides which cells to dim; none in the first.
     pub fn take(&mut self, finished: &Target, seconds: f64) {
         self.begin(seconds);
         (0..PASSES).for_each(|number| self.pass(number, finished));
@@ -240,7 +236,6 @@ impl FlashPass {
         (grid(&self.memory.measured), corrections, grid(&self.memory.shown))
     }
 
-    /// Draws the limited cells into the bound framebuffer of `size` pixels.
     fn dim_cells(&self, finished: &Target, size: (u32, u32)) {
         let FlashPrograms { limit, limit_enlarged, .. } = &self.programs;
         finished.bind_color(0, unit_of("picture"));
@@ -337,7 +332,6 @@ impl CellDraws {
         if target.colors() == 1 { self.gl.replacing(draw) } else { draw() }
     }
 
-    /// Draws rectangles over the limited cells of the bound framebuffer of `size` pixels.
     fn draw_cells(&self, program: &Program, size: (u32, u32)) {
         self.reset_state();
         self.place_block.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
@@ -359,7 +353,6 @@ fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> R
     }
 }
 
-/// Binds the colours of a target to the units of these textures.
 fn bind(target: &Target, names: &[&str]) {
     for (index, name) in names.iter().enumerate() {
         target.bind_color(index, unit_of(name));

@@ -8,8 +8,7 @@ use super::error::GpuError;
 use super::gl::Gl;
 
 impl Gl {
-    /// Lets `draws` draw over the window's framebuffer. Afterwards restores the state that the renderer does not set
-    /// itself: OpenGL's defaults, with conversion to sRGB off.
+    /// Lets `draws` draw over the window's framebuffer, then restores OpenGL's defaults, with conversion to sRGB off.
     ///
     /// # Errors
     /// An error that the driver reports, caused by `draws` or by earlier calls.
@@ -57,7 +56,6 @@ impl Gl {
             // The renderer binds its textures for each draw.
             self.active_texture(glow::TEXTURE0);
             self.bind_texture(glow::TEXTURE_2D, None);
-            // First the vertex array, which owns the element buffer's binding.
             self.bind_vertex_array(None);
             self.bind_buffer(glow::ARRAY_BUFFER, None);
             self.bind_framebuffer(glow::FRAMEBUFFER, self.window());

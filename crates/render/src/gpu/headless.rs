@@ -11,7 +11,6 @@ use std::sync::{Mutex, PoisonError};
 use super::error::GpuError;
 use super::gl::Gl;
 
-/// Serializes the creation of contexts across threads.
 #[cfg(all(unix, not(target_os = "macos")))]
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
@@ -28,8 +27,7 @@ impl Headless {
         &self.gl
     }
 
-    /// Creates an OpenGL 3.3 context on the first suitable EGL device, hardware before software, and makes it current.
-    /// A machine with an outdated GPU therefore falls back to its CPU.
+    /// Creates an OpenGL 3.3 context on the first suitable EGL device, hardware first, and makes it current.
     ///
     /// # Errors
     /// [`GpuError::NoHeadlessContext`] with the devices' errors; [`GpuError::TooOld`] if all contexts are below OpenGL
@@ -37,8 +35,7 @@ impl Headless {
     #[cfg(all(unix, not(target_os = "macos")))]
     pub fn new(log_debug: bool) -> Result<Self, GpuError> {
         use glutin::api::egl::device::Device;
-        // Mesa initializes itself with the first context, and guards parts of that (`lp_build_init` in 22.3) with a
-        // plain flag.
+        // Mesa guards parts of its initialization in the first context (`lp_build_init` in 22.3) with a plain flag.
         let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         let no_context = |reason: String| GpuError::NoHeadlessContext { reason };
         let mut devices: Vec<Device> =
@@ -87,8 +84,7 @@ fn is_software(device: &glutin::api::egl::device::Device) -> bool {
     device.extensions().contains("EGL_MESA_device_software")
 }
 
-/// Creates a context of the software renderer on a separate display, not current yet. `None` if EGL lists no software
-/// device.
+/// A software renderer's context on a separate display, not current yet. `None` if EGL lists no software device.
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(super) fn software_context()
 -> Option<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)> {
@@ -108,8 +104,7 @@ fn context_on(
     context_of(unsafe { glutin::api::egl::display::Display::with_device(device, None) }?)
 }
 
-/// Creates a context on EGL's default display, not current yet. It shares no display with contexts on devices. The
-/// variable `EGL_PLATFORM` or the desktop selects the default display.
+/// Creates a context on EGL's default display (`EGL_PLATFORM` or the desktop selects it), not current yet.
 #[cfg(target_os = "linux")]
 pub(super) fn default_context()
 -> Option<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)> {

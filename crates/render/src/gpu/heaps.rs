@@ -1,12 +1,10 @@
 //! Limits the number of heaps of the C library's allocator and returns their free memory to the system.
 //!
-//! **Few heaps.** glibc gives each of the first threads its own heap, up to eight for each processor. Drivers and the
-//! show have about forty threads, and freed memory stays in the heap of its thread: after 300 scenes a third of the
-//! resident memory was free but kept. Threads that share two heaps reuse it. Each heap also reserves 64 MiB of
-//! addresses, which counts under `ulimit -v` and in some containers.
+//! **Few heaps.** glibc gives threads up to eight heaps per processor, and freed memory stays in its thread's heap:
+//! after 300 scenes a third of the resident memory was free but kept. Each heap also reserves 64 MiB of addresses,
+//! which counts under `ulimit -v`. Threads that share two heaps reuse them.
 //!
-//! **Returned memory.** A compiler takes up to 50 MiB for a long program. When it frees this memory, longer-lived
-//! blocks keep its pages from returning to the system, so [`give_back`] follows each compilation.
+//! **Returned memory.** A compiler takes up to 50 MiB. Longer-lived blocks keep its pages, so [`give_back`] follows.
 
 #![expect(unsafe_code, reason = "the C library's allocator is set up by C functions")]
 
@@ -29,7 +27,6 @@ pub fn give_back() {
 mod tests {
     use super::give_back;
 
-    /// The resident memory of this process in MiB.
     fn resident() -> usize {
         let status = std::fs::read_to_string("/proc/self/status").unwrap();
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
@@ -38,8 +35,7 @@ mod tests {
 
     #[test]
     fn freed_memory_returns_to_the_system() {
-        // These blocks are smaller than those that glibc maps individually. A few longer-lived ones keep the heap's
-        // pages in use.
+        // Smaller than blocks that glibc maps individually. A few longer-lived ones keep the heap's pages in use.
         let blocks: Vec<Vec<u8>> = (0..8_192).map(|_| vec![1; 64 << 10]).collect();
         let full = resident();
         let kept: Vec<Vec<u8>> = blocks.into_iter().step_by(128).collect();

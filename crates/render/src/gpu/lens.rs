@@ -1,7 +1,6 @@
-//! Depth of field: points that are out of focus are spread over discs.
-//!
-//! `scene.frag` writes the spread of each point. At half the size, each pixel gathers the light of the discs that reach
-//! it. Points spread over less than a pixel stay sharp. The blur has no noise, so equal frames stay equal.
+//! Depth of field: points that are out of focus are spread over discs. `scene.frag` writes each point's spread. At half
+//! the size, each pixel gathers the light of the discs that reach it. Points spread over less than a pixel stay sharp.
+//! The blur has no noise, so equal frames stay equal.
 
 use super::error::GpuError;
 use super::gl::Gl;

@@ -13,7 +13,6 @@ use super::target::Target;
 /// Most pixels of one draw. A pass over an 8K image takes several draws, so that no watchdog takes it for a hang.
 const BAND_PIXELS: u32 = 1 << 21;
 
-/// The vertices and uniform blocks that all passes over light use.
 pub(super) struct Passes {
     pub(super) gl: Gl,
     vertices: VertexArray,
@@ -31,7 +30,6 @@ impl Passes {
         })
     }
 
-    /// Binds the vertices and resets the state before a series of passes.
     pub(super) fn prepare(&self) {
         self.bind_vertices();
         // SAFETY: sets state of the current context.
@@ -53,12 +51,10 @@ impl Passes {
         unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
     }
 
-    /// Sets the numbers of `PictureBlock` for all passes, including the scene's.
     pub(super) fn set_picture(&self, numbers: &[f32]) {
         self.picture.set(numbers);
     }
 
-    /// Draws over a whole target with the bound textures.
     pub(super) fn draw(&self, program: &LazyProgram, target: &Target) -> Result<(), GpuError> {
         self.draw_with(program, target, [0.0; 2])
     }
@@ -91,7 +87,6 @@ impl Passes {
         Ok(())
     }
 
-    /// Like [`Passes::draw`], with two numbers for the shader.
     pub(super) fn draw_with(
         &self,
         program: &LazyProgram,
@@ -115,7 +110,6 @@ impl Passes {
         drawn
     }
 
-    /// Draws over a whole target, in bands if it is large.
     fn cover(&self, program: &LazyProgram, target: &Target, numbers: [f32; 2]) -> Result<(), GpuError> {
         let (width, height) = target.size();
         self.post.set(&[1.0 / width as f32, 1.0 / height as f32, numbers[0], numbers[1]]);
@@ -141,7 +135,6 @@ impl Passes {
     }
 }
 
-/// A uniform block that is rewritten for each use.
 pub(super) struct Block {
     gl: Gl,
     buffer: Buffer,

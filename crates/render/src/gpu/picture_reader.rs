@@ -1,5 +1,4 @@
-//! Reads images back without waiting for the GPU: each is copied into a driver buffer, and read once the copy is
-//! complete.
+//! Reads images back without waiting for the GPU: each is copied to a driver buffer and read once that is complete.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -12,7 +11,6 @@ use super::gl::Gl;
 use super::object::Buffer;
 use super::target::{Target, Texel};
 
-/// Most pending images.
 const ON_THEIR_WAY_MAX: usize = 3;
 
 /// A queue of images of one size that are being read back.
@@ -46,7 +44,6 @@ impl PictureReader {
         Ok(Self { gl: gl.clone(), target, free, on_their_way: VecDeque::new() })
     }
 
-    /// The target to draw an image into before it is read.
     pub(super) fn target(&self) -> &Target {
         &self.target
     }
@@ -82,8 +79,7 @@ impl PictureReader {
         !self.on_their_way.is_empty()
     }
 
-    /// The latest image that has arrived since the last call: four bytes per pixel, in the order of the target's rows,
-    /// the lowest first.
+    /// The latest image that has arrived since the last call: four bytes per pixel, lowest row first.
     pub fn take(&mut self) -> Option<Vec<u8>> {
         let mut newest = None;
         while let Some((buffer, fence)) = self.on_their_way.pop_front() {

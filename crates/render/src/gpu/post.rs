@@ -3,17 +3,16 @@
 //! 1. `resolve.frag` turns the samples of each pixel into its light.
 //! 2. `lens_*.frag` blur points out of focus (`lens`), in scenes that have a lens.
 //! 3. `bloom_down.frag` and `bloom_up.frag` scatter light (`bloom`).
-//! 4. `present.frag` mixes in a fraction of the scattered light, applies exposure and tone map, encodes the result as
-//!    sRGB and adds grain. While one scene fades into another, it mixes in the other's light before the tone map.
+//! 4. `present.frag` mixes in scattered light and a fading scene's light, applies exposure and tone map, encodes as
+//!    sRGB and adds grain.
 //!
 //! The light has the size of the scene's targets, the finished image that of the output.
 //!
-//! **Light until the last pass.** Samples, their means, blur and bloom are linear light in 16-bit floats; exposure,
-//! tone map and sRGB encoding come last, in `present.frag`. Samples are weighted by the visible part of their light;
-//! otherwise one bright sample would dominate its edge. AgX is the default, because bright saturated colours fade to
-//! white as on film instead of being clipped. Its look is slightly more saturated than neutral, because emissive scenes
-//! depend on colour. Bloom and lens blur are means, so they do not brighten the image. No noise changes from frame to
-//! frame, so still parts stay identical, bit for bit.
+//! **Light until the last pass.** Until `present.frag`, everything is linear light in 16-bit floats. Samples are
+//! weighted by the visible part of their light; otherwise one bright sample would dominate its edge. AgX is the default
+//! tone map, because bright saturated colours fade to white as on film; its look is slightly more saturated than
+//! neutral, because emissive scenes depend on colour. No noise changes from frame to frame, so still parts stay
+//! identical, bit for bit.
 
 use super::bloom::{Bloom, BloomTargets};
 use super::edge_samples::EdgeSamples;
@@ -59,12 +58,10 @@ pub(super) struct Post {
     present: [LazyProgram; 4],
     /// The same programs for images that fade into another.
     present_faded: [LazyProgram; 4],
-    /// Outputs the exposed light without a tone map.
     expose: LazyProgram,
     tone_map: Option<ToneMap>,
 }
 
-/// The targets, which depend on the image's size.
 pub(super) struct PostTargets {
     light: Target,
     lens: Option<LensTargets>,
@@ -96,7 +93,6 @@ impl Post {
         &self.passes
     }
 
-    /// Overrides the scenes' tone map; `None` restores it.
     pub(super) fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
         self.tone_map = tone_map;
     }
@@ -107,19 +103,16 @@ impl Post {
         self.passes.set_picture(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
     }
 
-    /// Resolves the bound first and further samples to light. `block` is the arrangement of the further samples side by
-    /// side.
+    /// Resolves the bound samples to light. `block` is the arrangement of the further samples side by side.
     pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) -> Result<(), GpuError> {
         self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32])
     }
 
-    /// Resolves only the sum that is bound as further samples to light.
     pub(super) fn resolve_all(&self, targets: &PostTargets) -> Result<(), GpuError> {
         self.passes.draw(&self.resolve_all, &targets.light)
     }
 
-    /// Finishes the image from the resolved light. `samples` are the first ones; `fade` is the light of another image
-    /// and its fraction.
+    /// Finishes the image. `samples` are the first ones; `fade` is the light of another image and its fraction.
     pub(super) fn finish(
         &self,
         targets: &PostTargets,
@@ -155,7 +148,6 @@ impl Post {
         self.passes.draw(&self.expose, output)
     }
 
-    /// Binds the resolved light, blurred by the lens, and the scattered light.
     fn bind_light(&self, targets: &PostTargets, picture: &Picture, samples: &Target) -> Result<(), GpuError> {
         let passes = &self.passes;
         let light = match &targets.lens {
@@ -174,7 +166,6 @@ impl Post {
 }
 
 impl PostTargets {
-    /// Creates targets for light of `size` pixels, with or without a lens, and finished images of `output` pixels.
     pub(super) fn new(
         gl: &Gl,
         size: (u32, u32),
@@ -193,7 +184,6 @@ impl PostTargets {
         &self.finished
     }
 
-    /// Drops all targets but the finished image.
     pub(super) fn into_finished(self) -> Target {
         self.finished
     }

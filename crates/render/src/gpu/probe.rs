@@ -11,7 +11,6 @@ use super::program::link_texts;
 use super::target::{Target, Texel};
 use super::texture_buffer::{BufferTexel, TextureBuffer};
 
-/// A triangle that covers the target.
 const VERTEX: &str = "#version 330 core
 void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }
 ";

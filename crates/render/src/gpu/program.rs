@@ -82,7 +82,6 @@ pub(super) fn unit_of(texture: &str) -> u32 {
     TEXTURE_UNITS.iter().find(|(name, _)| *name == texture).map_or(0, |(_, unit)| *unit)
 }
 
-/// The binding point of one of [`UNIFORM_BLOCKS`]; 0 for any other name.
 pub(super) fn binding_of(block: &str) -> u32 {
     UNIFORM_BLOCKS.iter().find(|(name, _)| *name == block).map_or(0, |(_, binding)| *binding)
 }
@@ -122,7 +121,6 @@ impl ProgramTexts {
         Self::assemble_both(library, (VERTEX_SHADER, fragment), variant, info)
     }
 
-    /// Like [`ProgramTexts::assemble`], with another vertex shader.
     pub(super) fn assemble_both(
         library: &ShaderLibrary,
         (vertex, fragment): (&'static str, &str),
@@ -173,7 +171,6 @@ pub struct ReadyProgram {
 }
 
 impl ReadyProgram {
-    /// Combines a program's texts and its binary, if there is one.
     pub(super) fn new(texts: ProgramTexts, binary: Option<ProgramBinary>) -> Self {
         Self { texts, binary }
     }
@@ -220,7 +217,6 @@ impl Program {
         Ok(Self::with_places(gl, object))
     }
 
-    /// Assigns the blocks and textures of a linked program to their binding points and units.
     fn with_places(gl: &Gl, object: ProgramObject) -> Self {
         let program = object.native();
         // SAFETY: the program is linked and belongs to `object`, whose context is current.
@@ -253,8 +249,7 @@ impl Program {
         ReadyProgram { texts, binary: binary.filter(|binary| !binary.buffer.is_empty()).map(ProgramBinary) }
     }
 
-    /// Recreates a program that another context has compiled: from the driver's binary, or from the texts if there is
-    /// no binary or the driver rejects it.
+    /// Recreates another context's program from the driver's binary, or from the texts if that is missing or rejected.
     ///
     /// # Errors
     /// The driver's log, for malformed texts.
@@ -288,7 +283,6 @@ impl Program {
         Ok(None)
     }
 
-    /// The program's OpenGL name.
     pub(super) fn number(&self) -> u32 {
         self.object.native().0.get()
     }
@@ -313,7 +307,6 @@ pub(super) struct LazyProgram {
 }
 
 impl LazyProgram {
-    /// Assembles a variant of `fragment` of `library`.
     pub(super) fn new(
         gl: &Gl,
         library: &ShaderLibrary,
@@ -324,7 +317,6 @@ impl LazyProgram {
         Ok(Self { texts, linked: OnceCell::new() })
     }
 
-    /// Makes this the program of the following draws.
     pub(super) fn bind(&self, gl: &Gl) -> Result<(), GpuError> {
         if self.linked.get().is_none() {
             let _ = self.linked.set(Program::of(gl, &self.texts)?);
@@ -334,8 +326,7 @@ impl LazyProgram {
     }
 }
 
-/// Compiles and links the texts of a vertex and a fragment shader, each with its name. Error logs name the positions in
-/// the files that [`super::shader_source`] marked.
+/// Compiles and links two texts, each with its name. Logs give positions in the files of [`super::shader_source`].
 pub(super) fn link_texts(
     gl: &Gl,
     vertex: (&str, &str),

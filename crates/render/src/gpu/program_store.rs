@@ -1,6 +1,5 @@
-//! Storage of programs from earlier runs: the driver's binaries, and records of programs at which a driver failed.
-//!
-//! The program that embeds the renderer implements [`ProgramStore`] and chooses the location.
+//! Storage of programs from earlier runs: the driver's binaries, and records of programs at which a driver failed. The
+//! embedding program implements [`ProgramStore`] and chooses the location.
 
 use std::any::Any;
 use std::fmt;
@@ -117,5 +116,4 @@ pub trait ProgramStore: Send + Sync {
     }
 }
 
-/// Stores nothing.
 impl ProgramStore for () {}

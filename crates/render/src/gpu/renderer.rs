@@ -6,17 +6,14 @@
 //!
 //! A frame is drawn in parts, in one call or several (`making`). `presenter` brings the finished image to the screen.
 //!
-//! The same program draws every sample, so that a driver compiles a scene only once. Programs belong to scenes, and the
-//! renderer draws with any scene's.
+//! The same program draws every sample in one GL state, because some drivers compile a program once for each state.
+//! Programs belong to scenes, and the renderer draws with any scene's.
 //!
-//! **Further samples at edges only.** Every pixel gets one sample. If neighbours show different surfaces (a key in
-//! alpha) and visibly different colours, the same program draws more: four in the window (6 to 13 % of the pixels; two
-//! while an interpreted scene is being edited), sixteen in stills and videos, which also search for the edges of
-//! shadows. `bench --edges` compares them with 64 samples everywhere. On a GPU a stencil selects these pixels. A
-//! software renderer computes eight neighbours at once, and those few pixels would cost more than the first samples of
-//! all: there they are read back and listed, and their samples are drawn side by side. All samples are drawn in one GL
-//! state, because some drivers compile a program once for each state. Textures are filtered by mip levels with exact
-//! footprints.
+//! **Further samples at edges only.** If neighbours show different surfaces (a key in alpha) and visibly different
+//! colours, the same program draws more: four in the window (6 to 13 % of the pixels; two while an interpreted scene is
+//! being edited), sixteen in stills and videos, which also search for the edges of shadows. `bench --edges` compares
+//! them with 64 samples everywhere. A GPU selects these pixels by a stencil, a software renderer lists them
+//! (`edge_list`).
 
 mod canvas;
 mod fade;
@@ -71,8 +68,7 @@ pub struct Renderer {
 pub struct Sketch(Canvas);
 
 impl Renderer {
-    /// Compiles the shaders of `library` that all scenes share. With [`Counting::On`], scenes' programs must be of the
-    /// counting variant.
+    /// Compiles the shaders that all scenes share. With [`Counting::On`], scenes' programs must count too.
     ///
     /// # Errors
     /// The driver's log, for a rejected shader.
@@ -110,8 +106,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Enables GPU timing, so that parts become smaller when pixels become more expensive. No other timer may run while
-    /// a frame is drawn.
+    /// Times the GPU, so that parts shrink when pixels become expensive. Use no other timer while a frame is drawn.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no query left.
@@ -146,9 +141,8 @@ impl Renderer {
         self.painter.set_edge_samples(samples);
     }
 
-    /// Draws an invisible empty image with every pass of a scene's first frame in a window, with the settings of
-    /// `picture`, while `is_wanted` returns true; the flash limiter comes last. Many drivers finish a program only at
-    /// its first draw. Has no effect after the first draw.
+    /// Draws an invisible empty image with every pass of a window's first frame while `is_wanted` returns true, because
+    /// many drivers finish a program only at its first draw. Has no effect after the first draw.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -163,8 +157,7 @@ impl Renderer {
         self.gl.check("drawing an empty image")
     }
 
-    /// Draws `frame` of a scene with one of its programs into the renderer's target. [`Renderer::show`] or
-    /// [`Renderer::read`] outputs it.
+    /// Draws `frame` into the renderer's target; [`Renderer::show`] or [`Renderer::read`] outputs it.
     ///
     /// # Errors
     /// A size over the driver's limit, or an error that the driver reports.
@@ -181,8 +174,7 @@ impl Renderer {
         self.painter.begin(Product::Picture, frame, scene)
     }
 
-    /// Begins a frame that only provides light for [`Renderer::keep_light`]. The previous image is shown until the next
-    /// one is finished.
+    /// Begins a frame that only provides light for [`Renderer::keep_light`]. The previous image stays until then.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -204,8 +196,7 @@ impl Renderer {
         self.painter.begin(Product::View, frame, scene)
     }
 
-    /// Continues the frame with the same scene and program for about `patience`. With [`Duration::MAX`], continues
-    /// until it is finished.
+    /// Continues the frame for about `patience`, with the same scene and program. [`Duration::MAX`] finishes it.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -302,9 +293,8 @@ impl Renderer {
         self.painter.draw_reference(&frame.picture, &scene.names(), program)
     }
 
-    /// Draws a small invisible image, so that the driver has nothing left to compile when the scene is shown and the
-    /// cost of its pixels is known. Many drivers finish a program only at its first draw, and separately in each
-    /// context. The finished image stays; a frame in progress is lost.
+    /// Draws a small invisible image, so that the driver compiles everything for this context and the cost of pixels is
+    /// known. The finished image stays; a frame in progress is lost.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -317,8 +307,7 @@ impl Renderer {
         self.painter.rehearse(frame, scene, program)
     }
 
-    /// Draws an invisible preview and sends it to `reader`. Returns `false` if it was skipped because too many are
-    /// pending. The finished image stays; a frame in progress is lost.
+    /// Draws an invisible preview for `reader`; `false` if too many are pending. A frame in progress is lost.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -338,8 +327,7 @@ impl Renderer {
         })
     }
 
-    /// Keeps the light of the finished image for mixing into the next ones. Returns `false` if there is none: for a
-    /// view, or after its targets were dropped.
+    /// Keeps the finished image's light for fades. `false` if there is none: for a view, or after dropping targets.
     ///
     /// # Errors
     /// No memory for the light.
@@ -394,8 +382,7 @@ impl Renderer {
         self.presenter.flashes.pass.iter_mut().for_each(FlashPass::forget);
     }
 
-    /// The GPU time of one of the last images drawn in one call, if it has become known since the last call. Always
-    /// `None` on a software renderer.
+    /// The GPU time of an image drawn in one call, if newly known. Always `None` on a software renderer.
     pub fn gpu_time(&mut self) -> Option<Duration> {
         self.painter.clock.take()
     }

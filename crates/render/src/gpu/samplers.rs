@@ -17,10 +17,8 @@ pub const SAMPLERS_SHADER: &str = "samplers.frag";
 /// Most textures of a program, each in its own unit.
 const SLOTS: u32 = 16;
 
-/// Resets samplers on software renderers.
 pub(super) struct Samplers {
     program: LazyProgram,
-    /// The texture bound to all slots.
     texel: Target,
 }
 

@@ -1,13 +1,12 @@
 //! The program that draws a scene, in an interpreted and a compiled form.
 //!
-//! Both forms are `scene.frag`; they differ in the file `scene_functions.glsl` that it includes. The compiled form
-//! contains the scene's expressions. The interpreted form runs them from a texture buffer, and draws every scene that
-//! needs no more operators, registers and textures than its variant has.
+//! Both forms are `scene.frag`; they differ in the included `scene_functions.glsl`: the scene's expressions, or an
+//! interpreter that runs them from a texture buffer and draws every scene that needs no more operators, registers and
+//! textures than its variant has.
 //!
-//! **One loop around the interpreter.** Drivers inline every call and compile it again. Therefore one call in a loop
-//! computes normals, object and occlusion of a surface, and another the material and ambient light. A renderer that
-//! never skips a branch would compute textures and rare operators for every clause, so they are computed between loops
-//! over the rest.
+//! **One loop around the interpreter.** Drivers inline every call and compile it again, so one call in a loop serves a
+//! surface's normals, object and occlusion, and another its material and ambient light. Textures and rare operators are
+//! computed between loops, because a renderer that never skips a branch would compute them for every clause.
 //!
 //! On llvmpipe, vectors of 128 bits are as fast as 256; with 512 bits (`LP_NATIVE_VECTOR_WIDTH`) Mesa 22.3.6 aborts.
 
@@ -39,11 +38,8 @@ pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
 /// A variant of the interpreter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interpreter {
-    /// The interpreter of materials and light.
     tapes: interpreter::Variant,
-    /// The interpreter of the regions' tapes.
     regions: RegionVariant,
-    /// Other features of the shaders.
     features: SceneFeatures,
 }
 
@@ -186,9 +182,8 @@ pub fn variant_of(
     }
 }
 
-/// The variant of a compiled scene that is drawn without cells ([`CellUse::divides`]). It contains no cell lookups
-/// and draws the same image faster. Not for scenes whose value is not a distance. Without lookups, programs are 5
-/// to 23 % shorter on AMD and 6 to 24 % on Xe, and seven of thirteen scenes have more waves on an AMD GPU.
+/// The variant of a compiled scene without cell lookups ([`CellUse::divides`]); only for distances. It draws the same
+/// image faster: 5 to 23 % shorter on AMD, 6 to 24 % on Xe, and seven of thirteen scenes have more waves on AMD.
 pub fn without_cells(mut variant: Variant) -> Variant {
     variant.defines.push("NO_CELLS 1".to_owned());
     variant
@@ -232,8 +227,7 @@ pub fn without_sky(mut variant: Variant) -> Variant {
     variant
 }
 
-/// The variant whose light is the fraction of a ray from the eye that does not reach the sky: 1 on a surface without
-/// haze.
+/// The variant whose light is the fraction of an eye ray that does not reach the sky: 1 on a surface without haze.
 pub fn as_coverage(variant: Variant) -> Variant {
     let mut variant = without_sky(variant);
     variant.defines.push("COVERAGE 1".to_owned());

@@ -40,17 +40,14 @@ pub struct SceneResources {
     /// True if the driver has room for the tape.
     is_interpretable: bool,
     plan: Arc<RegionPlan>,
-    /// True if any expression reads the sound tables.
     hears_tables: bool,
     texels_max: usize,
     costs: Costs,
     /// True if empty space is skipped.
     with_cells: Cell<bool>,
-    /// True if tapes of materials and light are shortened.
     shortens: Cell<bool>,
     /// The tapes that are worth shortening.
     worth: RefCell<WorthShortening>,
-    /// The regions that were uploaded last.
     uploaded: RefCell<Option<Arc<BuiltRegions>>>,
 }
 
@@ -104,7 +101,6 @@ impl RegionRequest {
         self.key == other.key && self.options == other.options
     }
 
-    /// True if regions built for `other` also serve this request.
     fn is_served_by(&self, other: &Self) -> bool {
         self.has_tree_of(other) && self.programs.is_served_by(&other.programs)
     }
@@ -336,8 +332,7 @@ impl SceneResources {
         *self.uploaded.borrow_mut() = Some(built);
     }
 
-    /// The region tree of a frame. Builds the regions if they are missing, because regions of other inputs would be
-    /// wrong.
+    /// The region tree of a frame. Builds missing regions, because those of other inputs would be wrong.
     pub(super) fn tree_of(&self, frame: &Frame) -> RegionTree {
         let request = self.region_request(frame);
         let known = self.regions().filter(|built| request.is_served_by(&built.request));

@@ -46,11 +46,9 @@ impl ShaderLibrary {
         Self { folder: Some(folder.to_owned()) }
     }
 
-    /// Assembles the text of `name`: `preamble`, a `#define` line for each of the variant's macros, and the file with
-    /// all includes. Files that the variant generates take precedence.
-    ///
-    /// Comments mark where each file begins and continues, so that [`name_places`] can convert a driver's line numbers
-    /// to those of the files. (`#line` is not used, because Mesa loses the file at the next `#ifdef`.)
+    /// Assembles the text of `name`: `preamble`, the variant's macros, and the file with all includes. Generated files
+    /// take precedence. Comments mark where files begin and continue, for [`name_places`]: Mesa loses the file of a
+    /// `#line` at the next `#ifdef`.
     ///
     /// # Errors
     /// A missing or unreadable file, an include line without a bare name, or a text over the limits of depth or length.
@@ -155,7 +153,6 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// Marks the next line of the text as `line` of `file`.
     fn mark(&mut self, file: &str, line: usize) {
         self.text.push_str(&format!("{PLACE_MARK}{file}:{line}\n"));
     }
@@ -185,7 +182,6 @@ pub fn name_places(log: &str, text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The name between the quotes, if it is a bare file name.
 fn bare_name(rest: &str) -> Option<&str> {
     let name = rest.trim().strip_prefix('"')?.strip_suffix('"')?;
     let bare = !name.is_empty() && !name.contains(['/', '\\', '"']) && name != "." && name != "..";

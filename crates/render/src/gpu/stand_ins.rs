@@ -1,9 +1,8 @@
 //! Placeholder textures and buffers for warming up a program.
 //!
-//! A context that compiles in parallel with the window shares no objects with it (see
-//! [`super::program::ReadyProgram`]), so it uses its own placeholders. They are small, but agree with the scene's
-//! objects in everything that drivers compile into a program. Mesa's software renderers compile different programs for
-//! textures whose sides are powers of two, and for textures with a single level.
+//! A context that compiles in parallel with the window shares no objects with it ([`super::program::ReadyProgram`]).
+//! Its small placeholders agree with the scene's objects in everything that drivers compile into a program: Mesa's
+//! software renderers distinguish sides that are powers of two, and textures with a single level.
 
 use std::collections::HashMap;
 

@@ -31,7 +31,6 @@ fn linear_texels(picture: &RgbaImage) -> Vec<u8> {
     texels
 }
 
-/// A mip level: texels of linear light with alpha, row by row.
 struct Level {
     size: (u32, u32),
     texels: Vec<[f32; 4]>,
@@ -45,7 +44,6 @@ impl Level {
         halved(picture.dimensions(), pixels, |[r, g, b, a]| [of(*r), of(*g), of(*b), f32::from(*a) / 255.0])
     }
 
-    /// The next smaller level.
     fn next(&self) -> Option<Self> {
         halved(self.size, &self.texels, |texel| *texel)
     }
@@ -80,8 +78,7 @@ fn halved<T>((width, height): (u32, u32), texels: &[T], light: impl Fn(&T) -> [f
     Some(Level { size, texels: below })
 }
 
-/// For each texel of a side with `below` texels, reduced from `above`: the first texel that it covers, and the
-/// fractions of its mean for this and the following texels.
+/// For each texel of a side reduced from `above` to `below`: the first texel it covers, and the fractions of its mean.
 fn covered(above: u32, below: u32) -> Vec<(usize, Vec<f32>)> {
     let length = f64::from(above) / f64::from(below);
     let of = |texel: u32| {
@@ -166,8 +163,7 @@ pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     Ok(texture)
 }
 
-/// Uploads the lower mip levels of the bound texture. llvmpipe would compile a program for generating them in each
-/// context, while the first frame waits.
+/// Uploads the lower mip levels of the bound texture: llvmpipe would compile a generator while the first frame waits.
 fn upload_levels(gl: &Gl, picture: &RgbaImage) {
     let levels = std::iter::successors(Level::below(picture), Level::next);
     for (number, level) in (1..).zip(levels) {
@@ -196,7 +192,6 @@ mod tests {
     #[test]
     fn texels_are_the_nearest_16_bit_floats_of_their_light() {
         assert_eq!([0.0, 1.0, 0.5, 0.25].map(half_bits), [0, 0x3c00, 0x3800, 0x3400]);
-        // Between two 16-bit floats the nearest, and from the middle the even one.
         let between = |sixteenths: f32| half_bits(0.5 + sixteenths / 16.0 / 2048.0);
         assert_eq!([7.0, 8.0, 9.0, 24.0].map(between), [0x3800, 0x3800, 0x3801, 0x3802]);
         assert_eq!(half_bits(1.0 - f32::EPSILON), 0x3c00);

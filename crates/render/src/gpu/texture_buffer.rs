@@ -21,7 +21,6 @@ pub enum BufferTexel {
     Rgba32F,
 }
 
-/// A buffer and the texture that reads it.
 pub(super) struct TextureBuffer {
     gl: Gl,
     texture: Texture,
@@ -59,13 +58,11 @@ impl TextureBuffer {
     }
 }
 
-/// Most bytes of a texel.
 const TEXEL_BYTES: usize = 16;
 
-/// Pads the bytes to a length for which Mesa's software renderers use the program compiled already. Tapes and regions
-/// have all kinds of lengths, and some lengths need another program, which takes seconds to compile during a show.
-/// Those are powers of two, and lengths whose remainder by 65,536 is less than 256, because the second byte of a
-/// buffer's length is read as the number of a texture's last mip level.
+/// Pads the bytes to a length for which Mesa's software renderers need no other program, which would take seconds
+/// during a show. They compile others for powers of two and for remainders by 65,536 below 256, because the second byte
+/// of a buffer's length is read as the number of a texture's last mip level.
 fn padded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let length = bytes.len();
     let stored = if length & 0xff00 == 0 {

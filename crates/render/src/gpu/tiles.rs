@@ -1,13 +1,11 @@
 //! Splits draws into parts, so that a window stays responsive and no driver's watchdog takes a long draw for a hang.
 //!
-//! The cost of a pixel is probed all over a scene's first frame, then measured with each part. Each pass is split so
-//! that no part takes longer than a quarter of a second.
+//! The cost of a pixel is probed all over a scene's first frame, then measured with each part. No part takes longer
+//! than a quarter of a second, and splitting does not change a bit of the image. Most frames are a single part.
 //!
-//! In the window, a frame takes as many calls as it needs. Between two calls the show handles input, and the previous
-//! image stays visible. A frame that would take far too long is started again with fewer pixels. A scene's first region
-//! tree is built before the scene is shown, except after an edit of the current scene. The previous scene stays until
-//! the first frame is finished: if either takes more than `picture_seconds_max`, the new scene is refused with the
-//! reason why it is expensive. Most frames are a single part; splitting does not change a bit of the image.
+//! In the window, a frame takes as many calls as it needs; between two calls the show handles input, and the previous
+//! image stays. A frame that would take far too long is started again with fewer pixels. A new scene whose region tree
+//! or first frame takes more than `picture_seconds_max` is refused with the reason why it is expensive.
 
 use std::cell::Cell;
 use std::time::Duration;
@@ -17,8 +15,7 @@ use crate::faults::{self, Fault};
 
 /// Target time of a part in seconds: half of the limit (`limits.rs`), because pixels differ.
 pub(super) const PART_SECONDS: f64 = 0.12;
-/// Time in seconds for submitting a draw and waiting for it, independent of the pixels. At 1 ms, cheap pixels seemed
-/// ten times as expensive, and the first frame was drawn in sixteen parts.
+/// Seconds for submitting a draw and waiting for it. At 1 ms, cheap pixels seemed ten times as expensive.
 const OVERHEAD: f64 = 0.00025;
 /// Largest factor by which a part's cost per pixel may exceed all others; more is clamped.
 const OUTLIER: f64 = 4.0;
@@ -87,8 +84,7 @@ impl PixelCost {
         self.this = if cost > first { [cost, first] } else { [first, second.max(cost)] };
     }
 
-    /// Seconds that almost no pixel exceeds. A single part counts for at most [`OUTLIER`] times the next one. The
-    /// system may have been busy, and the pixels of a small part would then seem very expensive.
+    /// Seconds that almost no pixel exceeds. A part counts at most [`OUTLIER`] times the next: the system may be busy.
     fn greatest(self) -> f64 {
         self.last.max(self.of_this())
     }
@@ -133,7 +129,6 @@ impl Costs {
     }
 }
 
-/// Iterates over the parts of a draw.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
     areas: Vec<Part>,
@@ -144,13 +139,11 @@ pub(super) struct Parts {
     /// True if the last part was that draw.
     warming_up: bool,
     probes: u32,
-    /// True if the last part was a probe.
     probing: bool,
     probed: Measured,
     size: (u32, u32),
 }
 
-/// A number of pixels and their time in seconds.
 #[derive(Debug, Clone, Copy, Default)]
 struct Measured {
     count: u32,
@@ -159,7 +152,6 @@ struct Measured {
 }
 
 impl Parts {
-    /// Splits areas of a target of `size`, starting with the last area.
     pub(super) fn of(areas: Vec<Part>, size: (u32, u32), cost: PixelCost) -> Self {
         let pixels: u64 = areas.iter().map(|area| area.pixels()).sum();
         let probes = if cost.is_known() || pixels < PROBED_MIN { 0 } else { PROBES * PROBES };
@@ -167,12 +159,10 @@ impl Parts {
         Self { areas, warms_up, probes, size, ..Self::default() }
     }
 
-    /// True if the rest is a single draw.
     pub(super) fn are_one(&self, cost: PixelCost) -> bool {
         !self.warms_up && self.probes == 0 && cost.is_known() && cost.pixels() >= self.pixels_left()
     }
 
-    /// True if the last part was the only one.
     pub(super) fn were_one(&self) -> bool {
         !self.probing && !self.warming_up && self.probed.pixels == 0 && self.pixels_left() == 0
     }
@@ -181,7 +171,6 @@ impl Parts {
         self.areas.iter().chain(&self.row).map(|area| area.pixels()).sum()
     }
 
-    /// The next part; `None` when everything is drawn.
     pub(super) fn next(&mut self, cost: PixelCost) -> Option<Part> {
         self.warming_up = std::mem::take(&mut self.warms_up);
         if self.warming_up {
@@ -208,7 +197,6 @@ impl Parts {
         Some(part)
     }
 
-    /// The next row of parts of this many pixels.
     fn next_row(&mut self, pixels: u64) -> Option<Part> {
         let area = loop {
             let area = self.areas.last_mut()?;

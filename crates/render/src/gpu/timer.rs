@@ -97,7 +97,6 @@ impl FrameTimer {
 #[derive(Default)]
 pub(super) struct PictureClock {
     timer: Option<FrameTimer>,
-    /// The latest time, until [`PictureClock::take_cost`] returns it.
     cost: Option<Duration>,
 }
 
@@ -114,14 +113,12 @@ impl PictureClock {
         self.timer.iter_mut().for_each(FrameTimer::end);
     }
 
-    /// The latest time, if another has become known since the last call.
     pub(super) fn take(&mut self) -> Option<Duration> {
         let time = self.timer.as_mut()?.take();
         self.cost = time.or(self.cost);
         time
     }
 
-    /// Returns the latest time of [`PictureClock::take`] once.
     pub(super) fn take_cost(&mut self) -> Option<Duration> {
         self.cost.take()
     }

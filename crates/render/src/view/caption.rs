@@ -48,7 +48,6 @@ impl Caption {
         self.blend(rgba, 0, 255.0, strength);
     }
 
-    /// Blends a grey into the pixels covered by the letters, shifted to the right and downwards.
     fn blend(&self, rgba: &mut [u8], shift: usize, grey: f32, strength: f32) {
         for ((left, top), line) in &self.lines {
             for (index, cover) in line.cover.iter().enumerate().filter(|(_, cover)| **cover > 0) {
@@ -67,8 +66,7 @@ impl Caption {
     }
 }
 
-/// Lays out a line at the wanted size, or smaller to be at most `room` pixels wide. If the letters would become too
-/// small, the end of the text is cut.
+/// Lays out a line at the wanted size, or smaller, to be at most `room` pixels wide; cuts text that gets too small.
 fn fitting(letters: &mut Letters, text: &str, wanted: f32, room: usize) -> Line {
     let line = letters.line(text, wanted);
     if line.size.0 <= room {
@@ -91,7 +89,6 @@ fn fitting(letters: &mut Letters, text: &str, wanted: f32, room: usize) -> Line 
 mod tests {
     use super::*;
 
-    /// The number of pixels of a grey image that a caption changes, and the rightmost column of them.
     fn changed(first: &str, size: (u32, u32), strength: f32) -> (usize, usize) {
         let grey = vec![90; 4 * (size.0 * size.1) as usize];
         let mut seen = grey.clone();
@@ -106,7 +103,6 @@ mod tests {
         let (whole, _) = changed("A song", (640, 360), 1.0);
         assert!(whole > 300, "{whole} pixels");
         assert_eq!(changed("A song", (640, 360), 0.0).0, 0);
-        // An image of one pixel has no room for a letter; that must not fail.
         changed("A song", (1, 1), 1.0);
     }
 

@@ -78,7 +78,6 @@ pub struct LegendPainter {
     last: Option<Known>,
 }
 
-/// A legend drawn for a frame's size; `drawn` is `None` if it did not fit.
 struct Known {
     legend: Legend,
     size: (u32, u32),
@@ -103,7 +102,6 @@ impl LegendPainter {
     }
 }
 
-/// A text or a colour block.
 enum Part {
     Text { text: String, size: f32, color: Color },
     Block { size: (usize, usize), ramp: Option<Ramp>, color: Color },
@@ -130,7 +128,6 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
         for (fraction, text) in &scale.ticks {
             let x = padding + (fraction.clamp(0.0, 1.0) * (bar.0 - 1) as f32).round() as usize;
             parts.push(((x, y), Part::Block { size: (1, in_units(0.3)), ramp: None, color: TEXT }));
-            // Centred below its mark, but within the bar.
             let width = letters.line(text, unit).size.0;
             let left =
                 x.saturating_sub(width / 2).clamp(padding, (padding + bar.0).max(padding + width) - width);
@@ -158,7 +155,6 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
     lay_out(letters, &parts, (padding, bottom), picture)
 }
 
-/// Places the parts and paints them, if they fit the frame.
 fn lay_out(
     letters: &mut Letters,
     parts: &[((usize, usize), Part)],
@@ -254,7 +250,6 @@ mod tests {
         for size in [(160, 90), (1, 1), (16_384, 1)] {
             assert_eq!(painter.picture(legend(), size), None, "{size:?}");
         }
-        // Another text gives another image, because its letters differ.
         let other = Legend { title: "depth".into(), ..legend() };
         assert_ne!(painter.picture(other, (1280, 720)).unwrap(), picture);
     }

@@ -9,7 +9,6 @@ use epaint::{Color32, ColorImage, FontId};
 use crate::reading_order::as_seen;
 use crate::system_fonts::SystemFonts;
 
-/// Fonts and their cached glyphs.
 pub(super) struct Letters {
     fonts: Fonts,
     system: SystemFonts,
@@ -31,7 +30,6 @@ impl Letters {
         Self { fonts, system: SystemFonts::new(), looked_for: BTreeSet::new() }
     }
 
-    /// Adds system fonts for letters of `text` that the current fonts lack.
     fn complete(&mut self, text: &str) {
         let mut fonts = self.fonts.with_pixels_per_point(1.0);
         let font = FontId::proportional(1.0);
@@ -52,7 +50,6 @@ impl Letters {
         self.fonts = Fonts::new(TextOptions::default(), definitions);
     }
 
-    /// Lays out a line of letters of `size` pixels.
     pub(super) fn line(&mut self, text: &str, size: f32) -> Line {
         self.complete(text);
         let mut fonts = self.fonts.with_pixels_per_point(1.0);

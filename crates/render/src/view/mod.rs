@@ -3,12 +3,9 @@
 //!
 //! `shaders/view.glsl` draws them; the colours and numbers that it shares with the legends come from [`scale`].
 //!
-//! **Views have their own programs.** A view (key V, `--view`) is drawn by a variant of the scene's program that counts
-//! evaluations and records the first surface of each ray. It therefore measures the real rendering, not a copy of it.
-//! The variant is compiled when a view is first requested, while the show continues, and costs normal frames nothing.
-//! Its colours go straight into the finished image, one sample per pixel, because a mean of two counts, or a
-//! tone-mapped normal, would mean nothing. The CPU draws the legend over it, with the same bytes in a window, a still
-//! and a video.
+//! **Views have their own programs**: variants of the scene's program that count evaluations and record the first
+//! surface of each ray, so a view measures the real rendering. They are compiled when a view is first requested.
+//! Colours go straight into the finished image, one sample per pixel, because a mean of two counts would mean nothing.
 
 pub mod caption;
 pub mod legend;
@@ -48,8 +45,7 @@ macro_rules! define_views {
     };
 }
 
-// A new view needs three additions, and the compilers report missing ones: its row here, its arm in `setup`, and its
-// function `view_NAME` in `shaders/view.glsl`.
+// A new view needs a row here, an arm in `setup` and a function `view_NAME` in `shaders/view.glsl`; compilers check.
 define_views! {
     /// Steps of the ray from the eye.
     Steps, "steps", "steps of the ray from the eye, blue to red", "the count shown in red, 100 by default";

@@ -1,6 +1,5 @@
-//! Colours of the views, shared by the shaders and the legends, and formatting of numbers.
-//!
-//! Colours are the displayed values, bytes divided by 255, without exposure or tone mapping.
+//! Colours of the views, shared by the shaders and the legends, and formatting of numbers. Colours are the displayed
+//! values, bytes divided by 255, without exposure or tone mapping.
 
 use super::VIEWS;
 

@@ -80,7 +80,6 @@ impl ViewSetup {
     }
 }
 
-/// A number and a legend that depends on it.
 fn with(number: f32, legend: impl FnOnce(f32) -> Legend) -> (Option<f32>, Legend) {
     (Some(number), legend(number))
 }
@@ -89,7 +88,6 @@ fn nothing() -> (Color, String) {
     (scale::NOTHING, "no surface".to_owned())
 }
 
-/// A scale from 0 to `full` with marks at its quarters.
 fn marks(ramp: Ramp, full: f32, unit: &str) -> Scale {
     let quarters = (0..=4_u8).map(|quarter| {
         let fraction = f32::from(quarter) / 4.0;

@@ -1,8 +1,6 @@
-//! A worker with its own context: loads or compiles programs there and draws once with each.
-//!
-//! **Compiled programs are stored** between runs ([`crate::gpu::program_store`]): later runs only load them into the
-//! driver. If the driver crashed while loading a stored program, the next run compiles it again. An interpreter that
-//! the driver rejected, or that crashed it twice, is not tried again, because the scene can be drawn in other ways.
+//! A worker with its own context: loads or compiles programs there and draws once with each. A stored program during
+//! whose loading the driver crashed is compiled again. An interpreter that the driver rejected, or that crashed it
+//! twice, is not tried again ([`crate::gpu::program_store`]).
 
 use std::time::{Duration, Instant};
 
@@ -19,11 +17,9 @@ use crate::gpu::scene_program::SCENE_SHADER;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::{SceneShape, StandIns};
 
-/// Size of the warm-up images. Like most window sizes, it is no power of two (see
-/// [`crate::gpu::stand_ins`]).
+/// Size of the warm-up images; like most window sizes, no power of two (see [`crate::gpu::stand_ins`]).
 const WARM_UP_SIZE: (u32, u32) = (18, 14);
 
-/// Duration of a compilation that a test slows down.
 const SLOW_COMPILER: Duration = Duration::from_secs(2);
 /// Duration of a compilation that a test makes endless, for programs longer than `LONG_PROGRAM` bytes.
 const ENDLESS_COMPILER: Duration = Duration::from_secs(3600);
@@ -55,7 +51,6 @@ impl CompileWorker {
         Ok(Self { gl, renderer, stand_ins })
     }
 
-    /// Loads a program from the store, or compiles its text.
     pub(super) fn make(&mut self, sources: &Sources, job: ProgramJob) -> Result<Made, GpuError> {
         let Sources { library, cache } = sources;
         let is_interpreter = job.can_be_given_up;
@@ -130,8 +125,7 @@ impl CompileWorker {
         Ok(Made { program: ready, to_keep })
     }
 
-    /// Draws with a program, so that the driver completes its work. The program and the driver's data in this context
-    /// can be dropped afterwards.
+    /// Draws with a program so that the driver completes its work. All data in this context can be dropped afterwards.
     fn warm_up(&mut self, program: &Program, asked: &Asked) -> Result<(), GpuError> {
         let scene = self.stand_ins.names(&asked.scene)?;
         let blocks = (&asked.block, &asked.picture);

@@ -9,7 +9,6 @@ use crate::gpu::evaluations::Counting;
 use crate::gpu::gl::Gl;
 use crate::gpu::target::Target;
 
-/// Holds targets, the frame in progress and the finished image.
 #[derive(Default)]
 pub(super) struct Canvas {
     pub(super) targets: Option<Targets>,
@@ -62,7 +61,6 @@ impl Canvas {
         self.stands.as_ref().or(self.targets.as_ref().map(|targets| targets.post.finished()))
     }
 
-    /// The settings and targets of the finished image, for its light; `None` for a view.
     pub(super) fn finished_light(&self) -> Option<(&Picture, &Targets)> {
         self.finished_light.as_ref().zip(self.targets.as_ref())
     }

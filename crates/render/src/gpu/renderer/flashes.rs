@@ -5,16 +5,11 @@ use crate::gpu::flash_pass::FlashPass;
 use crate::gpu::gl::Gl;
 use crate::gpu::target::{Target, Texel};
 
-/// The flash limiter and its copy of the image.
 #[derive(Default)]
 pub(super) struct Flashes {
-    /// `None` if flashes are not limited.
     pub(super) pass: Option<FlashPass>,
-    /// True if the limiter has measured the finished image.
     is_limited: bool,
-    /// A copy of the image with limited flashes.
     copy: Option<Target>,
-    /// True if the copy is up to date.
     has_copy: bool,
 }
 
@@ -29,12 +24,10 @@ impl Flashes {
         self.is_limited = false;
     }
 
-    /// Records that the image has changed and the copy is out of date.
     pub(super) fn forget_copy(&mut self) {
         self.has_copy = false;
     }
 
-    /// Measures an image that is shown `seconds` after the previous one, and decides where to dim it.
     pub(super) fn take(&mut self, picture: &Target, seconds: f64) {
         if let Some(pass) = &mut self.pass {
             pass.take(picture, seconds);
@@ -43,12 +36,10 @@ impl Flashes {
         }
     }
 
-    /// The limiter, if it has measured the finished image.
     pub(super) fn limiting(&self) -> Option<&FlashPass> {
         self.pass.as_ref().filter(|_| self.is_limited)
     }
 
-    /// The copy with limited flashes, if it is up to date.
     pub(super) fn limited(&self) -> Option<&Target> {
         self.copy.as_ref().filter(|_| self.is_limited && self.has_copy)
     }

@@ -1,7 +1,5 @@
-//! The frame in progress: its passes, each drawn in parts, in one call or several.
-//!
-//! Between two calls anything may be drawn and shown, if the scene's tape, regions and sound tables do not change. The
-//! previous image is shown until the frame is finished.
+//! The frame in progress: its passes, each drawn in parts, in one call or several. Between two calls anything may be
+//! drawn and shown, if the scene's tape, regions and sound tables do not change. The previous image stays until then.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -21,9 +19,7 @@ use crate::gpu::tiles::{PART_SECONDS, Part, Parts, PixelCost};
 /// The progress of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress {
-    /// Finished: [`Renderer::show`] and [`Renderer::read`] output it.
-    ///
-    /// [`Renderer::show`]: super::Renderer::show [`Renderer::read`]: super::Renderer::read
+    /// Finished: [`show`](super::Renderer::show) and [`read`](super::Renderer::read) output it.
     Finished {
         /// The time spent on it in all calls.
         spent: Duration,
@@ -35,40 +31,29 @@ pub enum Progress {
     },
 }
 
-/// The product of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Product {
-    /// A finished image.
     Picture,
     /// Only light, for mixing into another image.
     Light,
-    /// A view: colours of the screen, one sample per pixel.
     View,
 }
 
-/// A pass of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pass {
-    /// A sample at the centre of each pixel.
     First,
     /// One of the further samples, where the stencil is set.
     Further(usize),
-    /// All further samples, side by side.
     Listed,
-    /// Post-processing.
     Post,
 }
 
 pub(super) struct Tools<'a> {
-    /// Draws samples.
     pub sampling: &'a Sampling,
-    /// Makes an image from samples.
     pub post: &'a Post,
-    /// The light of an earlier image.
     pub fade: Option<&'a Fade>,
 }
 
-/// A frame in progress.
 pub(super) struct Making {
     pub(super) picture: Picture,
     pub(super) product: Product,
@@ -111,12 +96,10 @@ impl Making {
         self.parts.seconds().map(|seconds| seconds / fraction)
     }
 
-    /// The number of draws so far, and the pixels of the largest.
     pub(super) fn draws(&self) -> (u32, u64) {
         self.draws
     }
 
-    /// Draws for about `patience`. Returns true when the frame is finished.
     pub(super) fn go_on(
         &mut self,
         tools: &Tools<'_>,
@@ -137,7 +120,6 @@ impl Making {
         Ok(is_finished)
     }
 
-    /// Draws the next part of a pass of samples and records its duration.
     fn draw_measured(
         &mut self,
         sampling: &Sampling,
@@ -247,7 +229,6 @@ impl Making {
         }
     }
 
-    /// Makes the finished image, or only its light, from all samples.
     fn finish_light(&self, tools: &Tools<'_>, targets: &Targets) -> Result<(), GpuError> {
         resolve(tools, targets)?;
         if self.product == Product::Light {
@@ -258,8 +239,7 @@ impl Making {
     }
 }
 
-/// Draws all passes after the first samples with the current content of `targets`, to warm up the driver. Draws no
-/// further samples.
+/// Draws all passes after the first samples with the content of `targets`, to warm up the driver.
 pub(super) fn rehearse_passes(
     tools: &Tools<'_>,
     targets: &mut Targets,

@@ -30,7 +30,6 @@ const REFERENCE_SIDE: u32 = 8;
 /// powers of two, so neither this size nor that of any level has one.
 const WARM_UP_SIZE: (u32, u32) = (90, 54);
 
-/// Draws frames; holds the passes that all scenes share, and the canvas.
 pub(super) struct Painter {
     gl: Gl,
     pub(super) counting: Counting,
@@ -62,7 +61,6 @@ impl Painter {
         self.canvas.finished()
     }
 
-    /// Sets the number of further samples at edges; the default is four.
     pub(super) fn set_edge_samples(&mut self, samples: EdgeSamples) {
         if self.sampling.edge_samples != samples {
             tracing::debug!("{} further samples at edges", samples.count());
@@ -71,8 +69,7 @@ impl Painter {
         }
     }
 
-    /// Draws an empty image with every pass after a scene's samples, unless something was drawn before. Returns its
-    /// targets.
+    /// Draws an empty image with every pass after a scene's samples, if it is the first draw. Returns its targets.
     pub(super) fn warm_up(&mut self, picture: &Picture) -> Result<Option<Targets>, GpuError> {
         if !self.canvas.is_empty() {
             return Ok(None);
@@ -86,13 +83,11 @@ impl Painter {
         Ok(Some(targets))
     }
 
-    /// Makes targets for images of `size` pixels with the settings of `picture`.
     fn need_targets(&mut self, size: (u32, u32), picture: &Picture) -> Result<(), GpuError> {
         let kind = (size, picture.lens.is_some());
         self.canvas.need_targets(&self.gl, kind, self.sampling.edge_samples, self.counting)
     }
 
-    /// Begins to draw a frame. Drops an unfinished one.
     pub(super) fn begin(
         &mut self,
         product: Product,
@@ -117,7 +112,6 @@ impl Painter {
         Ok(())
     }
 
-    /// Continues the frame in progress for about `patience`.
     pub(super) fn go_on(
         &mut self,
         scene: &SceneNames,
@@ -176,7 +170,6 @@ impl Painter {
         self.go_on(&scene.names(), (program, costs), Duration::MAX).map(|_| ())
     }
 
-    /// Replaces the samples of the finished image by a regular grid of samples. Slow.
     pub(super) fn draw_reference(
         &self,
         picture: &Picture,
@@ -216,7 +209,6 @@ impl Painter {
         self.elsewhere(&mut Canvas::default(), |painter| {
             // The driver may still compile, so do not record this time as the scene's cost.
             painter.draw(frame, scene, (program, &Costs::default()))?;
-            // Warm up the program for fades.
             painter.keep_light()?;
             painter.set_fade(Some(0.5));
             painter.draw(frame, scene, (program, scene.costs()))
@@ -241,7 +233,6 @@ impl Painter {
         sent
     }
 
-    /// Keeps the light of the finished image for fades. Returns false for a view, which has no light.
     pub(super) fn keep_light(&mut self) -> Result<bool, GpuError> {
         let old = self.fade.take().map(Fade::into_light);
         self.fade = self.exposed(old)?.map(Fade::of);
@@ -261,7 +252,6 @@ impl Painter {
         self.gl.check("keeping an image's light").map(|()| Some(light))
     }
 
-    /// Sets the fraction, 0..1, of the kept light in further finished images. `None` discards the light.
     pub(super) fn set_fade(&mut self, fraction: Option<f32>) {
         match (fraction, &mut self.fade) {
             (Some(fraction), Some(fade)) => fade.set_fraction(fraction),

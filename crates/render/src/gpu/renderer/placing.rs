@@ -11,7 +11,6 @@ use crate::placement::{Area, Map, within};
 /// The shaders of this module. Tests compile all of them.
 pub const PLACING_SHADERS: [&str; 2] = ["dim.frag", "place.frag"];
 
-/// The dimming and placing passes, and the dimmed image.
 pub(super) struct Placing {
     dim: LazyProgram,
     place: LazyProgram,
@@ -33,12 +32,10 @@ impl Placing {
         self.gain
     }
 
-    /// The dimmed image; `None` at full brightness.
     pub(super) fn dimmed(&self) -> Option<&Target> {
         self.dimmed.as_ref()
     }
 
-    /// Dims a finished image to a brightness of 0..1.
     pub(super) fn dim(
         &mut self,
         passes: &Passes,
@@ -59,8 +56,7 @@ impl Placing {
         Ok(())
     }
 
-    /// Draws a part of an image into an area of the window's framebuffer of `window` pixels. `map` maps positions in
-    /// the window to positions in the image.
+    /// Draws a part of an image into an area of the window's framebuffer; `map` maps window to image positions.
     pub(super) fn place(
         &self,
         passes: &Passes,

@@ -1,6 +1,5 @@
-//! Presents finished images: dims them, limits their flashes and places them in windows.
-//!
-//! An undimmed image that fills its window is copied byte for byte.
+//! Presents finished images: dims them, limits their flashes and places them in windows. An undimmed image that fills
+//! its window is copied byte for byte.
 
 use super::flashes::Flashes;
 use super::placing::Placing;
@@ -16,7 +15,6 @@ use crate::placement::{Area, Map};
 /// The shader that enlarges an image for a window.
 pub const UPSCALE_SHADER: &str = "upscale.frag";
 
-/// Presents finished images. Each call names the image.
 #[derive(Default)]
 pub(super) struct Presenter {
     /// Enlarges images for a window; `None` without a window.
@@ -26,13 +24,11 @@ pub(super) struct Presenter {
 }
 
 impl Presenter {
-    /// Loads the shader that enlarges images for a window.
     pub(super) fn prepare_for_window(&mut self, gl: &Gl, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.upscale = Some(LazyProgram::new(gl, library, UPSCALE_SHADER, &Variant::default())?);
         Ok(())
     }
 
-    /// True after [`Presenter::prepare_for_window`].
     pub(super) fn is_for_window(&self) -> bool {
         self.upscale.is_some()
     }
@@ -50,7 +46,6 @@ impl Presenter {
         placing.dim(passes, finished, gain)
     }
 
-    /// Limits the flashes of an image that is shown `seconds` after the previous one.
     pub(super) fn limit_flashes(
         &mut self,
         gl: &Gl,
@@ -63,7 +58,6 @@ impl Presenter {
         if upscale.is_none() { flashes.make_copy(gl, picture) } else { Ok(()) }
     }
 
-    /// Copies the image to the window's framebuffer of `window` pixels, enlarged if the window is larger.
     pub(super) fn show(
         &self,
         passes: &Passes,
@@ -96,7 +90,6 @@ impl Presenter {
         passes.draw_in_window(upscale, window, area)
     }
 
-    /// Shows an image in an area of a window; `map` places it.
     pub(super) fn show_in_part(
         &mut self,
         passes: &Passes,
@@ -121,7 +114,6 @@ impl Presenter {
         Ok(reader.begin())
     }
 
-    /// The image with limited flashes, and the pass that places it.
     fn placed<'a>(
         &'a mut self,
         passes: &Passes,
@@ -133,7 +125,6 @@ impl Presenter {
         Ok(placing.as_ref().map(|placing| (placing, flashes.limited().unwrap_or(picture))))
     }
 
-    /// The image with limited flashes: four bytes per pixel, top row first. Empty without an image.
     pub(super) fn read(&self, finished: Option<&Target>) -> Vec<u8> {
         let shown = self.flashes.limited().or(bright(self.placing.as_ref(), finished));
         shown.map_or_else(Vec::new, |picture| picture.read_rgba8(0))

@@ -21,11 +21,9 @@ pub const EDGE_SHADER: &str = "edges.frag";
 /// Numbers in the `PassBlock` of `frame_block.glsl`.
 const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
 
-/// Radius of the beam that contains all rays of a pixel, in half widths of the pixel: half the diagonal and a small
-/// margin.
+/// Radius of the beam around all rays of a pixel, in half pixel widths: half the diagonal and a small margin.
 const BEAM: f32 = 1.4143;
 
-/// The sample of each pixel to draw (`frame_block.glsl`).
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Sample {
     /// The centre, and the free length of its beam.
@@ -34,15 +32,12 @@ pub(super) enum Sample {
     Only,
     /// A further sample: its offset from the centre in pixels, and its number.
     Further([f32; 2], usize),
-    /// All further samples, side by side.
     Listed,
 }
 
-/// Draws samples with any scene's program.
 pub(super) struct Sampling {
     gl: Gl,
     edges: LazyProgram,
-    /// Used on software renderers only.
     samplers: Option<Samplers>,
     frame_block: Block,
     pass_block: Block,
@@ -75,8 +70,7 @@ impl Sampling {
         self.view_block.set(view.as_flattened());
     }
 
-    /// Gives a scene's program the same samplers whatever was drawn last. `edges.frag`, which is drawn within a frame,
-    /// changes only the first slot, where scenes have a texture with its own sampler.
+    /// Gives a scene's program the same samplers whatever was drawn last; `edges.frag` changes only the first slot.
     pub(super) fn settle_samplers(&self, target: &Target) -> Result<(), GpuError> {
         self.samplers.as_ref().map_or(Ok(()), |samplers| samplers.settle(&self.gl, target))
     }
@@ -136,7 +130,6 @@ impl Sampling {
         }
     }
 
-    /// Draws a sample of every pixel into the bound target.
     pub(super) fn draw(&self, sample: Sample) {
         let (place, number, kind, beam) = match sample {
             Sample::First => ([0.0; 2], 0, 0.0, BEAM),

@@ -17,7 +17,6 @@ pub(super) struct Targets {
     pub(super) post: PostTargets,
 }
 
-/// Further samples of pixels at edges.
 pub(super) enum Edges {
     /// On a GPU: the sum of the samples, drawn through a stencil.
     Stencil(Target),
@@ -35,7 +34,6 @@ impl Edges {
 }
 
 impl Targets {
-    /// Creates targets for images of `size` pixels, with or without a lens.
     pub(super) fn new(
         gl: &Gl,
         size: (u32, u32),
@@ -69,7 +67,6 @@ impl Targets {
         })
     }
 
-    /// True if the targets have this size and match the lens setting.
     pub(super) fn fit(&self, size: (u32, u32), has_lens: bool) -> bool {
         self.first.size() == size && self.has_lens == has_lens
     }
