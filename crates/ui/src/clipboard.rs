@@ -77,7 +77,6 @@ fn serve(inbox: &Receiver<Order>, answers: &Sender<String>, wake: &dyn Fn()) {
             Order::Paste => {
                 let text = match system.as_mut().map(arboard::Clipboard::get_text) {
                     Some(Ok(text)) => text,
-                    // The clipboard holds an image or something else without text.
                     Some(Err(arboard::Error::ContentNotAvailable)) => continue,
                     Some(Err(_)) | None => own.clone(),
                 };

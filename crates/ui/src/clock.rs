@@ -1,6 +1,5 @@
-//! The time of a session: the system's time, or simulated time in tests.
-//!
-//! A session and its panels share one thread, and simulated time applies to that thread only.
+//! The time of a session: the system's, or simulated in tests. A session and its panels share one thread, and simulated
+//! time applies to that thread only.
 
 use std::cell::Cell;
 use std::time::{Duration, Instant};

@@ -1,6 +1,5 @@
 //! The state of the controllers panel: parameters and actions, the MIDI controls mapped to them, and the phone page.
-//!
-//! It is a plain value. The overlay draws it, keys and the pointer change it, and its commands go to the session.
+//! The overlay draws it, keys and the pointer change it, and its commands go to the session.
 
 mod rows;
 #[cfg(test)]

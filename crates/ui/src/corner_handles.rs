@@ -1,7 +1,5 @@
-//! The corner handles of the keystone correction.
-//!
-//! They are a plain value. The overlay draws them, keys and the pointer change them, and the stage moves the frame's
-//! corners.
+//! The state of the corner handles of the keystone correction. The overlay draws them, keys and the pointer change
+//! them, and the stage moves the frame's corners.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -12,7 +10,6 @@ use mariana_render::placement::{Area, Corners};
 
 /// Movement by an arrow key, as a fraction of the screen.
 const STEP: f64 = 0.001;
-/// Movement with Shift held.
 const LARGE_STEP: f64 = 0.01;
 
 /// The four corners and the selected one.

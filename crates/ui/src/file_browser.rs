@@ -1,7 +1,5 @@
-//! The state of the file list, for music, playlists and scenes. It needs no file dialog, which some desktops lack.
-//!
-//! It is a plain value. The overlay draws it, keys and the pointer change it, and a thread reads folders, so that a
-//! slow disk delays nothing else.
+//! The state of the file list, for music, playlists and scenes. It needs no file dialog, which some desktops lack. The
+//! overlay draws it, keys and the pointer change it, and a thread reads folders: a slow disk delays nothing.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -46,7 +44,6 @@ pub struct FileBrowser {
     found: Vec<usize>,
     query: TextQuery,
     selected: usize,
-    /// A message in place of the entries, such as an error.
     trouble: Option<String>,
     /// The folder that was left upwards, to be selected in its parent.
     came_from: Option<PathBuf>,
@@ -241,7 +238,6 @@ impl FileBrowser {
     }
 }
 
-/// Shortcuts to the folders that exist: music, home, the current directory, and the root.
 fn places() -> Vec<Place> {
     let user = UserDirs::new();
     let music = user.as_ref().and_then(|user| user.audio_dir().map(Path::to_owned));
@@ -286,7 +282,6 @@ mod tests {
         (0..browser.count()).filter_map(|place| browser.entry(place)).map(|entry| &*entry.name).collect()
     }
 
-    /// Waits until the folder has been read.
     fn read(browser: &mut FileBrowser) {
         for _ in 0..2_000 {
             browser.update();
@@ -327,7 +322,6 @@ mod tests {
         assert_eq!(picked, open(path, true));
         let album = browser.take_key(&Key::Named(NamedKey::Enter), false, true);
         assert_eq!(album, open(folder.path().join("album"), false));
-        // Going up selects the folder that was left.
         assert_eq!(key(&mut browser, NamedKey::ArrowDown), []);
         assert_eq!(key(&mut browser, NamedKey::Backspace), []);
         read(&mut browser);

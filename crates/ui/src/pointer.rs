@@ -15,7 +15,6 @@ const NOTCH_PIXELS: f64 = 40.0;
 pub(crate) enum Gesture {
     /// A click without movement, at a position in pixels.
     Click([f64; 2]),
-    /// Two clicks in the same position.
     DoubleClick,
     /// Movement with the button held, in pixels to the right and down.
     Drag([f64; 2]),
@@ -34,7 +33,6 @@ pub(crate) struct Pointer {
 }
 
 impl Pointer {
-    /// Handles an event and returns its gesture.
     pub(crate) fn take(&mut self, input: &Input, now: Instant) -> Option<Gesture> {
         match input {
             Input::PointerMoved(place) => self.moved(*place),

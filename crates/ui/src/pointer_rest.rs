@@ -82,7 +82,6 @@ mod tests {
         assert!(!rest.is_awake(false, start), "the table shook");
         rest.take(&to(14.0, 10.0), start);
         assert!(rest.is_awake(false, at(2_499)) && !rest.is_awake(false, at(2_500)));
-        // Use of the bar keeps it awake.
         rest.take(&to(20.0, 10.0), at(3_000));
         assert!(rest.is_awake(true, at(5_000)) && rest.is_awake(false, at(7_400)));
         assert!(!rest.is_awake(false, at(7_501)));

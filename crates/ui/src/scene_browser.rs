@@ -1,6 +1,5 @@
-//! The state of the scene list: a thumbnail of each scene, a search by name or comment, and marks.
-//!
-//! It is a plain value. The overlay draws it, keys and the pointer change it, and [`Thumbnails`] finds the images.
+//! The state of the scene list: a thumbnail of each scene, a search by name or comment, and marks. The overlay draws
+//! it, keys and the pointer change it, and [`Thumbnails`] finds the images.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -57,7 +56,6 @@ pub struct SceneBrowser {
     /// Tiles side by side at the last drawing.
     columns: usize,
     favourites: BTreeSet<String>,
-    /// A number that grows with every change of the list's look.
     revision: u64,
 }
 
@@ -246,7 +244,6 @@ impl SceneBrowser {
         self.revision += 1;
     }
 
-    /// The index of a tile among the matching ones.
     fn place_of(&self, tile: usize) -> Option<usize> {
         self.found.iter().position(|at| *at == tile)
     }
@@ -282,14 +279,12 @@ mod tests {
         let shown = browser.take_key(&Key::Named(NamedKey::Enter), false);
         let source = SceneSource::Shipped("clockwork".into());
         assert_eq!(shown, [Command::ShowScene(Box::new(source)), CLOSE]);
-        // Without a match, Enter does nothing.
         typed(&mut browser, "zz");
         assert_eq!(browser.take_key(&Key::Named(NamedKey::Enter), false), []);
         let _ = browser.take_key(&Key::Named(NamedKey::Backspace), false);
         assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), []);
         assert_eq!((browser.query(), names(&browser).len()), ("", 5));
         assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
-        // Ctrl+C is not a letter.
         assert_eq!(browser.take_key(&Key::Character("c".into()), true), []);
         assert_eq!(browser.query(), "");
     }

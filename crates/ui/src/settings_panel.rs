@@ -1,7 +1,5 @@
 //! The state of the settings panel: a row for each setting of the table, and rows for outputs, monitors and the delay,
-//! which depend on the connected devices.
-//!
-//! It is a plain value. The overlay draws it, and keys and the pointer make commands from it.
+//! which depend on the connected devices. The overlay draws it; keys and the pointer make commands from it.
 
 mod screens;
 
@@ -130,7 +128,6 @@ impl SettingsPanel {
         self.selected = row;
     }
 
-    /// Chooses the next or previous value of the selected row.
     fn step(&mut self, forward: bool) -> Option<Command> {
         let sign = if forward { 1.0 } else { -1.0 };
         match &self.rows.get(self.selected)?.values {
@@ -207,7 +204,6 @@ pub(crate) mod tests {
     use mariana_render::placement::Crop;
     use mariana_settings::QualityChoice;
 
-    /// A panel with two outputs and the default one, of which `chosen` is chosen.
     pub(crate) fn panel(choices: &Choices, chosen: Option<&str>) -> SettingsPanel {
         let mut panel = SettingsPanel::default();
         update(&mut panel, choices, chosen, &["usb", "tv"]);

@@ -31,7 +31,6 @@ impl TextQuery {
         self.0.to_lowercase().split_whitespace().all(|word| text.contains(word))
     }
 
-    /// True if `text` begins with the query.
     pub(crate) fn begins(&self, text: &str) -> bool {
         let typed = self.0.trim().to_lowercase();
         !typed.is_empty() && text.to_lowercase().starts_with(&typed)

@@ -11,7 +11,6 @@ use mariana_commands::{Command, Switch};
 #[derive(Debug, Default)]
 pub struct UserInput {
     pointer: Pointer,
-    /// The held modifier keys.
     held: Modifiers,
     /// Files dropped onto the window. They arrive one by one and together form a list.
     dropped: Vec<PathBuf>,
@@ -39,8 +38,7 @@ impl UserInput {
         }
     }
 
-    /// The pressed key with its modifiers. Repeats of a letter are ignored: it may be the key that opened the text
-    /// field.
+    /// The pressed key with its modifiers, without repeated letters: the key may have opened the text field.
     pub fn typed<'a>(&self, input: &'a Input) -> Option<(&'a Key, Modifiers)> {
         match input {
             Input::Key(press) => {

@@ -75,7 +75,6 @@ pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
     rows
 }
 
-/// The phone's connection code, if the server is open.
 fn pairing_address(facts: &ControllersState<'_>) -> Option<ControllerRow> {
     let phone = facts.phone.as_ref()?;
     let RemoteState::Open(pairing_address) = &phone.state else { return None };
@@ -88,7 +87,6 @@ fn pairing_address(facts: &ControllersState<'_>) -> Option<ControllerRow> {
     Some(ControllerRow::Phone { pairing_address: pairing_address.clone(), about })
 }
 
-/// The state of the phone page, unless it is open.
 fn phone_words(facts: &ControllersState<'_>) -> Option<ControllerRow> {
     let (text, is_bad) = match facts.phone.as_ref().map(|phone| &phone.state) {
         None => ("Phone: off; start Mariana with --remote 8080".to_owned(), false),
@@ -99,7 +97,6 @@ fn phone_words(facts: &ControllersState<'_>) -> Option<ControllerRow> {
     Some(ControllerRow::Words { text, is_bad })
 }
 
-/// The number of received and ignored messages, if there are any.
 fn count_words(facts: &ControllersState<'_>) -> Option<String> {
     match facts.counts {
         (0, 0) => None,

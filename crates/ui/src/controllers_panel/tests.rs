@@ -77,7 +77,6 @@ fn keys_learn_change_and_forget() {
     panel.take_key(&key(NamedKey::ArrowDown));
     assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(Command::Learn(size())));
     panel.take_key(&key(NamedKey::ArrowDown));
-    // The lower end becomes the parameter's present value.
     let mut after = knob(size());
     after.range = [0.25, 1.0];
     assert_eq!(
@@ -115,7 +114,6 @@ fn a_row_that_moves_stays_selected() {
     {
         panel.take_key(&key(NamedKey::ArrowDown));
     }
-    // The next scene has no parameters.
     panel.update(&ControllersState {
         scene: "city".to_owned(),
         sliders: &[],

@@ -49,7 +49,6 @@ impl Editor {
         }
     }
 
-    /// Handles a key in the search line or in the completion list.
     fn take_small_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         match self.finding.take_key(&press.key, held) {
             QueryKey::Next { forward } => self.find_next(forward),
@@ -258,7 +257,6 @@ impl Editor {
         }
     }
 
-    /// Changes the cursor or selection, and scrolls to the cursor.
     pub(super) fn with_text(&mut self, act: impl FnOnce(&mut Document)) -> bool {
         if let Some(document) = self.texts.document_mut() {
             act(document);
@@ -372,8 +370,7 @@ impl Editor {
         }
     }
 
-    /// Opens the completion list. If the user `asked` for it, it needs no typed letters, and an empty result is
-    /// reported.
+    /// Opens the completion list. If the user `asked`, no typed letters are needed, and an empty result is reported.
     fn propose(&mut self, asked: bool) {
         self.proposals.close();
         let Some(document) = self.texts.document().filter(|document| document.is_open()) else { return };
@@ -384,7 +381,6 @@ impl Editor {
         }
     }
 
-    /// Writes a proposal over the name at the cursor.
     fn take_proposal(&mut self, number: usize) {
         if let Some(write) = self.proposals.take(number) {
             self.edit(write);

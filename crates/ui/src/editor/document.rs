@@ -12,10 +12,8 @@ use mariana_field::lang::Word;
 use mariana_files::documents::{Bytes, Kept, OnDisk};
 use mariana_scenes::{Mistake, SceneSource};
 
-/// The origin of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Owner {
-    /// A file, which can be edited.
     File(PathBuf),
     /// A shipped scene without a file, which can only be copied.
     Shipped(SceneSource),
@@ -23,14 +21,11 @@ pub(crate) enum Owner {
 
 const READ_ONLY: &str = "this scene comes with Mariana: press Ctrl+S to make your own copy, then edit that";
 
-/// A question to the user about a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Question {
-    /// Unsaved text of an earlier run was found.
     Kept(Kept),
     /// Another program wrote the file while it had unsaved edits here.
     Conflict(OnDisk),
-    /// The file was deleted.
     Gone,
 }
 
@@ -39,26 +34,19 @@ pub(crate) enum Question {
 pub(crate) struct Marked {
     /// Byte range; empty if the mistake concerns the whole text.
     pub range: Range<usize>,
-    /// The message.
     pub message: String,
     /// A suggestion; may be empty.
     pub hint: String,
 }
 
-/// The result of another program's change to the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Change {
-    /// Nothing to do, or a question to the user.
     None,
-    /// The text was replaced by the file's new contents.
     Taken,
-    /// The file was deleted.
     Gone,
-    /// The file cannot be read; the message says why.
     Unreadable(String),
 }
 
-/// An open text with the state of its file.
 pub(crate) struct Document {
     pub owner: Owner,
     pub editing: Editing,
@@ -82,12 +70,10 @@ pub(crate) struct Document {
 const SENT_MAX: usize = 256;
 
 impl Document {
-    /// An empty text whose file is being read.
     pub(crate) fn of_file(file: &Path) -> Self {
         Self::new(Owner::File(file.to_owned()), Vec::new(), None)
     }
 
-    /// The read-only text of a shipped scene.
     pub(crate) fn shipped(source: &SceneSource) -> Self {
         let text = source.text().map_or_else(|error| error.to_string(), std::borrow::Cow::into_owned);
         let bytes: Bytes = Arc::from(text.as_bytes());
@@ -109,7 +95,6 @@ impl Document {
         }
     }
 
-    /// The file; `None` for a shipped scene.
     pub(crate) fn file(&self) -> Option<&Path> {
         match &self.owner {
             Owner::File(file) => Some(file),
@@ -126,7 +111,6 @@ impl Document {
         }
     }
 
-    /// The file's name, or the scene's.
     pub(crate) fn name(&self) -> String {
         match &self.owner {
             Owner::File(file) => {
@@ -142,7 +126,6 @@ impl Document {
         self.file().is_some() && matches!(self.disk, Some(OnDisk::Bytes(_) | OnDisk::Missing))
     }
 
-    /// Returns why the text is read-only, if it is.
     pub(super) fn check_open(&self) -> Result<(), &'static str> {
         match (&self.owner, &self.disk) {
             _ if self.is_open() => Ok(()),
@@ -179,7 +162,6 @@ impl Document {
         is_needless
     }
 
-    /// Handles a change of the file by another program.
     pub(super) fn take_change(&mut self, holds: OnDisk) -> Change {
         match holds {
             OnDisk::Bytes(bytes) if *bytes == *self.editing.buffer().bytes() => {
@@ -219,7 +201,6 @@ impl Document {
         is_new
     }
 
-    /// True if the text differs from its file.
     pub(crate) fn is_dirty(&self) -> bool {
         match &self.disk {
             Some(OnDisk::Bytes(bytes)) => self.editing.buffer().bytes() != &**bytes,
@@ -228,12 +209,10 @@ impl Document {
         }
     }
 
-    /// A copy of the bytes for other threads.
     pub(crate) fn bytes(&self) -> Bytes {
         Arc::from(self.editing.buffer().bytes())
     }
 
-    /// Records that a version of the drafts contains the present text.
     pub(crate) fn note_sent(&mut self, drafts: u64) {
         if self.sent.len() >= SENT_MAX {
             self.sent.pop_front();
@@ -241,7 +220,6 @@ impl Document {
         self.sent.push_back((drafts, self.editing.version()));
     }
 
-    /// Takes over the mistakes found in a version of the drafts.
     pub(crate) fn take_mistakes(&mut self, drafts: u64, mistakes: Vec<Mistake>) {
         let sent = self.sent.iter().rev().find(|(version, _)| *version <= drafts);
         self.found = (sent.map_or(0, |(_, version)| *version), mistakes);
@@ -274,7 +252,6 @@ impl Document {
         all.iter().find(|one| at_cursor(one)).or(all.first()).cloned()
     }
 
-    /// The next mistake after the cursor; wraps around.
     pub(super) fn next_mistake(&self) -> Option<Marked> {
         let cursor = self.editing.cursor();
         let all: Vec<Marked> = self.mistakes().collect();
@@ -285,12 +262,10 @@ impl Document {
         self.colors.borrow_mut().words(self.editing.buffer(), line)
     }
 
-    /// Documentation of the name or call at an offset, with the name's range.
     pub(crate) fn about(&self, offset: usize) -> Option<(Range<usize>, About)> {
         about(self.editing.buffer(), &mut self.colors.borrow_mut(), offset)
     }
 
-    /// Documentation of the name or call at the cursor.
     pub(crate) fn about_cursor(&self) -> Option<About> {
         self.about(self.editing.cursor()).map(|(_, about)| about)
     }
@@ -303,12 +278,10 @@ impl Document {
         Some((Number::at(buffer.line(line), &self.words(line), offset - start)?, start))
     }
 
-    /// Gives `act` access to the colour cache.
     pub(crate) fn with_colors<T>(&self, act: impl FnOnce(&mut Colors) -> T) -> T {
         act(&mut self.colors.borrow_mut())
     }
 
-    /// Discards cached colours below a changed line.
     fn forget_colors(&self, line: usize) {
         self.colors.borrow_mut().forget_behind(line);
     }

@@ -8,10 +8,8 @@ use mariana_scenes::{Findings, SceneSource};
 
 use super::document::Document;
 
-/// All texts that were opened in this run.
 pub(super) struct Documents {
     all: Vec<Document>,
-    /// Index of the visible text.
     shown: usize,
     /// Visible lines and columns.
     rows: usize,
@@ -20,14 +18,11 @@ pub(super) struct Documents {
     carried: Option<(usize, (f32, f32))>,
 }
 
-/// A tab.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Tab {
     pub name: String,
     pub shows: bool,
-    /// True if the text has mistakes.
     pub wrong: bool,
-    /// True if the text has unsaved edits.
     pub dirty: bool,
 }
 
@@ -36,7 +31,6 @@ impl Documents {
         Self { all: Vec::new(), shown: 0, rows: 20, columns: 60, carried: None }
     }
 
-    /// The visible text.
     pub(super) fn shown(&self) -> Option<&Document> {
         self.all.get(self.shown)
     }
@@ -45,7 +39,6 @@ impl Documents {
         self.all.get_mut(self.shown)
     }
 
-    /// A file's text, if it is open.
     pub(super) fn of(&self, file: &Path) -> Option<&Document> {
         self.all.iter().find(|document| document.file() == Some(file))
     }
@@ -54,7 +47,6 @@ impl Documents {
         self.all.iter_mut().find(|document| document.file() == Some(file))
     }
 
-    /// The texts with unsaved edits.
     pub(super) fn unsaved(&self) -> impl Iterator<Item = &Document> {
         self.all.iter().filter(|document| document.is_dirty())
     }
@@ -84,19 +76,16 @@ impl Documents {
         self.shown = self.all.len() - 1;
     }
 
-    /// Sets the cursor and scroll position for the next text that is read.
     pub(super) fn carry(&mut self, cursor: usize, view: (f32, f32)) {
         self.carried = Some((cursor, view));
     }
 
-    /// Takes over the contents of a file. Returns true if the backup of an earlier run is no longer needed; `None` if
-    /// the file is not open.
+    /// Takes over a file's contents: `true` if an earlier run's backup is obsolete, `None` if the file is not open.
     pub(super) fn take_read(&mut self, file: &Path, holds: OnDisk, kept: Option<Kept>) -> Option<bool> {
         let carried = self.carried.take();
         Some(self.of_mut(file)?.take_read(holds, kept, carried))
     }
 
-    /// Distributes mistakes to their texts.
     pub(super) fn take_mistakes(&mut self, findings: &Findings) {
         let of_text = |text: usize| {
             findings.mistakes.iter().filter(move |one| one.text == text).cloned().collect::<Vec<_>>()
@@ -157,7 +146,6 @@ impl Documents {
         is_new
     }
 
-    /// Scrolls by a number of lines and columns.
     pub(super) fn scroll(&mut self, lines: f32, columns: f32) {
         let rows = self.rows as f32;
         let Some(document) = self.shown_mut() else { return };
@@ -166,7 +154,6 @@ impl Documents {
         document.view = ((top + lines).clamp(0.0, last), (left + columns).clamp(0.0, 1e6));
     }
 
-    /// Scrolls until a line is visible.
     pub(super) fn reveal_line(&mut self, line: usize) {
         let rows = self.rows.max(3) as f32;
         let Some(document) = self.shown_mut() else { return };
@@ -174,7 +161,6 @@ impl Documents {
         document.view = (top.min(line as f32 - 1.0).max(line as f32 + 3.0 - rows).max(0.0), left);
     }
 
-    /// Scrolls until the cursor is visible.
     pub(super) fn reveal(&mut self) {
         let columns = self.columns.max(8) as f32;
         let Some(document) = self.shown_mut() else { return };

@@ -25,12 +25,10 @@ impl Files {
         Ok(Self { file_thread: FileThread::start(folders, wake)? })
     }
 
-    /// Starts to read a file.
     pub(super) fn open(&self, file: &Path) {
         self.file_thread.open(file);
     }
 
-    /// The next finished file operation or change on disk.
     pub(super) fn file_events(&self) -> Option<FileEvent> {
         self.file_thread.file_events()
     }
@@ -42,14 +40,12 @@ impl Files {
         }
     }
 
-    /// Backs up a text whose file was deleted.
     pub(super) fn keep_gone(&self, document: &Document) {
         if let Some(file) = document.file() {
             self.file_thread.keep(file, Some(document.bytes()));
         }
     }
 
-    /// Deletes the backup of an earlier run.
     pub(super) fn forget_kept(&self, file: &Path) {
         self.file_thread.keep(file, None);
     }
@@ -74,7 +70,6 @@ impl Files {
         }
     }
 
-    /// Copies a text to the user's folder.
     pub(super) fn copy(&self, document: &Document) -> Result<(), &'static str> {
         let folder = self.file_thread.own_scenes().ok_or(NO_FOLDER)?;
         self.file_thread.create(folder, &document.name(), document.bytes());
@@ -88,7 +83,6 @@ impl Files {
         Ok(())
     }
 
-    /// Waits for pending backups before the program exits.
     pub(super) fn finish(&self) {
         self.file_thread.finish(KEEP_LIMIT);
     }

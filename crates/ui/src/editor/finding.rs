@@ -44,7 +44,6 @@ impl Finding {
         self.line = None;
     }
 
-    /// The search text, if letters are typed into it.
     pub(super) fn typed(&mut self) -> Option<&mut String> {
         self.line.as_mut().filter(|find| find.typing).map(|find| &mut find.query)
     }

@@ -3,13 +3,11 @@
 /// Most letters of a composition that are displayed.
 const PREEDIT_MAX: usize = 64;
 
-/// The focus and the composition.
 #[derive(Default)]
 pub(super) struct Focus {
     is_on: bool,
     /// True while a key is held that was pressed before the editor got the focus.
     ignores_repeats: bool,
-    /// Composed text, not yet in the document.
     preedit: String,
 }
 
@@ -48,7 +46,6 @@ impl Focus {
         &self.preedit
     }
 
-    /// Ends the composition; its text was typed or discarded.
     pub(super) fn end_composing(&mut self) {
         self.preedit.clear();
     }

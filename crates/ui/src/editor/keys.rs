@@ -195,7 +195,6 @@ pub(super) fn action_of(key: &Key, latin: Option<char>, held: Modifiers) -> Opti
     })
 }
 
-/// The cursor movement of a key; a page has `rows` lines.
 pub(super) fn way_of(key: &Key, held: Modifiers, rows: usize) -> Option<Move> {
     let (Key::Named(named), word) = (key, held.control_key()) else { return None };
     Some(match named {

@@ -1,9 +1,8 @@
 //! The scene editor in the window: the text of the shown scene, its keys, its files and its messages.
 //!
 //! It is a plain value that keys and the pointer change and the overlay draws. Every edit goes to the loader as a draft
-//! ([`Drafts`]) that replaces the file's contents. A valid draft shows in the next frame; the mistakes of an invalid
-//! one are marked in the text. A thread of [`mariana_files::documents::FileThread`] does all file access, and another
-//! one accesses the clipboard.
+//! ([`Drafts`]) that replaces the file's contents. A valid draft shows in the next frame; an invalid one marks its
+//! mistakes. Files and the clipboard are accessed on other threads.
 //!
 //! [`Editor`] owns the parts and passes results between them:
 //!
@@ -160,8 +159,7 @@ impl std::fmt::Debug for Editor {
 }
 
 impl Editor {
-    /// Starts an editor without a text, for a user with these folders. `wake` is called on other threads when one of
-    /// their results arrives.
+    /// Starts an editor without a text. `wake` is called on other threads when one of their results arrives.
     ///
     /// # Errors
     /// The system cannot start another thread.
@@ -253,14 +251,12 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Shows the message of a failed action.
     fn tell_refusal<E: ToString>(&mut self, done: Result<(), E>) {
         if let Err(words) = done {
             self.tell(words.to_string());
         }
     }
 
-    /// Closes the search line, the completion list and the picker.
     fn close_small(&mut self) {
         self.finding.close();
         self.proposals.close();
@@ -333,7 +329,6 @@ impl Editor {
         }
     }
 
-    /// Grabs numbers of the line that begins at `line_start`.
     fn take_numbers(&mut self, numbers: Vec<Number>, line_start: usize) {
         self.set_focus(true);
         let taken = self.held_numbers.take(numbers, line_start, &mut self.texts);
@@ -350,7 +345,6 @@ impl Editor {
         self.held_numbers.turns_three()
     }
 
-    /// Changes the grabbed numbers.
     fn turn(&mut self, turn: impl FnOnce(&mut HeldNumbers, &mut Texts) -> Result<(), Refused>) {
         let done = turn(&mut self.held_numbers, &mut self.texts);
         self.tell_refusal(done);
@@ -390,7 +384,6 @@ impl Editor {
 }
 
 impl Editor {
-    /// A number that grows with every change of the editor's look.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
@@ -407,7 +400,6 @@ impl Editor {
         self.finding.line()
     }
 
-    /// The text that an input method is composing.
     pub(crate) fn preedit(&self) -> &str {
         self.focus.preedit()
     }

@@ -6,7 +6,6 @@ use crate::clock;
 
 const STAYS: Duration = Duration::from_secs(6);
 
-/// The present message, if any.
 #[derive(Default)]
 pub(crate) struct Notice {
     said: Option<(String, Instant)>,
@@ -21,7 +20,6 @@ impl Notice {
         self.said = None;
     }
 
-    /// Removes an expired message. Returns true if there was one.
     pub(super) fn update(&mut self) -> bool {
         let goes = self.said.as_ref().is_some_and(|(_, since)| clock::since(*since) > STAYS);
         if goes {
@@ -34,7 +32,6 @@ impl Notice {
         self.said.as_ref().map(|(words, _)| words.as_str())
     }
 
-    /// The time at which it expires.
     pub(crate) fn goes_at(&self) -> Option<Instant> {
         self.said.as_ref().map(|(_, since)| *since + STAYS)
     }

@@ -13,7 +13,6 @@ pub(crate) const SIDE: usize = 48;
 /// A preview: red, green, blue and coverage of each pixel, in rows from the upper left.
 pub(crate) type ObjectPreview = Arc<Vec<[u8; 4]>>;
 
-/// A cache of previews and its render thread.
 pub(super) struct ObjectPreviews {
     /// Finished previews; `None` while a preview is being rendered.
     known: BTreeMap<&'static str, Option<ObjectPreview>>,
@@ -41,7 +40,6 @@ impl ObjectPreviews {
         Self { known: BTreeMap::new(), orders, drawn }
     }
 
-    /// Requests the preview of a library function, if it has one.
     pub(super) fn want(&mut self, name: &str) {
         if let Some((name, formula)) = PICTURES.iter().find(|(known, _)| *known == name)
             && !self.known.contains_key(name)
@@ -62,7 +60,6 @@ impl ObjectPreviews {
         any
     }
 
-    /// The preview of a function, if it is finished.
     pub(super) fn of(&self, name: &str) -> Option<&ObjectPreview> {
         self.known.get(name)?.as_ref()
     }

@@ -8,7 +8,6 @@ use mariana_scenes::{Drafts, Findings};
 
 use super::document::Document;
 
-/// Drafts, and the commands that wait to be sent.
 pub(super) struct Outbox {
     drafts: Drafts,
     /// True while numbers are turned as frame inputs, so that the text need not be reloaded.
@@ -25,17 +24,14 @@ impl Outbox {
         self.commands.push(command);
     }
 
-    /// Returns the commands since the last call.
     pub(super) fn take_commands(&mut self) -> Vec<Command> {
         std::mem::take(&mut self.commands)
     }
 
-    /// Returns the loader's findings since the last call.
     pub(super) fn take_findings(&self) -> Vec<Findings> {
         self.drafts.take_findings()
     }
 
-    /// Passes a text to the loader.
     pub(super) fn draft(&mut self, document: &mut Document) {
         let Some(file) = document.file() else { return };
         let version = match document.is_dirty() {
@@ -53,7 +49,6 @@ impl Outbox {
         }
     }
 
-    /// Keeps the text of a deleted file as a draft.
     pub(super) fn replace_file(&mut self, document: &mut Document) {
         let Some(file) = document.file() else { return };
         let version = self.drafts.set(file, document.bytes());
@@ -73,7 +68,6 @@ impl Outbox {
         since
     }
 
-    /// Turns frame inputs back into numbers of the text.
     pub(super) fn release(&mut self) {
         self.drafts.turn(None);
         self.turns = false;

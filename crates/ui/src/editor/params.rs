@@ -6,9 +6,7 @@ use mariana_editing::{Buffer, Editing, Refused};
 
 use super::document::Document;
 
-/// A parameter with a slider, made from the number at the cursor.
 pub(super) struct NewParam {
-    /// Byte range of the number.
     number: Range<usize>,
     /// Position and text of the declaration.
     at: usize,
@@ -39,12 +37,10 @@ impl NewParam {
         Ok(Self { number, at, line, name })
     }
 
-    /// The message after the change.
     pub(super) fn reported(&self) -> String {
         format!("{} is now a parameter: close the editor and press Tab to see its slider", self.name)
     }
 
-    /// Applies the change as one undo step.
     pub(super) fn write(self, editing: &mut Editing) -> Result<(), Refused> {
         let name = self.at + "param ".len()..self.at + "param ".len() + self.name.len();
         let number = (self.number, self.name.into_bytes());
@@ -54,8 +50,7 @@ impl NewParam {
     }
 }
 
-/// The position for the declaration: after the last parameter, or before the first line that is neither blank nor a
-/// comment or an include.
+/// The declaration's position: after the last parameter, or before the first line of code other than an include.
 fn param_place(buffer: &Buffer) -> usize {
     let starts = |line: usize, word: &[u8]| buffer.line(line).trim_ascii_start().starts_with(word);
     let last = (0..buffer.line_count()).rev().find(|line| starts(*line, b"param "));

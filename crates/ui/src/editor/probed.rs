@@ -1,5 +1,4 @@
-//! Information about the rendered frame: the clicked point, the parts drawn by the lines at the cursor, and the cost of
-//! each object.
+//! Information about the rendered frame: the clicked point, what the lines at the cursor draw, and each object's cost.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,25 +11,20 @@ use mariana_render::frame::camera::Camera;
 use mariana_render::placement::Map;
 use mariana_scenes::probing::Probed;
 
-/// The editor's knowledge about the frame.
 #[derive(Default)]
 pub(crate) struct Picture {
     /// Maps positions in the window to positions in the frame.
     map: Option<Map>,
-    /// The camera of the frame.
     camera: Option<Camera>,
     probed: Option<Probed>,
     /// True while parts from the lines at the cursor are highlighted.
     lights: bool,
-    /// True while the cost table is shown.
     profiles: bool,
     ray_statistics: Option<Arc<RayStatistics>>,
 }
 
-/// Highlighted cells of the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Light {
-    /// Cells in a row.
     pub columns: usize,
     /// For each cell, true if the lines at the cursor draw it.
     pub cells: Vec<bool>,
@@ -44,13 +38,11 @@ impl Picture {
         is_new
     }
 
-    /// Takes over the result of a click.
     pub(super) fn take_probed(&mut self, probed: Probed) {
         tracing::debug!("probed: {probed:?}");
         self.probed = Some(probed);
     }
 
-    /// Takes over the ray statistics of a whole frame.
     pub(super) fn take_ray_statistics(&mut self, ray_statistics: Arc<RayStatistics>) {
         self.ray_statistics = Some(ray_statistics);
     }
@@ -70,7 +62,6 @@ impl Picture {
         }
     }
 
-    /// Shows or hides the cost table.
     pub(super) fn toggle_profile(&mut self) {
         self.profiles = !self.profiles;
         self.forget_ray_statistics_if_unused();
@@ -82,12 +73,10 @@ impl Picture {
         }
     }
 
-    /// Discards the results when another scene is shown.
     pub(super) fn forget(&mut self) {
         (self.probed, self.ray_statistics) = (None, None);
     }
 
-    /// True if ray statistics are needed.
     pub(super) fn wants_ray_statistics(&self) -> bool {
         self.lights || self.profiles
     }
@@ -131,7 +120,6 @@ impl Picture {
         self.map.as_ref()
     }
 
-    /// The same with the frame's camera.
     pub(crate) fn view(&self) -> Option<(&Map, &Camera)> {
         self.map.as_ref().zip(self.camera.as_ref())
     }
@@ -140,7 +128,6 @@ impl Picture {
         self.probed.as_ref()
     }
 
-    /// The states of the highlighting and of the cost table.
     pub(crate) fn switches(&self) -> (bool, bool) {
         (self.lights, self.profiles)
     }
@@ -154,8 +141,7 @@ impl Picture {
     }
 }
 
-/// The lines that draw parts of an object, by descending cost: line number, text and cost. Empty if one line draws the
-/// whole object.
+/// The lines that draw parts of an object, costliest first: number, text, cost. Empty for a single line.
 pub(crate) fn parts_of(object: &ObjectCost, texts: &Texts) -> Vec<(usize, String, PartCost)> {
     let mut lines: Vec<(usize, String, PartCost)> = Vec::new();
     for part in &object.parts {

@@ -6,38 +6,30 @@ use mariana_editing::{Editing, Proposal, Refused, proposals};
 use super::document::Document;
 use super::object_previews::{ObjectPreview, ObjectPreviews};
 
-/// Candidates for the name at the cursor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Proposing {
     /// Byte offset of the name.
     pub from: usize,
     /// Candidates, best first.
     pub list: Vec<Proposal>,
-    /// Index of the selected candidate.
     pub selected: usize,
     /// True after the user has moved the selection, so that Enter accepts a candidate.
     moved: bool,
 }
 
 impl Proposing {
-    /// The name of the selected candidate, if it is a library function.
     fn of_library(&self) -> Option<&str> {
         let one = self.list.get(self.selected)?;
         (one.about.is_function && !one.about.facts.is_empty()).then_some(one.name.as_str())
     }
 }
 
-/// The meaning of a key for the list.
 pub(super) enum Choice {
-    /// The key does not belong to the list.
     Other,
-    /// The selection moved, or the list closed.
     Changed,
-    /// Accept a candidate.
     Take(usize),
 }
 
-/// The list, if it is open, and the previews of shapes.
 pub(crate) struct Proposals {
     proposing: Option<Proposing>,
     object_previews: ObjectPreviews,
@@ -53,7 +45,6 @@ impl Proposals {
         self.proposing.as_ref()
     }
 
-    /// The preview of the selected candidate, if it is finished.
     pub(crate) fn object_preview(&self) -> Option<&ObjectPreview> {
         self.object_previews.of(self.proposing.as_ref()?.of_library()?)
     }
@@ -80,7 +71,6 @@ impl Proposals {
         self.proposing.is_some()
     }
 
-    /// Handles keys that move in the list.
     pub(super) fn choose(&mut self, key: &Key, held: Modifiers) -> Choice {
         let Some(proposing) = &mut self.proposing else { return Choice::Other };
         let (Key::Named(named), true) = (key, held.is_empty()) else { return Choice::Other };
@@ -100,7 +90,6 @@ impl Proposals {
         Choice::Changed
     }
 
-    /// Accepts a candidate: closes the list and returns the edit.
     pub(super) fn take(
         &mut self,
         number: usize,

@@ -22,16 +22,13 @@ const BALL: &str = "let r = 0.5\nobject ball { shape = length(p) - r }\n";
 struct TestEditor {
     folder: TempDir,
     editor: Editor,
-    /// Shared with the loader.
     drafts: Drafts,
     woken: Receiver<()>,
     edits: NumberEdits,
-    /// Commands sent since the last call of `TestEditor::commands`.
     commands: Vec<Command>,
 }
 
 impl TestEditor {
-    /// An editor with this text as `main.scene`, already read.
     fn new(text: &[u8]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("main.scene"), text).unwrap();
@@ -128,7 +125,6 @@ impl TestEditor {
         self.editor.notice.words().unwrap_or_default()
     }
 
-    /// Puts the cursor before a part of the text.
     fn go_to(&mut self, part: &str) {
         let bytes = self.editor.document().unwrap().editing.buffer().bytes();
         let at = bytes.windows(part.len()).position(|bytes| bytes == part.as_bytes()).unwrap();
@@ -174,7 +170,6 @@ fn a_mistake_is_marked_and_moves_with_the_text() {
         setup.text()[one.range].to_owned()
     };
     assert_eq!(marked(&setup), "q");
-    // An edit above, before the loader has seen it, moves the mark.
     setup.go_to("let");
     setup.type_text("# a ball\n");
     assert_eq!(marked(&setup), "q");
@@ -198,13 +193,11 @@ fn a_text_is_saved_and_a_conflict_is_asked_about() {
     setup.ctrl("s");
     setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
     assert_eq!(fs::read_to_string(setup.file()).unwrap(), BALL.replace("0.5", "10.5"));
-    // Without unsaved edits, another program's change is loaded.
     fs::write(setup.file(), "let r = 3\nlength(p) - r").unwrap();
     setup.wait("their text", |editor| {
         editor.document().unwrap().editing.buffer().bytes().starts_with(b"let r = 3")
     });
     assert!(setup.asked().is_none());
-    // With unsaved edits, the user is asked.
     setup.go_to("3");
     setup.type_text("4");
     fs::write(setup.file(), "theirs").unwrap();
@@ -245,7 +238,6 @@ fn unsaved_text_is_offered_in_the_next_run() {
     assert_eq!(setup.text(), BALL);
     setup.ctrl("1");
     assert_eq!(setup.text(), BALL.replace("0.5", "70.5"));
-    // After a save the backup is gone, and so is a backup that the user discards.
     setup.ctrl("s");
     setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
     setup.go_to("70");
@@ -361,7 +353,6 @@ fn proposals_appear_while_typing_and_tab_accepts_one() {
     assert!(!first.about.text.is_empty());
     assert!(setup.named(NamedKey::Tab));
     assert!(setup.text().contains("smooth_union( }"), "{}", setup.text());
-    // Enter starts a new line unless the selection was moved.
     setup.type_text("sph\n");
     assert!(setup.text().contains("(sph\n"), "{}", setup.text());
     setup.type_text("bo");
@@ -389,7 +380,6 @@ fn a_shipped_scene_says_how_to_copy_it() {
     setup.type_text("x");
     assert_eq!(setup.text(), before);
     assert!(setup.said().contains("Ctrl+S"), "{}", setup.said());
-    // Unsaved text is still there after the scene changes back.
     let main = setup.source();
     setup.editor.show_scene(&main);
     setup.go_to("0.5");
@@ -413,7 +403,6 @@ fn huge_pastes_invalid_bytes_and_mixed_line_ends_do_no_harm() {
     setup.ctrl("s");
     setup.wait("the save", |editor| !editor.document().unwrap().is_dirty());
     assert_eq!(fs::read(setup.file()).unwrap(), b"# \xff\xfe\r\nlet r = 21\nlength(p) - r\r\n\0");
-    // A binary file opens and keeps its bytes.
     let binary: Vec<u8> = (0..=255).cycle().take(70_000).collect();
     fs::write(setup.file(), &binary).unwrap();
     setup.wait("the bytes", |editor| {
@@ -453,7 +442,6 @@ fn the_key_that_opened_the_editor_is_not_typed() {
     let mut take = |repeat| setup.editor.take_key(&press(repeat), Modifiers::empty());
     assert!(take(false) && take(true));
     assert_eq!(setup.text(), "eey");
-    // Keys without letters belong to the show.
     assert!(!setup.named(NamedKey::F11) && !setup.named(NamedKey::MediaPlayPause));
 }
 

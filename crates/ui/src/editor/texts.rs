@@ -38,7 +38,6 @@ impl Texts {
         })
     }
 
-    /// The visible text.
     pub(crate) fn document(&self) -> Option<&Document> {
         self.documents.shown()
     }
@@ -47,12 +46,10 @@ impl Texts {
         self.documents.shown_mut()
     }
 
-    /// The edited scene.
     pub(super) fn source(&self) -> Option<&SceneSource> {
         self.found.source()
     }
 
-    /// The loader's latest findings in it.
     pub(super) fn findings(&self) -> Option<&Findings> {
         self.found.findings()
     }
@@ -61,17 +58,14 @@ impl Texts {
         self.documents.tabs(self.found.findings())
     }
 
-    /// True if the visible text is the scene's main file, not an include.
     pub(super) fn is_main(&self) -> bool {
         self.source().zip(self.document()).is_some_and(|(source, document)| document.is_of(source))
     }
 
-    /// The file of one of the scene's texts, by its number.
     pub(super) fn file(&self, number: usize) -> Option<&Path> {
         self.found.file(number)
     }
 
-    /// The number of the visible text among the scene's texts.
     pub(super) fn number(&self) -> usize {
         let file = self.document().and_then(Document::file);
         file.and_then(|file| self.found.number_of(file)).unwrap_or(0)
@@ -84,7 +78,6 @@ impl Texts {
         (tabs.len() > 1).then(|| (at + 1) % tabs.len())
     }
 
-    /// One of the scene's texts by its number, if it is open.
     fn text(&self, number: usize) -> Option<&Document> {
         match self.file(number) {
             Some(file) => self.documents.of(file),
@@ -118,7 +111,6 @@ impl Texts {
 }
 
 impl Texts {
-    /// Shows the text of a scene.
     pub(super) fn show_scene(&mut self, source: &SceneSource) {
         self.found.show_scene(source);
         if let Some(file) = self.documents.show_scene(source) {
@@ -127,7 +119,6 @@ impl Texts {
         self.mark_mistakes();
     }
 
-    /// Shows one of the scene's texts.
     pub(super) fn show(&mut self, file: &Path) {
         self.open(file);
         self.mark_mistakes();
@@ -142,7 +133,6 @@ impl Texts {
         is_new
     }
 
-    /// Moves the cursor to a range of one of the scene's texts, given as it was loaded.
     pub(super) fn go_to(&mut self, number: usize, range: Range<usize>) {
         if let Some(file) = self.file(number).map(Path::to_owned) {
             if self.open(&file) {
@@ -179,7 +169,6 @@ impl Texts {
 }
 
 impl Texts {
-    /// Edits the visible text, or returns why it is read-only.
     pub(super) fn edit(
         &mut self,
         change: impl FnOnce(&mut Editing) -> Result<(), Refused>,
@@ -192,19 +181,16 @@ impl Texts {
         changed.map_err(|refused| refused.to_string())
     }
 
-    /// Passes a change of the visible text to the loader and to the backup.
     pub(super) fn note_change(&mut self) {
         if let Some(document) = self.documents.shown_mut() {
             pass_on(document, &self.files, &mut self.outbox);
         }
     }
 
-    /// Removes and returns the question about the visible text.
     pub(super) fn take_question(&mut self) -> Option<Question> {
         self.document_mut()?.question.take()
     }
 
-    /// Saves the visible text; copies a shipped scene.
     pub(super) fn save(&mut self) -> Result<(), &'static str> {
         let Some(document) = self.documents.shown() else { return Ok(()) };
         if let Owner::File(_) = document.owner {
@@ -216,7 +202,6 @@ impl Texts {
         Ok(())
     }
 
-    /// Saves the visible text even if another program has changed the file.
     pub(super) fn overwrite(&self) {
         if let Some(document) = self.document() {
             self.files.overwrite(document);
@@ -240,12 +225,10 @@ impl Texts {
         }
     }
 
-    /// Creates a new scene in the folder of the edited one, or in the user's folder.
     pub(super) fn begin_scene(&self) -> Result<(), &'static str> {
         self.files.begin(self.source().and_then(SceneSource::file).and_then(Path::parent))
     }
 
-    /// Backs up unsaved text before the program exits.
     pub(super) fn finish(&self) {
         self.documents.unsaved().for_each(|document| self.files.keep(document));
         self.files.finish();
@@ -261,7 +244,6 @@ impl Texts {
         self.outbox.take_commands()
     }
 
-    /// Turns numbers of a file into frame inputs. Returns the version of the drafts that has them.
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning]) -> Option<u64> {
         Some(self.outbox.hold(file, turning, self.documents.shown_mut()?))
     }
@@ -301,7 +283,6 @@ impl Texts {
         self.files.file_events()
     }
 
-    /// Handles a file event. Returns a message for the user, if any.
     pub(super) fn take_news(&mut self, file_events: FileEvent) -> Option<String> {
         match file_events {
             FileEvent::Opened { file, holds, kept } => {
@@ -338,7 +319,6 @@ impl Texts {
         }
     }
 
-    /// Handles a change of a file by another program.
     fn take_change(&mut self, file: &Path, holds: OnDisk) -> Option<String> {
         let document = self.documents.of_mut(file)?;
         match document.take_change(holds) {
@@ -358,7 +338,6 @@ impl Texts {
     }
 }
 
-/// Passes a change of a text to the loader and to the backup.
 fn pass_on(document: &mut Document, files: &Files, outbox: &mut Outbox) {
     if document.note_change() {
         files.keep(document);

@@ -29,7 +29,6 @@ struct Turn {
     held: Option<Held>,
 }
 
-/// The numbers as frame inputs.
 #[derive(Debug, Clone, PartialEq)]
 struct Held {
     inputs: Vec<HeldNumber>,
@@ -37,7 +36,6 @@ struct Held {
     since: u64,
 }
 
-/// A number as a frame input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct HeldNumber {
     /// Its index among the numbers of the text.
@@ -51,19 +49,16 @@ struct HeldNumber {
 }
 
 impl Turn {
-    /// The range from the first to the last number.
     fn range(&self) -> Range<usize> {
         let ends = self.numbers.first().zip(self.numbers.last());
         ends.map_or(0..0, |(first, last)| first.1.start..last.1.end)
     }
 
-    /// True for a `vec3`.
     fn is_triple(&self) -> bool {
         self.numbers.len() == 3
     }
 }
 
-/// The grabbed numbers, and the colour in the picker.
 #[derive(Default)]
 pub(crate) struct HeldNumbers {
     turn: Option<Turn>,
@@ -72,22 +67,18 @@ pub(crate) struct HeldNumbers {
 }
 
 impl HeldNumbers {
-    /// The range of the grabbed numbers.
     pub(crate) fn turned(&self) -> Option<Range<usize>> {
         self.turn.as_ref().map(Turn::range)
     }
 
-    /// True if a `vec3` is grabbed.
     pub(crate) fn turns_three(&self) -> bool {
         self.turn.as_ref().is_some_and(Turn::is_triple)
     }
 
-    /// Offset of the colour in the picker.
     pub(super) fn picked(&self) -> Option<usize> {
         self.picked
     }
 
-    /// Offset and value of the colour in the picker.
     pub(crate) fn picked_color(&self, document: &Document) -> Option<(usize, [f64; 3])> {
         let at = self.picked?;
         let (triple, _) = document.triple_at(at)?;
@@ -100,7 +91,6 @@ impl HeldNumbers {
         Some(values.map(|value| sign * value))
     }
 
-    /// Opens the picker for the colour at an offset.
     pub(super) fn pick(&mut self, at: usize) {
         self.picked = Some(at);
     }
@@ -177,7 +167,6 @@ impl HeldNumbers {
         turn.held = texts.hold(&turn.file, &turning).map(|since| Held { inputs, since });
     }
 
-    /// Turns the number by a pointer movement.
     pub(super) fn turn(&mut self, points: f64, speed: TurnSpeed, texts: &mut Texts) -> Result<(), Refused> {
         let Some(turn) = &mut self.turn else { return Ok(()) };
         turn.moved += points * speed.factor();
@@ -186,14 +175,12 @@ impl HeldNumbers {
         self.write(&[text], texts)
     }
 
-    /// Sets the grabbed triple.
     pub(super) fn turn_three(&mut self, values: [f64; 3], texts: &mut Texts) -> Result<(), Refused> {
         let Some(turn) = self.turn.as_mut().filter(|turn| turn.is_triple()) else { return Ok(()) };
         turn.exact = values;
         self.write(&values.map(mariana_editing::written_part), texts)
     }
 
-    /// Moves the position of the grabbed triple.
     pub(super) fn move_three(&mut self, way: [f64; 3], texts: &mut Texts) -> Result<(), Refused> {
         let Some(before) = self.turn.as_ref().map(|turn| turn.exact) else { return Ok(()) };
         let place = texts.document().and_then(Document::place_at_cursor);
@@ -201,7 +188,6 @@ impl HeldNumbers {
         self.turn_three(std::array::from_fn(|axis| before[axis] + sign * way[axis]), texts)
     }
 
-    /// Writes the numbers into the text and sends their values to the frame.
     fn write(&mut self, written: &[String], texts: &mut Texts) -> Result<(), Refused> {
         let (Some(turn), Some(document)) = (&mut self.turn, texts.document_mut()) else { return Ok(()) };
         let whole = turn.range();
@@ -223,7 +209,6 @@ impl HeldNumbers {
         done
     }
 
-    /// Sends values to the frame, if the numbers are its inputs.
     fn hand_on(&mut self, values: &[f64], texts: &mut Texts) {
         let Some(turn) = &self.turn else { return };
         let Some(held) = &turn.held else { return };
@@ -240,8 +225,7 @@ impl HeldNumbers {
         }
     }
 
-    /// Checks after new findings if the numbers have become inputs. Numbers that affect the scene's structure cannot;
-    /// for them the text is parsed at each value.
+    /// Checks after new findings if the numbers have become inputs. Those that affect the scene's structure cannot.
     pub(super) fn check(&mut self, texts: &mut Texts) {
         let (Some(turn), Some(findings)) = (&mut self.turn, texts.findings()) else { return };
         let Some(held) = &turn.held else { return };
@@ -265,14 +249,12 @@ impl HeldNumbers {
     }
 }
 
-/// A number turned by a key.
 pub(super) struct KeyTurn {
     range: Range<usize>,
     text: String,
 }
 
 impl KeyTurn {
-    /// Computes the new text of the number at the cursor.
     pub(super) fn of(document: &Document, up: bool, fine: bool) -> Option<Self> {
         let (number, line_start) = document.number(document.editing.selection().start)?;
         let speed = if fine { TurnSpeed::Fine } else { TurnSpeed::Usual };

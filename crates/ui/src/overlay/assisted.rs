@@ -18,13 +18,11 @@ pub enum Assistance {
     Ends,
 }
 
-/// Labels the window.
 pub(super) fn window(context: &Context) {
     let _ = context.accesskit_node_builder(accesskit_root_id(), |node| node.set_label("Mariana"));
 }
 
-/// Exposes text that is drawn without a widget, under a unique name. Screen readers announce it when it changes if
-/// `news`.
+/// Exposes text without a widget, under a unique name. Screen readers announce changes if `news`.
 pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
     let _ = context.accesskit_node_builder(Id::unique(("text", name)), |node| {
         node.set_role(Role::Label);
@@ -35,12 +33,10 @@ pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
     });
 }
 
-/// Adds a description to a control.
 pub(super) fn describe(context: &Context, control: Id, words: &str) {
     let _ = context.accesskit_node_builder(control, |node| node.set_description(words));
 }
 
-/// Draws a ring around the focused control.
 pub(super) fn ring(context: &Context, painter: &Painter) {
     let focused = context.memory(|memory| memory.focused()).and_then(|id| context.read_response(id));
     if let Some(control) = focused {

@@ -1,6 +1,5 @@
 //! The player bar, shown while the pointer moves: the track, a seek bar, and a button for every frequent action.
-//!
-//! A button's tooltip names its key. Descriptions and keys come from the table of commands.
+//! Descriptions and keys in tooltips come from the table of commands.
 
 use std::hash::{Hash, Hasher};
 
@@ -18,20 +17,16 @@ use super::{assisted, style};
 use mariana_commands::{Command, Panel, SEEK_SECONDS, Switch, VOLUME_STEP};
 use mariana_render::reading_order::isolated;
 
-/// Widest bar, in points.
 const WIDTH_MAX: f32 = 1100.0;
 /// Height of the seek bar's clickable area.
 const RAIL_HEIGHT: f32 = 26.0;
 /// Height of a plain seek bar or volume slider.
 const LINE_HEIGHT: f32 = 4.0;
 const BUTTON: f32 = 30.0;
-/// Width and height of the level meter below the source button.
 const LEVEL: Vec2 = vec2(18.0, 2.0);
-/// Height of the line with title and scene.
 const WORDS: f32 = 19.0;
 const GAP: f32 = 3.0;
 const SIGN: f32 = 15.0;
-/// Distance between two bars of the loudness curve.
 const BAR_STEP: f32 = 3.0;
 /// Width of the volume slider: the least for which it is shown, and the greatest.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
@@ -113,7 +108,6 @@ pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, events: 
     shown.response.rect
 }
 
-/// Title and artist at the left, the scene at the right.
 fn words(ui: &mut Ui, bar: &Bar<'_>) {
     let full = ui.available_width();
     let (line, _) = ui.allocate_exact_size(vec2(full, WORDS), Sense::hover());
@@ -136,7 +130,6 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
     painter.galley(pos2(line.left(), line.center().y - 0.5 * title.size().y), title, style::TEXT);
 }
 
-/// The seek bar; for a live input, a level meter.
 fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     let full = ui.available_width();
     let (place, response) = ui.allocate_exact_size(vec2(full, RAIL_HEIGHT), Sense::click_and_drag());
@@ -170,7 +163,6 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     if response.clicked() || response.drag_stopped() {
         events.push(UiEvent::Command(Command::SeekTo(seconds)));
     }
-    // The time under the pointer, above it and within the window.
     let front = ui.ctx().layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("hover time")));
     let font = style::proportional(style::SMALL_SIZE);
     let galley = style::line(&front, &clock_time(seconds), font, style::TEXT, 200.0);
@@ -182,8 +174,7 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     front.galley(label.center() - 0.5 * galley.size(), galley, style::TEXT);
 }
 
-/// Draws the loudness curve as bars around the middle of `place`. Bars up to `fraction` are in the colour of the played
-/// part, and unknown loudness is a thin line.
+/// Draws the loudness curve around the middle of `place`, played up to `fraction`. Unknown loudness is a thin line.
 fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, fraction: f32) {
     let bars = (place.width() / BAR_STEP).floor().max(1.0) as usize;
     for bar in 0..bars {
@@ -200,8 +191,7 @@ fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, fraction: f
     }
 }
 
-/// Draws the song's sections as a coloured line with letters at the lower edge of `place`, and its drops as marks at
-/// the upper edge.
+/// Draws the sections as a coloured line with letters at the lower edge of `place`, and drops at the upper edge.
 fn draw_sections(painter: &Painter, place: Rect, song: &SongStructure, duration: f64) {
     let x = |time: f64| place.left() + (time / duration).clamp(0.0, 1.0) as f32 * place.width();
     let mut letters: Vec<&str> = Vec::new();
@@ -277,7 +267,6 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
             panel_button(ui, Icon::Scenes, Panel::Scenes, bar, events);
             key_button(ui, Icon::Show, Command::Follow(Switch::Toggle), Lamp::Seen(bar.follows), events);
             let source = panel_button(ui, Icon::Source, Panel::Sources, bar, events);
-            // The level meter below the icon.
             let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);
             draw_fraction(ui.painter(), Rect::from_center_size(bottom, LEVEL), bar.level.clamp(0.0, 1.0));
             if !now.live {
@@ -288,7 +277,6 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     });
 }
 
-/// A button with the action and the tooltip of a key.
 fn key_button(ui: &mut Ui, icon: Icon, command: Command, lamp: Lamp, events: &mut Vec<UiEvent>) -> Response {
     let response = button(ui, icon, &words_of(&command), lamp);
     if response.clicked() {
@@ -297,7 +285,6 @@ fn key_button(ui: &mut Ui, icon: Icon, command: Command, lamp: Lamp, events: &mu
     response
 }
 
-/// The description of a command with its key.
 pub(super) fn words_of(command: &Command) -> String {
     match (command, command.binding()) {
         (_, Some(binding)) => format!("{} ({})", binding.help, binding.written),
@@ -313,10 +300,8 @@ fn panel_button(ui: &mut Ui, icon: Icon, panel: Panel, bar: &Bar<'_>, events: &m
     key_button(ui, icon, Command::TogglePanel(panel), Lamp::Seen(bar.open == Some(panel)), events)
 }
 
-/// How a button shows its state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lamp {
-    /// The button has no state.
     None,
     /// By its colour, and to screen readers.
     Seen(bool),

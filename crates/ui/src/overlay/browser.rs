@@ -20,9 +20,7 @@ use mariana_commands::{Command, Panel};
 /// Least width of a tile, in points; as many as fit are side by side.
 const TILE_MIN: f32 = 168.0;
 const GAP: f32 = 10.0;
-/// Height of a tile's name.
 const NAME: f32 = 22.0;
-/// Height of the lines above and below the tiles.
 const LINE: f32 = 24.0;
 const WIDTH_MAX: f32 = 1180.0;
 
@@ -46,13 +44,11 @@ impl TilePictures {
         self.textures.entry(key).or_insert_with(made).1.id()
     }
 
-    /// Drops all textures when the panel closes.
     pub(super) fn clear(&mut self) {
         *self = Self::default();
     }
 }
 
-/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -75,7 +71,6 @@ pub(super) fn show(
     shown.response.rect
 }
 
-/// The search text or a hint, and the number of scenes.
 fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));

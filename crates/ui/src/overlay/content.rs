@@ -90,27 +90,22 @@ pub struct Notice<'a> {
     pub since: Instant,
 }
 
-/// The least time before a notice fades.
 const NOTICE_STANDS: Duration = Duration::from_millis(1_600);
 /// Reading time for each character.
 const CHARACTER_STANDS: Duration = Duration::from_millis(55);
-/// The greatest time before a notice fades.
 const NOTICE_STANDS_MAX: Duration = Duration::from_secs(9);
 const NOTICE_FADES: Duration = Duration::from_millis(500);
 
 impl Notice<'_> {
-    /// Opacity, 0..1.
     pub(super) fn opacity(&self, now: Instant) -> f32 {
         let fading = now.saturating_duration_since(self.since).saturating_sub(self.stands());
         1.0 - (fading.as_secs_f32() / NOTICE_FADES.as_secs_f32()).min(1.0)
     }
 
-    /// The time of the next change of its look; `None` once it is gone.
     pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
         (self.opacity(now) > 0.0).then(|| now.max(self.since + self.stands()))
     }
 
-    /// Time before the fade, long enough to read the text.
     fn stands(&self) -> Duration {
         let characters = u32::try_from(self.text.chars().count()).unwrap_or(u32::MAX);
         CHARACTER_STANDS.saturating_mul(characters).clamp(NOTICE_STANDS, NOTICE_STANDS_MAX)
@@ -131,7 +126,6 @@ impl<'a> OverlayContent<'a> {
 }
 
 impl OverlayContent<'_> {
-    /// True if there is nothing to draw.
     pub(super) fn is_empty(&self, now: Instant) -> bool {
         self.corner.is_none()
             && self.problem.is_none()
@@ -152,12 +146,10 @@ impl OverlayContent<'_> {
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
 
-    /// True if there are sliders.
     pub(super) fn has_params(&self) -> bool {
         self.params.as_ref().is_some_and(|sliders| !sliders.is_empty())
     }
 
-    /// True if the pointer can move or press something.
     pub(super) fn is_interactive(&self) -> bool {
         self.has_params()
             || self.bar.is_some_and(|bar| bar.seen)
@@ -211,13 +203,11 @@ mod tests {
         assert_eq!([0, 1_600].map(|ms| notice.opacity(at(ms))), [1.0, 1.0]);
         assert!((notice.opacity(at(1_850)) - 0.5).abs() < 0.01);
         assert_eq!([2_100, 9_000].map(|ms| notice.opacity(at(ms))), [0.0, 0.0]);
-        // It is constant at first, changes continuously during the fade, and never after it.
         assert_eq!(notice.next_change(at(100)), Some(at(1_600)));
         assert_eq!(notice.next_change(at(1_700)), Some(at(1_700)));
         assert_eq!(notice.next_change(at(2_100)), None);
         let content = || OverlayContent { notice: Some(notice), ..Default::default() };
         assert!(!content().is_empty(at(2_099)) && content().is_empty(at(2_100)));
-        // A longer sentence stays longer, up to a limit.
         for (length, ms) in [(100, 5_500), (10_000, 9_000)] {
             let text = "a".repeat(length);
             let sentence = Notice { text: &text, fraction: None, since };
@@ -261,7 +251,6 @@ mod tests {
             let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
             assert!(seen.insert(content.fingerprint(now)), "the fingerprint of {content:?} is not unique");
         }
-        // The same text later counts as new. A notice that is gone does not count.
         let later = now + Duration::from_secs(1);
         let again = OverlayContent {
             notice: Some(Notice { text: "a", fraction: None, since: later }),

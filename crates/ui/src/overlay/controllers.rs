@@ -11,19 +11,15 @@ use mariana_commands::{Command, Panel};
 use mariana_control::midi::Mapping;
 use mariana_settings::KnobEdit;
 
-/// Widest panel, in points.
 const WIDTH_MAX: f32 = 640.0;
 const LINE: f32 = 24.0;
 const LANE: f32 = 10.0;
-/// Indentation of mappings below their target.
 const INDENT: f32 = 16.0;
 /// Width of the targets' names, as a fraction of a row.
 const NAME: f32 = 0.34;
 
-/// The selected row when the panel was last drawn.
 pub(super) type Seen = usize;
 
-/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -129,7 +125,6 @@ fn draw_row(
     }
 }
 
-/// A clickable row with a name and a description.
 fn two_words(ui: &mut Ui, is_selected: bool, name: (&str, Color32), about: (&str, Color32)) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::click());
     if is_selected || response.hovered() {
@@ -141,7 +136,6 @@ fn two_words(ui: &mut Ui, is_selected: bool, name: (&str, Color32), about: (&str
     response
 }
 
-/// Draws a mapping, and below it the parts that can be changed.
 fn draw_knob(
     ui: &mut Ui,
     (mapping, words, stands): (&Mapping, &str, Option<f32>),

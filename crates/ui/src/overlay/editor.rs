@@ -20,17 +20,14 @@ use crate::editor::{Document, EditAction, Editor, EditorEvent, Owner, Question};
 const WIDTH_FRACTION: f32 = 0.56;
 const WIDTH_MIN: f32 = 500.0;
 const WIDTH_MAX: f32 = 860.0;
-/// Height of a line of text and buttons.
 const LINE: f32 = 24.0;
 /// Fewest lines of text, so that the completion list has room.
 const LINES_MIN: usize = 14;
 /// Approximate height of everything around the text.
 const AROUND: f32 = 112.0;
-/// Distance of the text from the panel's edge.
 const EDGE: f32 = 10.0;
 
-/// Draws the editor, and its marks and cards over the frame. Returns the area of the editor, then the areas of its
-/// other parts.
+/// Draws the editor, and its marks and cards over the frame. Returns the editor's area, then those of its other parts.
 pub(super) fn show(
     context: &egui::Context,
     rooms: &Rooms,
@@ -71,7 +68,6 @@ pub(super) fn show(
     parts
 }
 
-/// Draws the tabs and buttons. Returns the top of what follows.
 fn header(
     ui: &Ui,
     space: Rect,
@@ -132,7 +128,6 @@ fn header(
     line.bottom() + 4.0
 }
 
-/// Draws the question about the text and its answers. Returns the top of what follows.
 fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(EditorEvent)) -> f32 {
     let (words, first, second) = match &document.question {
         None => return space.top(),
@@ -161,13 +156,11 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
     line.bottom() + 4.0
 }
 
-/// The displayed key of an action.
 fn written_key(action: EditAction) -> &'static str {
     written_rows().find(|row| row.action == action).map_or("", |row| row.written)
 }
 
-/// A text button with a key, right-aligned at a position. Returns its area, and true if it was clicked. `is_on` marks a
-/// switch that is on.
+/// A text button with a key, right-aligned. Returns its area, and true if clicked. `is_on` marks a switch that is on.
 fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) -> (Rect, bool) {
     let color = style::ACCENT;
     let galley = style::line(ui.painter(), words, style::proportional(style::SMALL_SIZE), color, f32::MAX);
@@ -187,8 +180,7 @@ fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) 
     (rect, clicked)
 }
 
-/// Draws the footer: the mistake or the documentation at the cursor, then the last message or the cursor position.
-/// Returns the top of the footer.
+/// Draws the mistake or documentation at the cursor, then the message or cursor position. Returns the footer's top.
 fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
     let painter = ui.painter();
     let (small, width) = (style::proportional(style::SMALL_SIZE), space.width());

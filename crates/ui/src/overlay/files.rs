@@ -7,12 +7,10 @@ use super::icons;
 use super::style;
 use crate::file_browser::FileBrowser;
 
-/// Widest panel, in points.
 const WIDTH_MAX: f32 = 760.0;
 const ROW: f32 = 24.0;
 const LANE: f32 = 10.0;
 
-/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -37,7 +35,6 @@ pub(super) fn show(
     shown.response.rect
 }
 
-/// The shown folder or the search text, and the close button.
 fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 1.2 * ROW), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 2.0), vec2(ROW, ROW));
@@ -53,7 +50,6 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)
     ui.painter().galley(place.min, galley, style::TEXT);
 }
 
-/// Buttons: up, shortcuts, and the whole folder.
 fn places(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)) {
     ui.horizontal_wrapped(|ui| {
         if word(ui, "up").clicked() {

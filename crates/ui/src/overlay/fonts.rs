@@ -1,7 +1,6 @@
-//! Fallback fonts: a thread searches the system's fonts for characters that the built-in fonts lack.
-//!
-//! egui requests each missing character once, during layout, and draws a box. When fonts have been found, the show is
-//! woken and the text is laid out again. The thread starts with the first missing character.
+//! Fallback fonts: a thread searches the system's fonts for characters that the built-in fonts lack. egui requests each
+//! missing character once, during layout, and draws a box. The show is woken when fonts have been found. The thread
+//! starts with the first missing character.
 
 use std::collections::BTreeSet;
 use std::mem;
@@ -14,13 +13,11 @@ use egui::epaint::text::{FallbackRequest, FontInsert, FontProvider};
 use crate::limits::LIMITS;
 use mariana_render::system_fonts::SystemFonts;
 
-/// The fonts to search, and the function to call after a find.
 struct Start {
     fonts: SystemFonts,
     wake: Box<dyn Fn() + Send>,
 }
 
-/// The missing characters, the search thread, and the fonts it has found.
 pub(super) struct Fallback {
     missed: Arc<Missed>,
     /// Present until the thread starts.
@@ -29,7 +26,6 @@ pub(super) struct Fallback {
     found: Arc<Mutex<Vec<FontInsert>>>,
 }
 
-/// The characters that egui has requested.
 #[derive(Default)]
 struct Missed(Mutex<Letters>);
 
@@ -62,18 +58,15 @@ impl Fallback {
         Self { missed, start, wanted: None, found: Arc::default() }
     }
 
-    /// True if there are fonts to add.
     pub(super) fn has_found(&self) -> bool {
         !lock(&self.found).is_empty()
     }
 
-    /// The number of missing characters so far.
     #[cfg(test)]
     pub(super) fn missed(&self) -> usize {
         lock(&self.missed.0).all.len()
     }
 
-    /// True once the thread has started.
     #[cfg(test)]
     pub(super) fn has_started(&self) -> bool {
         self.start.is_none()

@@ -13,7 +13,6 @@ const COLUMNS_MAX: usize = 2;
 /// Distance between columns, in ems.
 const COLUMN_GAP: f32 = 2.0;
 
-/// A row: the keycaps, and their effect.
 struct Row {
     caps: Vec<Arc<Galley>>,
     meaning: Arc<Galley>,
@@ -22,7 +21,6 @@ struct Row {
 /// The table at one text size. Lengths are in points.
 struct Table {
     rows: Vec<Row>,
-    /// Columns of rows, side by side.
     columns: usize,
     row_height: f32,
     caps_width: f32,
@@ -31,7 +29,6 @@ struct Table {
     em: f32,
 }
 
-/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn draw(painter: &Painter, space: Rect) -> Rect {
     let room = space.size() - 2.0 * style::PADDING;
     // Choose the number of columns that allows the largest text.

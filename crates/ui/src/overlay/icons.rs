@@ -29,7 +29,6 @@ pub(super) enum Icon {
     Text,
 }
 
-/// Draws an icon in the middle of `rect`, `size` points high.
 pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: Color32) {
     let pen = Pen { painter, middle: rect.center(), unit: 0.5 * size, color };
     match icon {
@@ -96,7 +95,6 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
             }
         }
         Icon::Show => {
-            // A clapperboard.
             pen.frame((-0.85, -0.15), (0.85, 0.8));
             pen.line(&[(-0.85, -0.45), (0.8, -0.85)]);
             for x in [-0.5, 0.0, 0.5] {
@@ -110,7 +108,6 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
             }
         }
         Icon::Settings => {
-            // A gear with eight teeth.
             let eighth = std::f32::consts::TAU / 8.0;
             for tooth in 0..8 {
                 let turn = |offset: f32, radius: f32| {
@@ -194,7 +191,6 @@ impl Pen<'_> {
         self.painter.add(Shape::line(points, self.stroke()));
     }
 
-    /// A filled convex polygon.
     fn surface(&self, corners: &[(f32, f32)]) {
         let corners = corners.iter().map(|corner| self.at(*corner)).collect();
         self.painter.add(Shape::convex_polygon(corners, self.color, Stroke::NONE));
@@ -218,13 +214,11 @@ impl Pen<'_> {
         self.painter.circle_filled(self.at(middle), radius * self.unit, self.color);
     }
 
-    /// A circle around the middle with a given line width.
     fn ring(&self, radius: f32, width: f32) {
         let stroke = Stroke::new(width * self.unit, self.color);
         self.painter.circle_stroke(self.middle, radius * self.unit, stroke);
     }
 
-    /// An arc that opens to the left.
     fn arc(&self, middle: (f32, f32), radius: f32) {
         let points = (-4..=4).map(|step| {
             let angle = step as f32 * 0.2;

@@ -1,11 +1,10 @@
 //! The overlay: everything drawn over the frame, from notices and sliders to the editor.
 //!
 //! The session passes an [`OverlayContent`] and asks [`Overlay::due`] when the window must be drawn again. Unchanged
-//! content is painted again without a new layout, and an empty overlay costs nothing. A notice therefore fades even in
-//! a paused show, and a static panel causes no frames.
+//! content is painted again without a new layout, and an empty overlay costs nothing.
 //!
-//! Keys belong to the show until Shift+Tab, or Tab with a screen reader, moves the focus to the controls. Escape
-//! returns the focus. A click that begins on a panel belongs to the overlay.
+//! Keys belong to the show until Shift+Tab, or Tab with a screen reader, moves the focus to the controls; Escape
+//! returns it. A click that begins on a panel belongs to the overlay.
 
 mod assisted;
 mod bar;
@@ -65,14 +64,12 @@ use mariana_render::system_fonts::SystemFonts;
 pub struct Overlay {
     gl: Gl,
     panels: Panels,
-    /// Input since the last layout.
     input: PendingInput,
     /// Pixels of the window per point at the last painting.
     scale: f32,
     /// Created when something is drawn for the first time.
     painter: Option<Painter>,
     pointer: Pointer,
-    /// The last reported cursor icon.
     cursor: CursorIcon,
     /// The last reported position of the text cursor, in pixels.
     typed_at: Option<Rect>,
@@ -81,15 +78,12 @@ pub struct Overlay {
     assisted: bool,
 }
 
-/// The last layout.
 struct Shown {
     primitives: Vec<ClippedPrimitive>,
     pixels_per_point: f32,
     size: (u32, u32),
     fingerprint: u64,
-    /// True if the pointer can move or press something.
     interactive: bool,
-    /// The time of the next change without input, if any.
     changes_at: Option<Instant>,
 }
 
@@ -126,8 +120,7 @@ impl Overlay {
         }
     }
 
-    /// Handles input. Returns true if it belongs to the overlay alone; that is never so for keys: see
-    /// [`Overlay::take_key`].
+    /// Handles input. Returns true if only the overlay may use it; never so for keys: see [`Overlay::take_key`].
     pub fn on_input(&mut self, input: &Input) -> bool {
         let consumed = self.pointer.on_event(input);
         self.input.add(input, self.panels.context().pixels_per_point());
@@ -151,8 +144,7 @@ impl Overlay {
         });
     }
 
-    /// Passes a key to the controls: Tab moves the focus; Enter, Space and arrows act on the focused control. Returns
-    /// false for other keys.
+    /// Passes a key to the controls: Tab moves the focus; Enter, Space and arrows act. Returns false for other keys.
     pub fn take_key(&mut self, key: &Key, shift: bool) -> bool {
         let Some(key) = key_of_controls(key) else { return false };
         if self.has_key_focus() {
@@ -197,8 +189,7 @@ impl Overlay {
         if relaid { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
     }
 
-    /// Paints `content` over the framebuffer of a window of `size` pixels, with `scale` pixels per point. Calls no
-    /// OpenGL if there is nothing to show.
+    /// Paints `content` over a window of `size` pixels, `scale` per point. Calls no OpenGL if there is nothing to show.
     ///
     /// # Errors
     /// [`UiError::Painter`] or [`UiError::Gpu`] if the driver reports an error.
@@ -287,14 +278,12 @@ impl Overlay {
         Ok(Painted { params_changed, events, controls, cursor, typed_at })
     }
 
-    /// Returns the position of the text cursor if it has changed.
     fn changed_place_of_letters(&mut self, at: Option<Rect>) -> Option<Rect> {
         let changed = at.filter(|rect| rect.is_finite() && self.typed_at != at);
         self.typed_at = changed.or(self.typed_at);
         changed
     }
 
-    /// Returns the cursor icon if it has changed.
     fn changed_cursor(&mut self, cursor: CursorIcon) -> Option<CursorIcon> {
         let is_new = self.cursor != cursor;
         self.cursor = cursor;
@@ -306,7 +295,6 @@ impl Overlay {
         self.pointer.is_busy()
     }
 
-    /// Input for egui: time, size, and events.
     fn take_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
         let scale = self.scale;
         let zoom = style::zoom(points(size, scale));
@@ -340,7 +328,6 @@ impl Drop for Overlay {
     }
 }
 
-/// Translates the keys of [`Overlay::take_key`].
 fn key_of_controls(key: &Key) -> Option<egui::Key> {
     let Key::Named(named) = key else { return None };
     match named {

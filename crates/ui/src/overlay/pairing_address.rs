@@ -9,12 +9,10 @@ use mariana_remote::{Code, PairingAddress};
 /// Greatest side of the code with its white margin, in points, and as a fraction of the panel's width.
 const SIDE_MAX: f32 = 190.0;
 const FRACTION_MAX: f32 = 0.45;
-/// Height of the text if there is no code.
 const LINES_HEIGHT: f32 = 90.0;
 const GAP: f32 = 14.0;
 const AROUND: f32 = 6.0;
 
-/// Draws the code and its text over the whole width.
 pub(super) fn show(ui: &mut Ui, pairing_address: &PairingAddress, about: &str) -> Response {
     let width = ui.available_width();
     let pixel = 1.0 / ui.pixels_per_point();

@@ -20,7 +20,6 @@ use mariana_render::system_fonts::SystemFonts;
 
 /// Widest line at the top or in the corner, as a fraction of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
-/// Most lines of a message at the top.
 const SENTENCE_ROWS_MAX: usize = 4;
 /// Greatest height of a problem, as a fraction of the window's height.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
@@ -29,45 +28,36 @@ const FRACTION_WIDTH: f32 = 180.0;
 /// Least width for a problem beside the parameters, in points.
 const PROBLEM_WIDTH_MIN: f32 = 420.0;
 
-/// The egui context and its fonts, and state between layouts.
 pub(super) struct Panels {
     context: Context,
     fallback: Fallback,
     kept: Kept,
-    /// True while a request to focus the first control is pending.
     wants_focus: bool,
     /// True if the last layout had controls. egui focuses no control in its first layout.
     had_controls: bool,
 }
 
-/// State that panels keep between layouts.
 #[derive(Default)]
 struct Kept {
     pictures: TilePictures,
-    /// The selected file when the list was last drawn.
     selected_file: Option<usize>,
     seen_setting: Option<settings::Seen>,
     seen_changed_by: Option<controllers::Seen>,
     next: preview::PreviewPicture,
 }
 
-/// The result of a layout.
 pub(super) struct LaidOut {
-    /// Shapes, textures and the cursor icon.
     pub output: FullOutput,
     /// Panels that take clicks, in points.
     pub panels: Vec<Rect>,
-    /// True if the user moved a slider.
     pub params_changed: bool,
-    /// The user's events.
     pub events: Vec<UiEvent>,
     /// Time until egui wants another layout without input; very long if it needs none.
     pub repaint_after: Duration,
 }
 
 impl Panels {
-    /// An empty layout. Characters that egui lacks come from `fonts`; `wake` is called on another thread when some have
-    /// been found.
+    /// An empty layout. Another thread calls `wake` when it has found characters that egui lacks in `fonts`.
     pub(super) fn new(fonts: SystemFonts, wake: impl Fn() + Send + 'static) -> Self {
         let context = Context::default();
         style::apply(&context);
@@ -80,7 +70,6 @@ impl Panels {
         self.fallback.has_found()
     }
 
-    /// The search for fallback fonts.
     #[cfg(test)]
     pub(super) fn fallback(&self) -> &Fallback {
         &self.fallback
@@ -95,18 +84,15 @@ impl Panels {
         self.wants_focus = true;
     }
 
-    /// Returns true while a request of [`Self::ask_for_focus`] is pending.
     pub(super) fn wants_focus(&self) -> bool {
         self.wants_focus
     }
 
-    /// Cancels the request: there are no controls.
     pub(super) fn forget_focus(&mut self) {
         self.wants_focus = false;
         self.had_controls = false;
     }
 
-    /// Lays `content` out on the screen that `input` describes.
     pub(super) fn lay_out(
         &mut self,
         mut input: RawInput,
@@ -138,7 +124,6 @@ pub(super) fn pressed(key: Key, modifiers: Modifiers) -> [Event; 2] {
     [true, false].map(event)
 }
 
-/// Shows everything. Returns true if the user moved a slider.
 fn show(
     context: &Context,
     content: &mut OverlayContent<'_>,
@@ -250,7 +235,6 @@ fn show_lists(
     panels
 }
 
-/// Shows the hint and the notice. Returns the space below them.
 fn show_sentences(
     context: &Context,
     front: &Painter,
@@ -290,7 +274,6 @@ fn leave_beside(left: &mut Rect, panel: Rect) {
     }
 }
 
-/// Draws the line in the lower left corner and returns its area.
 fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
     let font = style::proportional(style::SMALL_SIZE);
     let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
@@ -310,7 +293,6 @@ fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant
     draw_fraction(&painter, space, notice.text, fraction)
 }
 
-/// Draws a short text over a bar that is filled to `fraction`. Returns the area.
 fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
     let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
@@ -326,7 +308,6 @@ fn draw_fraction(painter: &Painter, space: Rect, text: &str, fraction: f32) -> R
     rect
 }
 
-/// Draws a message at the top and returns its area.
 fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
     let width = LINE_WIDTH_MAX * space.width();

@@ -1,6 +1,4 @@
-//! The sliders of the scene's parameters.
-//!
-//! They are drawn without egui's sliders, which would take the keyboard focus from the show.
+//! The sliders of the scene's parameters, without egui's sliders, which would take the keyboard focus from the show.
 
 use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -25,8 +23,7 @@ pub(super) fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }
 
-/// Draws the panel at the upper right of `space`. Returns its area, and true if a value changed. Sliders below `cover`
-/// take no clicks.
+/// Draws the panel at the upper right. Returns its area, and true if a value changed. Below `cover` clicks are ignored.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -66,8 +63,7 @@ pub(super) fn show(
     (shown.response.rect, shown.inner)
 }
 
-/// Draws the name, value and slider of a parameter. Returns true if the value changed. A click on the name learns a
-/// control.
+/// Draws a parameter's name, value and slider. Returns true if the value changed. A click on the name learns a control.
 fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiEvent>) -> bool {
     let before = slider.value;
     slider.value = slider.clamped(slider.value);
@@ -140,7 +136,6 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiE
     slider.value.to_bits() != before.to_bits()
 }
 
-/// The icon that resets a parameter.
 const RESET_SIGN: &str = "↺";
 
 fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {
@@ -149,7 +144,6 @@ fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {
     let (knob, default) = (x_of(slider.value), x_of(slider.default));
     let held = response.hovered() || response.is_pointer_button_down_on();
     painter.rect_filled(rail, RAIL_HEIGHT / 2.0, style::RAIL);
-    // A mark at the default value.
     let mark = Rect::from_center_size(pos2(default, rail.center().y), vec2(1.5, 3.0 * RAIL_HEIGHT));
     painter.rect_filled(mark, 0.0, style::RAIL);
     painter.rect_filled(

@@ -7,14 +7,12 @@ use egui::{Event, Modifiers, MouseWheelUnit, Pos2, RawInput, TouchDeviceId, Touc
 use crate::clock;
 use mariana_commands::input::{self, Input, PointerButton, TouchPhase, Wheel};
 
-/// Input since the last layout.
 #[derive(Debug)]
 pub(super) struct PendingInput {
     raw: RawInput,
     /// Position of the pointer, in points.
     place: Option<Pos2>,
     held: Modifiers,
-    /// The finger that acts as the pointer.
     finger: Option<u64>,
     started: Instant,
 }
@@ -26,12 +24,10 @@ impl PendingInput {
         Self { raw, place: None, held: Modifiers::NONE, finger: None, started: clock::now() }
     }
 
-    /// True if there are no events since the last [`Self::take`].
     pub(super) fn is_empty(&self) -> bool {
         self.raw.events.is_empty()
     }
 
-    /// Adds events from other sources.
     pub(super) fn extend(&mut self, events: impl IntoIterator<Item = Event>) {
         self.raw.events.extend(events);
     }
@@ -107,7 +103,6 @@ impl PendingInput {
         }
     }
 
-    /// The first finger acts as the pointer.
     fn touch(&mut self, finger: u64, phase: TouchPhase, pos: Pos2) {
         self.raw.events.push(Event::Touch {
             device_id: TouchDeviceId(0),

@@ -6,7 +6,6 @@ use mariana_commands::input::{Input, TouchPhase};
 /// The positions of the pointer and the panels, in pixels.
 #[derive(Debug, Default)]
 pub(super) struct Pointer {
-    /// The pointer's position while it is in the window.
     pub place: Option<Pos2>,
     /// The panels that take clicks.
     pub panels: Vec<Rect>,
@@ -81,7 +80,6 @@ mod tests {
         assert_eq!(answers(&[&down, &up, &wheel]), [false; 3], "the position is unknown");
         assert_eq!(answers(&[&moved(15.0, 15.0), &down, &up, &wheel]), [false, true, true, true]);
         assert_eq!(answers(&[&moved(25.0, 15.0), &down, &up, &wheel]), [false; 4]);
-        // Drags out of a panel and into one.
         assert_eq!(
             answers(&[&moved(15.0, 15.0), &down, &moved(25.0, 15.0), &up]),
             [false, true, false, true]

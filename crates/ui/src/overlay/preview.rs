@@ -28,7 +28,6 @@ const WIDTH: f32 = 160.0;
 const FRACTION: f32 = 0.3;
 const LEVEL: f32 = 4.0;
 
-/// The image that egui has as a texture.
 #[derive(Default)]
 pub(super) struct PreviewPicture(Option<(Arc<RgbaImage>, TextureHandle)>);
 
@@ -51,7 +50,6 @@ fn pixels(image: &RgbaImage) -> egui::ColorImage {
     egui::ColorImage::from_rgba_unmultiplied(size, image.as_raw())
 }
 
-/// Draws the preview in the upper right corner of the frame, or below a small frame. Returns its area.
 pub(super) fn show(
     context: &egui::Context,
     rooms: &Rooms,

@@ -12,8 +12,7 @@ const HEADING_GAP: f32 = 8.0;
 /// Distance between lines, in line heights of the font.
 const LINE_HEIGHT: f32 = 1.1;
 
-/// Draws the panel at the lower left of `space` and returns its area. It is as large as its text, which is cut if it
-/// does not fit.
+/// Draws the panel at the lower left and returns its area. It is as large as its text, which is cut if necessary.
 pub(super) fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rect {
     let inner = space.size() - 2.0 * style::PADDING;
     let heading = style::line(
@@ -56,8 +55,7 @@ fn cell_of(painter: &Painter, size: f32) -> Vec2 {
     })
 }
 
-/// Draws text so that each character begins in its column. Characters beyond ASCII are placed one by one: a fallback
-/// font may have other widths.
+/// Draws text so that each character begins in its column; a fallback font may have other widths.
 fn draw_cells(painter: &Painter, start: Pos2, text: &str, color: Color32, size: f32, cell: f32) {
     let mut column = 0;
     for run in runs(text) {
@@ -81,7 +79,6 @@ fn runs(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The width of `text` in columns.
 fn width(text: &str) -> usize {
     text.chars().map(columns).sum()
 }
@@ -105,7 +102,6 @@ fn cut(text: &str, rows: usize, width_max: usize) -> Vec<String> {
     lines
 }
 
-/// Cuts `line` with an ellipsis if it is wider than `width_max`.
 fn cut_line(line: &str, width_max: usize) -> String {
     if width(line) <= width_max {
         return line.to_owned();
@@ -135,7 +131,6 @@ fn pieces(line: &str) -> Vec<(usize, &str, Color32)> {
     if text.starts_with("= ") {
         return split(indent + 1, style::DIM, style::ACCENT);
     }
-    // An optional line number, then a bar.
     if let Some((number, after)) = line.split_once('|')
         && number.chars().all(|character| character == ' ' || character.is_ascii_digit())
     {
@@ -158,7 +153,6 @@ mod tests {
     fn lines_that_do_not_fit_are_counted() {
         let text = "error: a\n1\n2\n\nerror: b\n";
         assert_eq!(cut(text, 5, 80), ["error: a", "1", "2", "", "error: b"]);
-        // Empty lines before the count are removed.
         let longer = format!("{text}3\n");
         for rows in [4, 5] {
             assert_eq!(cut(&longer, rows, 80), ["error: a", "1", "2", "… and 3 more lines"], "{rows} rows");

@@ -8,9 +8,7 @@ use super::{assisted, icons};
 use crate::settings_panel::{SettingsPanel, whole_steps};
 use mariana_settings::{Setting, SettingRow, Values};
 
-/// Widest panel, in points.
 const WIDTH_MAX: f32 = 640.0;
-/// Height of a row, and of a line of values in it.
 const ROW: f32 = 26.0;
 const LANE: f32 = 10.0;
 /// Greatest width of a row's name: in points, and as a fraction of the row.
@@ -26,10 +24,8 @@ pub(super) struct Seen {
     follows: bool,
 }
 
-/// Lines of the description at the bottom.
 const MEANING_LINES: usize = 2;
 
-/// Draws the panel in the middle of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -198,7 +194,6 @@ fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: boo
     }
 }
 
-/// The mark of a value from the command line.
 const THIS_RUN: &str = "this run";
 
 fn name_width(ui: &Ui, name: &str) -> f32 {
@@ -206,12 +201,10 @@ fn name_width(ui: &Ui, name: &str) -> f32 {
     style::line(ui.painter(), name, font, style::TEXT, f32::MAX).size().x + 18.0
 }
 
-/// Left edge of the values in a row of this width.
 fn start_of_values(width: f32) -> f32 {
     (NAME.1 * width).min(NAME.0)
 }
 
-/// The number of lines of a row of this width.
 fn lines_of(ui: &Ui, row: &SettingRow, width: f32) -> usize {
     let Values::Names { options, .. } = &row.values else { return 1 };
     let width = width - start_of_values(width);
@@ -267,9 +260,7 @@ fn draw_names(
     clicked
 }
 
-/// A number on a slider.
 struct Scale {
-    /// The ends of the slider.
     from: f64,
     to: f64,
     /// The value after a double click.
@@ -277,7 +268,6 @@ struct Scale {
     words: fn(f64) -> String,
     rounded: fn(f64) -> f64,
     unit: &'static str,
-    /// Step for keys and screen readers.
     step: f64,
 }
 

@@ -1,6 +1,5 @@
-//! The style: one set of colours, sizes and shapes for all panels.
-//!
-//! Dark, mostly opaque backgrounds keep light text readable over bright and dark frames.
+//! The style: one set of colours, sizes and shapes for all panels. Dark, mostly opaque backgrounds keep light text
+//! readable over bright and dark frames.
 
 use std::sync::Arc;
 
@@ -10,37 +9,28 @@ use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeK
 use mariana_render::reading_order::as_seen;
 
 pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
-/// Less important text.
 pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
 /// The part of a track that is still to come.
 pub(super) const AHEAD: Color32 = Color32::from_rgb(92, 98, 110);
-/// Icons on buttons.
 pub(super) const BUTTON: Color32 = Color32::from_rgb(196, 200, 208);
 pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
 /// Hints, and chosen values.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
 /// Text on a background of [`ACCENT`].
 pub(super) const ON_ACCENT: Color32 = Color32::from_rgb(8, 10, 13);
-/// Sliders and keycaps.
 pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
 
-/// The background of a panel: near black, 84 % opaque.
 pub(super) const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 214);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(20, 20, 20, 20);
 const CORNERS: CornerRadius = CornerRadius::same(7);
 
 /// Distance of panels from the window's edge and from each other, in points.
 pub(super) const MARGIN: f32 = 14.0;
-/// Distance of a panel's text from its edge, in points.
 pub(super) const PADDING: Vec2 = Vec2::new(14.0, 11.0);
-/// Size of text, in points.
 pub(super) const TEXT_SIZE: f32 = 14.0;
-/// Size of small text, in points.
 pub(super) const SMALL_SIZE: f32 = 12.5;
-/// Size of headings, in points.
 pub(super) const HEADING_SIZE: f32 = 15.5;
-/// Least text size in small windows, in the window system's points. Longer text is cut; only the keys and a problem
-/// shrink further, so that they fit.
+/// Least text size in small windows, in the window system's points. Only the keys and a problem shrink further.
 const SMALLEST: f32 = 9.0;
 
 pub(super) fn proportional(size: f32) -> FontId {
@@ -73,7 +63,6 @@ pub(super) fn lines(
     painter.layout_job(job)
 }
 
-/// Draws the background of a panel.
 pub(super) fn ground(painter: &Painter, rect: Rect) {
     painter.rect(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside);
 }
@@ -88,7 +77,6 @@ pub(super) fn scrolled_to(row: usize, row_height: f32, height: f32) -> f32 {
     (row as f32 * row_height - 0.5 * (height - row_height)).max(0.0)
 }
 
-/// The background of a panel that egui lays out.
 pub(super) fn frame() -> egui::Frame {
     egui::Frame::new()
         .fill(GROUND)
@@ -97,7 +85,6 @@ pub(super) fn frame() -> egui::Frame {
         .inner_margin(egui::Margin::symmetric(PADDING.x as i8, PADDING.y as i8))
 }
 
-/// Adapts egui's own parts, such as scroll bars.
 pub(super) fn apply(context: &egui::Context) {
     context.set_theme(egui::Theme::Dark);
     context.all_styles_mut(|style| {
@@ -108,8 +95,7 @@ pub(super) fn apply(context: &egui::Context) {
     });
 }
 
-/// The zoom of panels in a window of `size` points: smaller in small windows, larger above 1920x1080 points because
-/// such windows are seen from further away.
+/// The zoom of panels: smaller in small windows, larger above 1920x1080 points, which are seen from further away.
 pub(super) fn zoom(size: Vec2) -> f32 {
     let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(SMALLEST / SMALL_SIZE, 1.0);
     let grown = (size.x / 1920.0).min(size.y / 1080.0).clamp(1.0, 2.0);

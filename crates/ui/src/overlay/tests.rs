@@ -28,10 +28,8 @@ mod controllers;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
-/// A simulated window with a clock.
 struct Stage {
     panels: Panels,
-    /// One message for each call of `wake`.
     wakes: Receiver<()>,
     screen: Rect,
     seconds: f64,
@@ -42,7 +40,6 @@ impl Stage {
         Self::with_fonts(screen, Path::new("no such folder"))
     }
 
-    /// A window on a system whose fonts are in `folder`.
     fn with_fonts(screen: Vec2, folder: &Path) -> Self {
         let (waker, wakes) = channel();
         let fonts = SystemFonts::in_folder(Some(folder.to_owned()));
@@ -50,7 +47,6 @@ impl Stage {
         Self { panels, wakes, screen: Rect::from_min_size(Pos2::ZERO, screen), seconds: 0.0 }
     }
 
-    /// One frame, 20 ms after the last one.
     fn frame(&mut self, events: Vec<Event>, mut content: OverlayContent<'_>) -> LaidOut {
         self.seconds += 0.02;
         let time = Some(self.seconds);
@@ -61,7 +57,6 @@ impl Stage {
         laid_out
     }
 
-    /// Clicks at `place`. Returns true if a slider moved.
     fn click(&mut self, place: Pos2, sliders: &mut [Slider]) -> bool {
         let button = |pressed| Event::PointerButton {
             pos: place,
@@ -164,7 +159,6 @@ fn a_slider_follows_the_pointer_and_a_double_click_resets_it() {
     let (panel, texts) = (laid_out.panels[0], drawn(&laid_out).1);
     assert!(!laid_out.params_changed && panel.right() > SCREEN.x - 20.0);
     let rail_y = place_of(&texts, "knob 1").bottom() + 14.0;
-    // Right of the slider: the greatest value. The other slider does not move.
     assert!(stage.click(Pos2::new(panel.right() - 30.0, rail_y), &mut sliders));
     assert_eq!([sliders[0].value, sliders[1].value], [0.0, 4.0]);
     stage.seconds += 2.0;
@@ -173,17 +167,14 @@ fn a_slider_follows_the_pointer_and_a_double_click_resets_it() {
     assert!((1.0..3.0).contains(&sliders[1].value), "{}", sliders[1].value);
     assert!(stage.click(middle, &mut sliders));
     assert_eq!([sliders[0].value, sliders[1].value], [0.0, 1.0]);
-    // The icon beside a value that is not the default resets it.
     stage.seconds += 2.0;
     let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
     let (_, texts) = drawn(&stage.frame(Vec::new(), content));
     assert!(stage.click(place_of(&texts, "↺").center(), &mut sliders));
     assert_eq!([sliders[0].value, sliders[1].value], [1.0, 1.0]);
-    // A click outside the panel moves nothing.
     assert!(!stage.click(Pos2::new(panel.left() - 20.0, rail_y), &mut sliders));
 }
 
-/// A player in the middle of a track of 100 s.
 fn playing() -> NowPlaying {
     NowPlaying {
         title: "a title".into(),
@@ -213,7 +204,6 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
     }
 }
 
-/// Clicks at `place` and returns the events.
 fn asked(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'static>) -> Vec<UiEvent> {
     let button = |pressed| Event::PointerButton {
         pos: place,
@@ -245,7 +235,6 @@ fn the_bar_is_inside_the_window_and_seeks_where_it_is_clicked() {
         let (bounds, texts) = drawn(&laid_out);
         assert!(stage.screen.contains_rect(bounds), "{screen:?}: {bounds:?}");
         let words = place_of(&texts, "a title · an artist · 3 of 7");
-        // The seek bar is below the words. A quarter from its left end is at 25 s.
         let inner = rect.shrink2(style::PADDING);
         let place = Pos2::new(inner.left() + 0.25 * inner.width(), words.bottom() + 18.0);
         let events = asked(&mut stage, place, content);
@@ -342,7 +331,6 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
             let pick = UiEvent::Settings(SettingEvent::Pick { row: place(row), value });
             assert_eq!(asked(&mut stage, at.center(), content), [pick], "{screen:?}: {name}");
         }
-        // A click on the slider is settled when the button is released.
         let rail = Pos2::new(place_of(&texts, "+35 ms").left() - 40.0, place_of(&texts, "+35 ms").center().y);
         let events = asked(&mut stage, rail, content);
         let Some(UiEvent::Settings(SettingEvent::Change { number: shift, settled: true, .. })) =
@@ -441,7 +429,6 @@ fn missing_letters_come_from_the_fonts_of_the_system() {
     assert!(stage.panels.has_found_fonts());
     let letters = letters_of(&stage.frame(Vec::new(), noticed(title)), title);
     assert!(!stage.panels.has_found_fonts());
-    // Each letter's glyph has its own width.
     let mut widths: Vec<u16> = letters.iter().map(|(_, place)| place[0]).collect();
     widths.dedup();
     assert_eq!(widths.len(), 3, "{letters:?} instead of {boxes:?}");

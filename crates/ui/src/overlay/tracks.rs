@@ -23,7 +23,6 @@ pub struct Tracks<'a> {
     pub present: usize,
 }
 
-/// Draws the panel at the right of `space` and returns its area.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,

@@ -8,10 +8,8 @@ use egui::{Galley, Painter, Rect, pos2, vec2};
 use super::style;
 use mariana_commands::{Command, Switch};
 
-/// Time before the text fades.
 const STANDS: Duration = Duration::from_secs(6);
 const FADES: Duration = Duration::from_millis(700);
-/// The commands whose keys are shown.
 const NAMED: [Command; 3] = [Command::ToggleHelp, Command::NextScene, Command::Fullscreen(Switch::Toggle)];
 /// Widest line, as a fraction of the window's width.
 const WIDTH_MAX: f32 = 0.9;
@@ -30,7 +28,6 @@ pub struct Welcome<'a> {
 }
 
 impl Welcome<'_> {
-    /// Opacity, 0..1.
     fn opacity(&self, now: Instant) -> f32 {
         let fading = now.saturating_duration_since(self.since).saturating_sub(STANDS);
         1.0 - (fading.as_secs_f32() / FADES.as_secs_f32()).min(1.0)
@@ -46,7 +43,6 @@ impl Welcome<'_> {
     }
 }
 
-/// Draws the text at the lower left of `space`.
 pub(super) fn draw(painter: &Painter, space: Rect, welcome: &Welcome<'_>, now: Instant) {
     let mut painter = painter.clone();
     painter.set_opacity(welcome.opacity(now));
@@ -74,13 +70,11 @@ pub(super) fn draw(painter: &Painter, space: Rect, welcome: &Welcome<'_>, now: I
     hints.draw(&painter.with_clip_rect(rect), at);
 }
 
-/// A row of keycaps with their effects.
 struct Hints {
     parts: Vec<(Arc<Galley>, bool)>,
     height: f32,
 }
 
-/// Padding in a keycap, and distance between parts.
 const CAP_PADDING: f32 = 6.0;
 const GAP: f32 = 7.0;
 

@@ -20,7 +20,6 @@ fn line_of_cursor(setup: &TestEditor) -> usize {
     document.editing.buffer().line_of(document.editing.cursor()) + 1
 }
 
-/// A frame of a scene after a second of silence, twice as wide as high.
 fn scenery_of(source: SceneSource) -> Scenery {
     let ready = source.ready().unwrap();
     let frame = Frame::new(&ready.world, 1.0, Features::SILENCE, (200, 100));
@@ -89,7 +88,6 @@ fn a_point_drawn_by_an_included_text_leads_there() {
         editor.document().is_some_and(|document| document.disk.is_some() && document.name() == "part.scene")
     });
     assert_eq!(line_of_cursor(&setup), 2);
-    // The text is open already.
     setup.editor.show_text(0);
     probe(&mut setup, [0.5, 0.5]);
     setup.editor.obey(EditorEvent::GoToProbed);
@@ -160,7 +158,6 @@ fn lines_that_draw_parts_of_an_object_are_listed_below_it() {
     assert_eq!(named("two").run, parts.iter().map(|(_, _, part)| part.run).sum::<u64>());
     lines.sort_unstable();
     assert_eq!(lines, [1, 2], "{parts:?}");
-    // Both balls of the other object are on one line.
     assert!(named("one").parts.len() == 2 && parts_of(named("one"), &setup.editor.texts).is_empty());
 }
 
@@ -199,7 +196,6 @@ fn picking_a_colour_does_not_parse_the_text_and_is_one_undo_step() {
     assert_eq!(turned(&mut setup), (1, vec![]), "the text defines the colour again");
     assert_eq!(setup.text(), SCENE.replace("vec3(0.9, 0.3, 0.1)", "vec3(0.8, 0.4, 0)"));
     assert!(setup.load());
-    // Picking continues with a colour brighter than white.
     setup.editor.obey(EditorEvent::PickColor(setup.text().find("vec3(2").unwrap()));
     setup.editor.obey(EditorEvent::SetColor([2.0, 1.5, 0.25]));
     setup.named(NamedKey::Escape);
@@ -237,7 +233,6 @@ fn moving_a_position_across_zero_does_not_parse_the_text() {
     assert_eq!(setup.place(), Some([-1.0, -2.0, 5.0]));
     setup.editor.obey(EditorEvent::MovePlace([1.0, 0.0, 0.0]));
     assert!(setup.text().contains("p + vec3(0, 2, -5)"), "{}", setup.text());
-    // A colour is not a position.
     setup.go_to("0.9, 0.3");
     assert_eq!(setup.place(), None);
 }
@@ -282,7 +277,6 @@ fn a_proposed_shape_has_a_preview() {
     assert_eq!(picture.len(), super::super::PREVIEW_SIDE * super::super::PREVIEW_SIDE);
     let covered = picture.iter().filter(|pixel| pixel[3] == 255).count();
     assert!((200..2000).contains(&covered), "{covered}");
-    // The user's own functions have no preview.
     let mut setup = TestEditor::new(b"fn torus_of_mine(p) = length(p) - 1\nobject o { shape =  }");
     setup.go_to(" }");
     setup.type_text("torus_of");

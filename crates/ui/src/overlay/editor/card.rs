@@ -11,10 +11,8 @@ use mariana_scenes::probing::Surface;
 const WIDTH: f32 = 250.0;
 const NAMES: f32 = 62.0;
 const ROW: f32 = 17.0;
-/// Distance from the point.
 const APART: f32 = 16.0;
 
-/// Marks the point and draws the card. Returns the card's area.
 pub(super) fn show(
     context: &Context,
     screen: Rect,
@@ -91,7 +89,6 @@ fn rows(surface: Option<&Surface>) -> Vec<(&'static str, String)> {
     let three = |v: [f32; 3], decimals: usize| {
         let [x, y, z] = v.map(|part| {
             let text = format!("{part:.decimals$}");
-            // Avoid -0.00.
             match text.strip_prefix('-') {
                 Some(rest) if rest.trim_matches(['0', '.']).is_empty() => rest.to_owned(),
                 _ => text,
@@ -107,7 +104,6 @@ fn rows(surface: Option<&Surface>) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// The area of a card: beside the point, within `space`.
 fn placed(space: Rect, point: Pos2, size: egui::Vec2) -> Rect {
     let right = point.x + APART + size.x <= space.right();
     let x = if right { point.x + APART } else { point.x - APART - size.x };

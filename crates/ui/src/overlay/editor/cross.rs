@@ -1,5 +1,4 @@
-//! A cross at the position under the text cursor. Its arms drag the position along the axes, its middle in the view
-//! plane.
+//! A cross at the position under the text cursor. Its arms drag along the axes, its middle in the view plane.
 
 use egui::{Color32, Context, CursorIcon, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, Vec2, vec2};
 use glam::DVec3;
@@ -70,13 +69,11 @@ pub(super) fn show(
     handles.iter().map(|handle| drag(context, handle, ask)).collect()
 }
 
-/// The screen position of a point of the scene.
 fn seen_at(camera: &Camera, map: &Map, screen: Rect, point: DVec3) -> Option<Pos2> {
     let (x, y) = camera.project(point)?;
     on_screen(map, screen, [0.5 + 0.5 * x, 0.5 - 0.5 * y])
 }
 
-/// Handles the pointer on a handle. Returns the handle's area.
 fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorEvent)) -> Rect {
     let rect = Rect::from_center_size(handle.at, Vec2::splat(2.0 * HANDLE));
     let id = Id::unique(("cross handle", handle.name));
@@ -97,7 +94,6 @@ fn drag(context: &Context, handle: &Handle, ask: &mut impl FnMut(EditorEvent)) -
     rect
 }
 
-/// Converts a movement on the screen to one in the scene.
 fn way_of(ways: &[(Vec2, DVec3)], moved: Vec2) -> DVec3 {
     match ways {
         [(on_screen, along)] => f64::from(moved.dot(*on_screen) / on_screen.length_sq()) * *along,

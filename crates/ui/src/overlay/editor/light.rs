@@ -30,7 +30,6 @@ pub(super) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Option<Pos2> {
     Some(pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height()))
 }
 
-/// Draws the highlights below the panels.
 pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
     let Some((light, map)) = editor.light().zip(editor.picture().map()) else { return };
     if !light.cells.contains(&true) {
@@ -71,7 +70,6 @@ const FINER: usize = 3;
 /// Greatest distance from 0.5 of the interpolated coverage on the outline.
 const OUTLINE: f32 = 0.17;
 
-/// Makes the mask: outlines and insides of the highlighted cells.
 fn mask(light: &Light) -> ColorImage {
     let (columns, rows) = (light.columns.max(1), light.cells.len() / light.columns.max(1));
     let cell = |column: i64, row: i64| {
@@ -79,7 +77,6 @@ fn mask(light: &Light) -> ColorImage {
         let row = row.clamp(0, rows as i64 - 1) as usize;
         f32::from(u8::from(light.cells.get(row * columns + column).is_some_and(|lit| *lit)))
     };
-    // Bilinear interpolation between cells.
     let fraction = |x: f32, y: f32| {
         let (left, top) = (x.floor(), y.floor());
         let (right_fraction, lower_fraction) = (x - left, y - top);

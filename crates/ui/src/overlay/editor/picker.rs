@@ -31,7 +31,6 @@ fn brightness(values: [f64; 3]) -> f64 {
     values.into_iter().fold(1.0, f64::max)
 }
 
-/// Draws the picker below or above `at`, if it is open, and returns its area.
 pub(super) fn show(
     context: &Context,
     at: Rect,

@@ -10,13 +10,10 @@ use egui::{
 use crate::editor::{EditorEvent, ObjectPreview, PREVIEW_SIDE, Proposing};
 use crate::overlay::{assisted, style};
 
-/// Visible names.
 const ROWS: usize = 8;
 const ROW: f32 = 18.0;
 const WIDTH: f32 = 190.0;
-/// Side of a shape's preview, in points.
 const PICTURE: f32 = 72.0;
-/// Greatest width of the documentation.
 const ABOUT_WIDTH: f32 = 330.0;
 
 /// Draws the list below `at`, or above the text line of height `line` if there is no room below.

@@ -9,18 +9,15 @@ const ROW: f32 = 16.0;
 /// Most objects that are listed individually, and most parts of one object.
 const OBJECTS_MAX: usize = 7;
 const PARTS_MAX: usize = 3;
-/// Tooltip about the columns.
 const COUNTED: &str = "shape, material: operations of the object's own formulas. seen: fraction of the image where \
                        the object is in front. steps: mean number of distances that a ray to it evaluates. work: \
                        fraction of all operations of camera rays that its rays take. Shadows, mirrors and ambient \
                        light are not counted.";
 
-/// A row: the name, then numbers.
 struct Row {
     name: String,
     cells: [String; 5],
     place: Option<(usize, usize)>,
-    /// True for a part of the object above it.
     is_part: bool,
 }
 

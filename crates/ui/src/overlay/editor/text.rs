@@ -16,15 +16,12 @@ use super::{picker, popup};
 use crate::editor::{Document, Editor, EditorEvent};
 use crate::overlay::{assisted, style};
 
-/// Size of the text, in points.
 const SIZE: f32 = 13.0;
 /// Distance between lines, in line heights of the font.
 const LINE_HEIGHT: f32 = 1.18;
-/// Width of the scroll lane at the right.
 const LANE: f32 = 10.0;
 /// Height of a number's grip, and its overlap with the number's line.
 const GRIP: (f32, f32) = (9.0, 3.0);
-/// Least width of a grip.
 const GRIP_WIDTH_MIN: f32 = 18.0;
 
 const SELECTED: Color32 = Color32::from_rgba_premultiplied(30, 52, 66, 110);
@@ -44,7 +41,6 @@ fn color_of(kind: WordKind) -> Color32 {
     }
 }
 
-/// The mapping between the text and the screen.
 struct Page {
     /// The area of the letters, without line numbers.
     rect: Rect,
@@ -58,7 +54,6 @@ impl Page {
         self.rect.min + vec2((column - self.left) * self.cell.x, (line as f32 - self.top) * self.cell.y)
     }
 
-    /// The byte offset at a screen position.
     fn offset(&self, buffer: &Buffer, at: Pos2) -> usize {
         let line = (self.top + (at.y - self.rect.top()) / self.cell.y).max(0.0) as usize;
         let line = line.min(buffer.line_count() - 1);
@@ -137,7 +132,6 @@ pub(super) fn show(
     picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
 }
 
-/// Draws the backgrounds of the cursor's line and of the selection.
 fn draw_ground(painter: &Painter, space: Rect, page: &Page, document: &Document, seen: &Range<usize>) {
     let (editing, buffer) = (&document.editing, document.editing.buffer());
     let current = buffer.line_of(editing.cursor());
@@ -173,8 +167,7 @@ fn draw_number(painter: &Painter, right: f32, page: &Page, line: usize, document
     painter.galley(pos2(right - galley.size().x, page.at(line, 0.0).y), galley, color);
 }
 
-/// Draws a line's letters. Runs of ASCII are drawn together; any other letter is placed in its own column, because a
-/// fallback font may have other widths.
+/// Draws a line's letters. Letters beyond ASCII are placed one by one: a fallback font may have other widths.
 fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, font: &FontId) {
     let text = document.editing.buffer().line(line);
     let words = document.words(line);
@@ -211,7 +204,6 @@ fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, f
     run.flush(painter, page, line, font);
 }
 
-/// Draws a swatch below the `vec3` of each colour of a line.
 fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize) {
     let (triples, start) = document.triples(line);
     for triple in triples.into_iter().filter(|triple| triple.kind == TripleKind::Color) {
@@ -338,7 +330,6 @@ fn draw_preedit(painter: &Painter, page: &Page, document: &Document, letters: &s
     painter.hline(rect.x_range(), rect.bottom() - 1.5, Stroke::new(1.5, style::ACCENT));
 }
 
-/// Handles the pointer over the text.
 fn point(
     ui: &Ui,
     painter: &Painter,
@@ -425,7 +416,6 @@ fn moved_enough(ui: &Ui) -> bool {
     })
 }
 
-/// The area of the number under the pointer, or of the number whose grip is there.
 fn number_at(page: &Page, document: &Document, at: Pos2) -> Option<Rect> {
     let buffer = document.editing.buffer();
     [at, at - vec2(0.0, GRIP.0)].into_iter().find_map(|near| {
@@ -436,7 +426,6 @@ fn number_at(page: &Page, document: &Document, at: Pos2) -> Option<Rect> {
     })
 }
 
-/// The byte offset of the colour whose `vec3` is under the pointer.
 fn color_at(page: &Page, document: &Document, at: Pos2) -> Option<usize> {
     let buffer = document.editing.buffer();
     let (triples, start) = document.triples(buffer.line_of(page.offset(buffer, at)));
@@ -455,7 +444,6 @@ fn grip_of(number: Rect) -> Rect {
 fn draw_grip(painter: &Painter, rect: Rect, held: bool) {
     let color = if held { style::ACCENT } else { style::AHEAD };
     painter.rect_filled(rect.shrink2(vec2(0.0, 2.5)), 2.0, color);
-    // Two arrows show the directions of a drag.
     let middle = rect.center().y;
     for (x, way) in [(rect.left() - 5.0, -1.0), (rect.right() + 5.0, 1.0)] {
         let tip = pos2(x + 2.5 * way, middle);
@@ -464,7 +452,6 @@ fn draw_grip(painter: &Painter, rect: Rect, held: bool) {
     }
 }
 
-/// Shows documentation or a mistake in a tooltip.
 fn hover_help(response: &Response, document: &Document, page: &Page, offset: usize, at: Pos2) {
     let buffer = document.editing.buffer();
     let line = buffer.line_of(offset);
@@ -496,7 +483,6 @@ fn hover_help(response: &Response, document: &Document, page: &Page, offset: usi
     });
 }
 
-/// Draws the scroll lane with the visible part and the mistakes, and handles drags in it.
 fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(EditorEvent)) {
     let count = document.editing.buffer().line_count() as f32;
     if count <= rows {

@@ -73,7 +73,6 @@ fn settings_and_sliders_had_controls_without_a_name() {
         let reported = stage.frame(vec![], content).output.platform_output.accesskit_update.unwrap();
         nodes.extend(reported.nodes.into_iter().map(|(_, node)| node));
     }
-    // A scroll bar is known by its role.
     let is_control = |node: &&Node| {
         let acts = node.supports_action(Asked::Click) || node.supports_action(Asked::Focus);
         acts && node.role() != Role::ScrollBar
@@ -91,7 +90,6 @@ fn tab_did_not_reach_the_bar() {
     let focused = |stage: &Stage| stage.panels.context().memory(|memory| memory.focused());
     stage.frame(vec![], OverlayContent::default());
     assert_eq!(focused(&stage), None, "keys belong to the show");
-    // The key shows the bar.
     stage.panels.ask_for_focus();
     while stage.panels.wants_focus() {
         stage.frame(vec![], content());
@@ -107,7 +105,6 @@ fn tab_did_not_reach_the_bar() {
         stage.frame(press(Key::ArrowLeft), content()).events,
         [UiEvent::Command(Command::SeekTo(45.0))]
     );
-    // Then each button; Enter presses it.
     let mut asked = Vec::new();
     for _ in 0..20 {
         stage.frame(press(Key::Tab), content());
