@@ -1,10 +1,9 @@
-//! Compares transitions with their two scenes: the CPU time of each frame in a transition of two seconds, including its
+//! Compares transitions with their two scenes: the CPU time of each frame of a two-second transition, including its
 //! region tree, relative to the sum of both scenes' medians.
 //!
 //! `cargo bench --bench transitions` measures the transition from each shipped scene to the next, with all kinds of
-//! blends; `-- speakers:heart` measures one pair. It does not use criterion, because the longest of differing frames
-//! counts, in the time of all processor cores: Mesa draws on all of them. The three measurements alternate, so that
-//! disturbances affect all of them.
+//! blends; `-- speakers:heart` measures one pair. It does not use criterion, as in `drawing`, and the longest of
+//! differing frames counts.
 
 #![allow(clippy::unwrap_used)]
 
@@ -48,7 +47,6 @@ impl Model {
         Self { resources, program }
     }
 
-    /// Draws a frame; returns the CPU time in ms.
     fn draw(&self, renderer: &mut Renderer, (time, sound): (f64, &Sound), params: &[f32]) -> f64 {
         let held = HeldInputs::default();
         let frame_options = FrameOptions { params, held: &held, camera: None };

@@ -5,10 +5,8 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use mariana_editing::{Colors, Editing, Move, proposals};
 
-/// Visible lines.
 const SHOWN: usize = 50;
 
-/// A text of 400 kB.
 fn long_text() -> Vec<u8> {
     let line = "object ball { shape = sphere(p - vec3(0, 1.25, 0), 0.5)  material = glow } # one\n";
     line.repeat(400_000 / line.len() + 1).into_bytes()

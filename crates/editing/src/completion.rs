@@ -40,7 +40,6 @@ const DECLARING: [&str; 7] = ["fn", "let", "param", "material", "object", "light
 /// Longest head of a declaration, in bytes.
 const HEAD_MAX: usize = 110;
 
-/// Every name of the language, sorted. Of equal names, the documented one comes first.
 static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
     let functions =
         entries().into_iter().map(|entry| Proposal { name: entry.name.to_owned(), about: of_entry(entry) });
@@ -144,7 +143,6 @@ fn own_names(buffer: &Buffer, besides: usize) -> Vec<Proposal> {
     found
 }
 
-/// The name that a line declares, and its offset in the line.
 fn declared(line: &[u8]) -> Option<(&str, usize)> {
     let indent = line.iter().position(|byte| !byte.is_ascii_whitespace())?;
     let text = line.get(indent..)?;

@@ -8,7 +8,6 @@ use crate::limits::LIMITS;
 use crate::movement::{self, Move};
 
 const INDENT: &[u8] = b"  ";
-/// Prefix of a line that is commented out.
 const COMMENT: &[u8] = b"# ";
 
 /// An edited text. All positions are byte offsets.
@@ -179,8 +178,7 @@ impl Editing {
         self.replace(range, new, Joins::Nothing)
     }
 
-    /// Replaces several ranges as one undo step. The ranges are in descending order; afterwards the cursor is behind
-    /// the first range of the text.
+    /// Replaces several ranges, in descending order, as one undo step. The cursor ends behind the text's first range.
     ///
     /// # Errors
     /// [`Refused`] if the result is too long; the text is then unchanged.
@@ -201,8 +199,7 @@ impl Editing {
         Ok(())
     }
 
-    /// Like [`Editing::replace_part`], for a number that is being turned: all its values are undone together until
-    /// [`Editing::settle`].
+    /// Like [`Editing::replace_part`], for a turned number: its values are undone together until [`Editing::settle`].
     ///
     /// # Errors
     /// [`Refused`] if the result is too long.
@@ -427,7 +424,6 @@ mod tests {
         let refused = editing.insert(&vec![b'x'; 10 << 20]).unwrap_err();
         assert_eq!((refused.bytes, refused.max), (10 << 20, LIMITS.text_bytes_max));
         assert_eq!((editing.buffer().bytes(), editing.version()), (b"y".as_slice(), 0));
-        // The limit itself is allowed.
         editing.insert(&vec![b'x'; LIMITS.text_bytes_max - 1]).unwrap();
         assert!(editing.insert(b"z").is_err());
         editing.delete(Move::Left);
@@ -456,7 +452,6 @@ mod tests {
         editing.go(Move::WordRight, false);
         editing.go(Move::WordRight, false);
         assert_eq!(shown(&editing), "  let r| = 5\n球球球球 end\n");
-        // Column 7 is inside the fourth letter; moving back up keeps the column.
         editing.go(Move::Down(1), false);
         assert_eq!(shown(&editing), "  let r = 5\n球球球球| end\n");
         editing.go(Move::Down(1), false);

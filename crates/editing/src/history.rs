@@ -33,7 +33,6 @@ impl Step {
         self.changes.iter().map(|change| change.removed.len() + change.inserted.len()).sum()
     }
 
-    /// Merges the step that follows.
     fn take(&mut self, step: Self) {
         self.after = step.after;
         match (self.changes.last_mut(), &step.changes[..], step.joins) {
@@ -44,19 +43,14 @@ impl Step {
     }
 }
 
-/// The kind of step, which decides if it is merged into the previous one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Joins {
     Nothing,
-    /// Letters typed one after the other.
     Typing,
-    /// Letters deleted one after the other.
     Deleting,
-    /// Values of one number while it is turned.
     Turning,
 }
 
-/// Steps to undo and to redo.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct History {
     done: Vec<Step>,
@@ -160,7 +154,6 @@ impl Followed {
             } else if at >= start && at + removed <= end {
                 end = moved(end);
             } else if at < end {
-                // The change overlaps the range's edge.
                 return None;
             }
         }

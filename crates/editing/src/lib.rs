@@ -2,12 +2,10 @@
 //! numbers that can be turned like knobs. The panel that displays it is in `mariana-ui`.
 //!
 //! **A text is bytes.** [`Buffer`] keeps one `Vec` with an index of line starts. Inserting a letter moves the bytes
-//! behind it, some 20 µs in a text of 400 kB. In return a position is a byte offset, the ranges of errors need no
-//! conversion, and bytes that are not UTF-8 survive an edit elsewhere.
+//! behind it, some 20 µs in 400 kB. A position is a byte offset, and bytes that are not UTF-8 survive an edit
+//! elsewhere.
 //!
-//! **Only visible lines are examined.** Colours and columns are computed line by line. Of all keys, only search and
-//! completion read the whole text.
-//! text for a key, except finding.
+//! **Only visible lines are examined.** Of all keys, only search and completion read the whole text.
 
 mod buffer;
 mod colors;

@@ -28,14 +28,12 @@ pub enum Move {
     End,
 }
 
-/// The cursor position before `offset`.
 pub(crate) fn before(buffer: &Buffer, offset: usize) -> usize {
     let line = buffer.line_of(offset);
     let range = buffer.line_range(line);
     if offset <= range.start {
         return if line == 0 { 0 } else { buffer.line_range(line - 1).end };
     }
-    // The cell that contains the byte before the offset.
     let inside = offset.min(range.end) - range.start;
     let mut last = 0;
     for cell in cells(buffer.line(line)) {
@@ -47,7 +45,6 @@ pub(crate) fn before(buffer: &Buffer, offset: usize) -> usize {
     if offset > range.end { range.end } else { range.start + last }
 }
 
-/// The cursor position after `offset`.
 pub(crate) fn behind(buffer: &Buffer, offset: usize) -> usize {
     let line = buffer.line_of(offset);
     let range = buffer.line_range(line);
@@ -59,7 +56,6 @@ pub(crate) fn behind(buffer: &Buffer, offset: usize) -> usize {
     next.map_or(range.end, |cell| range.start + cell.end)
 }
 
-/// True for the bytes of a word: letters, digits, `_` and everything beyond ASCII.
 fn in_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_' || byte >= 0x80
 }
@@ -92,7 +88,6 @@ pub(crate) fn word_behind(buffer: &Buffer, offset: usize) -> usize {
     place
 }
 
-/// The word around `offset`, for a double click.
 pub(crate) fn word_around(buffer: &Buffer, offset: usize) -> std::ops::Range<usize> {
     let range = buffer.line_range(buffer.line_of(offset));
     let line = buffer.slice(range.clone());

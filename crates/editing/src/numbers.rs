@@ -25,7 +25,6 @@ pub struct Number {
     pub digits: usize,
     /// Value.
     pub value: f64,
-    /// Decimals as written.
     decimals: usize,
     /// True for a count, such as a range's end: it stays an integer.
     whole: bool,

@@ -47,7 +47,6 @@ impl Triple {
     }
 }
 
-/// Names of the colour fields.
 static COLORS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
     let fields = section_fields().flat_map(|(_, fields)| fields.iter());
     fields.filter(|field| field.is_color()).map(|field| field.name).collect()
@@ -121,7 +120,6 @@ fn field_before<'a>(text: &'a [u8], words: &[Word], at: usize) -> Option<&'a str
     std::str::from_utf8(word_text(text, given)).ok()
 }
 
-/// The last such field in the lines above.
 fn field_above(buffer: &Buffer, colors: &mut Colors, line: usize) -> Option<String> {
     (line.saturating_sub(LINES_ABOVE)..line).rev().find_map(|above| {
         let words = colors.words(buffer, above);

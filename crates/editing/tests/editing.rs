@@ -33,7 +33,6 @@ fn ways() -> impl Strategy<Value = Move> {
     ]
 }
 
-/// Texts with both line ends, tabs, wide letters, accents and bytes that are not UTF-8.
 fn text() -> impl Strategy<Value = Vec<u8>> {
     let piece = prop_oneof![
         Just(b"a".to_vec()),
@@ -86,7 +85,6 @@ proptest! {
         let mut editing = Editing::new(begin.clone());
         for action in &actions {
             act(&mut editing, action);
-            // The line index matches the bytes, and the cursor is within the text.
             prop_assert_eq!(editing.buffer(), &Buffer::new(editing.buffer().bytes().to_vec()));
             prop_assert!(editing.cursor() <= editing.buffer().len());
             prop_assert!(editing.selection().end <= editing.buffer().len());
