@@ -27,7 +27,6 @@ const HELD_SECONDS: f64 = 1.2;
 
 /// Time constants in seconds: of the power, of a rising and of a falling gain.
 const POWER_SECONDS: f64 = 0.04;
-
 const GAIN_RISE: f64 = 0.10;
 const GAIN_FALL: f64 = 0.03;
 

@@ -14,7 +14,6 @@ pub(super) enum Resolution {
 
 /// The crossover ranges between adjacent windows, in hertz.
 const LONG_TO_MIDDLE: (f64, f64) = (200.0, 500.0);
-
 const MIDDLE_TO_SHORT: (f64, f64) = (2_000.0, 5_000.0);
 
 impl Resolution {
