@@ -92,7 +92,6 @@ impl Buffer {
     }
 }
 
-/// Offsets of the lines that begin within `bytes`, where `bytes` itself begins at `base`.
 fn line_starts(bytes: &[u8], base: usize) -> impl Iterator<Item = usize> {
     let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
     ends.map(move |(at, _)| base + at + 1)

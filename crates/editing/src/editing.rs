@@ -261,7 +261,6 @@ impl Editing {
         });
     }
 
-    /// The lines of the selection, or the cursor's line.
     fn selected_lines(&self) -> Range<usize> {
         let selection = self.selection();
         let (first, mut last) = (self.buffer.line_of(selection.start), self.buffer.line_of(selection.end));

@@ -18,7 +18,6 @@ pub struct Change {
 /// Anchor and cursor.
 pub(crate) type Selection = (usize, usize);
 
-/// Changes that are undone together.
 #[derive(Debug, Clone)]
 pub(crate) struct Step {
     pub changes: Vec<Change>,
@@ -112,7 +111,6 @@ impl History {
     }
 }
 
-/// True if `step` continues where `last` ended.
 fn follows(last: &Step, step: &Step) -> bool {
     let (Some(before), [now]) = (last.changes.last(), &step.changes[..]) else { return false };
     match step.joins {

@@ -124,7 +124,6 @@ impl Number {
         (ends.0.min(ends.1), ends.0.max(ends.1))
     }
 
-    /// The power of ten of the first digit.
     fn decade(&self) -> f64 {
         let of_digits = 10_f64.powi(-(self.decimals as i32));
         if self.value == 0.0 {

@@ -29,7 +29,6 @@ impl Clipboard {
         self.order(Order::Copy(text));
     }
 
-    /// Requests the clipboard's text; [`Clipboard::pasted`] returns it when it arrives.
     pub(crate) fn paste(&mut self) {
         self.order(Order::Paste);
     }

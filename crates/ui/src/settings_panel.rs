@@ -144,7 +144,6 @@ impl SettingsPanel {
         }
     }
 
-    /// Chooses the selected row, or its next value; the first one after the last.
     fn enter(&mut self) -> Option<Command> {
         let value = match &self.rows.get(self.selected)?.values {
             Values::OneOfRows { .. } => 0,

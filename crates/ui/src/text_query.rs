@@ -25,7 +25,6 @@ impl TextQuery {
         }
     }
 
-    /// True if every word of the query occurs in `text`, in any case.
     pub(crate) fn fits(&self, text: &str) -> bool {
         let text = text.to_lowercase();
         self.0.to_lowercase().split_whitespace().all(|word| text.contains(word))

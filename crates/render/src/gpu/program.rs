@@ -77,7 +77,6 @@ pub const TEXTURE_UNITS: [(&str, u32); 46] = [
 
 const _: () = assert!(FIELD_LIMITS.scene_textures_max <= 12, "the scene's textures have the units 0..12");
 
-/// The unit of one of [`TEXTURE_UNITS`]; 0 for any other name.
 pub(super) fn unit_of(texture: &str) -> u32 {
     TEXTURE_UNITS.iter().find(|(name, _)| *name == texture).map_or(0, |(_, unit)| *unit)
 }

@@ -374,7 +374,6 @@ pub(super) struct SceneBuffers {
 }
 
 impl SceneBuffers {
-    /// Creates buffers with these sound tables and without a tape or regions.
     pub(super) fn new(gl: &Gl, sound: &[[f32; 4]]) -> Result<Self, GpuError> {
         Ok(Self {
             tape: TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?,

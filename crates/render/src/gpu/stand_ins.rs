@@ -31,7 +31,6 @@ impl SceneShape {
     }
 }
 
-/// The side of a placeholder: 1, a power of two, or neither, as the given side.
 fn stand_in_side(side: u32) -> u32 {
     match side {
         0 | 1 => 1,

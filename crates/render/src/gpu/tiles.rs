@@ -66,7 +66,6 @@ impl PixelCost {
         self.greatest() > 0.0
     }
 
-    /// The most pixels of a part.
     fn pixels(self) -> u64 {
         if self.is_known() { (PART_SECONDS / self.greatest()) as u64 } else { 0 }
     }

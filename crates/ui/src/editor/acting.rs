@@ -266,7 +266,6 @@ impl Editor {
         true
     }
 
-    /// Edits the text, or shows why it is read-only.
     fn edit(&mut self, change: impl FnOnce(&mut Editing) -> Result<(), Refused>) {
         let done = self.texts.edit(change);
         self.proposals.close();

@@ -29,7 +29,6 @@ pub(crate) enum Question {
     Gone,
 }
 
-/// A mistake at its present position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Marked {
     /// Byte range; empty if the mistake concerns the whole text.
@@ -121,7 +120,6 @@ impl Document {
         }
     }
 
-    /// True if the text can be edited: it has a file, and the file was read.
     pub(crate) fn is_open(&self) -> bool {
         self.file().is_some() && matches!(self.disk, Some(OnDisk::Bytes(_) | OnDisk::Missing))
     }
@@ -189,7 +187,6 @@ impl Document {
         Change::None
     }
 
-    /// Marks the present version as passed on. Returns false if it was already.
     pub(super) fn note_change(&mut self) -> bool {
         let is_new = self.noted != self.editing.version();
         if is_new {
@@ -244,7 +241,6 @@ impl Document {
         })
     }
 
-    /// The mistake at the cursor, or else the first one.
     pub(crate) fn mistake(&self) -> Option<Marked> {
         let cursor = self.editing.cursor();
         let at_cursor = |one: &Marked| (one.range.start..=one.range.end).contains(&cursor);
@@ -270,7 +266,6 @@ impl Document {
         self.about(self.editing.cursor()).map(|(_, about)| about)
     }
 
-    /// The number at an offset, and the start of its line.
     pub(crate) fn number(&self, offset: usize) -> Option<(Number, usize)> {
         let buffer = self.editing.buffer();
         let line = buffer.line_of(offset);

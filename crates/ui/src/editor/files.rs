@@ -63,7 +63,6 @@ impl Files {
         Ok(())
     }
 
-    /// Saves a text even if another program has changed the file.
     pub(super) fn overwrite(&self, document: &Document) {
         if let Some(file) = document.file() {
             self.file_thread.save(file, document.bytes(), None);
@@ -76,7 +75,6 @@ impl Files {
         Ok(())
     }
 
-    /// Creates a new scene in `folder`, or else in the user's folder.
     pub(super) fn begin(&self, folder: Option<&Path>) -> Result<(), &'static str> {
         let folder = folder.or_else(|| self.file_thread.own_scenes()).ok_or(NO_FOLDER)?;
         self.file_thread.create(folder, "new.scene", Arc::from(TEMPLATE.as_bytes()));

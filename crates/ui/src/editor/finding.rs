@@ -32,7 +32,6 @@ impl Finding {
         self.line.as_ref()
     }
 
-    /// Opens the search line with the selected text, or else with the last search.
     pub(super) fn begin(&mut self, selected: &[u8]) {
         let before = self.line.take().map(|find| find.query).unwrap_or_default();
         let selected = std::str::from_utf8(selected).ok();

@@ -16,7 +16,6 @@ impl Focus {
         self.is_on
     }
 
-    /// Gives the focus to the editor or back to the show. Returns true if it has changed.
     pub(super) fn set(&mut self, on: bool) -> bool {
         let is_new = self.is_on != on;
         self.ignores_repeats |= on && is_new;

@@ -297,7 +297,6 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Moves the cursor to a range of one of the scene's texts, given as it was loaded.
     fn go_to(&mut self, number: usize, range: Range<usize>) {
         let own = self.document().and_then(Document::file);
         if self.texts.file(number).is_some_and(|file| own != Some(file)) {

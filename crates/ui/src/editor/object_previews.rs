@@ -50,7 +50,6 @@ impl ObjectPreviews {
         }
     }
 
-    /// Takes over finished previews. Returns true if there were any.
     pub(super) fn update(&mut self) -> bool {
         let mut any = false;
         while let Ok((name, picture)) = self.drawn.try_recv() {

@@ -56,7 +56,6 @@ impl Outbox {
         self.commands.push(Command::ReloadScene);
     }
 
-    /// Turns numbers of a file into frame inputs. Returns the version of the drafts that has them.
     pub(super) fn hold(&mut self, file: &Path, turning: &[Turning], document: &mut Document) -> u64 {
         if document.is_dirty() {
             self.drafts.set(file, document.bytes());

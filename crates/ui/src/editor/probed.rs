@@ -47,12 +47,10 @@ impl Picture {
         self.ray_statistics = Some(ray_statistics);
     }
 
-    /// Closes the card of the clicked point. Returns true if it was open.
     pub(super) fn close_probed(&mut self) -> bool {
         self.probed.take().is_some()
     }
 
-    /// Turns the highlighting on or off. Returns a message.
     pub(super) fn toggle_light(&mut self) -> &'static str {
         self.lights = !self.lights;
         self.forget_ray_statistics_if_unused();

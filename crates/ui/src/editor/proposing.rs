@@ -53,7 +53,6 @@ impl Proposals {
         self.proposing = None;
     }
 
-    /// Requests the preview of the selected candidate. Returns true if previews arrived.
     pub(super) fn update(&mut self) -> bool {
         if let Some(name) = self.proposing.as_ref().and_then(Proposing::of_library) {
             self.object_previews.want(name);

@@ -83,7 +83,6 @@ impl TestEditor {
         self.commands().into_iter().filter(|command| *command == Command::ReloadScene).count()
     }
 
-    /// Loads the drafts. Returns true if the scene can be drawn.
     fn load(&mut self) -> bool {
         let (source, texts) = (self.source(), self.drafts.texts());
         let (result, _) = source.ready_with(&mut TextureCache::default(), &mut self.edits, &texts);

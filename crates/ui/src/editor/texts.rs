@@ -71,7 +71,6 @@ impl Texts {
         file.and_then(|file| self.found.number_of(file)).unwrap_or(0)
     }
 
-    /// The number of the next text; `None` if there is only one.
     pub(super) fn next_number(&self) -> Option<usize> {
         let tabs = self.tabs();
         let at = tabs.iter().position(|tab| tab.shows).unwrap_or(0);
@@ -261,7 +260,6 @@ impl Texts {
 }
 
 impl Texts {
-    /// Takes over the loader's findings. Returns true if any are about the edited scene.
     pub(super) fn take_findings(&mut self) -> bool {
         let mut any = false;
         for findings in self.outbox.take_findings() {

@@ -20,7 +20,6 @@ impl Document {
         Some((triple, start))
     }
 
-    /// The colour that contains an offset, and the start of its line.
     pub(super) fn color_at(&self, at: usize) -> Option<(Triple, usize)> {
         self.triple_at(at).filter(|(triple, _)| triple.kind == TripleKind::Color)
     }

@@ -95,7 +95,6 @@ impl HeldNumbers {
         self.picked = Some(at);
     }
 
-    /// Closes the picker. Returns true if it was open.
     pub(super) fn close_picker(&mut self, texts: &mut Texts) -> bool {
         let was = self.picked.take().is_some();
         if was && self.turns_three() {
@@ -272,7 +271,6 @@ impl KeyTurn {
     }
 }
 
-/// The value of the digits alone, without the minus before them.
 fn digits_value(value: f64, negated: bool) -> f32 {
     if negated { -value as f32 } else { value as f32 }
 }

@@ -328,7 +328,6 @@ pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lamp: Lamp) -> Respon
     response.on_hover_text(words)
 }
 
-/// The button that cycles through the repeat modes. Its description names the present one.
 fn repeat_button(ui: &mut Ui, now: &NowPlaying, events: &mut Vec<UiEvent>) {
     let (icon, holds) = match now.repeat {
         Repeat::Off => (Icon::Repeat, "repeat is off"),

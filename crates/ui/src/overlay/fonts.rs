@@ -72,7 +72,6 @@ impl Fallback {
         self.start.is_none()
     }
 
-    /// Adds the found fonts to `context` for its next layout.
     pub(super) fn add_found(&self, context: &Context) {
         for font in mem::take(&mut *lock(&self.found)) {
             context.add_font(font);

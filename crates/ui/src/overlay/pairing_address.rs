@@ -60,7 +60,6 @@ fn wrapped(
     painter.layout_job(job)
 }
 
-/// Modules along a side of the code, with its white margin.
 fn squares(code: &Code) -> usize {
     code.side() + 2 * Code::EDGE
 }

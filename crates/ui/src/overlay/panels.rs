@@ -65,7 +65,6 @@ impl Panels {
         Self { context, fallback, kept: Kept::default(), wants_focus: false, had_controls: false }
     }
 
-    /// True if found fonts would change the layout.
     pub(super) fn has_found_fonts(&self) -> bool {
         self.fallback.has_found()
     }
@@ -79,7 +78,6 @@ impl Panels {
         &self.context
     }
 
-    /// Focuses the first control as soon as there is one.
     pub(super) fn ask_for_focus(&mut self) {
         self.wants_focus = true;
     }
@@ -266,7 +264,6 @@ fn show_sentences(
 /// Height for a message below a panel's heading, in points.
 const NOTICE_HEIGHT: f32 = 60.0;
 
-/// Excludes a panel at the right from `left`, if enough space remains.
 fn leave_beside(left: &mut Rect, panel: Rect) {
     let beside = panel.left() - style::MARGIN;
     if beside - left.left() >= PROBLEM_WIDTH_MIN {

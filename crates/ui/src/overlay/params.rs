@@ -18,7 +18,6 @@ const RESET_SIZE: f32 = 16.0;
 /// Step for keys and screen readers, as a fraction of the range.
 const STEP: f64 = 0.05;
 
-/// Width of the panel in a window of this width, in points.
 pub(super) fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }

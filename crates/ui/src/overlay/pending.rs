@@ -36,7 +36,6 @@ impl PendingInput {
         self.raw.events.clear();
     }
 
-    /// Discards the pointer's events when there is no panel for them.
     pub(super) fn forget_pointer(&mut self) {
         self.raw.events.retain(|event| matches!(event, Event::AccessKitActionRequest(_) | Event::Key { .. }));
     }

@@ -32,7 +32,6 @@ impl Rooms {
         Self { main, side, is_desk: true }
     }
 
-    /// Excludes the part of the side above the bottom of `rect`.
     pub(super) fn below(&mut self, rect: Rect) {
         self.side.min.y = (rect.bottom() + style::MARGIN).min(self.side.bottom());
     }

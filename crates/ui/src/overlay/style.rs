@@ -72,7 +72,6 @@ pub(super) fn area(id: egui::Id, order: egui::Order) -> egui::Area {
     egui::Area::new(id).kind(egui::UiKind::Window).order(order).constrain(false).fade_in(false)
 }
 
-/// The scroll position that centres a row as far as possible.
 pub(super) fn scrolled_to(row: usize, row_height: f32, height: f32) -> f32 {
     (row as f32 * row_height - 0.5 * (height - row_height)).max(0.0)
 }

@@ -12,7 +12,6 @@ impl Fade {
         Self { light, fraction: 1.0 }
     }
 
-    /// The light and its fraction in new images, 0..1.
     pub(super) fn mixed_in(&self) -> (&Target, f32) {
         (&self.light, self.fraction)
     }

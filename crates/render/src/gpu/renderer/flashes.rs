@@ -19,7 +19,6 @@ impl Flashes {
         self.is_limited = false;
     }
 
-    /// Records that a new image is finished, which the limiter has not measured.
     pub(super) fn expect_another(&mut self) {
         self.is_limited = false;
     }

@@ -21,7 +21,6 @@ struct Row {
     is_part: bool,
 }
 
-/// Removes rows of parts, from the last one, until at most `rows_max` rows are left or no parts.
 fn leave_out_parts(rows: &mut Vec<Row>, rows_max: usize) {
     while rows.len() > rows_max
         && let Some(last) = rows.iter().rposition(|row| row.is_part)
