@@ -15,7 +15,6 @@ use crate::scenes::ReadyScene;
 /// `sample_light.glsl` gives bright samples less weight. This exposure makes the difference negligible.
 const EXPOSURE: f32 = 0.01;
 
-/// Refuses a scene that draws its own sky.
 pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), ExportError> {
     match ready.world.scene.has_own_sky {
         true => Err(ExportError::OwnSky { scene: scene.to_owned() }),
@@ -23,7 +22,6 @@ pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), Expo
     }
 }
 
-/// The fraction of each pixel that objects cover.
 #[derive(Default)]
 pub(super) struct Coverage {
     /// Fractions of the last frame, 0..1.
@@ -48,7 +46,6 @@ impl Coverage {
         Ok(())
     }
 
-    /// Writes alpha into the pixels of the same frame.
     pub(super) fn put_into(&self, rgba: &mut [u8]) {
         for ([r, g, b, alpha], fraction) in rgba.as_chunks_mut::<4>().0.iter_mut().zip(&self.fractions) {
             let covered = (255.0 * fraction.clamp(0.0, 1.0)).round() as u8;

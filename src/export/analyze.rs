@@ -72,7 +72,6 @@ pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(
     }
 }
 
-/// The columns of the position in the song.
 fn song_columns(place: &SongMoment) -> String {
     let SongMoment { bar, beat_in_bar, section, section_phase, energy, build, drop, progress, .. } = place;
     format!(
@@ -81,7 +80,6 @@ fn song_columns(place: &SongMoment) -> String {
     )
 }
 
-/// The columns of the time, the volumes, and the bands as a bar chart.
 fn columns(t: f64, features: &Features) -> String {
     const HEIGHTS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
     let bars: String =

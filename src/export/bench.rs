@@ -1,5 +1,4 @@
-//! `mariana bench`: measures frame times, CPU time, evaluations and clauses without a window, for each mode with and
-//! without regions. The module `report` formats the results.
+//! `mariana bench`: measures times, evaluations and clauses without a window, for each mode with and without regions.
 
 mod all;
 mod edit;
@@ -53,8 +52,7 @@ pub struct BenchRequest {
     pub edges: bool,
 }
 
-/// Runs the measurement. The rows are drawn alternately, frame by frame, so that load on the machine affects all of
-/// them.
+/// Runs the measurement. Rows are drawn alternately, frame by frame, so that load on the machine affects all of them.
 ///
 /// # Errors
 /// The song cannot be decoded, the scene has mistakes, or the driver reports an error.
@@ -114,7 +112,6 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     })
 }
 
-/// The frames after the measured one, up to the end of the song.
 fn following_frames(
     request: &BenchRequest,
     ready: &ReadyScene,
@@ -142,7 +139,6 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// The modes that can draw the scene, and notes on those that cannot.
     fn modes(&self) -> (Vec<Mode>, Vec<String>) {
         let (mut modes, mut notes) = (Vec::new(), Vec::new());
         let sdf = self.request.scene.sdf;
@@ -158,7 +154,6 @@ impl Bench<'_> {
         (modes, notes)
     }
 
-    /// Prepares a mode with and without regions, and draws the first frame of each.
     fn start_runs(&self, renderer: &mut Renderer, mode: Mode) -> Result<Vec<Run>, ExportError> {
         let request = self.request;
         let ways: &[bool] =
@@ -223,7 +218,6 @@ impl Bench<'_> {
         Ok((run, made))
     }
 
-    /// Draws the rows alternately and records the times of each frame.
     fn time(&self, renderer: &mut Renderer, runs: &mut [Run]) -> Result<(), ExportError> {
         let (gl, resources, frame) = (self.gl, &self.resources, &self.frame);
         let timer = if gl.info().software { None } else { Some(GpuTimer::new(gl)?) };
@@ -253,7 +247,6 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Draws each row once more with counters, and makes the report.
     fn count(&self, runs: Vec<Run>) -> Result<Vec<ModeReport>, ExportError> {
         let (gl, library, size) = (self.gl, &self.request.scene.shaders, self.request.size);
         let ReadyScene { world, buffers, plan, .. } = &self.ready;
@@ -327,7 +320,6 @@ const ROW_MS_MAX: f64 = 20_000.0;
 const FRAMES_MIN: usize = 3;
 /// Number of trees built for the median of the build time.
 const BUILDS: usize = 9;
-/// Time between consecutive frames, in seconds.
 const FRAME_SECONDS: f64 = 1.0 / 60.0;
 
 /// Builds the regions of a frame. Returns them with two median times in ms: for a tree without a predecessor, and for
@@ -364,7 +356,6 @@ struct Made {
     again: Option<[f64; 2]>,
 }
 
-/// State and times of one row.
 struct Run {
     mode: Mode,
     regions: bool,
@@ -374,7 +365,6 @@ struct Run {
     program: Rc<Program>,
     shader_ms: f64,
     first_draw_ms: f64,
-    /// Times in ms of linking the same program again and of its first frame.
     again: [f64; 2],
     wall: Vec<f64>,
     cpu: Vec<f64>,

@@ -1,5 +1,4 @@
-//! Output without a window: stills, videos, analyses, measurements, show files. [`painter`] draws the frames for all of
-//! them.
+//! Output without a window: stills, videos, analyses, measurements, show files. [`painter`] draws the frames for all.
 
 mod alpha;
 pub mod analyze;

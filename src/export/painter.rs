@@ -62,17 +62,14 @@ impl From<SceneSource> for SceneChoice {
     }
 }
 
-/// A context without a window, with its renderer.
 pub(super) struct HeadlessRenderer {
     renderer: Renderer,
     view: Option<(ViewChoice, LegendPainter)>,
-    /// Coverage of the last frame's pixels, for transparent images.
     coverage: Option<Coverage>,
     // The last field: dropped after the objects that use it.
     context: Headless,
 }
 
-/// A scene on the GPU of a [`HeadlessRenderer`].
 pub(super) struct Model {
     program: Program,
     coverage: Option<Program>,
@@ -81,7 +78,6 @@ pub(super) struct Model {
 }
 
 impl HeadlessRenderer {
-    /// Opens a context with the options of `choice`.
     pub(super) fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
         let context = Headless::new(choice.verbose)?;
         let mut renderer = Renderer::new(context.gl(), &choice.shaders, Counting::Off)?;
@@ -93,9 +89,8 @@ impl HeadlessRenderer {
         Ok(Self { renderer, view, coverage, context })
     }
 
-    /// Uploads a scene and links its program in the requested mode. `auto` means compiled, which draws the same image,
-    /// unless the scene is very large. A scene whose tape does not fit the driver is compiled, with a warning in the
-    /// log.
+    /// Uploads a scene and links its program. `auto` means compiled, which draws the same image, unless the scene is
+    /// very large. A scene whose tape does not fit the driver is compiled, with a warning in the log.
     ///
     /// # Errors
     /// An error of the driver, or a scene with its own sky if `choice` asks for transparency.
@@ -139,8 +134,7 @@ impl HeadlessRenderer {
         Ok(self.renderer.draw_view(&frame, resources, program, (&setup.block, legend.as_deref()))?)
     }
 
-    /// Draws `over`, with the fraction `fraction`, 0..1, of its light from `under`. Views show numbers and are not
-    /// mixed.
+    /// Draws `over` with the fraction `fraction`, 0..1, of its light from `under`. Views (numbers) are not mixed.
     pub(super) fn draw_faded(
         &mut self,
         under: (&Model, Frame),
@@ -153,8 +147,7 @@ impl HeadlessRenderer {
         self.draw_over(over.0, over.1, fraction)
     }
 
-    /// Draws a scene, with the fraction `fraction`, 0..1, of its light from the last frame. Views show numbers and are
-    /// not mixed.
+    /// Draws a scene with the fraction `fraction`, 0..1, of its light from the last frame. Views are not mixed.
     pub(super) fn draw_over(
         &mut self,
         model: &Model,
@@ -170,7 +163,6 @@ impl HeadlessRenderer {
         drawn
     }
 
-    /// Enables [`HeadlessRenderer::dim`].
     pub(super) fn add_dimming(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
         Ok(self.renderer.add_dimming(shaders)?)
     }
@@ -180,7 +172,6 @@ impl HeadlessRenderer {
         Ok(self.renderer.dim(brightness)?)
     }
 
-    /// Enables [`HeadlessRenderer::limit_flashes`].
     pub(super) fn add_flash_limiter(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
         Ok(self.renderer.add_flash_limiter(shaders)?)
     }

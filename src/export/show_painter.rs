@@ -48,8 +48,7 @@ pub(super) struct ShowPainter {
 pub(super) type Heard = (f64, Sound);
 
 impl ShowPainter {
-    /// Compiles all scenes of the show, so that a mistake is found at the start. `choice` has the options of the
-    /// renderer.
+    /// Compiles all scenes of the show, to find mistakes at the start. `choice` has the options of the renderer.
     ///
     /// # Errors
     /// A scene or a setting is refused, the driver reports an error, or all entries of the show wait for a key.
@@ -96,7 +95,6 @@ impl ShowPainter {
         })
     }
 
-    /// True if a scene reads features of the whole song.
     pub(super) fn reads_song(&self) -> bool {
         self.scenes.iter().any(|read| read.ready.world.scene.graph.reads_song())
     }
@@ -105,12 +103,10 @@ impl ShowPainter {
         &mut self.headless_renderer
     }
 
-    /// The frames that the show freezes at `time` seconds: [`Timeline::held_at`].
     pub(super) fn held_at(&self, time: f64) -> Vec<Held> {
         self.timeline.held_at(time)
     }
 
-    /// Draws a moment, `size` pixels large, with the frozen frames of [`ShowPainter::held_at`].
     pub(super) fn draw(
         &mut self,
         (time, sound): Heard,
@@ -183,7 +179,6 @@ impl ShowPainter {
         self.headless_renderer.draw_faded((&under, under_frame), (&over, over_frame), 1.0 - fraction)
     }
 
-    /// The model and the frame of a clip's scene at a moment.
     fn frame(
         &mut self,
         clip: &Clip,
@@ -202,7 +197,6 @@ impl ShowPainter {
         Ok((model, frame))
     }
 
-    /// The model of the blend of two clips; `None` if they cannot be blended.
     fn blend(&mut self, from: &Clip, to: &Clip, kind: BlendKind) -> Result<Option<Rc<Model>>, ExportError> {
         let Some(blend) = self.prepared_show.blend(from, to, kind) else {
             return Err(ExportError::NotInShow { scene: to.scene.clone() });
@@ -226,7 +220,6 @@ impl ShowPainter {
         }
     }
 
-    /// The model of a scene or blend; loads it if necessary.
     fn model(
         &mut self,
         drawn: Drawn,
@@ -250,12 +243,10 @@ impl ShowPainter {
     }
 }
 
-/// The number of a clip's camera in its world.
 fn camera_of(world: &World, clip: &Clip) -> Option<usize> {
     camera_number(world, clip.camera.as_deref())
 }
 
-/// The parameters of a world at a moment of a clip.
 fn params_of(world: &World, clip: &Clip, time: f64) -> Vec<f32> {
     clip.numbers_at(&world.scene, time, |param| param.default)
 }

@@ -19,8 +19,7 @@ pub enum Showing {
 }
 
 impl Showing {
-    /// Prepares the content from `start` seconds on. A show decodes the whole song; entries of a show file that do not
-    /// fit the song are logged.
+    /// Prepares the content from `start` seconds on. A show decodes the whole song and logs entries that do not fit it.
     ///
     /// # Errors
     /// The song cannot be decoded, the show has mistakes, or no scene is shown at the start.
@@ -57,7 +56,6 @@ impl Showing {
 /// Length of the decoded sound that is kept, in seconds.
 const KEPT: f64 = 1.0;
 
-/// The sounds of frames that the show freezes.
 pub(super) struct Holding {
     gain: Gain,
     /// The time from which the song was opened, in seconds.
@@ -66,13 +64,11 @@ pub(super) struct Holding {
 }
 
 impl Holding {
-    /// Starts without frozen frames, for a song that was opened at `opened` seconds.
     pub(super) fn new(gain: Gain, opened: f64) -> Self {
         Self { gain, opened, last: Vec::new() }
     }
 
-    /// The frozen frames at `time` seconds, as in [`ShowPainter::held_at`], with the sound of each. Times must not
-    /// decrease.
+    /// The frozen frames at `time` seconds ([`ShowPainter::held_at`]), each with its sound. Times must not decrease.
     pub(super) fn at(
         &mut self,
         painter: &ShowPainter,

@@ -29,7 +29,6 @@ pub struct SongFeatures {
     frames: u64,
     ended: bool,
     song: Song,
-    /// Structure of the whole song, once it was requested.
     structure: Option<SongStructure>,
 }
 
@@ -69,8 +68,7 @@ impl SongFeatures {
         Ok(Self { structure: self.structure.clone(), ..Self::open_with(&self.song, start, gain)? })
     }
 
-    /// Finds the structure of the whole song, by decoding it unless an earlier run has cached it. Sounds then contain
-    /// their position in the song.
+    /// Finds the whole song's structure, from the cache or by decoding; sounds then have their position in the song.
     pub fn know_song(&mut self) {
         self.structure();
     }
@@ -120,7 +118,6 @@ impl SongFeatures {
         self.ended && time >= self.decoded()
     }
 
-    /// Decodes up to the end of the tables at `time`.
     fn decode_to(&mut self, time: f64) -> Result<(), DecodeError> {
         let time = time + AROUND;
         while !self.ended && self.track.span().is_none_or(|(_, last)| last <= time) {

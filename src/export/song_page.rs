@@ -1,5 +1,4 @@
-//! A song on one page as SVG: waveform, energy, beats, bars, sections, builds, drops, tempo, chords, chroma, and the
-//! director's show.
+//! A song on one page as SVG: waveform, energy, beats, sections, tempo, chords, chroma, and the director's show.
 
 use std::fmt::Write as _;
 
@@ -23,7 +22,6 @@ const SHOW: (f64, f64) = (652.0, 26.0);
 const AXIS: f64 = 700.0;
 const HEIGHT: f64 = 730.0;
 
-/// Most columns of a row; more would not be visible.
 const COLUMNS_MAX: usize = 1400;
 
 /// Fills of sections and scenes, in the order of their first appearance.
@@ -236,7 +234,6 @@ fn pitches(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) 
     svg.push('\n');
 }
 
-/// Draws each scene as a box, its transition as a slope, and cuts between its cameras as lines.
 fn scenes(svg: &mut String, clips: &[Clip], seconds: f64, x: &dyn Fn(f64) -> f64) {
     let (top, height) = SHOW;
     let mut names: Vec<&str> = Vec::new();

@@ -157,7 +157,6 @@ impl StillFormat {
     }
 }
 
-/// Refuses an output that would overwrite the song.
 pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportError> {
     let same = match song {
         Song::Embedded { .. } => false,
@@ -168,14 +167,12 @@ pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportEr
     if same { Err(ExportError::OverTheSong { path: output.to_owned() }) } else { Ok(()) }
 }
 
-/// Pixels in the form in which files store them.
 pub(super) struct Pixels {
     bytes: Vec<u8>,
     has_alpha: bool,
 }
 
 impl Pixels {
-    /// Drops the alpha of RGBA bytes.
     pub(super) fn opaque(rgba: &[u8]) -> Self {
         let bytes = rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         Self { bytes, has_alpha: false }

@@ -94,7 +94,6 @@ fn key_name(key: Tonality) -> String {
     format!("{} {}", key.root_name(), key.mode.name())
 }
 
-/// One line about the whole song.
 pub(super) fn summary(structure: &SongStructure) -> String {
     if structure.silent {
         return format!("{}, silence", clock(structure.seconds));

@@ -40,8 +40,7 @@ pub struct VideoRequest {
     pub gain: Gain,
     /// True to dim flashes if there are more than three a second.
     pub limit_flashes: bool,
-    /// The video file, or a folder (or a path with a final slash) for numbered stills. Standard output gets the frames
-    /// without sound, as YUV4MPEG2.
+    /// The video file, or a folder (or path with a final slash) for stills. Standard output gets y4m without sound.
     pub output: Output,
     /// True to leave the sky transparent.
     pub alpha: bool,
@@ -65,8 +64,7 @@ pub struct VideoRequest {
     pub seam: Option<f64>,
 }
 
-/// Makes the video or the stills and returns the number of frames. Calls `progress` with the number of drawn frames
-/// and, if it is known, the total.
+/// Writes the video or stills; returns the number of frames. `progress` gets the drawn and any known total.
 ///
 /// # Errors
 /// The song, the driver, ffmpeg or the output is refused. An incomplete video never replaces an existing file.
@@ -144,7 +142,6 @@ pub fn write_video(
     Ok(written)
 }
 
-/// Number of frames that begin within `seconds`.
 fn frames_in(seconds: f64, fps: f64) -> u64 {
     let frames = (seconds * fps).ceil() as u64;
     // 1.1 · 10 is slightly more than 11 in floating point.

@@ -71,7 +71,6 @@ pub fn measure_all(request: &AllRequest, progress: &mut dyn FnMut(&str, usize, u
     }
 }
 
-/// A column: its title, and the function that formats its cells.
 type Column = (&'static str, fn(&ModeReport) -> String);
 
 const COLUMNS: [Column; 10] = [

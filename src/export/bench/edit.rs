@@ -12,8 +12,7 @@ use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::ReadyScene;
 use mariana_music::Sound;
 
-/// Adds a small ball at a new position to the scene, so that no driver has its program in a cache, and measures the
-/// time to its first frames.
+/// Measures the time to the first frames after adding a small ball at a new position, which no driver has cached.
 ///
 /// # Errors
 /// The scene is a single formula, or it cannot be read or drawn.

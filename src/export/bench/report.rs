@@ -96,7 +96,6 @@ pub struct ModeReport {
     pub evaluations_per_pixel_total: f64,
 }
 
-/// A title, and the function that formats a mode's cell.
 type Row<'a> = (&'a str, &'a dyn Fn(&ModeReport) -> String);
 
 impl BenchReport {

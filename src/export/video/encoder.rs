@@ -1,5 +1,4 @@
-//! Encodes a video with ffmpeg: builds its command line and feeds it raw frames. See [`super::encoder_process`] for the
-//! process itself.
+//! Encodes a video with ffmpeg: builds its command line and feeds it frames. The process: [`super::encoder_process`].
 
 use std::ffi::OsStr;
 use std::io::Cursor;
@@ -21,8 +20,7 @@ use mariana_player::song::Song;
 /// Extensions of formats with several files, which ffmpeg names after the temporary file.
 const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
 
-/// Largest side of a cover, in pixels. A cover of one megabyte can have 100 megapixels, which take many seconds to
-/// decode.
+/// Largest side of a cover, in pixels: one megabyte can hold 100 megapixels, which take many seconds to decode.
 const COVER_SIDE_MAX: u32 = 4096;
 
 pub(super) struct Encoder {
@@ -30,7 +28,6 @@ pub(super) struct Encoder {
     /// Taken when the finished video replaces the output.
     output: Option<AtomicFile>,
     path: PathBuf,
-    /// Temporary inputs of ffmpeg: an embedded song, the song's cover.
     _inputs: Vec<Unfinished>,
 }
 
@@ -55,7 +52,6 @@ impl Encoder {
         self.process.write(rgba).map_err(|_| self.last_words())
     }
 
-    /// Waits for ffmpeg to finish, and moves the video to its path.
     pub(super) fn finish(mut self) -> Result<(), ExportError> {
         match self.process.wait() {
             Ok(status) if status.success() => Ok(self.output.take().map_or(Ok(()), AtomicFile::commit)?),
@@ -63,7 +59,6 @@ impl Encoder {
         }
     }
 
-    /// The reason for ffmpeg's end.
     fn last_words(&mut self) -> ExportError {
         let _ = self.process.wait();
         let path = self.path.clone();

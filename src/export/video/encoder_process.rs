@@ -35,18 +35,15 @@ pub(super) struct EncoderProcess {
     _end: Undo,
 }
 
-/// The state of the wait for the process.
 #[derive(Default)]
 struct Wait {
     /// Start of the wait, or the last progress since then; `None` outside of waits.
     since: Option<Instant>,
-    /// True once the process was killed because it made no progress.
     has_stalled: bool,
 }
 
 impl EncoderProcess {
-    /// Starts a process that writes `output`. It is killed if it neither reads input nor writes output for `patience`
-    /// while this type waits for it.
+    /// Starts a process that writes `output`; kills it if, while waited for, it is idle for `patience`.
     ///
     /// # Errors
     /// The system's error for the program, the file for its messages (`reported_problems`) or the watching thread.
@@ -58,8 +55,7 @@ impl EncoderProcess {
     ) -> io::Result<Self> {
         let heard = reported_problems.try_clone()?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
-        // In its own process group, Ctrl-C reaches only this process, which then ends the encoder. Otherwise both would
-        // end at once, in random order.
+        // In its own group, Ctrl-C reaches only this process, which then ends the encoder. Otherwise both end at once.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let (child, end) = ending::begin(|| {
@@ -132,7 +128,6 @@ impl EncoderProcess {
         status
     }
 
-    /// True once it was killed because it made no progress.
     pub(super) fn has_stalled(&self) -> bool {
         lock(&self.wait).has_stalled
     }
@@ -198,7 +193,6 @@ fn end_child(child: &mut Child) {
 mod tests {
     use super::*;
 
-    /// Starts a shell script as the encoder, with little patience.
     fn start(cue_list: &str) -> EncoderProcess {
         let mut command = Command::new("sh");
         command.args(["-c", cue_list]);

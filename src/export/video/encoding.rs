@@ -47,7 +47,6 @@ const COLORS: [[&str; 2]; 4] = [
     ["-color_range:v:0", "tv"],
 ];
 
-/// True for an MPEG-4 file, which can contain a cover.
 pub(super) fn is_mp4(path: &Path) -> bool {
     ends_in(path, &["mp4", "m4v"])
 }
@@ -57,7 +56,6 @@ fn ends_in(path: &Path, endings: &[&str]) -> bool {
     ending.is_some_and(|ending| endings.contains(&ending.as_str()))
 }
 
-/// Formats of endless animations without sound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Animation {
     Gif,
@@ -105,12 +103,10 @@ fn webp_quality(quality: EncodingQuality) -> &'static str {
     }
 }
 
-/// True if the video at `path` contains sound.
 pub(super) fn has_sound(request: &VideoRequest, path: &Path) -> bool {
     request.sound && Animation::of(path).is_none()
 }
 
-/// Refuses a codec or a frame rate that the format of `path` does not support.
 pub(super) fn require_fit(codec: Option<Codec>, fps: f64, path: &Path) -> Result<(), ExportError> {
     let path_of = || path.to_owned();
     match Animation::of(path) {
@@ -132,7 +128,6 @@ pub(super) fn require_fit(codec: Option<Codec>, fps: f64, path: &Path) -> Result
     }
 }
 
-/// Refuses a format without alpha.
 pub(super) fn require_alpha(output: &Output) -> Result<(), ExportError> {
     match output {
         Output::Path(path) if is_folder(path) || ends_in(path, &["webm", "mov", "mkv", "webp"]) => Ok(()),
@@ -160,7 +155,6 @@ fn encode_alpha(path: &Path, quality: EncodingQuality) -> Vec<&'static str> {
     [codec, &filter, &["-pix_fmt:v:0", format]].concat()
 }
 
-/// ffmpeg's arguments for the frames and the sound of the video at `path`.
 pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     let mut arguments: Vec<String> = Vec::new();
     let mut say = |words: &[&str]| arguments.extend(words.iter().map(|word| (*word).to_owned()));

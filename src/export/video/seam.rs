@@ -8,7 +8,6 @@ use std::io::{Read, Seek, SeekFrom, Write};
 
 use crate::export::error::ExportError;
 
-/// Reorders and mixes frames into a loop.
 pub(super) struct Seam {
     /// The first frames, on disk, because they may be hundreds of megabytes.
     aside: File,
@@ -28,8 +27,7 @@ impl Seam {
         self.loop_frames + self.seam_frames
     }
 
-    /// Takes the next frame of the song. Returns the next frame of the loop, or `None` while the first frames are
-    /// stored.
+    /// Takes the next frame of the song. Returns one of the loop, or `None` while the first frames are stored.
     pub(super) fn pass(&mut self, mut picture: Vec<u8>) -> Result<Option<Vec<u8>>, ExportError> {
         let index = self.drawn;
         self.drawn += 1;

@@ -13,19 +13,9 @@ use crate::export::still::Pixels;
 use crate::y4m::{self, Chroma};
 
 pub(super) enum Sink {
-    Stills {
-        folder: PathBuf,
-        size: (u32, u32),
-        has_alpha: bool,
-        written: u64,
-    },
-    /// A y4m stream on standard output.
+    Stills { folder: PathBuf, size: (u32, u32), has_alpha: bool, written: u64 },
     Standard,
-    /// A video file encoded by ffmpeg.
-    Encoder {
-        ffmpeg: Box<Encoder>,
-        has_alpha: bool,
-    },
+    Encoder { ffmpeg: Box<Encoder>, has_alpha: bool },
 }
 
 /// True if the output is a folder or, by its final slash, will be one.

@@ -21,7 +21,6 @@ impl TitleCard {
         }))
     }
 
-    /// Draws the card over the frame at `seconds` after the video's beginning.
     pub(super) fn draw_over(&self, rgba: &mut [u8], seconds: f64) {
         let strength = (seconds.min(SEEN - seconds) / FADE).clamp(0.0, 1.0);
         if strength > 0.0 {
