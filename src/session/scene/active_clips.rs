@@ -13,7 +13,6 @@ pub(super) struct ActiveClips<'a> {
     pub second: Option<&'a Clip>,
 }
 
-/// The parameter values that a show sets at one moment, by name.
 pub(super) struct Moves<'a> {
     first: Vec<Moved<'a>>,
     second: Vec<Moved<'a>>,
@@ -32,8 +31,7 @@ impl<'a> ActiveClips<'a> {
 }
 
 impl Moves<'_> {
-    /// The show's value for the parameter of a knob. The first `split` parameters of the scene
-    /// belong to the outgoing scene.
+    /// The show's value for a knob's parameter. The first `split` parameters belong to the outgoing scene.
     pub(super) fn of(&self, knob: &Knob, name: &str, split: usize) -> Option<Directed> {
         let moves = if knob.place < split { &self.first } else { &self.second };
         let moved = moves.iter().find(|moved| moved.name == name)?;

@@ -1,9 +1,8 @@
-//! The next and the previous scene, prepared while the current one is shown, so that a change to
-//! them takes one frame.
+//! The next and the previous scene, prepared while the current one is shown, so that a change to them takes one frame.
 //!
 //! They have the lowest priority: one at a time, when the current scene is complete and the compilers are idle. Each
-//! has its own loader, which watches its files, so that prepared scenes are always up to date. When a prepared scene
-//! is shown, its loader goes with it; the scene shown until then stays prepared on the other side.
+//! has its own loader, which keeps it up to date and goes with it when it is shown; the scene shown until then stays
+//! prepared on the other side.
 
 use std::sync::Arc;
 
@@ -20,8 +19,7 @@ use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use mariana_field::world::World;
 use mariana_music::Features;
 
-/// Size of the hidden frame. Not a power of two, as windows are not either, and large enough to
-/// measure the cost of a pixel.
+/// Size of the hidden frame: no power of two, like windows, and large enough to measure the cost of a pixel.
 const REHEARSAL_SIZE: (u32, u32) = (90, 54);
 /// Approximate bytes of a scene's program.
 const PROGRAM_BYTES: u64 = 20 << 20;
@@ -32,7 +30,6 @@ const TEXEL_BYTES: u64 = 15;
 pub(super) struct PreparedAhead {
     /// The next and the previous scene; `None` if preparation is off.
     neighbours: Option<[Neighbour; 2]>,
-    /// The selection that `neighbours` were set for.
     of: Option<WantedAhead>,
 }
 
@@ -42,12 +39,9 @@ struct Neighbour {
     state: State,
 }
 
-/// The selection of scenes to prepare.
 #[derive(Debug, PartialEq)]
 pub(super) enum WantedAhead {
-    /// The neighbours of a scene in the list.
     Neighbours(SceneSource),
-    /// The next scenes of a show.
     Upcoming([Option<SceneSource>; 2]),
 }
 
@@ -66,7 +60,6 @@ enum State {
     Loaded {
         scene: Box<PreparedScene>,
         has_asked: bool,
-        /// True if it was drawn once.
         is_rehearsed: bool,
     },
     /// Preparation failed or was abandoned; the scene is prepared when it is shown.
@@ -118,7 +111,6 @@ impl PreparedAhead {
         });
     }
 
-    /// Abandons the scenes for which `is_left` is true.
     fn leave_where(&mut self, is_left: impl Fn(&PreparedScene) -> bool) {
         for neighbour in self.all_mut() {
             if neighbour.scene().is_some_and(&is_left) {
@@ -156,8 +148,7 @@ impl PreparedAhead {
         }
     }
 
-    /// Sets the scenes to prepare and keeps those already prepared. `neighbours_of` returns the
-    /// neighbours of a scene. Returns `true` if the selection has changed.
+    /// Sets the scenes to prepare; keeps those already prepared. Returns `true` if the selection has changed.
     pub(super) fn want(
         &mut self,
         wanted: WantedAhead,
@@ -224,14 +215,12 @@ impl PreparedAhead {
         }
     }
 
-    /// True if the memory limit allows another scene.
     pub(super) fn has_room_for(&self, world: &World) -> bool {
         let taken: u64 = self.scenes().map(|scene| bytes_of(scene.resources.world())).sum();
         taken + bytes_of(world) <= LIMITS.prepared_bytes_max
     }
 
-    /// Takes the neighbour that is to be shown, if it is loaded. The loader of the scene shown
-    /// until now takes its place, and the sides are swapped.
+    /// Takes the neighbour to be shown, once loaded. The last scene's loader takes its place; the sides are swapped.
     pub(super) fn take(
         &mut self,
         to: &SceneSource,
@@ -251,7 +240,6 @@ impl PreparedAhead {
         Some(*scene)
     }
 
-    /// The scenes loaded meanwhile, each with its index.
     pub(super) fn poll(&self) -> Vec<(usize, Loaded<Result<ReadyScene, SceneError>>)> {
         let loaded = self.all().enumerate().filter_map(|(at, neighbour)| {
             let loaded = neighbour.loader.poll()?;
@@ -288,13 +276,11 @@ impl PreparedAhead {
                 }
                 State::Loading => {}
             }
-            // One at a time.
             break;
         }
         None
     }
 
-    /// Draws a hidden frame of a neighbour that is otherwise ready.
     pub(super) fn rehearse(&mut self, sdf: SdfChoice, renderer: &mut Renderer) {
         for neighbour in self.all_mut() {
             let State::Loaded { scene, is_rehearsed, .. } = &mut neighbour.state else { continue };
@@ -347,7 +333,6 @@ mod tests {
         ahead.want(WantedAhead::Upcoming(sources), |_| [None, None])
     }
 
-    /// Waits for the next loaded scene; returns its index and `true` if it loaded without errors.
     fn loaded(ahead: &PreparedAhead) -> (usize, bool) {
         let mut found = Vec::new();
         wait_until("a neighbour", || {

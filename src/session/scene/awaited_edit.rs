@@ -1,37 +1,30 @@
-//! The wait of the next frame for an edited text, after a key in the editor.
-//!
-//! A frame that begins while the text is being read shows the old text; with a software renderer it also takes CPU
-//! time from the loader. The wait shows edits one frame earlier and costs less than a frame.
+//! The wait of the next frame for an edited text: a frame that begins while the text is being read shows the old
+//! text, and with a software renderer takes the loader's CPU time. Waiting shows edits a frame earlier and costs less
+//! than one.
 
 use std::time::{Duration, Instant};
 
 /// The longest wait of a frame for a text. Most scenes are read in half of this time.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// After a load slower than this, frames do not wait for the next text. Drawing at the same time
-/// may have doubled the load time.
+/// After a load slower than this, frames do not wait: drawing at the same time may have doubled the load time.
 const SLOW: Duration = Duration::from_millis(60);
 
 #[derive(Debug, Default)]
 pub(super) struct AwaitedEdit {
-    /// Time of the request; `None` if no text is awaited.
     since: Option<Instant>,
-    /// True if the last load took longer than [`SLOW`].
     is_slow: bool,
 }
 
 impl AwaitedEdit {
-    /// Notes a request for a changed text.
     pub(super) fn ask(&mut self, now: Instant) {
         self.since = Some(now);
     }
 
-    /// Notes that a text was read, and the time it took.
     pub(super) fn note_loaded(&mut self, took: Duration) {
         self.since = None;
         self.is_slow = took > SLOW;
     }
 
-    /// The end of the wait, if the next frame waits at `now`.
     pub(super) fn until(&self, now: Instant) -> Option<Instant> {
         self.since.filter(|_| !self.is_slow).map(|since| since + PATIENCE).filter(|until| *until > now)
     }

@@ -3,10 +3,8 @@
 use super::active_clips::ActiveClips;
 use crate::frame::orbit_controls::OrbitControls;
 
-/// The camera of the current scene, as the user or a show moves it.
 pub(super) struct SceneCamera {
     orbit: OrbitControls,
-    /// The camera's motion in the last frame, set by the user or a show.
     shown: OrbitControls,
     /// The pitch of the scene's own camera above its target in the last frame, in radians.
     own_pitch: f64,
@@ -32,14 +30,12 @@ impl SceneCamera {
             .then_some("you are moving the camera: press Home to return to the scene's own")
     }
 
-    /// Returns the camera to the scene. Returns a message.
     pub(super) fn give_back(&mut self) -> &'static str {
         self.orbit = OrbitControls::OFF;
         self.revision += 1;
         "the scene's own camera"
     }
 
-    /// Resets the camera for another scene.
     pub(super) fn forget(&mut self) {
         self.orbit = OrbitControls::OFF;
     }
@@ -56,12 +52,10 @@ impl SceneCamera {
         }
     }
 
-    /// Notes the motion in a frame that begins.
     pub(super) fn note_shown(&mut self, shown: OrbitControls) {
         self.shown = shown;
     }
 
-    /// Notes the pitch of the scene's own camera above its target, in radians.
     pub(super) fn note_own_pitch(&mut self, pitch: f64) {
         self.own_pitch = pitch;
     }

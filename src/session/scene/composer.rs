@@ -32,10 +32,8 @@ use mariana_player::Moment;
 /// A fade joined later than this fraction of its length starts from the last frame instead of both scenes.
 const LATE_FRACTION: f32 = 0.35;
 
-/// The frame to show next.
 pub(crate) struct WantedPicture {
     pub moment: Moment,
-    /// The sound at this moment.
     pub sound: Sound,
     pub size: (u32, u32),
     /// Aspect ratio of the window: width divided by height.
@@ -52,18 +50,14 @@ pub(crate) struct Drawn {
     pub spent: Duration,
 }
 
-/// The inputs that frames are composed of.
 #[derive(Clone, Copy)]
 pub(super) struct Ingredients<'a> {
     pub scenes: &'a PreparedScenes,
-    /// The show's state.
     pub show: &'a ShowFollower,
-    /// The values that controllers have set.
     pub parameters: &'a Parameters,
     pub choice: DrawingChoice,
 }
 
-/// A frame in progress.
 struct Making {
     of: (u64, Mode, Option<ViewChoice>),
     /// The outgoing scene while it is drawn, before the current one; `None` once that is done.
@@ -73,15 +67,12 @@ struct Making {
     shown: Shown,
     /// Expected drawing time in seconds, once known.
     seconds: Option<f64>,
-    /// Drawing time of the outgoing scene.
     spent: Duration,
 }
 
-/// Draws frames and keeps everything that lasts from one frame to the next.
 pub(crate) struct SceneComposer {
     making: Option<Making>,
-    /// True if the last frame in progress was abandoned for another version of its scene: keys can
-    /// come faster than frames.
+    /// True if the last frame was abandoned for another version of its scene: keys can come faster than frames.
     has_interrupted: bool,
     pub(super) pictures: SeenPictures,
     pub(super) regions: SceneRegions,
@@ -95,7 +86,6 @@ pub(crate) struct SceneComposer {
 }
 
 impl SceneComposer {
-    /// Starts without a frame. Fades take `fade` seconds.
     pub(super) fn new(mut regions: SceneRegions, view: Option<ViewChoice>, fade: f64) -> Self {
         regions.insist(view.is_some());
         Self {
@@ -115,9 +105,6 @@ impl SceneComposer {
     /// Draws the current scene at a moment for which its regions are built, or continues the frame in progress, for
     /// about `go`. Returns `None` if it is not finished. Requests missing resources. `revision` is that of the whole
     /// session. Scenes that are neither shown nor fading out are kept only as neighbours.
-    ///
-    /// # Errors
-    /// The driver reports an error.
     pub(super) fn draw(
         &mut self,
         scenes: &mut PreparedScenes,
@@ -147,7 +134,6 @@ impl SceneComposer {
         Ok(drawn)
     }
 
-    /// True if the scene at `place` fades out at this moment of the song.
     fn fades_out(&self, of: Ingredients<'_>, moment: &Moment, place: Place) -> bool {
         self.outgoing(of, moment).is_some_and(|outgoing| outgoing.place == place)
     }
@@ -214,8 +200,7 @@ impl SceneComposer {
         true
     }
 
-    /// Begins a frame of the current scene, or first of the scene that fades out. Returns `None`
-    /// while its regions are being built.
+    /// Begins a frame of the current scene, or first of the outgoing one. `None` while its regions are being built.
     fn begin(
         &mut self,
         of: Ingredients<'_>,
@@ -297,7 +282,6 @@ impl SceneComposer {
         Ok(begun)
     }
 
-    /// The scene that fades out at a moment of the song, if both scenes are available.
     fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
         if self.views.choice().is_some() {
             return None;
@@ -309,7 +293,6 @@ impl SceneComposer {
         of.show.outgoing(moment.song_time, of.scenes, of.choice.sdf)
     }
 
-    /// True if a fade that begins now shows both scenes.
     fn fades_with_both(&self, of: Ingredients<'_>) -> bool {
         if self.views.choice().is_some() || self.fading.goes_on() {
             return false;
@@ -318,13 +301,11 @@ impl SceneComposer {
         outgoing.is_some_and(|outgoing| outgoing.fraction > 1.0 - LATE_FRACTION || of.show.stands_still())
     }
 
-    /// The camera motion of the current scene at `time` seconds of the song.
     fn camera_at(&self, of: Ingredients<'_>, time: f64) -> OrbitControls {
         let clips = of.scenes.shown.as_ref().map(|scene| of.show.clips(scene, time).0);
         self.camera.at(&clips.unwrap_or_default(), time)
     }
 
-    /// Saves the state in which the user or a show left a scene.
     pub(super) fn note_left(&mut self, left: &PreparedScene, show: &ShowFollower, parameters: &Parameters) {
         self.change.note_left(left, self.pictures.took(), self.camera.orbit(), show, parameters);
     }
@@ -338,8 +319,7 @@ impl SceneComposer {
         }
     }
 
-    /// Fades the frozen frame into the next one within `seconds`. Cuts if a view is shown or a
-    /// show's fade draws both scenes.
+    /// Fades the frozen frame into the next within `seconds`. Cuts for a view, or if a show's fade draws both scenes.
     pub(super) fn fade_from_held(&mut self, seconds: f64, of: Ingredients<'_>) {
         if self.views.choice().is_some() || self.fades_with_both(of) {
             self.fading.cut();
@@ -357,7 +337,6 @@ impl SceneComposer {
         self.revision += 1;
     }
 
-    /// Shows a view from now on; `None` returns to the frame.
     pub(super) fn show_view(&mut self, choice: Option<ViewChoice>) {
         self.views.choose(choice);
         if choice.is_some() {
@@ -366,7 +345,6 @@ impl SceneComposer {
         self.regions.insist(choice.is_some());
     }
 
-    /// Takes a requested view program. If the driver rejects it, the normal frame is shown instead.
     pub(super) fn take_views(
         &mut self,
         of: ViewsOf,
@@ -409,17 +387,14 @@ impl SceneComposer {
         self.change.is_begun()
     }
 
-    /// Expected drawing time of the frame in progress, in seconds, once known.
     pub(crate) fn seconds_of_picture(&self) -> Option<f64> {
         self.making.as_ref()?.seconds
     }
 
-    /// Abandons the frame in progress, because the next one is drawn differently.
     pub(crate) fn give_picture_up(&mut self) {
         self.making = None;
     }
 
-    /// True if the regions of a requested frame are built.
     pub(crate) fn has_regions(&self) -> bool {
         self.regions.have_come()
     }
@@ -436,17 +411,14 @@ impl SceneComposer {
         &mut self.fading
     }
 
-    /// The chosen view; `None` for the normal frame.
     pub(crate) fn view(&self) -> Option<ViewChoice> {
         self.views.choice()
     }
 
-    /// Notes that the same moment would look different now.
     pub(crate) fn look_different(&mut self) {
         self.revision += 1;
     }
 
-    /// A number that changes whenever the same moment would look different.
     pub(super) fn revision(&self) -> u64 {
         self.revision + self.views.revision() + self.camera.revision()
     }

@@ -16,7 +16,6 @@ pub(crate) struct SceneLoaders {
 }
 
 pub(crate) struct LoadedScene {
-    /// The source that was loaded.
     pub source: SceneSource,
     pub scene: ReadyScene,
 }
@@ -25,7 +24,6 @@ pub(crate) struct LoadedScene {
 pub(crate) struct DrawingWays {
     pub sdf: SdfChoice,
     pub cells: CellUse,
-    /// The view shown instead of the normal frame, if any.
     pub view: Option<ViewChoice>,
     /// Duration of a fade between scenes in seconds.
     pub fade: f64,

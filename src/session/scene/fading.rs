@@ -1,11 +1,9 @@
-//! The change from one scene to another: a fade or a cut. [`super::scene_change`] draws the
-//! outgoing scene, and the fades of a show.
+//! The change from one scene to another: a fade or a cut. [`super::scene_change`] draws the outgoing scene, and the
+//! fades of a show. If that scene cannot be drawn any more, its last frame is mixed into the frames of the incoming
+//! one ([`Renderer::keep_light`]). A frozen frame fades in the same way.
 //!
-//! If the outgoing scene cannot be drawn any more, its last frame is mixed into the frames of the
-//! incoming one ([`Renderer::keep_light`]). A frozen frame fades in the same way.
-//!
-//! **A fade follows the song's time,** as the fades of shows do: the frame at a moment of the song depends only on
-//! that moment, and a recording has the same fade. Only a fade that begins during a pause uses the clock.
+//! **A fade follows the song's time,** as a show's fades do: a frame depends only on its moment of the song, and a
+//! recording has the same fade. Only a fade that begins during a pause uses the clock.
 
 use std::time::{Duration, Instant};
 
@@ -23,18 +21,15 @@ pub(crate) struct Fading {
     cuts: bool,
     /// Duration of the next fade, if it differs from the usual one.
     next: Option<Duration>,
-    /// Duration of the current fade.
     going: Duration,
     from: From,
     state: State,
     begun: Option<Instant>,
     /// The fraction of the outgoing scene in the last frame of a running fade.
     fraction: f32,
-    /// True if the log has reported the fade.
     announced: bool,
 }
 
-/// The source that fades out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum From {
     Scene,
@@ -54,7 +49,6 @@ enum State {
     Given(f32, bool),
 }
 
-/// The frame that is beginning, as a fade needs to know it.
 #[derive(Clone, Copy)]
 pub(super) struct Begun<'a> {
     pub now: Instant,
@@ -82,7 +76,6 @@ impl Fading {
         }
     }
 
-    /// Usual duration of a fade in seconds.
     pub(super) fn seconds(&self) -> f64 {
         self.length.as_secs_f64()
     }
@@ -97,7 +90,6 @@ impl Fading {
         }
     }
 
-    /// True if scenes are cut.
     pub(crate) fn cuts(&self) -> bool {
         self.cuts || self.length.is_zero()
     }
@@ -138,20 +130,17 @@ impl Fading {
         }
     }
 
-    /// Notes that the show holds another frame: the last one drawn, which includes a fraction of the previously held
-    /// one.
+    /// Notes that the show holds another frame: the last one drawn, with its fraction of the previously held one.
     pub(crate) fn hold_anew(&mut self) {
         if let State::Given(_, kept) = &mut self.state {
             *kept = false;
         }
     }
 
-    /// Sets the duration of the next change in seconds.
     pub(super) fn next_takes(&mut self, seconds: f64) {
         self.next = Some(Duration::try_from_secs_f64(seconds).unwrap_or_default());
     }
 
-    /// Restores the usual duration for the next change.
     pub(super) fn next_takes_the_usual(&mut self) {
         self.next = None;
     }
@@ -161,7 +150,6 @@ impl Fading {
         (self.state, self.next) = (State::None, None);
     }
 
-    /// True if the next frame may differ because of a fade.
     pub(super) fn goes_on(&self) -> bool {
         self.state != State::None
     }
@@ -171,12 +159,10 @@ impl Fading {
         matches!(self.state, State::Wanted | State::Going(_))
     }
 
-    /// True if a fade in song time is running.
     pub(super) fn follows_song(&self) -> bool {
         matches!(self.state, State::WithSong(..))
     }
 
-    /// True if the next frame is the first one of a fade.
     pub(crate) fn is_to_begin(&self) -> bool {
         self.state == State::Wanted
     }
@@ -192,7 +178,6 @@ impl Fading {
         }
     }
 
-    /// The fraction of the frozen frame in the last frame.
     pub(crate) fn fraction_held(&self) -> f32 {
         if self.from == From::HeldPicture && self.goes_on() { self.fraction } else { 0.0 }
     }
@@ -205,14 +190,12 @@ impl Fading {
         }
     }
 
-    /// Logs the start of a fade, once.
     pub(super) fn announce(&mut self) {
         if self.is_to_begin() && !std::mem::replace(&mut self.announced, true) {
             tracing::info!("a fade begins");
         }
     }
 
-    /// Sets the renderer's fade before a frame is begun.
     pub(super) fn begin_picture(&mut self, renderer: &mut Renderer, begun: Begun<'_>) {
         let keeps = matches!(self.state, State::Wanted | State::Given(_, false)) && !begun.is_live;
         if keeps {
@@ -276,7 +259,6 @@ impl Fading {
     }
 }
 
-/// The track that plays, and its repetition.
 fn of_what(moment: &Moment) -> (u64, u32) {
     (moment.track, moment.lap)
 }

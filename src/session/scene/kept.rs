@@ -5,8 +5,7 @@ use std::rc::Rc;
 use crate::gpu::program::Program;
 use crate::limits::LIMITS;
 
-/// Programs by their keys; the least recently used one is dropped first. Each takes some 20 MiB of
-/// memory with a software renderer.
+/// Programs by key; the least recently used is dropped first. Each takes some 20 MiB with a software renderer.
 pub(super) struct KeptPrograms<K> {
     /// In order of use, the most recently used last.
     programs: Vec<(K, Rc<Program>)>,
@@ -19,7 +18,6 @@ impl<K> Default for KeptPrograms<K> {
 }
 
 impl<K> KeptPrograms<K> {
-    /// True if a program `serves`.
     pub(super) fn has(&self, serves: impl Fn(&K) -> bool) -> bool {
         self.programs.iter().any(|(of, _)| serves(of))
     }
@@ -33,7 +31,6 @@ impl<K> KeptPrograms<K> {
         Some(program)
     }
 
-    /// Adds a program and drops the oldest ones above the limit.
     pub(super) fn add(&mut self, of: K, program: Program) {
         self.programs.push((of, Rc::new(program)));
         while self.programs.len() > LIMITS.programs_kept_max {
@@ -41,7 +38,6 @@ impl<K> KeptPrograms<K> {
         }
     }
 
-    /// Drops the programs that are no longer of use.
     pub(super) fn retain(&mut self, is_of_use: impl Fn(&K) -> bool) {
         self.programs.retain(|(of, _)| is_of_use(of));
     }

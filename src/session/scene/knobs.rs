@@ -6,11 +6,9 @@ use crate::scenes::SceneSource;
 use mariana_control::{ChangedBy, Param, Slider};
 use mariana_field::world::World;
 
-/// The parameter that a slider controls.
 pub(super) struct Knob {
     /// Index among the world's parameters.
     pub place: usize,
-    /// Title of the scene that the parameter belongs to.
     pub scene: Rc<str>,
 }
 
@@ -45,7 +43,6 @@ impl SceneKnobs {
         Self { sliders, knobs }
     }
 
-    /// Sliders, in the order of the parameters.
     pub(super) fn sliders(&self) -> &[Slider] {
         &self.sliders
     }
@@ -58,7 +55,6 @@ impl SceneKnobs {
         self.sliders.iter().zip(&self.knobs)
     }
 
-    /// The slider at an index, with its knob.
     pub(super) fn get(&self, place: usize) -> Option<(&Slider, &Knob)> {
         self.sliders.get(place).zip(self.knobs.get(place))
     }
@@ -75,7 +71,6 @@ impl SceneKnobs {
     }
 }
 
-/// The parameter of a slider in the form of the control model.
 pub(super) fn param_of(slider: &Slider) -> Param<'_> {
     Param { name: &slider.name, min: slider.min, max: slider.max, default: slider.default }
 }

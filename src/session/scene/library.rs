@@ -9,10 +9,9 @@ use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSour
 pub(crate) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
 const GO: Duration = Duration::from_millis(100);
-/// The same while a text is edited: a key is answered at once, even during a slow frame.
+/// Shorter while a text is edited: a key is answered at once, even during a slow frame.
 const GO_OF_EDITOR: Duration = Duration::from_millis(10);
 
-/// The requested scene and its loader.
 pub(crate) struct SceneLibrary {
     loader: SceneLoader,
     list: SceneList,
@@ -24,13 +23,11 @@ pub(crate) struct SceneLibrary {
 }
 
 impl SceneLibrary {
-    /// Starts with the scene `wanted`, which `loader` watches.
     pub(super) fn new(loader: SceneLoader, wanted: SceneSource) -> Self {
         let list = SceneList::around(&wanted);
         Self { loader, list, wanted, edit: AwaitedEdit::default(), is_written: false }
     }
 
-    /// The last requested scene: shown, or being loaded.
     pub(crate) fn wanted(&self) -> &SceneSource {
         &self.wanted
     }
@@ -46,17 +43,14 @@ impl SceneLibrary {
         format!("{}, {} of {count}", source.title(), at + 1)
     }
 
-    /// The next and the previous scene in the list.
     pub(super) fn neighbours_of(&self, source: &SceneSource) -> [Option<SceneSource>; 2] {
         [Some(self.list.next(source)), Some(self.list.previous(source))]
     }
 
-    /// The next or the previous scene, relative to the requested one.
     pub(super) fn beside(&self, forward: bool) -> SceneSource {
         if forward { self.list.next(&self.wanted) } else { self.list.previous(&self.wanted) }
     }
 
-    /// Notes the begin or the end of editing the scene's text.
     pub(crate) fn set_written(&mut self, written: bool) {
         self.is_written = written;
     }
@@ -72,7 +66,6 @@ impl SceneLibrary {
         self.edit.ask(clock::now());
     }
 
-    /// The end of the wait for a changed text, if the next frame waits at `now`.
     pub(super) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
         self.edit.until(now)
     }
@@ -90,7 +83,6 @@ impl SceneLibrary {
         self.loader.request(self.wanted.clone());
     }
 
-    /// Continues with a scene that was requested elsewhere.
     pub(super) fn take_over(&mut self, wanted: SceneSource) {
         if wanted != self.wanted {
             self.list = SceneList::around(&wanted);
@@ -110,12 +102,10 @@ impl SceneLibrary {
         None
     }
 
-    /// The loader that watches the requested scene, to be exchanged for another.
     pub(super) fn loader_mut(&mut self) -> &mut SceneLoader {
         &mut self.loader
     }
 
-    /// Returns the loader and the requested source, for another session.
     pub(super) fn into_loader(self) -> (SceneLoader, SceneSource) {
         (self.loader, self.wanted)
     }

@@ -9,21 +9,17 @@ use mariana_control::Slider;
 pub(crate) struct Messages {
     problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
-    /// The hint about a requested scene, until it is shown.
     hint: Option<String>,
     /// The latest technical remark, and the task it is about.
     remark: Option<(String, Option<u64>)>,
 }
 
-/// The texts and sliders shown over the frame.
 pub(crate) struct SceneWords<'a> {
     /// A problem: its heading and its text.
     pub problem: Option<(&'a str, &'a str)>,
     /// A notice that fades, and when it appeared.
     pub notice: Option<(&'a str, Instant)>,
-    /// A hint that stays while it is set.
     pub hint: Option<&'a str>,
-    /// The parameters of the scene, as sliders.
     pub sliders: &'a mut [Slider],
 }
 
@@ -42,7 +38,6 @@ impl Messages {
         self.notice = Some((text, clock::now()));
     }
 
-    /// Shows the scene that the user waits for; `None` removes the hint.
     pub(super) fn set_hint(&mut self, hint: Option<String>) {
         self.hint = hint;
     }
@@ -56,13 +51,11 @@ impl Messages {
         self.remark = Some((remark, task));
     }
 
-    /// The remark, if its task is still running.
     pub(super) fn remark(&self, goes_on: impl Fn(u64) -> bool) -> Option<&str> {
         let due = self.remark.as_ref().filter(|(_, task)| task.is_none_or(goes_on));
         due.map(|(text, _)| &**text)
     }
 
-    /// All messages, together with the sliders of the scene.
     pub(super) fn with<'a>(&'a self, sliders: &'a mut [Slider]) -> SceneWords<'a> {
         SceneWords {
             problem: self.problem.as_ref().map(|(heading, text)| (&**heading, &**text)),

@@ -1,6 +1,5 @@
-//! The parameters of scenes. All controllers change one model; sliders and frames read it.
-//!
-//! A frame is drawn with the values of one moment, which is set between frames and never during one.
+//! The parameters of scenes. All controllers change one model; sliders and frames read it. A frame is drawn with the
+//! values of one moment, which is set between frames and never during one.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,7 +11,6 @@ use super::prepared_scene::PreparedScene;
 use crate::clock;
 use mariana_control::{ChangedBy, Model, ParamChange, Reading, Turn};
 
-/// The values of parameters, and the moment at which they are read.
 pub(crate) struct Parameters {
     model: Model,
     begun: Instant,
@@ -20,14 +18,12 @@ pub(crate) struct Parameters {
     now: f64,
     /// The same in seconds of the song.
     song_time: f64,
-    /// The numbers of a text that are being dragged.
     turned: Option<TurnedNumbers>,
     /// Counts the changes that make the same moment look different.
     revision: u64,
 }
 
-/// Values for numbers in a file's text, each with the offset of its digits in the loaded text. They
-/// only change the frame's inputs: nothing is parsed or compiled again.
+/// Values for numbers in a text, by the offset of their digits. Only inputs change: nothing is parsed or compiled.
 #[derive(Debug, Clone, PartialEq)]
 struct TurnedNumbers {
     file: PathBuf,
@@ -41,7 +37,6 @@ impl Parameters {
         Self { model, begun, now, song_time: 0.0, turned: None, revision: 0 }
     }
 
-    /// Returns the model and the start of its clock, for another session.
     pub(super) fn kept(self) -> (Model, Instant) {
         (self.model, self.begun)
     }
@@ -50,12 +45,10 @@ impl Parameters {
         *self = Self { revision: self.revision, turned: self.turned.take(), ..Self::new(model, begun) };
     }
 
-    /// A number that changes whenever parameters make the same moment look different.
     pub(super) fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// The moment of the shown frame, in seconds of the song.
     pub(super) fn song_time(&self) -> f64 {
         self.song_time
     }
@@ -64,12 +57,10 @@ impl Parameters {
         (self.now, self.song_time) = (clock::since(self.begun).as_secs_f64(), song_time);
     }
 
-    /// Notes that parameters are moving towards their targets.
     pub(super) fn note_turning(&mut self) {
         self.revision += 1;
     }
 
-    /// True if a parameter of the scene is moving towards its target.
     pub(super) fn is_turning(&self, scene: &PreparedScene) -> bool {
         scene.knobs.titles().into_iter().any(|title| self.model.moves(title, self.now))
     }
@@ -88,8 +79,7 @@ impl Parameters {
         }
     }
 
-    /// Sets a parameter of a scene by name; in a blend, of the incoming scene. Returns `false` if
-    /// there is none of this name.
+    /// Sets a parameter of a scene by name; in a blend, of the incoming scene. Returns `false` for an unknown name.
     pub(super) fn turn(
         &mut self,
         scene: &mut PreparedScene,
@@ -109,7 +99,6 @@ impl Parameters {
         place.is_some()
     }
 
-    /// Takes the values that the user has set with the sliders of a scene.
     pub(super) fn note_moved(&mut self, scene: &mut PreparedScene, clips: &ActiveClips<'_>) {
         let before = self.read(scene, clips, self.song_time);
         let moved: Vec<(usize, f32)> = (scene.knobs.sliders().iter().zip(before).enumerate())
@@ -164,8 +153,7 @@ impl Parameters {
         turned.map(|(name, value, _)| (name.to_owned(), value)).collect()
     }
 
-    /// All parameters of a scene at `time` seconds of the song: values of controllers and clips
-    /// where they are set, otherwise defaults of the text.
+    /// All parameters at `time` seconds of the song: set by controllers and clips, otherwise the text's defaults.
     pub(super) fn numbers(&self, scene: &PreparedScene, clips: &ActiveClips<'_>, time: f64) -> Vec<f32> {
         let mut numbers: Vec<f32> =
             scene.resources.world().scene.params.iter().map(|param| param.default).collect();
@@ -193,7 +181,6 @@ impl Parameters {
         self.revision += 1;
     }
 
-    /// Applies the dragged numbers to the parameters of a scene that contains them.
     fn turn_in(&self, scene: &PreparedScene, numbers: &mut [f32]) {
         let world = scene.resources.world();
         let Some(turned) = &self.turned else { return };
@@ -249,7 +236,6 @@ mod tests {
         parameters.note_moved(&mut scene, &clips);
         assert_eq!(parameters.target(&scene, &clips, "size"), Some((1.0, ChangedBy::Text)));
         assert!(parameters.moved(&scene).is_empty());
-        // The next run restores the value.
         let mut again = Parameters::new(Model::default(), Instant::now());
         again.remember(&scene.title(), &moved);
         assert_eq!(again.numbers(&scene, &clips, 0.0), [2.5]);

@@ -10,7 +10,6 @@ use crate::scenes::SceneSource;
 use crate::show::{Finish, Move, TimedTransition, Turned};
 use mariana_control::ChangedBy;
 
-/// The scene shown at a moment, and its state.
 pub(crate) struct Performed<'a> {
     pub source: &'a SceneSource,
     /// Name of the camera; `None` for the default one.
@@ -21,10 +20,8 @@ pub(crate) struct Performed<'a> {
     pub faded: Option<(f64, f64)>,
     pub fades: bool,
     pub params: Vec<Turned<'a>>,
-    /// The show's moves of parameters.
     pub moves: &'a [Move],
     pub orbit: OrbitControls,
-    /// The effects applied to the whole frame.
     pub picture: Finish,
 }
 

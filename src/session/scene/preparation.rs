@@ -39,7 +39,6 @@ const REST: Duration = Duration::from_secs(10);
 /// Longest distance, in clauses, that `auto` interprets with a software renderer while the scene is
 /// compiled. One frame of a longer distance takes many times the compile time.
 const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
-/// The decision about the first tree of a new scene.
 pub(super) enum TreeVerdict {
     /// The tree is built or not needed.
     Fine,
@@ -53,7 +52,6 @@ pub(super) struct ScenePreparation {
     pub library: SceneLibrary,
     trials: TreeTrials,
     next_scene: u64,
-    /// The mode that the user is waiting for.
     asked_mode: Option<Mode>,
     // Last, because its threads draw with what the fields above hold.
     pub programs: ProgramLibrary,
@@ -78,8 +76,7 @@ impl ScenePreparation {
         self.choice.cells = cells;
     }
 
-    /// Takes the loaded scene and prepares it. Returns the reason if it cannot be shown; the last
-    /// good scene stays then.
+    /// Takes the loaded scene. Returns the reason if it cannot be shown; the last good scene stays then.
     ///
     /// # Errors
     /// The driver rejects it, and no other scene can be shown.
@@ -114,7 +111,6 @@ impl ScenePreparation {
         Ok(Some(Refusal { source, heading, text }))
     }
 
-    /// Uploads a scene and requests its programs.
     pub(super) fn prepare(
         &mut self,
         source: SceneSource,
@@ -130,7 +126,6 @@ impl ScenePreparation {
         Ok(())
     }
 
-    /// Requests everything that a scene needs to be shown.
     pub(super) fn bring(&mut self, scene: PreparedScene, scenes: &mut PreparedScenes) {
         scenes.coming = Some(scene);
         self.forget_obsolete(scenes);
@@ -184,7 +179,6 @@ impl ScenePreparation {
         self.gl.info().software && long && scene.is_compiled_by_itself()
     }
 
-    /// Assigns available interpreters to the scenes.
     pub(super) fn give_interpreters(&mut self, scenes: &mut PreparedScenes) {
         let PreparedScenes { shown, coming, ahead, .. } = scenes;
         for scene in [shown, coming].into_iter().flatten().chain(ahead.scenes_mut()) {
@@ -194,7 +188,6 @@ impl ScenePreparation {
         }
     }
 
-    /// True if the new scene can be drawn in a requested mode.
     pub(super) fn can_show_coming(&self, scenes: &PreparedScenes) -> bool {
         let Some(coming) = &scenes.coming else { return false };
         let waits = match self.choice.sdf {
@@ -324,7 +317,6 @@ impl ScenePreparation {
         None
     }
 
-    /// The id and the first tree of a new scene, once finished. The tree is `None` if the build was too slow.
     pub(super) fn poll_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
         self.trials.poll()
     }
@@ -394,8 +386,7 @@ impl ScenePreparation {
         }
     }
 
-    /// Recompiles the shown scene with cell lookups, if its program has none and they are wanted.
-    /// The current program is used until then.
+    /// Recompiles the shown scene with cell lookups if they are wanted and missing. Its program is used until then.
     pub(super) fn request_cells(&mut self, scenes: &PreparedScenes) {
         let drawable =
             |scene: &&PreparedScene| scene.programs.compiled.is_some() && scene.programs.compilable;
@@ -408,7 +399,6 @@ impl ScenePreparation {
         }
     }
 
-    /// True if the compiled program of the scene should look up the cells of a tree.
     fn wants_cells(&self, scene: &PreparedScene) -> bool {
         scene.resources.uses_cells(self.choice.cells, Mode::Compiled)
     }
@@ -453,7 +443,6 @@ impl ScenePreparation {
         }
     }
 
-    /// Draws a hidden frame of a neighbour that is otherwise ready.
     pub(super) fn rehearse(&self, renderer: &mut Renderer, scenes: &mut PreparedScenes) {
         scenes.ahead.rehearse(self.choice.sdf, renderer);
     }
@@ -487,8 +476,7 @@ impl ScenePreparation {
         }
     }
 
-    /// Toggles between interpreted and compiled. A missing program is requested, and the current
-    /// one is used until then. Returns the mode that is wanted now.
+    /// Toggles interpreted and compiled, and returns the mode. The current program is used until the other is ready.
     pub(super) fn toggle_mode(&mut self, shown: Mode, scenes: &mut PreparedScenes) -> Mode {
         let other = match shown {
             Mode::Interpreted => Mode::Compiled,

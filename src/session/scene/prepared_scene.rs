@@ -15,14 +15,12 @@ use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{ReadyScene, SceneSource};
 
-/// The settings of how all scenes are drawn.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawingChoice {
     pub sdf: SdfChoice,
     pub cells: CellUse,
 }
 
-/// The state of the first region tree of a new scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FirstTree {
     Coming,
@@ -34,8 +32,7 @@ pub(super) enum FirstTree {
 }
 
 pub(super) struct ScenePrograms {
-    /// The interpreter variant for the scene; `None` if the tape exceeds the driver's limits or the
-    /// driver rejected the program.
+    /// `None` if the tape exceeds the driver's limits or the driver rejected the program.
     pub interpreter: Option<Interpreter>,
     pub interpreted: Option<Rc<Program>>,
     pub compiled: Option<Rc<Program>>,
@@ -45,7 +42,6 @@ pub(super) struct ScenePrograms {
     pub compilable: bool,
 }
 
-/// A scene with everything needed to draw it.
 pub(super) struct PreparedScene {
     /// Unique number; each version of the text has its own.
     pub id: u64,
@@ -53,9 +49,7 @@ pub(super) struct PreparedScene {
     pub resources: SceneResources,
     pub programs: ScenePrograms,
     pub tree: FirstTree,
-    /// True if the scene moves without sound.
     pub moves: bool,
-    /// True if the scene reads curves of the sound.
     pub hears_curves: bool,
     pub knobs: SceneKnobs,
     pub since: Instant,
@@ -66,7 +60,6 @@ pub(super) struct PreparedScene {
 }
 
 impl ScenePrograms {
-    /// The program for a mode.
     pub(super) fn of(&self, mode: Mode) -> Option<&Rc<Program>> {
         match mode {
             Mode::Interpreted => self.interpreted.as_ref(),
@@ -74,7 +67,6 @@ impl ScenePrograms {
         }
     }
 
-    /// Restricts the scene to its own program.
     pub(super) fn without_interpreter(&mut self) {
         (self.interpreter, self.interpreted) = (None, None);
     }
@@ -127,7 +119,6 @@ impl PreparedScene {
         })
     }
 
-    /// The source and the data from which another context can prepare the scene.
     pub(super) fn into_ready(self) -> (SceneSource, ReadyScene) {
         let resources = &self.resources;
         let (world, buffers) = (resources.world().clone(), resources.buffers().clone());
@@ -171,12 +162,10 @@ impl PreparedScene {
         }
     }
 
-    /// True if `auto` compiles the scene.
     pub(super) fn is_compiled_by_itself(&self) -> bool {
         self.resources.buffers().cost.total <= COMPILED_BY_ITSELF_MAX
     }
 
-    /// The program that views of the scene need.
     pub(super) fn views(&self, mode: Mode) -> Option<ViewsOf> {
         match mode {
             Mode::Compiled => Some(ViewsOf::Compiled(self.id)),
@@ -200,7 +189,6 @@ impl PreparedScene {
         matches!(self.source, SceneSource::Blend(_))
     }
 
-    /// The reasons for the cost of its pixels, as text.
     pub(super) fn costs_in_words(&self) -> String {
         let world = self.resources.world();
         let mut what = vec![format!("its distance has {} clauses", self.resources.buffers().cost.distance)];

@@ -20,18 +20,15 @@ pub(crate) struct PreparedScenes {
     pub(super) ahead: PreparedAhead,
 }
 
-/// The place of a scene that fades out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     /// The scene is also the shown one, in another state.
     Shown,
     Before,
-    /// The scene was kept for the fade.
     FadingOut,
 }
 
 impl PreparedScenes {
-    /// Starts with only the scenes of `ahead`.
     pub(super) fn with(ahead: PreparedAhead) -> Self {
         Self { shown: None, coming: None, before: None, fading_out: None, ahead }
     }
@@ -72,7 +69,6 @@ impl PreparedScenes {
         self.shown.as_ref().map(PreparedScene::title)
     }
 
-    /// The id of the shown scene; each version of the text has its own.
     pub(crate) fn shown_id(&self) -> Option<u64> {
         self.shown.as_ref().map(|scene| scene.id)
     }
@@ -81,13 +77,11 @@ impl PreparedScenes {
         self.shown.as_ref().map_or(&[], |scene| scene.knobs.sliders())
     }
 
-    /// The image settings of the coming scene, if any.
     pub(crate) fn coming_picture(&self) -> Option<Picture> {
         let world = self.coming.as_ref()?.resources.world();
         Some(Frame::new(world, 0.0, Features::SILENCE, (16, 16)).picture)
     }
 
-    /// The title of the next scene, once known.
     pub(crate) fn next_title(&self) -> Option<String> {
         let mut sources = self.ahead.next_sources();
         sources.find(|source| !matches!(source, SceneSource::Blend(_))).map(SceneSource::title)
@@ -105,7 +99,6 @@ impl PreparedScenes {
         }
     }
 
-    /// The place of a scene that can be drawn, by its source.
     pub(super) fn place_of(&self, source: &SceneSource, sdf: SdfChoice) -> Option<Place> {
         let places = [Place::Shown, Place::Before, Place::FadingOut];
         places.into_iter().find(|place| {
@@ -114,7 +107,6 @@ impl PreparedScenes {
         })
     }
 
-    /// True if a scene is another version of the shown scene's text.
     pub(super) fn is_version_of_shown(&self, scene: &PreparedScene) -> bool {
         self.shown.as_ref().is_some_and(|shown| shown.source == scene.source)
     }

@@ -25,25 +25,19 @@ const TREE_EVERY: Duration = Duration::from_secs(1);
 /// Time limit for such a tree.
 const TREE_PATIENCE: Duration = Duration::from_millis(150);
 
-/// The preview of the next scene, and the builder of its trees.
 pub(super) struct NextPicture {
-    /// The scene of the last tree request, and its time.
     asked: Option<(u64, Instant)>,
-    /// The scene with too slow trees.
     too_expensive: Option<u64>,
     builder: RegionBuilder<u64>,
 }
 
-/// The next preview frame.
 enum Next {
     Now(Frame),
-    /// Uses the scene's first tree, which is already built.
     First(Frame),
     WithTree(Frame),
 }
 
 impl NextPicture {
-    /// Starts the tree builder, which calls `wake` after each tree.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         Ok(Self { asked: None, too_expensive: None, builder: RegionBuilder::start(wake)? })
     }
@@ -125,7 +119,6 @@ impl NextPicture {
         if needs_tree { Next::WithTree(frame) } else { Next::Now(frame) }
     }
 
-    /// Returns `true` and notes the request if a tree should be requested now.
     fn asks(&mut self, id: u64, now: Instant) -> bool {
         let has_just =
             self.asked.is_some_and(|(of, at)| of == id && now.saturating_duration_since(at) < TREE_EVERY);

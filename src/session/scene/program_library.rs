@@ -29,8 +29,7 @@ pub(super) struct ProgramLibrary {
     interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_task: u64,
-    /// True after the first frame. That frame does not wait for the universal interpreter, because
-    /// a scene's own one compiles faster.
+    /// True after the first frame, which does not wait for the universal interpreter: the scene's own compiles faster.
     has_shown: bool,
     // Last, because its threads draw with what the fields above hold.
     compiler: BackgroundCompiler,
@@ -89,14 +88,12 @@ impl ProgramLibrary {
         self.compiler.slow()
     }
 
-    /// Adds a finished interpreter of a scene's own.
     pub(super) fn add_interpreter(&mut self, variant: Interpreter, program: Program) {
         tracing::info!("an interpreter is ready");
         self.interpreters.add(variant, program);
     }
 
-    /// Takes a universal interpreter or its error. After an error, each scene gets its own
-    /// interpreter; returns a message about that.
+    /// Takes a universal interpreter or its error, after which each scene gets its own; returns a message about that.
     pub(super) fn take_universal(
         &mut self,
         non_lipschitz: bool,
@@ -124,12 +121,10 @@ impl ProgramLibrary {
         }
     }
 
-    /// The interpreter that covers `needed`, if available.
     pub(super) fn interpreter_for(&mut self, needed: &Interpreter) -> Option<Rc<Program>> {
         self.universal.find(needed).or_else(|| self.interpreters.find(|known| known.covers(needed)))
     }
 
-    /// True if a scene's program of that mode was requested and is not finished.
     pub(super) fn is_making(&self, scene: &PreparedScene, mode: Mode) -> bool {
         let needed = scene.programs.interpreter.as_ref();
         self.tasks.values().any(|task| match task {
@@ -195,15 +190,13 @@ impl ProgramLibrary {
         self.submit(job, Task::Interpreter(needed));
     }
 
-    /// Requests a universal interpreter that no scene has needed yet, if there is one. `scene` is
-    /// drawn in its first frame.
+    /// Requests a universal interpreter that no scene has needed yet. `scene` is drawn in its first frame.
     pub(super) fn request_unneeded(&mut self, scene: &PreparedScene) {
         if let Some(non_lipschitz) = self.universal.unasked() {
             self.request_universal(non_lipschitz, scene);
         }
     }
 
-    /// Requests a program for views of a scene, unless it was requested.
     pub(super) fn request_views(&mut self, scene: &PreparedScene, mode: Mode, wanted: ViewsOf) {
         let is_asked = |task: &Task| matches!(task, Task::Views(asked) if asked.covers(&wanted));
         if self.tasks.values().any(is_asked) {
@@ -256,7 +249,6 @@ impl ProgramLibrary {
     }
 }
 
-/// Suffix of log messages about non-Lipschitz formulas.
 fn of_kind(non_lipschitz: bool) -> &'static str {
     if non_lipschitz { ", for formulas that are not distances" } else { "" }
 }

@@ -5,12 +5,10 @@ use crate::gpu::scene_program::Interpreter;
 pub(super) enum Task {
     Compiled {
         id: u64,
-        /// True if the program looks up the cells of a tree.
         has_cells: bool,
     },
     /// Draws every scene that this interpreter covers.
     Interpreter(Interpreter),
-    /// Draws nearly every scene.
     Universal {
         /// True for formulas that are not distances.
         non_lipschitz: bool,
@@ -18,12 +16,9 @@ pub(super) enum Task {
     Views(ViewsOf),
 }
 
-/// The scope of a view program.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ViewsOf {
-    /// One compiled scene.
     Compiled(u64),
-    /// Every scene that this interpreter covers.
     Interpreted(Interpreter),
 }
 

@@ -4,12 +4,10 @@ use super::prepared_scene::PreparedScene;
 use crate::limits::LIMITS;
 use crate::scenes::SceneSource;
 
-/// The reason for refusing a scene because of its tree.
 pub(super) const TREE_TOO_LONG: &str = "building its region tree takes too long for every frame";
 
 pub(super) struct Refusal {
     pub source: SceneSource,
-    /// One-line summary.
     pub heading: String,
     pub text: String,
 }

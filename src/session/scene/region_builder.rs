@@ -1,13 +1,10 @@
-//! Region trees, built on their own thread while frames are drawn.
+//! Region trees, built on their own thread while frames are drawn. Only the latest request counts. A build is
+//! cancelled when it exceeds its time limit or is no longer needed.
 //!
-//! Only the latest request counts: it replaces one that has not begun. The tree is returned together with the frame
-//! it was requested for. A build is cancelled when it exceeds its time limit or is no longer needed.
-//!
-//! **A frame is drawn with the inputs of its tree.** `Renderer::draw` builds missing regions itself; stills, videos
-//! and measurements use only this path. The window requests trees from this thread and draws a frame when its tree is
-//! finished, even if late: a slow tree lowers the frame rate, but frames match the sound. If the compiled program
-//! draws faster than a tree is built, it draws without cells. An interpreter without cells takes tens of times as
-//! long as with them, which is longer than any tree takes. The line of key I shows which is used.
+//! **A frame is drawn with the inputs of its tree,** even if that is late: a slow tree lowers the frame rate, but
+//! frames match the sound. If the compiled program draws faster than a tree is built, it draws without cells; an
+//! interpreter without cells takes tens of times as long, which is longer than any tree takes. In stills, videos and
+//! measurements, `Renderer::draw` builds missing regions itself.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -27,7 +24,6 @@ pub(super) struct TreeJob<Tag> {
 }
 
 pub(super) struct BuiltTree<Tag> {
-    /// The caller's identifier of the request.
     pub tag: Tag,
     pub frame: Frame,
     /// The tree; `None` if the build exceeded its time limit.
@@ -56,7 +52,6 @@ impl<Tag> Shared<Tag> {
     }
 }
 
-/// The thread, and the queue between it and the frames.
 pub(super) struct RegionBuilder<Tag> {
     shared: Arc<Shared<Tag>>,
     thread: Option<JoinHandle<()>>,
@@ -79,7 +74,6 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
         self.shared.changed.notify_one();
     }
 
-    /// Takes the latest finished tree.
     pub(super) fn poll(&self) -> Option<BuiltTree<Tag>> {
         self.shared.lock().done.take()
     }
@@ -90,7 +84,6 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
         state.forgotten += 1;
     }
 
-    /// True if [`RegionBuilder::poll`] would return a tree.
     pub(super) fn has_built(&self) -> bool {
         self.shared.lock().done.is_some()
     }
@@ -165,7 +158,6 @@ mod tests {
         RegionMaker { plan, buffers, last: None }
     }
 
-    /// A builder, its wakes, and a request for a tree that takes a while to build.
     fn long_tree() -> (RegionBuilder<usize>, Receiver<()>, Frame, RegionMaker, RegionRequest) {
         let world = world("union(for i in 0..200: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
         let maker = maker_of(&world);

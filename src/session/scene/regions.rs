@@ -1,9 +1,5 @@
-//! The regions of the shown scene: requests to the builder, and the choice between waiting for a
-//! tree and drawing without one.
-//!
-//! A frame is drawn with the inputs of its tree. A late tree is still drawn when it is finished;
-//! the frame rate drops then. If the compiled program draws faster than a tree is built,
-//! it draws without one; an interpreter would be much slower that way.
+//! The regions of the shown scene: requests to the builder, and the choice to draw without a late tree. See
+//! [`super::region_builder`].
 
 use std::time::Duration;
 
@@ -31,7 +27,6 @@ pub(crate) struct Shown {
     pub revision: u64,
 }
 
-/// The properties of a wanted frame besides its moment and sound.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawOptions<'a> {
     pub params: &'a [f32],
@@ -41,7 +36,6 @@ pub(super) struct DrawOptions<'a> {
     pub cells: CellUse,
     /// True if the scene has never had a tree. A build over the time limit is cancelled then.
     pub is_untried: bool,
-    /// True for the outgoing scene of a fade.
     pub fades_away: bool,
 }
 
@@ -54,27 +48,22 @@ struct TreeRequest {
     fades_away: bool,
 }
 
-/// The tree requests of the shown scene.
 pub(super) struct SceneRegions {
     /// True if every tree is awaited, whatever its build time.
     insists: bool,
     builder: RegionBuilder<TreeRequest>,
-    /// The last request, until its tree is finished.
     asked: Option<TreeRequest>,
     /// The compiled scene that is drawn without a tree, because drawing is faster than the build.
     late_for: Option<(u64, Mode)>,
     /// The compiled scene that was not faster without a tree.
     waited_for: Option<(u64, Mode)>,
-    /// True if the last frame waited for its tree.
     waited: bool,
-    /// Build time of the last tree.
     tree_time: Duration,
     /// The scene whose frame was abandoned because of its slow tree.
     given_up: Option<u64>,
 }
 
 impl SceneRegions {
-    /// Starts the builder, which calls `wake` after each tree.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         Ok(Self {
             insists: false,
@@ -168,7 +157,6 @@ impl SceneRegions {
         self.late_for = Some((id, Mode::Compiled));
     }
 
-    /// Chooses if every tree is awaited, whatever its build time.
     pub(super) fn insist(&mut self, insists: bool) {
         self.insists = insists;
     }
@@ -219,7 +207,6 @@ impl SceneRegions {
         if used { CellUse::Never } else { CellUse::Always }
     }
 
-    /// The text about regions in the line of key I.
     pub(super) fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>, change: CellUse) -> String {
         match last {
             _ if change == CellUse::Never => "no regions".to_owned(),

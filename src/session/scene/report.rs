@@ -8,7 +8,6 @@ use super::program_library::ProgramLibrary;
 use super::show_follower::ShowFollower;
 use crate::scenes::SceneSource;
 
-/// The sources of the status texts.
 pub(crate) struct SceneReport<'a> {
     pub(super) scenes: &'a PreparedScenes,
     pub(super) show: &'a ShowFollower,
@@ -19,7 +18,6 @@ pub(crate) struct SceneReport<'a> {
 }
 
 impl SceneReport<'_> {
-    /// Parts of the title: the scene's name, mode and view.
     pub(crate) fn notes(&self) -> Vec<String> {
         let Some(scene) = &self.scenes.shown else { return Vec::new() };
         let Some(mode) = scene.mode(self.choice.sdf) else { return Vec::new() };
@@ -27,8 +25,7 @@ impl SceneReport<'_> {
         [scene.title(), mode.to_string()].into_iter().chain(view).collect()
     }
 
-    /// The status line of the scene: its name; the rate and size of its frames from `pictures`; its
-    /// mode; the numbers of clauses and regions; `quality`; and pending work.
+    /// The status line: name; rate and size of frames (`pictures`); mode; clauses and regions; `quality`; pending work.
     pub(crate) fn line(&self, pictures: &str, quality: &str) -> Option<String> {
         let scene = self.scenes.shown.as_ref()?;
         let mode = scene.mode(self.choice.sdf)?;
@@ -39,7 +36,6 @@ impl SceneReport<'_> {
         Some([scene.title(), numbers].into_iter().chain(self.remarks()).collect::<Vec<_>>().join(" · "))
     }
 
-    /// Pending work and refused scenes.
     fn remarks(&self) -> Vec<String> {
         let is_another = |scene: &&PreparedScene| self.scenes.shown_source() != Some(&scene.source);
         let coming = self.scenes.coming.as_ref().filter(is_another);

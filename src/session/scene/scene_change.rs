@@ -1,12 +1,6 @@
-//! The change from one scene to another, by a show or the user. Both scenes keep moving during the
-//! fade, as in a video of the show.
-//!
-//! ```text
-//! outgoing scene, light only → kept → incoming scene, mixed with a fraction of that light
-//! ```
-//!
-//! Both are drawn one after the other for the same moment of the song. If the outgoing scene is
-//! gone or too slow, its last frame fades instead ([`super::fading`]).
+//! The change from one scene to another, by a show or the user. Both scenes keep moving during the fade, as in a
+//! video of the show: the outgoing one is drawn first, for the same moment of the song, and a fraction of its light
+//! is mixed into the incoming one. If it is gone or too slow, its last frame fades instead ([`super::fading`]).
 //!
 //! A scene that the user leaves keeps its parameter values: controllers act on the incoming scene.
 
@@ -29,7 +23,6 @@ const LIVE_MAX: Duration = Duration::from_millis(100);
 
 #[derive(Default)]
 pub(super) struct SceneChange {
-    /// The frame for which the outgoing scene has been started.
     begun: Option<Begun>,
     left: Option<LeftScene>,
     orbit: OrbitControls,
@@ -43,7 +36,6 @@ struct LeftScene {
     moved: Vec<(usize, String)>,
 }
 
-/// A frame of two scenes.
 struct Begun {
     shown: Shown,
     sound: Sound,
@@ -64,29 +56,24 @@ impl SceneChange {
         }
     }
 
-    /// Drawing time of the outgoing scene, if its light is kept for the frame in progress.
     pub(super) fn lit(&self) -> Option<Duration> {
         self.begun.as_ref().and_then(|begun| begun.lit)
     }
 
-    /// Notes that the outgoing scene is being drawn for a frame.
     pub(super) fn begin(&mut self, shown: Shown, sound: Sound) {
         self.begun = Some(Begun { shown, sound, lit: None });
     }
 
-    /// Notes that the light of the outgoing scene is kept, and its drawing time.
     pub(super) fn note_light(&mut self, spent: Duration) {
         if let Some(begun) = &mut self.begun {
             begun.lit = Some(spent);
         }
     }
 
-    /// True while a frame of two scenes is in progress.
     pub(super) fn is_begun(&self) -> bool {
         self.begun.is_some()
     }
 
-    /// Notes that the frame is finished or abandoned.
     pub(super) fn end(&mut self) {
         self.begun = None;
     }

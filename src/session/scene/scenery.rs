@@ -12,13 +12,10 @@ use crate::scenes::SceneSource;
 use mariana_field::region::RegionOptions;
 use mariana_field::world::World;
 
-/// The reason why the frame cannot be queried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum NoScenery {
-    /// No frame has been drawn.
     #[error("no frame has been drawn yet")]
     NoPicture,
-    /// The frame shows two scenes.
     #[error("two scenes are fading: try again after the fade")]
     Between,
 }
@@ -42,7 +39,6 @@ impl Pictured {
     }
 }
 
-/// The drawn frames: the shown one, and the times of the last two.
 #[derive(Default)]
 pub(crate) struct SeenPictures {
     begun: Option<Pictured>,
@@ -73,7 +69,6 @@ impl SeenPictures {
         })
     }
 
-    /// The camera of the shown frame, if it shows one scene.
     pub(crate) fn camera(&self) -> Option<Camera> {
         let picture = self.seen.as_ref()?;
         picture.world.blended.is_none().then_some(picture.frame.camera)
@@ -87,7 +82,6 @@ impl SeenPictures {
         self.begun = Some(picture);
     }
 
-    /// Notes that the frame of the scene `of` is finished, and its time.
     pub(super) fn finish(&mut self, of: Option<u64>, took: Duration) {
         self.seen = self.begun.take();
         self.count += 1;
@@ -95,7 +89,6 @@ impl SeenPictures {
         self.took = [took, self.took[0]];
     }
 
-    /// The scene of the last finished frame.
     pub(super) fn scene(&self) -> Option<u64> {
         self.of
     }

@@ -35,7 +35,6 @@ use crate::view::ViewChoice;
 use mariana_control::Model;
 use mariana_music::Sound;
 
-/// Prepares scenes and draws them.
 pub(crate) struct SceneSession {
     scenes: PreparedScenes,
     show: ShowFollower,
@@ -43,7 +42,6 @@ pub(crate) struct SceneSession {
     messages: Messages,
     composer: SceneComposer,
     next_picture: NextPicture,
-    /// The scene and the mode that were announced last.
     announced: Option<(u64, Mode)>,
     // Last, because the compiler's threads draw with what the fields above hold.
     preparation: ScenePreparation,
@@ -51,9 +49,6 @@ pub(crate) struct SceneSession {
 
 impl SceneSession {
     /// Prepares the first scene, which a loader watches. `wake` is called when a thread has a result.
-    ///
-    /// # Errors
-    /// An error of the driver or the system.
     pub(crate) fn new(
         gl: &Gl,
         contexts: Vec<WorkerContext>,
@@ -216,8 +211,7 @@ impl SceneSession {
         Ok(())
     }
 
-    /// Handles a scene that cannot be drawn. If the director chose it, the show silently takes
-    /// another one. Otherwise the message appears over the frame.
+    /// Handles a scene that cannot be drawn: the director silently takes another one, otherwise a message appears.
     fn refuse(&mut self, refusal: Refusal) {
         self.messages.set_hint(None);
         let Refusal { source, heading, text } = refusal;
@@ -229,7 +223,6 @@ impl SceneSession {
         }
     }
 
-    /// Shows the coming scene as soon as it can be drawn in a requested mode.
     fn show_what_is_ready(&mut self) {
         self.preparation.give_interpreters(&mut self.scenes);
         let is_version = |scene: &PreparedScene| self.scenes.is_version_of_shown(scene);
@@ -274,7 +267,6 @@ impl SceneSession {
         }
     }
 
-    /// Logs the shown scene, and reports a mode that the user was waiting for.
     fn announce(&mut self) {
         let shown = self.scenes.shown.as_ref();
         let now = shown.map(|scene| scene.id).zip(self.mode());
@@ -304,8 +296,7 @@ impl SceneSession {
         (&mut self.composer, Ingredients { scenes, show, parameters, choice })
     }
 
-    /// Draws the shown scene at a moment for which its regions are built, or continues the frame in
-    /// progress. Returns `None` if no frame was finished. Requests missing resources.
+    /// Draws the shown scene or continues the frame in progress: [`SceneComposer::draw`].
     pub(crate) fn draw(
         &mut self,
         renderer: &mut Renderer,
@@ -325,9 +316,7 @@ impl SceneSession {
         Ok(drawn)
     }
 
-    /// Removes a shown scene whose first frame would be too slow, and returns to the previous
-    /// scene, if there is one. If the scene's compiled program is available or being made, the
-    /// scene returns with that one. `why` is the beginning of a sentence.
+    /// Removes a scene whose first frame is too slow ([`ScenePreparation::take_back`]); returns to the previous one.
     pub(crate) fn take_back(&mut self, why: &str) {
         let Some((mode, before)) = self.mode().zip(self.scenes.before.take()) else { return };
         let Some(expensive) = self.scenes.shown.replace(before) else { return };
@@ -341,15 +330,13 @@ impl SceneSession {
         }
     }
 
-    /// Draws hidden first frames of scenes prepared ahead.
     pub(crate) fn rehearse(&mut self, renderer: &mut Renderer) {
         if self.is_complete() {
             self.preparation.rehearse(renderer, &mut self.scenes);
         }
     }
 
-    /// Draws a hidden frame of the next scene at a moment, and sends it to `reader`. Returns its
-    /// title if a frame was drawn.
+    /// Draws a hidden frame of the next scene for `reader`. Returns its title if a frame was drawn.
     pub(crate) fn preview(
         &mut self,
         renderer: &mut Renderer,
@@ -364,7 +351,6 @@ impl SceneSession {
         self.next_picture.draw(of, renderer, sketch, reader, heard)
     }
 
-    /// True if the requested scene is complete and shown.
     fn is_complete(&self) -> bool {
         let PreparedScenes { shown: Some(shown), coming: None, before: None, .. } = &self.scenes else {
             return false;
@@ -378,7 +364,6 @@ impl SceneSession {
         self.show_source(self.library().beside(forward));
     }
 
-    /// Requests a scene for the user.
     pub(crate) fn show_source(&mut self, source: SceneSource) {
         self.show.overrule();
         self.composer.fading.next_takes_the_usual();
@@ -398,7 +383,6 @@ impl SceneSession {
         }
     }
 
-    /// Requests the scene that the show has at `time` seconds of the song.
     pub(crate) fn follow(&mut self, time: f64) {
         let known = self.scenes.ids();
         let now = Circumstances {
@@ -419,13 +403,11 @@ impl SceneSession {
         self.ask_for(source);
     }
 
-    /// The state at `time` seconds of the song, for recording.
     pub(crate) fn performed(&self, time: f64) -> Option<Performed<'_>> {
         let how = (&self.composer.fading, &self.composer.camera);
         Performed::at(time, &self.scenes, &self.show, how, self.preparation.choice().sdf)
     }
 
-    /// Moves sliders and the next frame to this moment of the song.
     pub(crate) fn follow_controllers(&mut self, song_time: f64) {
         if self.composer.is_between_scenes() {
             return;
@@ -437,8 +419,6 @@ impl SceneSession {
         }
     }
 
-    /// Toggles between interpreted and compiled. A missing program is requested, and the current
-    /// one is used until then.
     pub(crate) fn toggle_mode(&mut self) {
         let Some(mode) = self.mode() else { return };
         let wanted = self.preparation.toggle_mode(mode, &mut self.scenes);
@@ -455,7 +435,6 @@ impl SceneSession {
         self.composer.look_different();
     }
 
-    /// Toggles between region cells and the whole tape everywhere.
     pub(crate) fn toggle_regions(&mut self) {
         let drawn = self.scenes.shown.as_ref().zip(self.mode());
         let drawn = drawn.map(|(scene, mode)| ((scene.id, mode), &scene.resources));
@@ -466,12 +445,10 @@ impl SceneSession {
         self.composer.look_different();
     }
 
-    /// Shows the next or the previous view. The normal frame comes between the last and the first view.
     pub(crate) fn go_view(&mut self, forward: bool) {
         self.show_view(self.composer.views.beside(forward));
     }
 
-    /// Increases or decreases the number of the view.
     pub(crate) fn step_view(&mut self, larger: bool) {
         match self.composer.views.stepped(larger) {
             Ok(choice) => self.show_view(Some(choice)),
@@ -492,7 +469,6 @@ impl SceneSession {
         });
     }
 
-    /// Moves the camera by hand. The first move also shows how to return.
     pub(crate) fn move_camera(&mut self, change: impl FnOnce(&mut OrbitControls, f64)) {
         if let Some(words) = self.composer.camera.move_by(change) {
             self.messages.answer(words.to_owned());
@@ -503,19 +479,16 @@ impl SceneSession {
         self.messages.answer(self.composer.camera.give_back().to_owned());
     }
 
-    /// Fades the frozen frame into the next one within `seconds`.
     pub(crate) fn fade_from_held(&mut self, seconds: f64) {
         let (composer, of) = self.composing();
         composer.fade_from_held(seconds, of);
     }
 
-    /// The end of the wait for a changed text, if the next frame waits at `now`. The frame in
-    /// progress, which will be abandoned, waits too.
+    /// The end of the wait for a changed text, if the next frame or one in progress, to be abandoned, waits at `now`.
     pub(crate) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
         self.library().awaits_edit(now).filter(|_| !self.composer.must_finish())
     }
 
-    /// True while the shown scene is being edited and therefore drawn with fewer samples.
     pub(crate) fn saves_samples(&self, now: Instant) -> bool {
         self.composer.edits.save_samples(self.mode(), now)
     }
@@ -529,7 +502,6 @@ impl SceneSession {
         self.composer.revision() + self.parameters.revision() + self.show.revision()
     }
 
-    /// True if the shown scene changes even without sound.
     pub(crate) fn moves_by_itself(&self) -> bool {
         let shown = self.scenes.shown.as_ref();
         self.show.has_prepared_show()
@@ -537,12 +509,10 @@ impl SceneSession {
             || shown.is_none_or(|scene| scene.moves || scene.is_blend())
     }
 
-    /// The mode of the shown scene; `None` before the first scene.
     fn mode(&self) -> Option<Mode> {
         self.scenes.shown.as_ref()?.mode(self.preparation.choice().sdf)
     }
 
-    /// The messages over the frame, and the sliders of the shown scene.
     pub(crate) fn words(&mut self) -> SceneWords<'_> {
         let sliders = self.scenes.shown.as_mut().map_or(&mut [][..], |scene| scene.knobs.sliders_mut());
         self.messages.with(sliders)

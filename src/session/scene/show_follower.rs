@@ -16,11 +16,9 @@ use crate::show::{Clip, Picture, PreparedShow};
 /// A scene requested up to this many seconds late is still introduced as the show specifies.
 const LATE: f64 = 0.5;
 
-/// A show and the progress in it.
 #[derive(Default)]
 pub(crate) struct ShowFollower {
     course: Course,
-    /// True if the scene stays until the user unlocks it.
     is_locked: bool,
     refused: Vec<SceneSource>,
     revision: u64,
@@ -45,18 +43,15 @@ struct Course {
     upcoming: [Option<SceneSource>; 2],
 }
 
-/// The state of the session that affects a show.
 pub(super) struct Circumstances<'a> {
     /// The last requested scene, by the user or the show.
     pub wanted: &'a SceneSource,
     /// True while its text is being edited.
     pub is_written: bool,
-    /// True if the user is waiting for a scene.
     pub is_awaited: bool,
     pub sdf: SdfChoice,
 }
 
-/// A request of the show at one moment.
 pub(super) struct Step {
     pub source: SceneSource,
     /// Duration of the change in seconds; `None` for the user's usual duration.
@@ -113,7 +108,6 @@ impl ShowFollower {
         self.is_locked
     }
 
-    /// The show's effects on the whole frame at `time` seconds of the song.
     pub(crate) fn picture_at(&self, time: f64) -> Picture {
         self.prepared_show()
             .and_then(PreparedShow::timeline)
@@ -136,7 +130,6 @@ impl ShowFollower {
         }
     }
 
-    /// The scenes that this machine cannot draw. The show replaces them.
     pub(super) fn refused(&self) -> &[SceneSource] {
         &self.refused
     }
@@ -163,12 +156,10 @@ impl ShowFollower {
         (self.course.asked, self.course.upcoming) = (None, [None, None]);
     }
 
-    /// True if the user chose another scene in the current clip.
     pub(super) fn is_overruled(&self) -> bool {
         self.course.entered.is_some_and(|(index, _)| self.course.overruled == Some(index))
     }
 
-    /// Time of the last `follow`, in seconds of the song.
     pub(super) fn last_time(&self) -> Option<f64> {
         self.course.last_time
     }
@@ -177,7 +168,6 @@ impl ShowFollower {
         self.course.stands_still
     }
 
-    /// True if the show's last request was this source.
     pub(super) fn asks_for(&self, source: &SceneSource) -> bool {
         self.course.asked.as_ref() == Some(source)
     }
@@ -191,8 +181,7 @@ impl ShowFollower {
         }
     }
 
-    /// The show's request at `time` seconds of the song, if it is new. A scene that the show needs
-    /// for a fade is taken from the prepared ones.
+    /// The show's request at `time` seconds, if it is new. A scene needed for a fade is taken from the prepared ones.
     pub(super) fn follow(
         &mut self,
         time: f64,
@@ -213,8 +202,7 @@ impl ShowFollower {
         let is_same_visit =
             self.course.overruled.is_some_and(|since| is_one_visit(clips, since, moment.index));
         if is_same_visit || (is_new && now.is_awaited) {
-            // Another camera of the same scene is not a new scene. A scene still being prepared for
-            // the user is not dropped.
+            // Another camera is no new scene. A scene being prepared for the user is not dropped.
             self.course.overruled = Some(moment.index);
         }
         if self.course.overruled == Some(moment.index) {
@@ -294,8 +282,7 @@ impl ShowFollower {
         }
     }
 
-    /// The scene that fades out at `time` seconds of the song, if the show has a fade then and both
-    /// scenes are available.
+    /// The outgoing scene at `time` seconds of the song, if the show has a fade then and both scenes are available.
     pub(super) fn outgoing(&self, time: f64, scenes: &PreparedScenes, sdf: SdfChoice) -> Option<Outgoing> {
         let prepared_show = self.prepared_show()?;
         let moment = prepared_show.at(time)?;
@@ -326,13 +313,11 @@ impl ShowFollower {
     }
 }
 
-/// True if all clips from `since` to `until` show one scene.
 fn is_one_visit(clips: &[Clip], since: usize, until: usize) -> bool {
     let visit = clips.get(since..=until).unwrap_or_default();
     visit.first().is_some_and(|first| visit.iter().all(|clip| clip.scene == first.scene))
 }
 
-/// The source of a transition that mixes the worlds of two clips.
 fn blend_of(prepared_show: &PreparedShow, from: &Clip, to: &Clip) -> Option<SceneSource> {
     if from.scene == to.scene {
         return None;
@@ -386,7 +371,6 @@ mod tests {
         SceneSource::Shipped(name.to_owned())
     }
 
-    /// A follower of a director's show with three scenes, and a moment in each of the first two clips.
     fn follower() -> (ShowFollower, [(f64, SceneSource); 2]) {
         let section =
             |start: f64, energy| Section { start, end: start + 30.0, letter: format!("{start}"), energy };
@@ -394,7 +378,6 @@ mod tests {
         let song = SongStructure { seconds: 90.0, sections, ..SongStructure::default() };
         let (show, _) = PreparedShow::of_song(&ShowSource::Auto, &song, &SCENES.map(shipped)).unwrap();
         let [first, second, ..] = show.clips() else { panic!("{:?}", show.clips()) };
-        // After its transition.
         let moments = [first, second].map(|clip| clip.start + clip.transition.seconds + 1.0);
         let moments = moments.map(|at| (at, show.source(&show.at(at).unwrap().clip.scene).unwrap().clone()));
         let mut follower = ShowFollower::default();
@@ -421,7 +404,6 @@ mod tests {
         assert_eq!(show.wanted_ahead(&elsewhere), WantedAhead::Neighbours(elsewhere.clone()));
         assert!(show.follow(first + 0.2, &mut scenes, &now(&elsewhere)).is_none());
         assert_eq!(show.follow(second, &mut scenes, &now(&elsewhere)).unwrap().source, other);
-        // A locked scene stays.
         assert!(show.toggle_lock());
         assert!(show.follow(first, &mut scenes, &now(&other)).is_none());
         assert!(!show.toggle_lock());

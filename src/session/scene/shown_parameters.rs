@@ -15,19 +15,16 @@ pub(crate) struct ShownParameters<'a> {
 }
 
 impl ShownParameters<'_> {
-    /// True if one of them is moving towards its target.
     pub(crate) fn are_turning(&self) -> bool {
         self.scene.is_some_and(|scene| self.parameters.is_turning(scene))
     }
 
-    /// The target of a parameter, and the controller that set it.
     pub(crate) fn target(&self, name: &str) -> Option<(f32, ChangedBy)> {
         let scene = self.scene?;
         let (clips, _) = self.show.clips(scene, self.parameters.song_time());
         self.parameters.target(scene, &clips, name)
     }
 
-    /// The values that differ from the scene's text, by name.
     pub(crate) fn moved(&self) -> BTreeMap<String, f32> {
         self.scene.map(|scene| self.parameters.moved(scene)).unwrap_or_default()
     }
@@ -48,14 +45,12 @@ impl TurnedParameters<'_> {
         }
     }
 
-    /// Sets a parameter by name. Returns `false` if there is none of this name.
     pub(crate) fn turn(self, change: &ParamChange) -> bool {
         let Some(scene) = self.scene else { return false };
         let (clips, _) = self.show.clips(scene, self.parameters.song_time());
         self.parameters.turn(scene, &clips, change)
     }
 
-    /// Takes the values that the user has set with the sliders.
     pub(crate) fn note_moved(self) {
         if let Some(scene) = self.scene {
             let (clips, _) = self.show.clips(scene, self.parameters.song_time());

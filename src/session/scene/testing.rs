@@ -5,7 +5,6 @@ use super::prepared_scene::PreparedScene;
 use crate::gpu::gl::Gl;
 use crate::scenes::{Drafts, Loader, NumberEdits, SceneSource, TextureCache};
 
-/// A scene without programs.
 pub(super) fn uploaded(gl: &Gl, id: u64, source: &SceneSource) -> PreparedScene {
     PreparedScene::upload(gl, id, source.clone(), source.ready().unwrap(), None).unwrap()
 }

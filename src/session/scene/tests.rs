@@ -23,11 +23,9 @@ use crate::show::{PreparedShow, ShowSource};
 
 /// Names of scenes, and the energies that they are made for.
 const SCENES: [(&str, &str); 3] = [("calm", "0 .. 0.3"), ("loud", "0.7 .. 1"), ("other", "0.5 .. 0.8")];
-/// Moments in the calm and in the loud section of the song.
 const CALM: f64 = 5.0;
 const LOUD: f64 = 45.0;
 
-/// A session with a show that has the calm scene first and then the loud one.
 struct Staged {
     session: SceneSession,
     folder: tempfile::TempDir,
@@ -48,7 +46,6 @@ impl Staged {
         Self::with(None, 0.0)
     }
 
-    /// With these loaders for neighbours, and fades of `fade` seconds.
     fn with(ahead: Option<[SceneLoader; 2]>, fade: f64) -> Self {
         let folder = tempfile::tempdir().unwrap();
         for (number, (name, energy)) in SCENES.iter().enumerate() {
@@ -96,7 +93,6 @@ impl Staged {
         source(self.folder.path(), name)
     }
 
-    /// Waits until a scene is shown, as if its frame had been drawn.
     fn wait_for(&mut self, name: &str) {
         let session = &mut self.session;
         wait_until(name, || {
@@ -126,7 +122,6 @@ impl Staged {
         assert_eq!(drawn.map(|drawn| drawn.shown.moment.song_time), Some(song_time));
     }
 
-    /// The texts over the frame.
     fn words(&mut self) -> Vec<String> {
         let words = self.session.words();
         let (notice, problem) = (words.notice.map(|one| one.0), words.problem.map(|one| one.0));
@@ -144,7 +139,6 @@ fn a_show_without_user_input_shows_no_messages() {
     );
     staged.wait_for("loud");
     assert_eq!(staged.words(), [""; 0]);
-    // The user gets an answer.
     let other = staged.source("other");
     staged.session.show_source(other);
     assert_eq!(staged.words(), ["other is being prepared"]);
@@ -166,7 +160,6 @@ fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     assert_eq!(staged.words(), [""; 0]);
     let line = staged.session.report().line("", "").unwrap();
     assert!(line.ends_with("too much for this machine: loud"), "{line}");
-    // The user gets an answer.
     let loud = staged.source("loud");
     staged.session.show_source(loud);
     staged.wait_for("loud");

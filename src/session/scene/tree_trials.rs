@@ -16,7 +16,6 @@ const TRIAL_SIZE: (u32, u32) = (16, 9);
 pub(super) struct TreeTrials(RegionBuilder<u64>);
 
 impl TreeTrials {
-    /// Starts the thread, which calls `wake` after each tree.
     pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         RegionBuilder::start(wake).map(Self)
     }

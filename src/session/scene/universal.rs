@@ -36,8 +36,7 @@ impl UniversalInterpreters {
         if non_lipschitz { of_others } else { of_distances }
     }
 
-    /// Marks the interpreter for this kind of formula as requested and returns its variant. Returns
-    /// `None` if that was done before.
+    /// Marks the interpreter for this kind of formula as requested. Returns its variant; `None` if it was marked.
     pub(super) fn ask(&mut self, non_lipschitz: bool) -> Option<Interpreter> {
         let one = self.of(non_lipschitz);
         matches!(one.state, State::Unasked).then(|| {
@@ -60,7 +59,6 @@ impl UniversalInterpreters {
         self.of(non_lipschitz).state = State::There(Rc::new(program));
     }
 
-    /// Notes that there is no program for this kind of formula.
     pub(super) fn give_up(&mut self, non_lipschitz: bool) {
         self.of(non_lipschitz).state = State::None;
     }
@@ -75,7 +73,6 @@ impl UniversalInterpreters {
         self.0.iter().any(|one| matches!(one.state, State::Coming) && one.variant.covers(needed))
     }
 
-    /// The program that covers `needed`, if available.
     pub(super) fn find(&self, needed: &Interpreter) -> Option<Rc<Program>> {
         self.0.iter().find_map(|one| match &one.state {
             State::There(program) if one.variant.covers(needed) => Some(program.clone()),

@@ -13,15 +13,13 @@ const CLAUSES_TIMES: usize = 2;
 /// Clauses that an edit may add in any case.
 const CLAUSES_MORE: usize = 64;
 
-/// True if the coming scene only turns the numbers of the shown one back into constants. It then
-/// waits for its own program, because a good one is already in use.
+/// True if the coming scene only turns numbers back into constants. It waits for its own program: a good one is in use.
 pub(super) fn only_settles(scenes: &PreparedScenes) -> bool {
     let (Some(shown), Some(coming)) = (&scenes.shown, &scenes.coming) else { return false };
     coming.settles && shown.source == coming.source && shown.programs.compiled.is_some()
 }
 
-/// The shown version of a scene, if the new version is expected to cost about the same. If that
-/// proves wrong, the session returns to the previous version.
+/// The shown version of a scene, if the new one should cost about the same. If it does not, the previous one returns.
 pub(super) fn last_version<'a>(
     scenes: &'a PreparedScenes,
     scene: &PreparedScene,

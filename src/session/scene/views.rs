@@ -1,5 +1,4 @@
-//! Views of the shown scene: the chosen one, and the programs that draw it. A program is compiled
-//! while the normal frame is shown.
+//! Views of the shown scene: the chosen one, and its programs, which are compiled while the normal frame is shown.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -45,7 +44,6 @@ impl Views {
         })
     }
 
-    /// Drops the programs of all other scenes.
     pub(super) fn keep(&mut self, kept: &[u64]) {
         self.programs.retain(|of| match of {
             ViewsOf::Compiled(id) => kept.contains(id),
@@ -53,7 +51,6 @@ impl Views {
         });
     }
 
-    /// The chosen view; `None` for the normal frame.
     pub(crate) fn choice(&self) -> Option<ViewChoice> {
         self.choice
     }
@@ -93,7 +90,6 @@ impl Views {
         Ok(choice.stepped(choice.number.or(self.number), larger))
     }
 
-    /// Sets the view; `None` for the normal frame.
     pub(super) fn choose(&mut self, choice: Option<ViewChoice>) {
         self.choice = choice;
         if choice.is_some_and(|choice| choice.number.is_none()) {
@@ -125,7 +121,6 @@ impl Views {
         }
     }
 
-    /// A number that changes whenever views make the same moment look different.
     pub(super) fn revision(&self) -> u64 {
         self.revision
     }
