@@ -12,14 +12,12 @@ use mariana_player::{MissedAudio, PlayerStatus, TrackErrors};
 /// The most waiting notices; above this the oldest are dropped.
 const WAITING_MAX: usize = 3;
 
-/// The current notice and the waiting ones.
 #[derive(Default)]
 pub(crate) struct Announcer {
     waiting: VecDeque<String>,
     shown: Option<Sentence>,
     track_errors: u64,
     missed_audio: u64,
-    /// Id and name of the last track that was looked at.
     track: Option<(u64, String)>,
 }
 
@@ -52,12 +50,10 @@ impl Announcer {
         self.answer_fraction(text, None);
     }
 
-    /// Shows `text` at once, with a bar of length 0..1 below it.
     pub(crate) fn answer_fraction(&mut self, text: String, fraction: Option<f32>) {
         self.shown = Some(Sentence::new(text, fraction, clock::now()));
     }
 
-    /// Shows the position in the track at once, and updates it while shown.
     pub(crate) fn answer_position(&mut self, playing: &NowPlaying) {
         let since = clock::now();
         self.shown = Some(Sentence { is_position: true, ..position(playing, since) });
@@ -117,7 +113,6 @@ impl Announcer {
     }
 }
 
-/// The position in the track as text; for an input, its state.
 fn position(playing: &NowPlaying, since: Instant) -> Sentence {
     let words = match (playing.live, playing.paused) {
         (false, false) => playing.times(),
@@ -128,7 +123,6 @@ fn position(playing: &NowPlaying, since: Instant) -> Sentence {
     Sentence::new(words, playing.fraction().filter(|_| !playing.live), since)
 }
 
-/// A track as text: its name, and its position among several.
 fn described(track: &TrackInfo) -> String {
     match track.count {
         0 | 1 => track.name.clone(),
@@ -151,7 +145,6 @@ pub(crate) struct TrackOrder {
     pub shuffled: bool,
 }
 
-/// The text for a change of order: the new repeat mode or random order.
 pub(crate) fn words_of(before: TrackOrder, after: TrackOrder) -> &'static str {
     match (before.shuffled, after.shuffled) {
         (false, true) => "tracks in random order",

@@ -142,7 +142,6 @@ impl Session {
         }
     }
 
-    /// The state of the show, for displays and controllers.
     pub(super) fn state(&mut self) -> ShowState {
         let song = self.playback.listening.with_song(|player| player.status());
         let playing = self.playback.reports.playing();
@@ -181,7 +180,6 @@ impl Playback {
 }
 
 impl Interface {
-    /// Turns the camera by a movement of the pointer in pixels.
     fn turn_camera(&mut self, playback: &mut Playback, screen: &mut dyn Screen, way: [f64; 2]) {
         if !self.is_for_picture(screen, self.input.began()) {
             return;
@@ -191,7 +189,6 @@ impl Interface {
         playback.scene.move_camera(|orbit, own| orbit.drag((way[0] / height, way[1] / height), own));
     }
 
-    /// Zooms the camera by notches of the wheel.
     fn zoom_camera(&mut self, playback: &mut Playback, screen: &mut dyn Screen, notches: f64) {
         if self.is_for_picture(screen, self.input.began()) {
             playback.scene.move_camera(|orbit, _| orbit.zoom(notches));

@@ -56,7 +56,6 @@ impl Session {
         actions
     }
 
-    /// Publishes the show's state for controllers, if it is due.
     fn put_up_board(&mut self, turned: bool, now: Instant) {
         if !self.playback.controllers.board_is_due(turned, now) {
             return;
@@ -81,12 +80,10 @@ impl Session {
 }
 
 impl Playback {
-    /// Time from messages to the frames that show them, for the log.
     pub(super) fn message_times(&self) -> &FrameTimes {
         self.controllers.times()
     }
 
-    /// The time of the controllers' next task.
     pub(super) fn controllers_due(&self) -> Option<Instant> {
         self.controllers.due()
     }
@@ -95,14 +92,12 @@ impl Playback {
         self.direction.follows(self.listening.playing())
     }
 
-    /// Sets the duration of manual fades in seconds.
     pub(super) fn set_fade(&mut self, seconds: f32) {
         let seconds = f64::from(seconds).clamp(0.0, SETTING_LIMITS.fade_seconds_max);
         let words = self.scene.composer_mut().fading_mut().set_seconds(seconds);
         self.reports.answer(words);
     }
 
-    /// Seeks to a fraction of the track, 0..1.
     pub(super) fn seek_to_fraction(&mut self, screen: &mut dyn Screen, fraction: f32) {
         self.with_song(|player| {
             if let Some(duration) = player.status().track.duration {

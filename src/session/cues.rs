@@ -18,18 +18,13 @@ pub(super) struct Cues {
 
 #[derive(Debug)]
 pub(super) enum Pressed {
-    /// The show has no cues.
     NoCues,
-    /// All cues have been used.
     NoneLeft,
-    /// The next cue is used.
     Cue {
         prepared_show: Arc<PreparedShow>,
         /// Number of the cue, from 1.
         number: usize,
-        /// Number of cues.
         of: usize,
-        /// The scene's name in the show.
         scene: String,
     },
 }
@@ -49,7 +44,6 @@ impl Cues {
         self.show = show.map(|show| (show, song.unwrap_or_default()));
     }
 
-    /// The show with the key presses so far; `None` without any.
     pub(super) fn prepared_show(&self) -> Option<Arc<PreparedShow>> {
         let (show, song) = self.show.as_ref().filter(|_| !self.pressed.is_empty())?;
         Some(Arc::new(show.with_cues(song, &self.pressed)))

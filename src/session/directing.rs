@@ -10,11 +10,9 @@ use crate::show::{Hearing, LiveDirector};
 use mariana_player::Moment;
 use std::sync::Arc;
 
-/// The answer to key A when it starts a show.
 const FOLLOWS: &str = "the scenes follow the song: press K to keep a scene, A to stop";
 
 impl Session {
-    /// Turns the following of songs on or off.
     pub(super) fn toggle_follow(&mut self) {
         let playing = self.playback.listening.playing();
         let (follow, words) = match (self.playback.direction.follows(playing), playing) {
@@ -29,7 +27,6 @@ impl Session {
 }
 
 impl Playback {
-    /// Requests the show's scene for a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
         self.controllers.note_sound(&moment.features, &moment.song, clock::now());
@@ -75,7 +72,6 @@ impl Playback {
         self.follow_master_output(moment.song_time);
     }
 
-    /// Takes the next cue of the show file.
     pub(super) fn next_cue(&mut self) {
         let words = match self.listening.now() {
             _ if !self.scene.show().has_prepared_show() => {

@@ -11,15 +11,11 @@ use mariana_music::SongStructure;
 /// Id of the playing track; `None` for an input.
 pub(crate) type OfTrack = Option<u64>;
 
-/// News about a show.
 pub(crate) enum ShowNotice {
-    /// The current show, if any.
     PreparedShow(Option<Arc<PreparedShow>>),
     /// The show file has mistakes; the previous show continues.
     Problem {
-        /// One-line summary.
         heading: String,
-        /// The line of the mistake, and how to fix it.
         text: String,
     },
 }
@@ -31,27 +27,22 @@ struct Asked {
     scenes: Vec<SceneSource>,
 }
 
-/// A show made for a track, and a message about the parts that do not fit the song.
 struct Made {
     track: OfTrack,
     show: Result<(PreparedShow, Option<String>), ShowError>,
 }
 
-/// The source of the sound.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) enum Playing {
-    /// An input, or nothing before the first song.
     #[default]
     Input,
     Song,
     Demo,
 }
 
-/// The choice of the show, and the thread that creates it.
 pub(crate) struct Direction {
     loader: Loader<Made>,
     asked: Arc<Mutex<Asked>>,
-    /// A show named on the command line.
     named: Option<ShowSource>,
     follow: FollowChoice,
     /// True if the command line names a scene, which then stays.
@@ -60,7 +51,6 @@ pub(crate) struct Direction {
 }
 
 impl Direction {
-    /// Starts the thread, which calls `wake` for each show.
     pub(crate) fn start(
         named: Option<ShowSource>,
         follow: FollowChoice,
@@ -85,7 +75,6 @@ impl Direction {
         Ok(Self { loader, asked, named, follow, names_scene, of: None })
     }
 
-    /// Sets the user's choice of when scenes follow the song.
     pub(crate) fn set_follow(&mut self, follow: FollowChoice) {
         self.follow = follow;
         self.names_scene = false;

@@ -39,8 +39,7 @@ impl Session {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
         };
-        // A slow frame, or a late redraw request, must not make the show look idle: the frame would be restarted at
-        // full quality.
+        // A slow frame or a late redraw request must not make the show look idle: it would restart at full quality.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
         let level = self.playback.level(begun);
         let drawn = drawn_size(level, whole, self.playback.side_max(&*self.screen));
@@ -159,17 +158,14 @@ impl Session {
 
 struct Picture {
     wanted: Shown,
-    /// The new frame, if one was drawn.
     new: Option<Drawn>,
-    /// True if the brightness has changed.
     dims: bool,
     level: Level,
     begun: Instant,
 }
 
 impl Playback {
-    /// Draws the wanted frame, or a part of it, if another one is shown. `whole` is the size of its screen in pixels.
-    /// Returns the frame once it is complete.
+    /// Draws the wanted frame or a part of it. `whole` is its screen's size in pixels. Returns the frame once complete.
     fn draw_picture(
         &mut self,
         wanted: Shown,
@@ -199,8 +195,7 @@ impl Playback {
         Ok(new)
     }
 
-    /// Dims the frame for the master output and the flash limiter. Returns `true` if the brightness of an old frame
-    /// changes; `None` if the driver has no memory for that.
+    /// Dims for the master output and the flash limiter. `true` if an old frame changes; `None` if memory is lacking.
     fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<Option<bool>, SessionError> {
         let gain = self.master_output.gain(begun);
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
@@ -208,7 +203,6 @@ impl Playback {
             self.renderer.dim(gain)?;
             let since_last = self.pace.note_picture(begun);
             if self.pace.shown().is_some() {
-                // Dims flashes that are too frequent.
                 let limited = self.renderer.limit_flashes(since_last);
                 if self.without_room_smaller(limited)?.is_none() {
                     return Ok(None);
@@ -240,7 +234,6 @@ impl Playback {
         Ok(updated?)
     }
 
-    /// The moment of the next frame: the current one, or the last frame's if it would look the same.
     pub(super) fn moment(&mut self) -> Option<Moment> {
         let now = self.listening.now()?;
         Some(self.pace.moment(now, self.scene.moves_by_itself()))
@@ -258,8 +251,7 @@ impl Playback {
         screen.gl().info().texture_side_max
     }
 
-    /// Checks the frame in progress. If it is too slow, it is drawn with fewer pixels or, if that is not enough,
-    /// its scene is removed.
+    /// Checks the frame in progress: draws a slow one with fewer pixels, or removes its scene if that is not enough.
     fn weigh_picture(&mut self, level: Level, now: Instant) {
         let Some(seconds) = self.scene.composer().seconds_of_picture() else { return };
         match self.pace.weigh(level, seconds, now) {
@@ -297,7 +289,6 @@ impl Playback {
 }
 
 impl Interface {
-    /// Takes the events of the panels and their requests to the screen.
     fn take_painted(&mut self, screen: &mut dyn Screen, painted: Painted) {
         self.ui_events.extend(painted.events);
         if let Some(controls) = painted.controls {
@@ -311,7 +302,6 @@ impl Interface {
         }
     }
 
-    /// The next time that the overlay needs a redraw.
     pub(super) fn overlay_due(
         &mut self,
         playback: &mut Playback,
@@ -336,7 +326,6 @@ impl Interface {
         due.into_iter().chain(goes).min()
     }
 
-    /// The overlay's inputs about pointer and track.
     fn look_around_ui_state(
         &mut self,
         playback: &mut Playback,
@@ -359,7 +348,6 @@ impl Interface {
         Seen { awake, assisted, fullscreen, tracks, shape, follows, song }
     }
 
-    /// Updates the shown scene's name and position in the list.
     fn note_scene(&mut self, playback: &mut Playback) {
         let Some(source) = playback.scene.scenes().shown_source() else { return };
         if self.ui_state.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
@@ -367,7 +355,6 @@ impl Interface {
         }
     }
 
-    /// The line about the scene and its drawing, if it is shown.
     fn corner_line(&self, playback: &Playback, now: Instant) -> Option<String> {
         let wanted = self.ui_state.panels.corner();
         wanted
@@ -378,7 +365,6 @@ impl Interface {
     }
 }
 
-/// Paints a window that has no frame yet: messages and the scene's title on black.
 pub(super) fn paint_waiting(
     screen: &mut dyn Screen,
     overlay: &mut Overlay,

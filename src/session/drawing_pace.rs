@@ -14,11 +14,9 @@ use mariana_player::Moment;
 /// An idle show gets the best quality after this time.
 const STANDS_STILL: Duration = Duration::from_millis(400);
 
-/// The decision about a frame in progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
     GoOn,
-    /// Start again with fewer pixels.
     DrawSmaller,
     /// Give up the scene: fewer pixels would not be enough.
     TakeBack,
@@ -35,7 +33,6 @@ struct PictureRate {
 
 impl PictureRate {
     const COUNTED_FOR: Duration = Duration::from_secs(1);
-    /// The rate is forgotten after this time without a new frame.
     const GONE_AFTER: Duration = Duration::from_secs(3);
 
     fn note(&mut self, now: Instant) {
@@ -57,18 +54,14 @@ impl PictureRate {
     }
 }
 
-/// Decides when and at which level frames are drawn.
 pub(crate) struct DrawingPace {
     pacing: Pacing,
     resolution: DynamicResolution,
     times: FrameTimes,
     /// The last frame. An idle show is not drawn again.
     shown: Option<Shown>,
-    /// The window's size at the last frame.
     window_size: Option<(u32, u32)>,
-    /// Time of the last change in the show.
     moved: Instant,
-    /// Time when the last new frame was begun.
     pictured: Option<Instant>,
     rate: PictureRate,
 }
@@ -102,7 +95,6 @@ impl DrawingPace {
         self.shown
     }
 
-    /// Frame times, for the log.
     pub(crate) fn times(&self) -> &FrameTimes {
         &self.times
     }
@@ -112,7 +104,6 @@ impl DrawingPace {
         self.pacing.due(answers)
     }
 
-    /// Notes a frame that was begun at `now`, when it was due.
     pub(crate) fn begun(&mut self, now: Instant, answers: bool) {
         self.pacing.begun(now, answers);
     }
@@ -137,7 +128,6 @@ impl DrawingPace {
         moves
     }
 
-    /// Returns `true` after [`STANDS_STILL`] without a change.
     pub(crate) fn stands_still(&self, now: Instant) -> bool {
         now.saturating_duration_since(self.moved) >= STANDS_STILL
     }
@@ -177,7 +167,6 @@ impl DrawingPace {
         rate.into_iter().chain(size).collect::<Vec<_>>().join(" · ")
     }
 
-    /// The quality as text, such as "high quality".
     pub(crate) fn quality(&self) -> String {
         self.resolution.to_string()
     }
@@ -195,8 +184,6 @@ impl DrawingPace {
         }
     }
 
-    /// Draws fewer pixels from now on, because the driver had no memory for a frame. Returns `false` if that is not
-    /// possible.
     pub(crate) fn make_smaller(&mut self) -> bool {
         self.shown.is_some() && self.resolution.make_smaller()
     }
@@ -215,8 +202,7 @@ impl DrawingPace {
     }
 }
 
-/// The size in which a level draws a window. Reduced to texture sides of `side_max` texels and to the maximum number
-/// of pixels.
+/// The size in which a level draws a window, limited to texture sides of `side_max` texels and the maximum of pixels.
 pub(crate) fn drawn_size(level: Level, window: (u32, u32), side_max: u32) -> (u32, u32) {
     let within = (window.0.min(side_max), window.1.min(side_max));
     level.size_in(within_pixels(within, LIMITS.picture_pixels_max))
@@ -243,7 +229,6 @@ mod tests {
         Moment { song_time, features, segment: 1, ..Moment::default() }
     }
 
-    /// A pace whose last frame showed `moment` at the level of `now`.
     fn shows(moment: Moment, now: Instant) -> DrawingPace {
         let mut pace = DrawingPace::new(QualityChoice::Auto, 60.0, false, now);
         pace.set_window_size(Some(WINDOW));

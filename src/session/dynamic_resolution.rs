@@ -1,16 +1,14 @@
-//! Keeps the window's frame rate: draws fewer pixels with cheaper terms when frames are slow, and more again
-//! when there is time.
+//! Keeps the window's frame rate: draws fewer pixels with cheaper terms when frames are slow, and more if there is
+//! time.
 //!
 //! A pure controller: frame times and costs are its input, a level its output. It reduces the level within a quarter
-//! of a second, by as many levels as needed, and raises it by one level after seconds without a slow frame. A single
-//! slow frame changes nothing. A level that was raised too early is retried after longer and longer waits, so that
-//! nothing oscillates at a boundary.
+//! of a second, by as many levels as needed, and raises it by one after seconds without a slow frame. A level that
+//! was raised too early is retried after longer and longer waits, so that nothing oscillates.
 //!
-//! **Only the window adapts.** Stills, videos and measurements always use the best level, and so does the frame of an
-//! idle show. There are fourteen levels. A level sets the number of pixels, which `upscale.frag` enlarges, and the
-//! shaders' `frame_quality`, which makes costly, hardly visible terms cheaper. The cost of a frame is the time
-//! reported by the GPU's timer, or the wall time with a software renderer. Levels below half of the window's width
-//! are used only if the show would not move otherwise. If fewer pixels do not help, they are restored.
+//! **Only the window adapts.** Stills, videos, measurements and the frame of an idle show use the best level. A level
+//! sets the number of pixels, which `upscale.frag` enlarges, and the shaders' `frame_quality`, which makes costly,
+//! hardly visible terms cheaper. The cost of a frame is the time reported by the GPU's timer, or the wall time with a
+//! software renderer.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -19,7 +17,6 @@ use crate::config::QualityChoice;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::session::scene::edits;
 
-/// The quality of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Level {
     /// Fraction of the window's width and height that is drawn, 0..1; the rest is interpolated.
@@ -32,7 +29,6 @@ const fn moving(scale: f64, quality: f32) -> Level {
     Level { scale, quality, edges: EdgeSamples::Four }
 }
 
-/// The best level, for stills.
 const STILL: Level = Level { scale: 1.0, quality: 1.0, edges: EdgeSamples::Sixteen };
 
 /// From the best level down. Each costs about a fifth less than the previous one, so that a step is not visible.
@@ -73,7 +69,6 @@ const PATIENCE_FRAMES: usize = 8;
 const TOO_EARLY: Duration = Duration::from_secs(12);
 /// An early try is forgotten after a better level has held for this long.
 const FORGOTTEN: Duration = Duration::from_secs(60);
-/// The most costs that are stored.
 const FRAMES_MAX: usize = 4096;
 /// Frames ignored after a change of level: targets are being created, and the GPU's times arrive late.
 const SETTLING: usize = 1;
@@ -107,7 +102,6 @@ fn level_at(index: usize) -> Level {
     LEVELS.get(index).copied().unwrap_or(LEVELS[0])
 }
 
-/// The controller of a window.
 #[derive(Debug, Clone)]
 pub(crate) struct DynamicResolution {
     choice: QualityChoice,
@@ -133,7 +127,6 @@ pub(crate) struct DynamicResolution {
 }
 
 impl DynamicResolution {
-    /// For at most `fps` frames per second.
     pub(crate) fn new(choice: QualityChoice, fps: f64) -> Self {
         let level = match choice {
             QualityChoice::Auto | QualityChoice::Best => 0,
@@ -170,7 +163,6 @@ impl DynamicResolution {
         }
     }
 
-    /// A new controller for the same frame rate with another quality setting.
     pub(crate) fn chosen_anew(&self, choice: QualityChoice) -> Self {
         Self::new(choice, 1.0 / self.interval)
     }
@@ -234,8 +226,7 @@ impl DynamicResolution {
         }
     }
 
-    /// Notes the expected time of a frame in progress, in seconds. Returns `true` if it should be restarted at
-    /// another level.
+    /// Notes a frame's expected time in seconds. Returns `true` if it should be restarted at another level.
     pub(crate) fn expects(&mut self, now: Instant, seconds: f64) -> bool {
         let before = self.level;
         if self.choice == QualityChoice::Auto && seconds > FAR_TOO_LONG * self.time_at(self.level) {
@@ -244,8 +235,7 @@ impl DynamicResolution {
         self.level != before
     }
 
-    /// Draws fewer pixels from now on, regardless of their cost. Returns `false` if neither moving frames nor stills
-    /// can get smaller.
+    /// Draws fewer pixels, whatever their cost. Returns `false` if neither moving frames nor stills can get smaller.
     pub(crate) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
         // Until now stills had all pixels.

@@ -2,7 +2,6 @@ use super::*;
 
 const FPS: f64 = 60.0;
 
-/// A simulated window whose frames have a cost at each level, and the level changes.
 struct Window {
     dynamic_resolution: DynamicResolution,
     now: Instant,
@@ -25,7 +24,6 @@ impl Window {
         self.now.duration_since(self.start).as_secs_f64()
     }
 
-    /// Shows frames for `seconds`, which cost `cost(frame, level)` seconds each.
     fn show(&mut self, seconds: f64, mut cost: impl FnMut(usize, Level) -> f64) -> &mut Self {
         let end = self.now + Duration::from_secs_f64(seconds);
         for frame in 0.. {
@@ -53,7 +51,6 @@ fn scene(best: f64, fixed: f64) -> impl Fn(usize, Level) -> f64 {
     move |_, level| fixed + best * level.scale.powi(2) * (0.6 + 0.4 * f64::from(level.quality))
 }
 
-/// Noise in -1..1.
 fn noise(frame: usize) -> f64 {
     f64::from((frame as u32).wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 23) - 1.0
 }
@@ -146,7 +143,6 @@ fn single_slow_frames_change_nothing() {
     let quiet = scene(0.01, 0.001);
     window.show(60.0, |frame, level| if frame % 40 == 7 { 0.4 } else { quiet(frame, level) });
     assert_eq!(window.changes, []);
-    // The same at a reduced level.
     let heavy = scene(0.04, 0.001);
     window.show(30.0, &heavy);
     let settled = window.changes.len();

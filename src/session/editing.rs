@@ -16,7 +16,6 @@ impl Session {
         waits
     }
 
-    /// Opens the editor with the scene's text, or closes it.
     pub(super) fn write_text(&mut self, open: bool) {
         if open && self.interface.ui_state.editor.is_none() {
             let waker = self.interface.waker.clone();
@@ -75,7 +74,6 @@ impl Session {
         self.follow_editor();
     }
 
-    /// Takes results of other threads for the editor, and shows it the current scene.
     pub(super) fn update_editor(&mut self) {
         let open = self.interface.is_edited();
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
@@ -107,7 +105,6 @@ impl Session {
 }
 
 impl Interface {
-    /// True if keys are input for the scene's text.
     pub(super) fn editor_has_focus(&self) -> bool {
         self.is_edited() && self.ui_state.editor.as_ref().is_some_and(Editor::has_focus)
     }

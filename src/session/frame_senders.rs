@@ -11,7 +11,6 @@ use crate::gpu::renderer::Renderer;
 use crate::placement::{Placement, fitted, within};
 use crate::sending::{OutgoingFrame, SendError, SenderTarget, Sending};
 
-/// Interval of checks for a frame that is being read back.
 const LOOK: Duration = Duration::from_millis(3);
 
 /// Senders that were started before the first frame.
@@ -36,17 +35,14 @@ impl Sends {
     }
 }
 
-/// The senders, and the reader of their frames.
 pub(crate) struct FrameSenders {
     sends: Vec<Sending>,
-    /// Created with the first frame.
     reader: Option<PictureReader>,
     size: (u32, u32),
     period: Duration,
     due: Instant,
     /// True if the shown frame has not been read.
     is_new: bool,
-    /// True if a receiver wanted frames at the last check.
     was_wanted: bool,
 }
 
@@ -108,7 +104,6 @@ impl FrameSenders {
         Ok(if reader.is_waiting() { Some(now + LOOK) } else { next })
     }
 
-    /// Messages about receivers since the last call.
     pub(crate) fn news(&self) -> Vec<String> {
         self.sends.iter().flat_map(Sending::news).collect()
     }

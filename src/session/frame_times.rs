@@ -2,10 +2,8 @@
 
 use std::time::Duration;
 
-/// Stored frame times: about a minute.
 const KEPT: usize = 4096;
 
-/// The times of the last frames.
 #[derive(Debug, Default)]
 pub(crate) struct FrameTimes {
     /// In milliseconds; a ring buffer once it is full.

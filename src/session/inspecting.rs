@@ -25,7 +25,6 @@ impl Interface {
         }
     }
 
-    /// Queries a position in the window, in pixels, if the editor is open.
     pub(super) fn look_at(&mut self, playback: &mut Playback, screen: &mut dyn Screen, place: [f64; 2]) {
         if !self.is_edited() {
             return;
@@ -41,7 +40,6 @@ impl Interface {
         }
     }
 
-    /// Takes the answers, and sends the editor's next query.
     pub(super) fn update_probing(&mut self, playback: &mut Playback) {
         for answer in self.probing.prober.iter().flat_map(Prober::answers).collect::<Vec<_>>() {
             if let Some(editor) = &mut self.ui_state.editor {

@@ -5,7 +5,6 @@ use crate::gpu::renderer::Renderer;
 use crate::placement::{Area, Map, Placement, WHOLE, fitted, product, within};
 
 pub(crate) struct Lay {
-    /// Crop and corner positions.
     pub(crate) placement: Placement,
     /// Width and height of the target screen in pixels.
     pub(crate) screen: (u32, u32),
@@ -18,7 +17,6 @@ pub(crate) struct Lay {
 pub(crate) struct Panel {
     /// The part of the window, as fractions.
     pub(crate) area: Area,
-    /// Maps positions in the area to positions in the frame.
     pub(crate) map: Map,
     /// The visible part of the frame.
     pub(crate) part: Area,
@@ -34,13 +32,11 @@ impl Lay {
         renderer.show_placed(size, &self.map(renderer, area), self.placement.part())
     }
 
-    /// The part of the screen that the frame fills.
     fn inner(&self, renderer: &Renderer) -> Area {
         let shape = renderer.shape().filter(|_| self.is_held);
         shape.map_or(WHOLE, |shape| fitted(self.placement.rest_of(shape), self.screen))
     }
 
-    /// Fills a part of the current window of `size` pixels with the frame.
     pub(crate) fn show_panel(
         &self,
         renderer: &mut Renderer,
@@ -64,8 +60,7 @@ impl Lay {
         renderer.show_in_part(size, area, &map, self.placement.part())
     }
 
-    /// Maps positions in a window to positions in the frame, both as fractions. `area` is the part used as the
-    /// screen.
+    /// Maps positions in a window to positions in the frame, as fractions. `area` is the part used as the screen.
     pub(crate) fn map(&self, renderer: &Renderer, area: Area) -> Map {
         within(area, &within(self.inner(renderer), &self.placement.map()))
     }

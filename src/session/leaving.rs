@@ -1,6 +1,5 @@
-//! The state saved for the next run: volume, window, scene, sliders, tracks and position.
-//!
-//! It is written during the run, soon after each change: a driver may block, so that the program never ends normally.
+//! The state saved for the next run: volume, window, scene, sliders, tracks and position. It is written soon after
+//! each change: a driver may block, so that the program never ends normally.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -15,7 +14,6 @@ use mariana_player::ListedTracks;
 /// If less than this is left of a track, in seconds, the next run starts it from the beginning.
 const LEFT_MIN: f64 = 5.0;
 
-/// Interval of checks for changes.
 const LOOK_PERIOD: Duration = Duration::from_secs(1);
 
 /// Interval at which the position in the song is written without other changes.
@@ -24,13 +22,11 @@ const PLACE_PERIOD: Duration = Duration::from_secs(10);
 #[derive(Default)]
 pub(super) struct Legacy {
     looked: Option<Instant>,
-    /// The contents of the file, and the time of writing.
     written: Option<(Left, Instant)>,
     /// The revision of the saved track list; `Some(None)` once the list was removed.
     tracks: Option<Option<u64>>,
 }
 
-/// The state for the next run, except the track list.
 #[derive(Clone, PartialEq)]
 struct Left {
     show: LastShow,
@@ -39,7 +35,6 @@ struct Left {
 }
 
 impl Left {
-    /// Compares everything except the position in the song.
     fn is_same_elsewhere(&self, other: &Self) -> bool {
         let show = LastShow { seconds: self.show.seconds, ..other.show.clone() };
         *self == Self { show, ..other.clone() }
@@ -47,7 +42,6 @@ impl Left {
 }
 
 impl Legacy {
-    /// Returns `true` once per [`LOOK_PERIOD`].
     fn is_due(&mut self, now: Instant) -> bool {
         let is_due = self.looked.is_none_or(|looked| now.saturating_duration_since(looked) >= LOOK_PERIOD);
         if is_due {
@@ -74,7 +68,6 @@ impl Legacy {
 }
 
 impl Session {
-    /// Finishes everything that is written during the run.
     pub(super) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
         if let Some(editor) = &mut self.interface.ui_state.editor {
             editor.finish();
@@ -87,7 +80,6 @@ impl Session {
         }
     }
 
-    /// Saves the state of a running show if it has changed, unless saving is off.
     pub(super) fn remember_show(&mut self, settings: &PlaySettings, now: Instant) {
         if !settings.remembered || !self.playback.listening.has_started() || !self.legacy.is_due(now) {
             return;

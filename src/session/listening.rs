@@ -18,7 +18,6 @@ use mariana_music::{Gain, LiveEnergy, SongMoment, SongStructure, Tables, TapTemp
 use mariana_player::input::LiveStatus;
 use mariana_player::{Moment, Player, PlayerStatus};
 
-/// The answer to opening files in a show that started with an input.
 const NO_SONG: &str = "this show listens to an input: start Mariana without --mic and --system to play files";
 
 /// The sound, with everything known about it. Returned strings are messages for the user.
@@ -26,7 +25,6 @@ pub(crate) struct Listening {
     sound: Sound,
     /// Analyses whole tracks; `None` if its thread could not start.
     songs: Option<SongReader>,
-    /// Energy of sound that has not been analysed as a whole.
     energy: LiveEnergy,
     taps: TapTempo,
     /// The clock of a device, which has priority over taps.
@@ -35,17 +33,14 @@ pub(crate) struct Listening {
     clock_now: (f64, Instant),
     /// The user's request. The player always waits for the first frame.
     paused: bool,
-    /// True after the first frame.
     started: bool,
     /// The volume at the last call of `now`, 0..1.
     level: f32,
-    /// The kind of song in the latest status.
     playing: Playing,
     track: u64,
 }
 
 impl Listening {
-    /// Starts with a sound that waits for the first frame.
     pub(crate) fn new(sound: Sound, songs: Option<SongReader>) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
         let (clock, clock_now) = (None, (0.0, clock::now()));
@@ -68,7 +63,6 @@ impl Listening {
         self.paused
     }
 
-    /// Returns `true` once the first frame has started the sound.
     pub(crate) fn has_started(&self) -> bool {
         self.started
     }
@@ -82,7 +76,6 @@ impl Listening {
         self.paused = paused;
     }
 
-    /// Pauses or resumes the sound as the user requested.
     pub(crate) fn follow_request(&mut self) {
         self.started = true;
         self.sound.set_paused(self.paused);
@@ -103,8 +96,7 @@ impl Listening {
         Some(words_of(before, after).to_owned())
     }
 
-    /// Plays files instead of the current source, or appends them to the tracks. Returns a message for appended files
-    /// and for errors.
+    /// Plays files instead of the current source, or appends them. Returns a message for appended files and for errors.
     pub(crate) fn play_files(&mut self, files: Vec<PathBuf>, append: bool) -> Option<String> {
         if append {
             return Some(match self.sound.song() {
@@ -155,7 +147,6 @@ impl Listening {
         let _ = self.with_song(|player| player.skip(forward));
     }
 
-    /// Switches to a source of the shown list. Resets the tapped tempo, which belongs to the old source.
     pub(crate) fn choose_source(&mut self, place: usize) {
         self.taps = TapTempo::default();
         self.sound.choose_from_list(place);
@@ -165,33 +156,27 @@ impl Listening {
         self.sound.show_list();
     }
 
-    /// Switches to the next source. Resets the tapped tempo, which belongs to the old source.
     pub(crate) fn next_source(&mut self) {
         self.taps = TapTempo::default();
         self.sound.next_source();
     }
 
-    /// Delays the frames by this many steps. Returns a message with the delay.
     pub(crate) fn shift(&mut self, steps: f64) -> String {
         self.sound.shift(steps)
     }
 
-    /// Sets the delay of the frames in milliseconds. `settled` saves it for the device.
     pub(crate) fn shift_to(&mut self, shift: f64, settled: bool) {
         self.sound.shift_to(shift, settled);
     }
 
-    /// Plays songs on the output with this id, or on the system's default.
     pub(crate) fn choose_output(&mut self, id: Option<String>) {
         self.sound.choose_output(id);
     }
 
-    /// Sets the adjustment of the sound's level for the frame.
     pub(crate) fn set_gain(&mut self, gain: Gain) {
         self.sound.set_gain(gain);
     }
 
-    /// The data of the settings panel, with the choices of this run.
     pub(crate) fn facts<'a>(&'a mut self, choices: &'a Choices, names_output: bool) -> Facts<'a> {
         let outputs = self.sound.outputs();
         Facts {
@@ -205,7 +190,6 @@ impl Listening {
         }
     }
 
-    /// Problems with settings and devices since the last call.
     pub(crate) fn take_reported_problems(&mut self) -> Vec<String> {
         self.sound.take_reported_problems()
     }
@@ -239,7 +223,6 @@ impl Listening {
         self.clock_now = (clock.map_or(0.0, |(_, now)| now), clock::now());
     }
 
-    /// Takes tempo, phase and bar from the device's clock, if there is one.
     fn apply_clock(&self, now: &mut Moment) {
         let (seconds, at) = self.clock_now;
         let seconds = seconds + clock::since(at).as_secs_f64();
@@ -257,12 +240,10 @@ impl Listening {
         }
     }
 
-    /// The volume at the last call of [`Listening::now`], 0..1.
     pub(crate) fn level(&self) -> f32 {
         self.level
     }
 
-    /// The curves of the sound at the moment that [`Listening::now`] last returned.
     pub(crate) fn curves(&self) -> Tables {
         self.sound.heard().tables
     }
@@ -300,17 +281,14 @@ impl Listening {
         self.structure(self.track)
     }
 
-    /// The id of the track at a moment; `None` for an input.
     pub(crate) fn track_of(&self, moment: Moment) -> Option<u64> {
         self.sound.plays_song().then_some(moment.track)
     }
 
-    /// The analysis of a track by its id; `None` for an input.
     pub(crate) fn structure(&self, track: u64) -> Option<Arc<SongStructure>> {
         self.songs.as_ref().filter(|_| self.sound.plays_song())?.get(track)
     }
 
-    /// The state of the input, if it is the current source.
     pub(crate) fn live_status(&mut self) -> Option<LiveStatus> {
         self.sound.live_status()
     }

@@ -10,7 +10,6 @@ use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
 
-/// Background work of a session, started before its window opens.
 pub(crate) struct BackgroundWork {
     pub(crate) loaders: SceneLoaders,
     pub(crate) first: LoadedScene,
@@ -37,8 +36,7 @@ impl BackgroundWork {
     }
 }
 
-/// Starts one loader for the shown scene and, if it `prepares_ahead`, two for its neighbours. Waits for the first
-/// scene: there is no show without it.
+/// Starts a loader for the shown scene and, if it `prepares_ahead`, two for its neighbours. Waits for the first scene.
 ///
 /// # Errors
 /// The scene cannot be shown, or the system has no thread left.
@@ -63,7 +61,6 @@ fn load_first(
     Ok((SceneLoaders { shown: loader, ahead }, first))
 }
 
-/// Starts an idle loader. It reports its findings to the editor.
 fn start_loader(waker: &Waker, drafts: &Drafts) -> Result<SceneLoader, SessionError> {
     let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
     let waker = waker.clone();

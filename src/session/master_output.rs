@@ -14,7 +14,6 @@ pub(crate) struct MasterOutput {
     /// Fraction of the light that the blackout leaves, 0..1, and the time of that value.
     light: (f32, Option<Instant>),
     is_frozen: bool,
-    /// The effects of the show.
     shown: Picture,
 }
 
@@ -41,12 +40,10 @@ impl MasterOutput {
         }
     }
 
-    /// Sets the duration of changes in seconds.
     pub(crate) fn set_fade(&mut self, seconds: f64) {
         self.fade = Duration::try_from_secs_f64(seconds).unwrap_or_default();
     }
 
-    /// Duration of changes in seconds.
     pub(crate) fn fade_seconds(&self) -> f64 {
         self.fade.as_secs_f64()
     }
@@ -70,12 +67,10 @@ impl MasterOutput {
         self.is_frozen
     }
 
-    /// True if the user has frozen the frame.
     pub(crate) fn is_frozen(&self) -> bool {
         self.is_frozen
     }
 
-    /// Sets the effects of the show. Returns the previous ones.
     pub(crate) fn follow_show(&mut self, shown: Picture) -> Picture {
         std::mem::replace(&mut self.shown, shown)
     }

@@ -16,7 +16,6 @@ use crate::ui::desk_picture::{is_within, small_in};
 use crate::ui::overlay::PanelSwitches;
 
 impl Session {
-    /// Hides or shows all texts and panels.
     pub(super) fn toggle_clean(&mut self) {
         self.interface.ui_state.bare = !self.interface.ui_state.bare;
         self.screen.request_redraw();
@@ -42,8 +41,7 @@ impl Session {
         self.screen.request_redraw();
     }
 
-    /// Moves a corner of the frame on its screen. Saves it once `settled`. Ignores positions at which the frame could
-    /// not be drawn.
+    /// Moves a corner of the frame; saves it once `settled`. Ignores positions at which the frame could not be drawn.
     pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
         // Steps finer than a pixel are of no use.
         let place = place.map(|fraction| (fraction * 1e4).round() / 1e4);
@@ -61,7 +59,6 @@ impl Session {
 }
 
 impl Playback {
-    /// Fades the frame to black or back.
     pub(crate) fn toggle_blackout(&mut self) {
         let words = match self.master_output.toggle_blackout(clock::now()) {
             true => "blackout: press X to end it",
@@ -70,7 +67,6 @@ impl Playback {
         self.reports.answer(words.to_owned());
     }
 
-    /// Freezes or releases the frame; the song continues.
     pub(crate) fn toggle_freeze(&mut self) {
         let words = match self.master_output.toggle_freeze() {
             true => {
@@ -89,7 +85,6 @@ impl Playback {
         self.master_output.hold() && self.pace.shown().is_some()
     }
 
-    /// Applies the show's effects on whole frames at `time` seconds of the song.
     pub(super) fn follow_master_output(&mut self, time: f64) {
         let shown = self.scene.show().picture_at(time);
         let before = self.master_output.follow_show(shown);
@@ -109,7 +104,6 @@ impl Playback {
         }
     }
 
-    /// True if the brightness of the shown frame must change.
     pub(super) fn is_dimming(&self, now: Instant) -> bool {
         self.pace.shown().is_some() && self.master_output.gain(now) != self.renderer.gain()
     }
@@ -123,7 +117,6 @@ impl Playback {
         marked.into_iter().chain(others).collect()
     }
 
-    /// Shows the scene with this number, from 1, favourites first.
     pub(super) fn show_scene_number(&mut self, number: usize) {
         let mut scenes = self.numbered_scenes();
         match number.checked_sub(1).filter(|place| *place < scenes.len()) {

@@ -1,6 +1,5 @@
-//! The session: it prepares scenes, listens, composes frames, draws panels over them and carries
-//! out commands. It needs no window, sound card or desktop: its owner passes a [`screen::Screen`],
-//! which provides an OpenGL context and input, and presents the frames.
+//! The session prepares scenes, listens, composes frames, draws panels over them and carries out commands. It needs
+//! no window, sound card or desktop: its owner passes a [`screen::Screen`] with an OpenGL context and input.
 
 mod announcer;
 mod carrying_out;
@@ -91,19 +90,15 @@ const IDLE_INTERVAL: Duration = Duration::from_millis(250);
 /// The same while the session waits for sound that would change the frame.
 const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 
-/// A running session and everything that it owns.
 pub(crate) struct Session {
     playback: Playback,
     interface: Interface,
-    /// The choices of this run, from the command line and the settings.
     choices: Choices,
     /// True if the command line names the audio output of songs.
     names_output: bool,
-    /// True if the user has chosen an output since the start.
     chose_output: bool,
     /// Time and window size of the last texts shown without a frame.
     waited: Option<(Instant, (u32, u32))>,
-    /// State saved for the next run.
     legacy: leaving::Legacy,
     // Last, so that everything above that holds OpenGL objects is dropped first.
     screen: Box<dyn Screen>,
@@ -121,19 +116,15 @@ pub(crate) struct Playback {
     renderer: Renderer,
     shaders: ShaderLibrary,
     pace: DrawingPace,
-    /// Brightness, blackout, and the freeze of the frame.
     master_output: MasterOutput,
     /// Time from black to the first frame, in seconds, until the flash limiter has taken it.
     first_shown_after: Option<f64>,
-    /// The next scene, drawn as a small frame.
     preview: Preview,
-    /// The receivers of frames outside this window.
     frame_senders: FrameSenders,
     recording: Recording,
     reports: Reports,
 }
 
-/// The user interface: panels, pointer and editor.
 pub(crate) struct Interface {
     overlay: Overlay,
     ui_state: UiState,
@@ -142,16 +133,12 @@ pub(crate) struct Interface {
     ui_events: Vec<UiEvent>,
     /// Texts that are being edited, for the scene loaders.
     drafts: Drafts,
-    /// Reads values from the frame for the editor.
     probing: inspecting::Probing,
     typing_times: TypingTimes,
-    /// Finds the thumbnails of the scene list.
     thumbnails: Option<Thumbnails>,
     /// Time at which to request thumbnails of the folder's scenes; `None` once requested.
     thumbnails_ahead: Option<Instant>,
-    /// The folder in which a file was last picked.
     last_folder: Option<PathBuf>,
-    /// The user's folders for settings and data.
     folders: Folders,
     waker: Waker,
 }
@@ -246,11 +233,7 @@ impl Session {
         Ok(status.ended && settings.once)
     }
 
-    /// Takes the results of other threads and requests a frame if one is due. Returns the time of
-    /// the next look without an earlier event.
-    ///
-    /// # Errors
-    /// The driver reports an error.
+    /// Takes the results of other threads and requests a frame if one is due. Returns the latest time of the next look.
     pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
         let dropped = self.interface.input.take_dropped();
         if !dropped.is_empty() {
@@ -341,12 +324,10 @@ impl Playback {
         }
     }
 
-    /// Applies `act` to the song, if a song is the current source.
     pub(crate) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
         let _ = self.listening.with_song(act);
     }
 
-    /// Changes the song's volume or mute, and shows the new volume.
     pub(super) fn change_volume(&mut self, act: impl FnOnce(&mut Player)) {
         let after = self.listening.with_song(|player| {
             act(player);
@@ -368,7 +349,6 @@ impl Playback {
         self.reports.answer_position();
     }
 
-    /// Changes the order of the tracks. Does nothing while another source plays.
     pub(crate) fn set_order(&mut self, change: impl FnOnce(TrackOrder) -> TrackOrder) {
         let words = self.listening.set_order(change);
         self.answer(words);
@@ -387,17 +367,14 @@ impl Playback {
         self.renderer.forget_flashes();
     }
 
-    /// The next command from media keys or the desktop, if any.
     pub(crate) fn command_of_desktop(&self) -> Option<Command> {
         self.reports.command_of_desktop()
     }
 
-    /// Updates the reports at once, because the state of the sound has changed.
     pub(super) fn hurry_reports(&mut self) {
         self.reports.hurry();
     }
 
-    /// Updates the reports with the current playback.
     fn note_playing(&mut self, screen: &mut dyn Screen) {
         let fullscreen = screen.is_fullscreen();
         if let Some(live) = self.listening.live_status() {
@@ -456,7 +433,6 @@ impl Interface {
         screen.request_redraw();
     }
 
-    /// The response times of the editor's keys, for the log.
     pub(super) fn typing_times(&self) -> &TypingTimes {
         &self.typing_times
     }

@@ -28,7 +28,6 @@ impl Playback {
         self.recording.is_on()
     }
 
-    /// Records a shown frame that was begun at `begun`.
     pub(super) fn record(&mut self, moment: Moment, begun: Instant) {
         if !self.recording.is_on() {
             return;
@@ -57,7 +56,6 @@ impl Playback {
         self.recording.note_picture(track, now.song_time, &picture, is_held);
     }
 
-    /// The effects on the whole frame that was begun at `begun`.
     pub(super) fn finish(&self, begun: Instant) -> Finish {
         let fraction =
             if self.holds_picture() { 1.0 } else { self.scene.composer().fading().fraction_held() };
@@ -66,7 +64,6 @@ impl Playback {
         Finish { numbers: [self.master_output.gain(begun), fraction], is_shown }
     }
 
-    /// Reports the results of saved recordings.
     pub(super) fn tell_recording(&mut self) {
         self.recording.update(clock::now());
         if let Some(news) = self.recording.news() {

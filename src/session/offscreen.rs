@@ -1,5 +1,4 @@
-//! A session without a window: it draws into memory, and its owner acts as the user. Tests press its keys; a program
-//! that embeds a show sends commands.
+//! A session without a window: it draws into memory. Tests press its keys; a program that embeds a show sends commands.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -30,7 +29,6 @@ use crate::placement::Area;
 use mariana_player::PlayerStatus;
 
 const FPS: f64 = 60.0;
-/// The longest wait of a step.
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// A session that draws into memory. It stays on the thread that created it.
@@ -40,19 +38,15 @@ pub struct Offscreen {
     shared: Rc<RefCell<Shared>>,
 }
 
-/// State shared by the session's owner and its screen.
 struct Shared {
     size: (u32, u32),
-    /// Events for the next steps.
     events: VecDeque<Event>,
     title: String,
     fullscreen: bool,
     cursor: CursorIcon,
     composes: bool,
     controls: Option<TreeUpdate>,
-    /// The number of frames shown.
     shown: u64,
-    /// True if the window must be drawn.
     is_due: bool,
     picture: RgbaImage,
 }
@@ -66,8 +60,7 @@ impl Offscreen {
         Self::begin(prepared, false)
     }
 
-    /// Starts a session with a compiler thread on EGL's default display. Without such a display, programs are
-    /// compiled between frames.
+    /// Starts a session with a compiler thread on EGL's default display; without one it compiles between frames.
     ///
     /// # Errors
     /// The same as for [`Offscreen::open`].
@@ -98,8 +91,7 @@ impl Offscreen {
         Ok(Self { run: Some(Run::new(session, settings, scene, waker, started)), shared })
     }
 
-    /// Runs one step: takes input, waits briefly for due work, draws if the frame must change. Replaces a lost
-    /// context. Returns `false` once the session has ended.
+    /// Runs one step: input, a brief wait for due work, drawing. Replaces a lost context. Returns `false` at the end.
     ///
     /// # Errors
     /// An error that ends the session.
@@ -179,7 +171,6 @@ struct OffscreenWindow {
     target: Target,
     shared: Rc<RefCell<Shared>>,
     woken: Receiver<()>,
-    /// True to compile programs on a thread.
     has_compiler: bool,
     // Last, because the target belongs to it.
     context: Headless,
@@ -216,7 +207,6 @@ impl OffscreenWindow {
         Ok(size)
     }
 
-    /// Publishes the drawn frame.
     fn present(&self) {
         let (width, height) = self.target.size();
         let picture = RgbaImage::from_raw(width, height, self.target.read_rgba8(0)).unwrap_or_default();
@@ -226,7 +216,6 @@ impl OffscreenWindow {
     }
 }
 
-/// A target that replaces the window.
 fn target_of(gl: &Gl, size: (u32, u32)) -> Result<Target, GpuError> {
     let target = Target::of_window(gl, size)?;
     gl.replace_window(Some(&target));
@@ -389,7 +378,6 @@ impl Screen for OffscreenWindow {
     }
 }
 
-/// Stands for a missing desktop.
 struct NoDesktop;
 
 impl DesktopControls for NoDesktop {

@@ -59,14 +59,12 @@ pub struct Prepared {
     pub memory: Memory,
 }
 
-/// Everything that exists before the window opens.
 pub(crate) struct Opening<'a> {
     /// The tracks; `None` for an audio input only.
     pub(crate) tracks: Option<Opened>,
     pub(crate) settings: &'a PlaySettings,
     pub(crate) scene: &'a SceneChoice,
     pub(crate) memory: Memory,
-    /// Background work that has already started.
     pub(crate) background: BackgroundWork,
     pub(crate) screen: Box<dyn Screen>,
     /// Creates the desktop's media controls, which query the position in the song.
@@ -74,10 +72,6 @@ pub(crate) struct Opening<'a> {
 }
 
 impl Opening<'_> {
-    /// Creates the session.
-    ///
-    /// # Errors
-    /// An error of the driver or the system.
     pub(crate) fn session(self, waker: &Waker) -> Result<Session, SessionError> {
         let Self { tracks, settings, scene, memory, background, mut screen, desktop } = self;
         let BackgroundWork { loaders, first, drafts, sends } = background;
@@ -216,7 +210,6 @@ fn start_sound(
     })
 }
 
-/// Starts the thread that creates a show for each track.
 fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, SessionError> {
     let waker = waker.clone();
     let (file, follow) = (settings.show.clone(), settings.choices.follow_song);

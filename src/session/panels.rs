@@ -1,5 +1,4 @@
-//! The panels over the frame: tracks, sources, scenes, files. Each panel is a plain value, changed by keys and the
-//! pointer; this module carries out its commands.
+//! The panels over the frame, plain values that keys and the pointer change. This module carries out their commands.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -14,13 +13,11 @@ use crate::ui::file_browser::FileBrowser;
 use crate::ui::overlay::{FileListEvent, SceneListEvent, UiEvent};
 use crate::ui::scene_browser::SceneBrowser;
 
-/// The time to draw thumbnails of a folder that is known since `now`.
 pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
     now + Duration::from_secs_f64(LIMITS.thumbnails_ahead_after)
 }
 
 impl Session {
-    /// Opens a panel instead of the current one, or closes it.
     pub(super) fn toggle_panel(&mut self, panel: Panel) {
         if panel == Panel::Editor && self.gives_focus_to_editor() {
             return;
@@ -48,7 +45,6 @@ impl Session {
         self.show_corners(self.interface.ui_state.panels.open() == Some(Panel::Corners));
     }
 
-    /// Takes an event of the file list and carries out its commands.
     fn take_file_event(&mut self, event: FileListEvent) {
         let Some(files) = &mut self.interface.ui_state.files else { return };
         let commands = match event {
@@ -67,7 +63,6 @@ impl Session {
         self.carry_out_all(commands);
     }
 
-    /// Takes an event of the scene list and carries out its commands.
     fn take_scene_event(&mut self, event: SceneListEvent) {
         let Some(browser) = &mut self.interface.ui_state.browser else { return };
         let commands = match event {
@@ -94,7 +89,6 @@ impl Session {
         self.leave_panels();
     }
 
-    /// Cleans up after closed panels.
     pub(super) fn leave_panels(&mut self) {
         self.interface.look_through_scenes(&mut self.playback, false);
         self.interface.look_through_files(&mut self.playback, false);
@@ -104,7 +98,6 @@ impl Session {
         self.show_corners(false);
     }
 
-    /// Takes the panels' events of the last frame. Returns their commands.
     pub(super) fn take_ui_events(&mut self) -> Vec<Command> {
         let mut commands = Vec::new();
         for event in std::mem::take(&mut self.interface.ui_events) {
@@ -130,7 +123,6 @@ impl Playback {
 }
 
 impl Interface {
-    /// True if keys are text input at the moment.
     pub(super) fn takes_text(&self) -> bool {
         self.ui_state.browser.is_some() || self.ui_state.files.is_some() || self.editor_has_focus()
     }
@@ -188,7 +180,6 @@ impl Interface {
         }
     }
 
-    /// Requests thumbnails of the folder's scenes before the scene list is opened.
     fn draw_thumbnails_ahead(&mut self, playback: &mut Playback) {
         if self.thumbnails_ahead.take_if(|due| clock::now() >= *due).is_none() {
             return;

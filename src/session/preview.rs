@@ -18,7 +18,6 @@ use crate::session::screen::Screen;
 use crate::ui::overlay::NextScene;
 use mariana_music::Sound;
 
-/// Size of the preview in pixels.
 const SIZE: (u32, u32) = (160, 90);
 /// The shortest interval of previews, and of updates of level and beat.
 const EVERY: Duration = Duration::from_millis(200);
@@ -29,10 +28,8 @@ const AT_REST: Duration = Duration::from_millis(100);
 /// The available time must exceed the last drawing time by this factor.
 const RESERVE: f64 = 1.5;
 
-/// The preview and its measured cost.
 pub(super) struct Preview {
     sketch: Sketch,
-    /// Created with the first preview.
     reader: Option<PictureReader>,
     due: Instant,
     took: Duration,
@@ -55,8 +52,7 @@ impl Preview {
 }
 
 impl Session {
-    /// Updates the preview, if there is time. `rest` is the time until the next frame of the show is due; `None`
-    /// while the show is idle.
+    /// Updates the preview if there is time: `rest` until the next frame is due, `None` while the show is idle.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
         let is_wanted =
             self.choices.next_scene || (self.screen.has_output() && !self.interface.ui_state.clean);
@@ -115,7 +111,6 @@ impl Session {
 }
 
 impl Playback {
-    /// Takes a preview that has been read back.
     fn take_preview(&mut self, screen: &mut dyn Screen, title: &str) {
         let Preview { reader, drawn, next, .. } = &mut self.preview;
         let picture = reader

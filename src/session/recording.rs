@@ -1,7 +1,6 @@
-//! Records everything that changes the frames of a song, as a show that repeats it.
+//! Records everything that changes a song's frames, by any controller, as a show that repeats it.
 //!
-//! It records the resulting frames, so it does not matter which controller changed them. Each track gets its own
-//! file, which is rewritten within a second of each change, so that a crash loses at most that second.
+//! Each track gets its own file, rewritten within a second of each change, so that a crash loses at most that second.
 
 use std::time::{Duration, Instant};
 
@@ -21,16 +20,12 @@ struct Take {
     title: String,
     performance: Performance,
     kept: Instant,
-    /// Set when something is recorded, cleared when it is written.
     has_changed: bool,
     shown: Option<Showing>,
-    /// True once the user knows that the performance is full.
     reported_full: bool,
-    /// True if the last recorded frame is frozen.
     is_held: bool,
 }
 
-/// The recorded scene, and how it was introduced.
 struct Showing {
     source: SceneSource,
     /// The scene's name in shows.
@@ -133,7 +128,6 @@ impl Recording {
         }
     }
 
-    /// A message about a saved file or an error.
     pub(crate) fn news(&mut self) -> Option<String> {
         let kept = self.files.poll()?;
         match kept {
@@ -158,8 +152,7 @@ impl Take {
             (None, Some(directed)) => directed,
             (Some(shown), Some(directed)) if directed.1 >= shown.start => directed,
             (None, None) => (TimedTransition::CUT, time),
-            // A scene that is no longer directed stays as it is, and so does a scene that the show takes over in the
-            // middle.
+            // A scene that is no longer directed stays, and so does one that the show takes over in the middle.
             (Some(shown), _) if shown.goes_on_in(&seen, time) => (shown.transition, shown.start),
             (Some(shown), _) if shown.source == *seen.source => (TimedTransition::CUT, time),
             (Some(_), _) => changes,
@@ -178,7 +171,6 @@ impl Take {
 }
 
 impl Showing {
-    /// True if a frame at `time` shows the same scene in the same way.
     fn goes_on_in(&self, seen: &Performed<'_>, time: f64) -> bool {
         let is_same = self.source == *seen.source && self.camera.as_deref() == seen.camera;
         // A frozen frame ends a manual fade: behind it the scene is alone.

@@ -11,17 +11,13 @@ use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 
-/// Interval of checks of the sound's state.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// The reports, and what was reported last.
 pub(crate) struct Reports {
     announcer: Announcer,
     desktop: Box<dyn DesktopControls>,
     due: Instant,
-    /// True once the missing sound was reported.
     reported_silent: bool,
-    /// The reported reason why the chosen output is not used, if any.
     reported_refused: Option<String>,
     title: String,
     playing: NowPlaying,
@@ -49,22 +45,18 @@ impl Reports {
         is_due
     }
 
-    /// Makes the next check due at once.
     pub(crate) fn hurry(&mut self) {
         self.due = clock::now();
     }
 
-    /// The next command from media keys or the desktop, if any.
     pub(crate) fn command_of_desktop(&self) -> Option<Command> {
         self.desktop.poll()
     }
 
-    /// Shows `text` over the frame at once.
     pub(crate) fn answer(&mut self, text: String) {
         self.announcer.answer(text);
     }
 
-    /// Shows `text` at once, with a bar of length 0..1 below it.
     pub(crate) fn answer_fraction(&mut self, text: String, fraction: Option<f32>) {
         self.announcer.answer_fraction(text, fraction);
     }
@@ -73,17 +65,14 @@ impl Reports {
         self.announcer.answer_position(&self.playing);
     }
 
-    /// The playback at the last check.
     pub(crate) fn playing(&self) -> &NowPlaying {
         &self.playing
     }
 
-    /// Shows `text` over the frame after the current notices.
     pub(crate) fn say(&mut self, text: String) {
         self.announcer.say(text);
     }
 
-    /// Shows the next waiting notice once the current one has faded.
     pub(crate) fn update(&mut self, now: Instant) {
         self.announcer.update(now);
     }
@@ -108,8 +97,7 @@ impl Reports {
         }
     }
 
-    /// Reports news about the song, over the frame and to the desktop. `started` is true once the first frame has
-    /// been shown.
+    /// Reports news about the song, over the frame and to the desktop. `started` is true after the first frame.
     pub(crate) fn look(&mut self, status: &PlayerStatus, started: bool, fullscreen: bool) {
         self.playing = NowPlaying::of_song(status);
         self.announcer.follow(&self.playing);

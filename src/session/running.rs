@@ -66,10 +66,6 @@ impl Run {
         is_first
     }
 
-    /// Moves the session to a new context.
-    ///
-    /// # Errors
-    /// The driver provides no new context.
     pub(super) fn renewed(self) -> Result<Self, SessionError> {
         let session = renewed(self.session, &self.settings, &self.scene, &self.waker)?;
         Ok(Self { renewed_at: Some(clock::now()), session, ..self })
@@ -123,7 +119,6 @@ impl Run {
         Ok(())
     }
 
-    /// Handles finished work. Returns the time of the next look without an earlier event.
     fn look_around(&mut self) -> Result<Instant, SessionError> {
         self.obey_desktop();
         self.obey_controllers();
@@ -157,7 +152,6 @@ impl Run {
         }
     }
 
-    /// Carries out the commands of media keys and the desktop.
     fn obey_desktop(&mut self) {
         while let Some(command) = self.session.playback.command_of_desktop() {
             self.carry_out(command, Sender::Desktop);

@@ -18,7 +18,6 @@ use crate::ui::overlay::Assistance;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Event {
     Input(Input),
-    /// A request of assistive technology.
     Assistance(Assistance),
     Redraw,
     End,
@@ -27,12 +26,10 @@ pub(crate) enum Event {
 /// Paints over the frame in the current framebuffer of the given size in pixels.
 pub(crate) type Paint<'a> = &'a mut dyn FnMut((u32, u32)) -> Result<(), SessionError>;
 
-/// The surface that shows a session. The context of [`Screen::gl`] is current on the session's thread.
-///
-/// Changes of the window are requests: the window system may follow them later or never, as later queries show.
+/// The surface that shows a session. The context of [`Screen::gl`] is current on the session's thread. Changes of the
+/// window are requests: the window system may follow them later or never, as later queries show.
 pub(crate) trait Screen {
-    /// Waits for an event, at most until the given time. Returns the events since the last call, in order. Several
-    /// redraw requests become one.
+    /// Waits for events, at most until the given time. Returns them in order; several redraw requests become one.
     fn wait(&mut self, until: Instant) -> Vec<Event>;
 
     fn gl(&self) -> &Gl;
@@ -55,8 +52,7 @@ pub(crate) trait Screen {
     /// Pixels per point of the window.
     fn scale(&self) -> f32;
 
-    /// Width and height in pixels of the screen that frames are drawn for: the output's, otherwise the wallpaper's,
-    /// otherwise the window's.
+    /// Size in pixels of the screen that frames are drawn for: the output's, else the wallpaper's, else the window's.
     fn picture_size(&self) -> Option<(u32, u32)>;
 
     /// The window's position on the desktop in pixels, unless it fills the screen; `None` if unknown.
@@ -68,13 +64,11 @@ pub(crate) trait Screen {
 
     fn set_title(&mut self, title: &str);
 
-    /// Shows the window in front of others.
     fn raise(&mut self);
 
     /// Sets the pointer's shape; [`CursorIcon::None`] hides it.
     fn set_cursor(&mut self, cursor: CursorIcon);
 
-    /// Allows or forbids input methods to compose letters.
     fn allow_composing(&mut self, on: bool);
 
     /// Reports the position of the text cursor, in pixels.
@@ -83,7 +77,6 @@ pub(crate) trait Screen {
     /// Reports if keys are text, so that no letter ends the program.
     fn set_keys_are_text(&mut self, on: bool);
 
-    /// Reports the controls to assistive technology.
     fn show_controls(&mut self, controls: TreeUpdate);
 
     fn request_redraw(&self);
@@ -97,12 +90,8 @@ pub(crate) trait Screen {
     /// True if something other than the window must be redrawn, even with an unchanged frame.
     fn is_stale(&self) -> bool;
 
-    /// Shows the frame in the window or the wallpaper, overpainted by `paint`. The frame fills the part `small` of
-    /// the window, if given. `is_new` is true if it has changed. Returns the time taken until it was handed to the
-    /// window system.
-    ///
-    /// # Errors
-    /// An error of the driver or of `paint`.
+    /// Shows the frame in the window or the wallpaper, overpainted by `paint`, in the part `small` of the window, if
+    /// given. `is_new` is true if it has changed. Returns the time until it was handed to the window system.
     fn show(
         &mut self,
         renderer: &mut Renderer,
@@ -113,12 +102,8 @@ pub(crate) trait Screen {
     ) -> Result<Duration, SessionError>;
 
     /// Shows black overpainted by `paint`; does nothing without a visible window.
-    ///
-    /// # Errors
-    /// An error of the driver or of `paint`.
     fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError>;
 
-    /// True if an output shows the frame.
     fn has_output(&self) -> bool;
 
     /// Updates outputs and wallpaper after changes of monitors. Returns messages about the changes.
@@ -126,13 +111,11 @@ pub(crate) trait Screen {
 
     fn monitors(&self) -> Vec<Monitor>;
 
-    /// Watches for changes of monitors from now on.
     fn look_at_monitors(&mut self);
 
     /// Shows the frame on the monitor with this name or number, once it is connected; `None` ends the output.
     fn want_output(&mut self, monitor: Option<String>);
 
-    /// Notes that the placement of the frame has changed.
     fn lie_differently(&mut self);
 
     /// Shows the frame on the output, if it is out of date. `is_new` is true if the frame has changed.

@@ -23,7 +23,6 @@ impl Session {
         }
     }
 
-    /// Takes an event of the panel and carries out its command.
     pub(super) fn take_setting_event(&mut self, event: SettingEvent) {
         let Some(panel) = &mut self.interface.ui_state.settings else { return };
         let command = match event {

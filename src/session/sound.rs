@@ -20,7 +20,6 @@ use mariana_player::input::{Live, LiveOptions, LiveStatus};
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use mariana_player::{Moment, Player, PlayerStatus, Target};
 
-/// Time for which the source list stays visible.
 const LIST_STANDS: Duration = Duration::from_secs(4);
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,7 +28,6 @@ enum Source {
     Live(Target),
 }
 
-/// The current source, the settings file, and the devices.
 pub(crate) struct Sound {
     player: Option<Player>,
     live: Option<Live>,
@@ -40,7 +38,6 @@ pub(crate) struct Sound {
     gain: Gain,
     /// The output for songs; `None` for intended silence.
     output: Option<Target>,
-    /// The device in use, once known.
     device: Option<ListedDevice>,
     watch: Option<Arc<DeviceWatch>>,
     list: Option<(Vec<(Source, String)>, Instant)>,
@@ -54,15 +51,12 @@ pub(crate) struct Start {
     /// The player; `None` for an audio input only.
     pub player: Option<Player>,
     pub memory: Memory,
-    /// The kind of input, if any.
     pub listen: Option<ListenChoice>,
     /// The input's id or name, or a part of it.
     pub device: Option<String>,
-    /// The output for songs; `None` for intended silence.
     pub output: Option<Target>,
     /// The delay of this run in seconds.
     pub latency: Option<f64>,
-    /// Adjustment of the sound's level for the frame.
     pub gain: Gain,
 }
 
@@ -94,12 +88,10 @@ impl Sound {
         Ok(sound)
     }
 
-    /// The player, if the song is the current source.
     pub(crate) fn player(&mut self) -> Option<&mut Player> {
         self.player.as_mut().filter(|_| self.live.is_none())
     }
 
-    /// True if the song is the current source.
     pub(crate) fn plays_song(&self) -> bool {
         self.live.is_none() && self.player.is_some()
     }
@@ -158,8 +150,7 @@ impl Sound {
         shift_in_words(shift, self.device.as_ref().map(|device| &*device.name))
     }
 
-    /// Sets the delay of the frames in milliseconds, within its limits, and returns it. `settled` saves it for the
-    /// device.
+    /// Sets the delay of the frames in milliseconds, within limits, and returns it. `settled` saves it for the device.
     pub(crate) fn shift_to(&mut self, shift: f64, settled: bool) -> f64 {
         // Live sound cannot be shown before it arrives.
         let least = if self.live.is_some() { 0.0 } else { -PLAYER_LIMITS.latency_ms_max };
@@ -175,7 +166,6 @@ impl Sound {
         shift
     }
 
-    /// The name of the device in use, once known.
     pub(crate) fn device_name(&self) -> Option<&str> {
         self.device.as_ref().map(|device| &*device.name)
     }
@@ -193,7 +183,6 @@ impl Sound {
         self.output = Some(target);
     }
 
-    /// Sets the adjustment of the sound's level for the frame.
     pub(crate) fn set_gain(&mut self, gain: Gain) {
         self.gain = gain;
         if let Some(player) = &self.player {
@@ -220,13 +209,11 @@ impl Sound {
         self.asked_ms.or_else(remembered).unwrap_or(0.0)
     }
 
-    /// The available sources; `None` if the devices cannot be watched.
     fn latest_sources(&mut self) -> Option<Vec<(Source, String)>> {
         let device_list = self.device_list()?;
         Some(self.sources(&device_list))
     }
 
-    /// The connected devices; `None` if they cannot be watched.
     fn device_list(&mut self) -> Option<Arc<DeviceList>> {
         if let Some(watch) = &self.watch {
             return Some(watch.latest().1);
@@ -253,14 +240,12 @@ impl Sound {
         self.player()
     }
 
-    /// Shows the current list of sources.
     pub(crate) fn show_list(&mut self) {
         if let Some(sources) = self.latest_sources() {
             self.list = Some((sources, clock::now()));
         }
     }
 
-    /// Switches to the source at an index of the shown list.
     pub(crate) fn choose_from_list(&mut self, place: usize) {
         let Some((sources, since)) = &mut self.list else { return };
         let Some((source, _)) = sources.get(place) else { return };
@@ -377,17 +362,14 @@ impl Sound {
         self.kept.settings()
     }
 
-    /// Saves a track list for the next run; `None` removes it.
     pub(crate) fn keep_tracks(&mut self, tracks: Option<Vec<PathBuf>>) {
         self.kept.keep_tracks(tracks);
     }
 
-    /// Changes the settings, here and in the file.
     pub(crate) fn remember(&mut self, change: impl Fn(&mut Settings) + Send + 'static) {
         self.kept.change(change);
     }
 
-    /// Problems reported since the last call.
     pub(crate) fn take_reported_problems(&mut self) -> Vec<String> {
         while let Some(error) = self.kept.poll() {
             self.reported_problems.add(&error.to_string());
@@ -419,7 +401,6 @@ fn wanted(choice: ListenChoice, device: Option<String>, settings: &Settings) -> 
     asked.or_else(|| remembered.clone().map(Target::Named)).unwrap_or(default)
 }
 
-/// Saves a choice of an input.
 fn note_choice(settings: &mut Settings, target: &Target) {
     match target {
         Target::Default => settings.microphone = None,
@@ -434,8 +415,7 @@ fn note_choice(settings: &mut Settings, target: &Target) {
     }
 }
 
-/// The outputs in a device list as rows of the settings panel. The output that `target` means is marked; `open` is
-/// the device that a song plays on.
+/// The outputs as rows of the settings panel. That of `target` is marked; `open` is the device that a song plays on.
 fn outputs_of(
     device_list: &DeviceList,
     target: Option<&Target>,
@@ -467,7 +447,6 @@ fn outputs_of(
     outputs
 }
 
-/// A delay as text.
 fn shift_in_words(shift: f64, device: Option<&str>) -> String {
     let words = match shift {
         0.0 => "frames are shown without a delay".to_owned(),

@@ -3,8 +3,7 @@
 use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 
-/// The window's title: the track, the program's name, notes on the scene, and unusual states. Silence is unusual
-/// unless it was asked for.
+/// The window's title: track, program, notes on the scene, and unusual states. Silence is unusual unless asked for.
 pub(crate) fn title(scene: Vec<String>, status: &PlayerStatus, silence_asked: bool) -> String {
     let track = &status.track;
     let mut title = format!("{} - Mariana", track.name);
@@ -30,7 +29,6 @@ pub(crate) fn title(scene: Vec<String>, status: &PlayerStatus, silence_asked: bo
     title
 }
 
-/// The same for an audio input.
 pub(crate) fn live_title(status: &LiveStatus, scene: Vec<String>, paused: bool) -> String {
     let mut notes = scene;
     if paused {

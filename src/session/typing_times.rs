@@ -2,10 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-/// The most stored times per kind.
 const KEPT: usize = 4096;
 
-/// The response times of keys: work, text and frame.
 #[derive(Debug, Default)]
 pub(crate) struct TypingTimes {
     /// Time of the first key that is not yet visible in the text.
@@ -24,7 +22,6 @@ impl TypingTimes {
         self.taken += time;
     }
 
-    /// Notes a key that changed the text while the scene with this id was shown.
     pub(crate) fn note_key(&mut self, scene: Option<u64>, now: Instant) {
         self.pressed.get_or_insert(now);
         self.drafted.get_or_insert((now, scene));
@@ -35,8 +32,7 @@ impl TypingTimes {
         self.drafted = None;
     }
 
-    /// Notes that the window was shown, with a new frame of the scene with this id if `is_new`. The overlay took
-    /// `painting`.
+    /// Notes that the window was shown, with a new frame of this scene if `is_new`. The overlay took `painting`.
     pub(crate) fn note_shown(&mut self, scene: Option<u64>, is_new: bool, painting: Duration, now: Instant) {
         let taken = std::mem::take(&mut self.taken);
         if let Some(pressed) = self.pressed.take() {

@@ -20,20 +20,16 @@ use crate::ui::settings_panel::SettingsPanel;
 use mariana_music::SongStructure;
 use mariana_player::{ListedTracks, LoudnessShape};
 
-/// The open panels, and what they show.
 pub(crate) struct UiState {
     pub(crate) panels: PanelSwitches,
     /// The shown scene, and its position in the list as text.
     pub(super) placed_scene: Option<(SceneSource, String)>,
-    /// Time when the welcome text appeared.
     pub(super) welcomed: Option<Instant>,
     pub(super) browser: Option<SceneBrowser>,
     pub(super) files: Option<FileBrowser>,
     pub(super) settings: Option<SettingsPanel>,
-    /// The editor, after its first use.
     pub(super) editor: Option<Editor>,
     pub(super) controllers: Option<ControllersPanel>,
-    /// The corner handles of the frame, while they are moved.
     pub(super) corners: Option<CornerHandles>,
     /// The part of the window with the small frame beside the panels, if an output shows the frame.
     pub(super) picture: Option<Area>,
@@ -43,13 +39,11 @@ pub(crate) struct UiState {
     pub(super) bare: bool,
 }
 
-/// The state of pointer and track.
 pub(super) struct Seen {
     /// True if the pointer has moved recently or is used in a panel.
     pub(super) awake: bool,
     pub(super) assisted: bool,
     pub(super) fullscreen: bool,
-    /// The track list, if visible.
     pub(super) tracks: Option<Arc<ListedTracks>>,
     /// The loudness along the track, if the bar is visible.
     pub(super) shape: Option<Arc<LoudnessShape>>,
@@ -58,7 +52,6 @@ pub(super) struct Seen {
     pub(super) song: Option<Arc<SongStructure>>,
 }
 
-/// The overlay over a scene's frame: its messages and sliders, and the corner text.
 pub(super) fn content_of<'a>(
     scene: &'a mut SceneSession,
     corner: Option<&'a str>,
@@ -94,12 +87,10 @@ impl UiState {
         }
     }
 
-    /// True if only requested panels are visible.
     pub(super) fn is_quiet(&self) -> bool {
         self.clean || self.bare
     }
 
-    /// Adds everything that is visible now to `content`.
     pub(super) fn add_to<'a>(
         &'a self,
         content: &mut OverlayContent<'a>,

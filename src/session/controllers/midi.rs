@@ -21,14 +21,12 @@ pub(super) struct Midi {
     reported: Option<Vec<String>>,
     /// Messages to report; `true` for bad news.
     news: Vec<(String, bool)>,
-    /// Start of the clock used for learning.
     zero: Instant,
     /// Counts the changes of mappings and learning.
     revision: u64,
 }
 
 impl Midi {
-    /// Starts receiving from devices, if MIDI is on.
     pub(super) fn start(
         settings: &ControllerSettings,
         folders: &Folders,
@@ -77,7 +75,6 @@ impl Midi {
         }
     }
 
-    /// The state of the devices; `None` if MIDI is off.
     pub(super) fn state(&self) -> Option<MidiState> {
         self.hub.as_ref().map(MidiHub::state)
     }
@@ -86,7 +83,6 @@ impl Midi {
         self.memory.file().mappings.list()
     }
 
-    /// True if a device's clock sets the tempo, if there is one.
     pub(super) fn follows_clock(&self) -> bool {
         self.memory.file().clock
     }
@@ -104,7 +100,6 @@ impl Midi {
         self.learning.as_ref().map(Learning::target)
     }
 
-    /// Starts or stops learning the knob for `target`.
     pub(super) fn learn(&mut self, target: Target) {
         let is_same = self.learning() == Some(&target);
         self.learning = (!is_same).then(|| Learning::of(target));
@@ -117,7 +112,6 @@ impl Midi {
         learned
     }
 
-    /// Changes the mappings. A failed save is reported.
     pub(super) fn edit(&mut self, edit: &KnobEdit) {
         self.memory.change(edit);
         self.revision += 1;
@@ -146,7 +140,6 @@ impl Midi {
         outcomes
     }
 
-    /// Stores a learned mapping, once complete. Returns a message.
     pub(super) fn finish_learning(&mut self) -> Option<String> {
         let now = clock::since(self.zero).as_secs_f64();
         let mapping = self.learning.as_ref()?.learned(now)?;
@@ -160,14 +153,12 @@ impl Midi {
         Some(format!("{source} of {device} turns {target}{again}"))
     }
 
-    /// Time when the learned knob will be known.
     pub(super) fn due(&self) -> Option<Instant> {
         let at = self.learning.as_ref()?.known_at()?;
         Some(self.zero + std::time::Duration::try_from_secs_f64(at).unwrap_or_default())
     }
 }
 
-/// The system's ports, or ports in a folder for test builds.
 fn ports(folders: &Folders) -> Box<dyn Ports> {
     #[cfg(all(unix, any(debug_assertions, feature = "fake-midi")))]
     if let Some(folder) = &folders.midi_ports {

@@ -33,7 +33,6 @@ const BOARD_AGE: Duration = Duration::from_millis(40);
 /// The same for the controllers panel.
 const PANEL_AGE: Duration = Duration::from_millis(100);
 
-/// All controllers, with the times of their next tasks.
 pub(crate) struct Controllers {
     input_queue: InputQueue,
     board: Board,
@@ -45,7 +44,6 @@ pub(crate) struct Controllers {
     /// Arrival of the first input that no frame shows yet, and the scene revision that shows it.
     unseen: Option<(Instant, u64)>,
     times: FrameTimes,
-    /// Time of the next update of the published state.
     board_due: Instant,
     /// Time of the next update of the panel, and the mappings' revision that it shows.
     panel_due: Instant,
@@ -55,7 +53,6 @@ pub(crate) struct Controllers {
 }
 
 impl Controllers {
-    /// Starts the controllers, which wake the session on input.
     pub(crate) fn start(settings: &ControllerSettings, folders: &Folders, waker: &Waker) -> Self {
         let of_input_queue = waker.clone();
         let input_queue = InputQueue::new(move || of_input_queue.wake());
@@ -85,7 +82,6 @@ impl Controllers {
         self.network.news().or_else(|| self.phones.news()).or_else(|| self.midi.news())
     }
 
-    /// Sends the current sound to OSC receivers.
     pub(crate) fn note_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
         self.network.note_sound(features, song, now);
     }
@@ -100,17 +96,14 @@ impl Controllers {
         is_due
     }
 
-    /// True if the list of scenes must be updated, because another scene is shown.
     pub(crate) fn wants_scenes(&self, scene: &str) -> bool {
         self.scenes.0 != scene || self.scenes.1.is_empty()
     }
 
-    /// Updates the list of scenes, in the order of their numbers, for the shown scene.
     pub(crate) fn note_scenes(&mut self, scene: String, scenes: Vec<SceneSource>) {
         self.scenes = (scene, scenes.into_iter().map(|source| (source.title(), source)).collect());
     }
 
-    /// The scenes whose thumbnails phones have requested since the last call.
     pub(crate) fn wanted_pictures(&mut self) -> Vec<SceneSource> {
         let all = &self.scenes.1;
         let of =
@@ -118,18 +111,15 @@ impl Controllers {
         self.phones.wanted_pictures().into_iter().filter_map(of).collect()
     }
 
-    /// Passes a result of the thumbnail finder to the phones.
     pub(crate) fn note_picture(&mut self, looked: &Looked) {
         self.phones.note_picture(looked);
     }
 
-    /// Publishes the show's state with these sliders.
     pub(crate) fn put_up(&mut self, present: Present, sliders: &[Slider]) {
         let scenes = self.scenes.1.iter().map(|(title, _)| title.clone()).collect();
         self.board.put(Present { scenes, params: sliders.to_vec(), ..present });
     }
 
-    /// Takes the input, if it is due.
     pub(crate) fn take(&mut self, now: Instant) -> Option<InputBatch> {
         if now < self.free || !self.input_queue.has_any() {
             return None;
@@ -138,7 +128,6 @@ impl Controllers {
         Some(self.input_queue.take())
     }
 
-    /// The effects of moved knobs, and a message about a learned one.
     pub(crate) fn take_knobs(
         &mut self,
         knobs: &[KnobMove],
@@ -147,7 +136,6 @@ impl Controllers {
         (self.midi.take(knobs, scene), self.midi.finish_learning())
     }
 
-    /// The parameter of a scene whose knob is being learned.
     pub(crate) fn learning_param(&self, scene: Option<&SceneSource>) -> Option<&str> {
         match self.midi.learning()? {
             Target::Param { scene: of, name } if scene.is_some_and(|scene| scene.title() == *of) => {
@@ -177,7 +165,6 @@ impl Controllers {
         }
     }
 
-    /// The data of the controllers panel, for a scene with these sliders.
     pub(crate) fn facts<'a>(&'a self, scene: String, sliders: &'a [Slider]) -> ControllersState<'a> {
         let (messages, refusals) = self.input_queue.counts();
         ControllersState {
@@ -194,7 +181,6 @@ impl Controllers {
         }
     }
 
-    /// True if the panel must be updated, after a change or after [`PANEL_AGE`].
     pub(crate) fn panel_is_due(&mut self, now: Instant) -> bool {
         let is_due = now >= self.panel_due || self.midi.revision() != self.panel_revision;
         if is_due {
@@ -203,12 +189,10 @@ impl Controllers {
         is_due
     }
 
-    /// The reading of a device's clock, and its current time in seconds; `None` without a clock.
     pub(crate) fn clock(&self) -> Option<(ClockReading, f64)> {
         self.midi.clock()
     }
 
-    /// True if input has changed the scene and no frame shows it yet.
     pub(crate) fn are_unseen(&self) -> bool {
         self.unseen.is_some()
     }
@@ -218,19 +202,16 @@ impl Controllers {
         self.unseen = self.unseen.or(since.map(|since| (since, revision)));
     }
 
-    /// Notes that a frame of this revision is on the screen.
     pub(crate) fn note_shown(&mut self, revision: u64) {
         if let Some((since, _)) = self.unseen.take_if(|(_, turned)| revision >= *turned) {
             self.times.note(clock::since(since));
         }
     }
 
-    /// Times from messages to frames, for the log.
     pub(crate) fn times(&self) -> &FrameTimes {
         &self.times
     }
 
-    /// The time of the next task.
     pub(crate) fn due(&self) -> Option<Instant> {
         let input_queue = self.input_queue.has_any().then_some(self.free);
         // Wake for phones too, so that they show the effects of their input.
@@ -238,7 +219,6 @@ impl Controllers {
         input_queue.into_iter().chain(board).chain(self.network.sample_due()).chain(self.midi.due()).min()
     }
 
-    /// Counts input for an unknown target.
     pub(crate) fn note_unknown(&self) {
         self.input_queue.refuse(|refusals| refusals.unknown += 1);
     }

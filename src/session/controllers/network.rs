@@ -18,12 +18,10 @@ pub(super) struct Network {
     sample_due: Instant,
     /// The reported state of the receiver; `true` once a problem of the sender was reported.
     reported: (ReceiverState, bool),
-    /// An error at the start, until it is reported.
     trouble: Option<String>,
 }
 
 impl Network {
-    /// Starts the receiver and the sender that the settings ask for.
     pub(super) fn start(
         settings: &ControllerSettings,
         input_queue: &InputQueue,
@@ -56,7 +54,6 @@ impl Network {
         Self { receiver, sender, interval, sample_due: clock::now(), reported, trouble }
     }
 
-    /// True if an OSC client may query the show's state.
     pub(super) fn is_asked(&self) -> bool {
         self.receiver.is_some()
     }
@@ -81,7 +78,6 @@ impl Network {
         problem.map(|problem| (problem, true))
     }
 
-    /// The receiver's state as text; `None` if OSC is off.
     pub(super) fn state(&self) -> Option<String> {
         self.receiver.as_ref().map(|receiver| match receiver.state() {
             ReceiverState::Opening => "opening the port".to_owned(),
@@ -94,7 +90,6 @@ impl Network {
         self.sender.as_ref().map(|_| self.sample_due)
     }
 
-    /// Sends the current sound, if a sample is due.
     pub(super) fn note_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
         let Some(sender) = self.sender.as_ref().filter(|_| now >= self.sample_due) else { return };
         self.sample_due = now + self.interval;
@@ -102,7 +97,6 @@ impl Network {
     }
 }
 
-/// The addresses of a sample, in order.
 pub(super) fn sent_addresses() -> impl Iterator<Item = String> {
     sample(&Features::SILENCE, &SongMoment::UNKNOWN).into_iter().map(|(address, _)| address)
 }

@@ -8,18 +8,14 @@ use crate::ui::controllers_panel::PhoneFacts;
 use mariana_control::{Board, InputQueue};
 use mariana_remote::{Album, Remote, RemoteState};
 
-/// The server for phones, and their thumbnails.
 pub(super) struct Phones {
     remote: Option<Remote>,
     album: Album,
-    /// The server state that was reported last.
     reported: RemoteState,
-    /// An error at the start, until it is reported.
     trouble: Option<String>,
 }
 
 impl Phones {
-    /// Starts the server if the settings ask for it.
     pub(super) fn start(
         settings: &ControllerSettings,
         input_queue: &InputQueue,
@@ -39,12 +35,10 @@ impl Phones {
         Self { remote, album, reported: RemoteState::default(), trouble }
     }
 
-    /// The titles of scenes whose thumbnails were requested since the last call.
     pub(super) fn wanted_pictures(&self) -> Vec<String> {
         self.album.take_wanted()
     }
 
-    /// Passes a result of the thumbnail finder to the phones, if the server runs.
     pub(super) fn note_picture(&self, looked: &Looked) {
         if self.remote.is_none() {
             return;
@@ -64,7 +58,6 @@ impl Phones {
         self.remote.as_ref().is_some_and(|remote| remote.phones() > 0)
     }
 
-    /// True if phones may connect.
     pub(super) fn is_asked(&self) -> bool {
         self.remote.is_some()
     }
@@ -86,7 +79,6 @@ impl Phones {
         }
     }
 
-    /// The server's state; `None` if it is off.
     pub(super) fn facts(&self) -> Option<PhoneFacts> {
         let remote = self.remote.as_ref()?;
         Some(PhoneFacts { state: remote.state(), phones: remote.phones() })
@@ -98,7 +90,6 @@ mod tests {
     use super::*;
     use mariana_control::action::ValueType;
 
-    /// The values of an attribute in the page, each with the rest of its element.
     fn elements(attribute: &str) -> Vec<(&'static str, &'static str)> {
         let parts = mariana_remote::page_text().split(attribute).skip(1);
         parts.filter_map(|part| part.split_once('"')).collect()

@@ -6,11 +6,9 @@ use crate::export::print::tell;
 use mariana_player::device_list::ListedDevice;
 use mariana_player::input::LiveStatus;
 
-/// Hints about the live input.
 #[derive(Default)]
 pub(super) struct Hints {
     pub(super) shown: Option<String>,
-    /// A device that has a signal.
     pub(super) suggestion: Option<ListedDevice>,
     /// The last reason for silence on the terminal.
     reported: Option<String>,
@@ -29,7 +27,6 @@ impl Hints {
         }
     }
 
-    /// Clears the hints after a change of the source.
     pub(super) fn forget(&mut self) {
         (self.shown, self.reported) = (None, None);
     }
@@ -39,7 +36,6 @@ impl Hints {
 #[derive(Default)]
 pub(super) struct ReportedProblems {
     all: BTreeSet<String>,
-    /// Not shown over the frame yet.
     unsaid: Vec<String>,
 }
 
@@ -52,7 +48,6 @@ impl ReportedProblems {
         }
     }
 
-    /// Returns the problems since the last call.
     pub(super) fn take(&mut self) -> Vec<String> {
         std::mem::take(&mut self.unsaid)
     }
