@@ -10,7 +10,6 @@ use winit::window::Window;
 use crate::shell::messages::WindowMessage;
 use crate::ui::overlay::Assistance;
 
-/// Translates a request of AccessKit for the panels.
 fn assistance(asked: Asked) -> Assistance {
     match asked {
         Asked::InitialTreeRequested => Assistance::Begins,
@@ -46,12 +45,10 @@ impl Accessibility {
         Self(Adapter::with_event_loop_proxy(event_loop, window, proxy))
     }
 
-    /// Passes on an event of the window.
     pub(crate) fn note(&mut self, window: &Window, event: &WindowEvent) {
         self.0.process_event(window, event);
     }
 
-    /// Passes on the controls, if assistive technology is connected.
     pub(crate) fn show(&mut self, controls: TreeUpdate) {
         self.0.update_if_active(|| controls);
     }

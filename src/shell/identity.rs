@@ -9,7 +9,6 @@ pub const APP_ID: &str = "org.mariana.Mariana";
 /// The icon for window managers that ignore desktop entries. Made by `cargo xtask desktop`.
 const ICON: &[u8] = include_bytes!("../../assets/desktop/icons/128x128/apps/org.mariana.Mariana.png");
 
-/// Adds the id and the icon to a window's attributes.
 pub(crate) fn reported_by(attributes: WindowAttributes) -> WindowAttributes {
     #[cfg(all(unix, not(target_os = "macos")))]
     let attributes = {

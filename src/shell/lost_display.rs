@@ -1,7 +1,6 @@
-//! Ends the process with a message if the X server ends or closes the connection during a show.
-//!
-//! Xlib then calls a handler, on whichever thread used the connection, and exits the process if the handler returns.
-//! Xlib's default handler calls `exit`, whose exit handlers unload the driver while the driver's threads still run.
+//! Ends the process with a message if the X server ends or closes the connection during a show. Xlib calls a handler,
+//! on whichever thread used the connection, and exits the process if it returns. The default handler calls `exit`,
+//! whose exit handlers unload the driver while the driver's threads still run.
 
 #![expect(unsafe_code, reason = "Xlib is a C library")]
 
@@ -11,12 +10,10 @@ use x11_dl::xlib;
 
 use crate::shell::window_thread::end_without_display;
 
-/// Installs a handler that ends the process with our message and code 1 when the X server is lost. Does nothing without
-/// Xlib.
+/// Installs a handler that ends the process with our message and code 1 when the X server is lost, if there is Xlib.
 pub(crate) fn end_with_the_reason() {
     let Ok(library) = xlib::Xlib::open() else { return };
-    // SAFETY: the handler is a static function, so it is valid for the life of the process, and it never returns to
-    // Xlib.
+    // SAFETY: the handler is a static function, valid for the life of the process, and it never returns to Xlib.
     unsafe { (library.XSetIOErrorHandler)(Some(on_lost_server)) };
 }
 

@@ -1,7 +1,5 @@
-//! The desktop's monitors: names, positions and sizes, and changes of them.
-//!
-//! On X11 a thread polls them, because window managers and drivers do not report all changes. X11's monitors (RandR
-//! 1.5) may also be parts of a screen that the user has divided.
+//! The desktop's monitors: names, positions, sizes, and their changes. On X11 a thread polls them, because window
+//! managers and drivers do not report all changes. X11's monitors (RandR 1.5) may be parts of a screen.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -22,7 +20,6 @@ pub(crate) fn around(monitors: &[Monitor]) -> Option<Rect> {
     Some(((left, top), (length(left, right), length(top, bottom))))
 }
 
-/// Watches the monitors.
 #[derive(Default)]
 pub(crate) struct MonitorWatch {
     known: Arc<Mutex<Option<Vec<Monitor>>>>,

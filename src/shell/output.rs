@@ -17,12 +17,10 @@ pub(crate) struct Output {
     proxy: EventLoopProxy<WindowMessage>,
     waker: Waker,
     monitors: MonitorWatch,
-    /// Name or number of the requested monitor.
     wanted: Option<String>,
     state: State,
     /// True if its window does not show the current frame.
     is_stale: bool,
-    /// True once the missing monitor was reported.
     reported_missing: bool,
 }
 
@@ -33,8 +31,7 @@ enum State {
 }
 
 impl Output {
-    /// An output on the monitor with this name or number, as soon as it is connected; `None` for no output. Windows are
-    /// requested through `proxy`.
+    /// An output on this monitor, by name or number; `None` for none. Windows are requested through `proxy`.
     pub(crate) fn new(wanted: Option<String>, proxy: EventLoopProxy<WindowMessage>, waker: &Waker) -> Self {
         let mut output = Self {
             proxy,
@@ -49,7 +46,6 @@ impl Output {
         output
     }
 
-    /// Moves to another monitor, or closes.
     pub(crate) fn want(&mut self, wanted: Option<String>) {
         if wanted.is_some() {
             self.look_at_monitors();
@@ -62,7 +58,6 @@ impl Output {
         self.monitors.begin(move || waker.wake());
     }
 
-    /// Sets the monitors on a window system that reports them.
     pub(crate) fn note_monitors(&mut self, monitors: Vec<Monitor>) {
         tracing::info!("monitors: {}", names(&monitors));
         self.monitors.note(monitors);
@@ -114,7 +109,6 @@ impl Output {
         }
     }
 
-    /// Takes the requested window.
     pub(crate) fn take(
         &mut self,
         window: SharedWindow,
@@ -170,12 +164,10 @@ impl Output {
         }
     }
 
-    /// Requests that the window is redrawn.
     pub(crate) fn look_different(&mut self) {
         self.is_stale = true;
     }
 
-    /// True if the window is open and does not show the current frame.
     pub(crate) fn is_stale(&self) -> bool {
         self.is_stale && self.size().is_some()
     }

@@ -22,13 +22,11 @@ pub(crate) struct SharedWindow {
 pub(crate) struct WindowCalls<'a>(&'a SharedWindow);
 
 impl SharedWindow {
-    /// A window whose events arrive on the thread that `events` wakes; `None` if calls do not read the connection of
-    /// events.
+    /// A window whose events arrive on the thread that `events` wakes; `None` if calls do not read their connection.
     pub(crate) fn new(window: Arc<Window>, events: Option<Waker>) -> Self {
         Self { window, events }
     }
 
-    /// The window, for calls until the guard is dropped.
     pub(crate) fn calls(&self) -> WindowCalls<'_> {
         WindowCalls(self)
     }
@@ -39,7 +37,6 @@ impl SharedWindow {
         self.window.request_redraw();
     }
 
-    /// Announces that a frame is about to be shown.
     pub(crate) fn pre_present_notify(&self) {
         self.window.pre_present_notify();
     }

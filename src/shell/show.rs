@@ -22,8 +22,7 @@ use crate::shell::window::{Ground, OpenWindow, WindowOptions};
 use crate::shell::window_screen::{Lines, WindowScreen};
 use crate::shell::window_thread;
 
-/// Opens the window and plays the tracks until the user quits, or once to their end. Without tracks it listens to the
-/// input in the settings.
+/// Plays the tracks in a window until the user quits, or once; without tracks, listens to the input in the settings.
 ///
 /// # Errors
 /// There is no track to play once, or the window cannot be opened or drawn.
@@ -90,8 +89,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     Ok(window_thread::run(event_loop, input_queue, messages, typing, layers, Box::new(play))?)
 }
 
-/// Adapts the settings for a wallpaper or a screen saver's window. Also returns what to draw on; `None` for a normal
-/// window.
+/// Adapts settings for a wallpaper or screen saver's window. Also returns what to draw on; `None` for a normal window.
 fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option<Ground>)> {
     let ground = if settings.wallpaper && is_wayland() {
         // XWayland windows cannot be the background of a Wayland desktop.

@@ -5,7 +5,6 @@ use winit::keyboard::{Key as WinitKey, KeyCode, ModifiersState, NamedKey as Wini
 
 use crate::input::{self, Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
 
-/// Translates an event of the window; `None` if it is no input.
 pub(crate) fn input_of(event: &WindowEvent) -> Option<Input> {
     Some(match event {
         WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => Input::Key(key_press(event)?),
@@ -53,7 +52,6 @@ pub(crate) fn key_press(event: &KeyEvent) -> Option<KeyPress> {
     })
 }
 
-/// The held modifier keys.
 pub(crate) fn modifiers(state: ModifiersState) -> Modifiers {
     let all = [
         (state.shift_key(), Modifiers::SHIFT),

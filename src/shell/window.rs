@@ -45,9 +45,7 @@ pub(crate) struct WindowOptions {
     pub size: (u32, u32),
     /// Position of its frame on the desktop, in pixels; `None` leaves it to the system.
     pub place: Option<(i32, i32)>,
-    /// True if the window is visible.
     pub visible: bool,
-    /// True to log the driver's messages.
     pub log_debug: bool,
     /// The place of a window without input; `None` for a normal window.
     pub ground: Option<Ground>,
@@ -118,12 +116,10 @@ impl OpenWindow {
         Ok((Self { config, window, size, place, refresh_rate, log_debug: input_queue.log_debug }, own))
     }
 
-    /// The config that further windows for the same context need.
     pub(crate) fn config(&self) -> glutin::config::Config {
         self.config.clone()
     }
 
-    /// Creates a context and makes it current on this thread.
     pub(crate) fn bind(self) -> Result<GlWindowContext, SessionError> {
         let Self { config, window, size, place, refresh_rate, log_debug } = self;
         let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
@@ -134,8 +130,7 @@ impl OpenWindow {
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(Some(handle));
-        // An older driver reports only an error number. A context of any version makes it possible to report the
-        // version.
+        // An older driver reports only an error number; a context of any version can report the version.
         let any = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Compatibility)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))
@@ -166,7 +161,6 @@ impl OpenWindow {
 }
 
 impl GlWindowContext {
-    /// Creates independent contexts for compilation on other threads; fewer than `count` if the driver refuses.
     pub(crate) fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
         let made = (0..count).map(|_| {
             WorkerContext::new(&self.config.display(), &self.config, self.gl.info()).map_err(|error| {
@@ -201,13 +195,11 @@ impl GlWindowContext {
         self.window.request_redraw();
     }
 
-    /// Size of the drawable, in pixels; `None` while it is empty.
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
         let (width, height) = self.size.get();
         (width > 0 && height > 0).then_some((width, height))
     }
 
-    /// Position of the frame on the desktop outside of full screen, in pixels; `None` if it is unknown.
     pub(crate) fn place(&self) -> Option<(i32, i32)> {
         self.place.get()
     }
@@ -218,7 +210,6 @@ impl GlWindowContext {
         }
     }
 
-    /// Resizes the surface to the window's new size.
     pub(crate) fn resize(&self, size: (u32, u32)) {
         self.size.set(size);
         if let Some((width, height)) = self.size()
@@ -237,7 +228,6 @@ impl GlWindowContext {
         })
     }
 
-    /// Refresh rate of the window's monitor in hertz, if it is known.
     pub(crate) fn refresh_rate(&self) -> Option<f64> {
         self.refresh_rate
     }
@@ -246,7 +236,6 @@ impl GlWindowContext {
         self.window.is_fullscreen()
     }
 
-    /// Moves and resizes the window to a rectangle of the desktop.
     pub(crate) fn fill(&self, ((x, y), (width, height)): Rect) {
         let window = self.window();
         window.set_outer_position(PhysicalPosition::new(x, y));
@@ -258,7 +247,6 @@ impl GlWindowContext {
     }
 }
 
-/// Wraps a window for the show's thread.
 pub(crate) fn shared(
     event_loop: &ActiveEventLoop,
     events: &EventLoopProxy<WindowMessage>,
@@ -275,8 +263,7 @@ pub(crate) fn shared(
     SharedWindow::new(window, events)
 }
 
-/// Smallest part of a window's upper edge on a monitor with which the user can still drag it: width and height in
-/// pixels.
+/// The smallest part of a window's upper edge, width and height in pixels, by which the user can still drag it.
 const GRASP: (i64, i64) = (64, 24);
 
 /// True if the upper edge of a window, whose frame begins at `place`, can be reached on one of the monitors (positions
@@ -296,7 +283,6 @@ fn can_be_grasped(
     })
 }
 
-/// The interface of the context.
 fn config_kind(config: &glutin::config::Config) -> &'static str {
     match config {
         #[cfg(any(unix, windows))]

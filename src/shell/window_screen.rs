@@ -29,27 +29,21 @@ use crate::ui::desk_picture::AROUND;
 
 pub(crate) struct WindowScreen {
     output: Output,
-    /// Present if the window is the desktop's wallpaper.
     wallpaper: Option<Wallpaper>,
-    /// Last rectangle to which the wallpaper's window was moved.
     placed_at: Option<PlaceOnDesktop>,
     /// True if the window is completely covered.
     occluded: bool,
     inbox: Receiver<Message>,
     controls: AccessibilityPublisher,
     typing: Typing,
-    /// Messages for the user that were not collected yet.
     news: Vec<String>,
     // The last field: dropped after everything that holds OpenGL objects.
     window: GlWindowContext,
 }
 
-/// Connections of a window's session with other threads.
 pub(crate) struct Lines {
-    /// Events of the window and messages of other threads.
     pub(crate) inbox: Receiver<Message>,
     pub(crate) controls: AccessibilityPublisher,
-    /// The flag for keys that are text.
     pub(crate) typing: Typing,
 }
 
@@ -67,7 +61,6 @@ impl WindowScreen {
         Ok(Self { output, wallpaper, placed_at, occluded, inbox, controls, typing, news, window })
     }
 
-    /// Handles an event that is no input.
     fn note(&mut self, event: &WindowEvent) {
         match event {
             WindowEvent::Moved(place) => self.window.note_place((*place).into()),
@@ -80,7 +73,6 @@ impl WindowScreen {
         }
     }
 
-    /// Takes the output's window, or reports the error.
     fn take_output(&mut self, window: SharedWindow) {
         if let Err(error) = self.output.take(window, &self.window) {
             self.news.push(format!("there is no output on another monitor: {error}"));
@@ -89,7 +81,6 @@ impl WindowScreen {
         self.window.request_redraw();
     }
 
-    /// True if the window shows nothing, because surfaces of a Wayland desktop show the frame.
     fn hides_window(&self) -> bool {
         self.wallpaper.as_ref().is_some_and(Wallpaper::hides_window)
     }

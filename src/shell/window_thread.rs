@@ -28,12 +28,10 @@ use crate::shell::window::{OpenWindow, WindowOptions, open_output, shared};
 /// Longest wait at the end for a show that a driver blocks: slightly longer than the show waits for its compilers.
 const END_WAIT: Duration = Duration::from_secs(6);
 
-/// Runs a show on its thread, from the opened window to the end.
 pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + Send>;
 
-/// Opens a window and runs `play` on a separate thread. Passes the window's events to it through `messages`, until the
-/// window or the show ends. `typing` is true while keys are text. With `layers`, their surfaces show the frame instead
-/// of the window.
+/// Opens a window and runs `play` on a separate thread, which gets the window's events through `messages`, until
+/// either ends. `typing` is true while keys are text. With `layers`, their surfaces show the frame instead.
 pub(crate) fn run(
     event_loop: EventLoop<WindowMessage>,
     input_queue: WindowOptions,
@@ -78,11 +76,8 @@ struct Front {
     running: Option<Running>,
     /// Set at the end: the time until which the show is waited for.
     ends_by: Option<Instant>,
-    /// True if the show has ended by itself.
     show_ended: bool,
-    /// The held modifier keys.
     held: Modifiers,
-    /// The last monitors on Wayland.
     monitors: Vec<Monitor>,
     typing: Typing,
     layers: Option<Layers>,

@@ -1,9 +1,7 @@
-//! Media keys and the desktop's media controls.
-//!
-//! On Linux this is MPRIS (the Media Player Remote Interfacing Specification 2.2) on the session's D-Bus, served on a
-//! separate thread: it passes commands to the show and answers queries from a copy of the last reported state. Without
-//! a bus and on other systems there is no such service, which is no error; media keys then work only while the window
-//! has the keyboard.
+//! Media keys and the desktop's media controls: on Linux MPRIS (Media Player Remote Interfacing Specification 2.2) on
+//! the session's D-Bus. A separate thread passes commands to the show and answers queries from a copy of the last
+//! state. Without a bus and on other systems there is no such service, which is no error; media keys then work only
+//! while the window has the keyboard.
 
 #[cfg(target_os = "linux")]
 mod mpris;
@@ -20,7 +18,6 @@ use mariana_player::{PlayerStatus, Position};
 /// A position that differs by more than this from undisturbed playback is a jump, in seconds.
 const JUMP: f64 = 0.5;
 
-/// The state that the desktop can query.
 #[derive(Debug, Clone, PartialEq)]
 struct Seen {
     track: Option<Arc<TrackInfo>>,

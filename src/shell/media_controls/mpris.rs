@@ -17,7 +17,6 @@ use mariana_player::track::{Repeat, TrackInfo};
 const NAME: &str = "mariana";
 /// Most changes that wait for a slow bus; further ones are lost.
 const CHANGES_MAX: usize = 64;
-/// The rate of playback, which is fixed.
 const RATE: f64 = 1.0;
 
 enum Change {
@@ -25,7 +24,6 @@ enum Change {
     Seeked(Time),
 }
 
-/// Sends changes to the bus.
 pub(super) struct Changes(Sender<Change>);
 
 impl Changes {
@@ -85,7 +83,6 @@ async fn run(player: Offered, inbox: &Receiver<Change>) -> zbus::Result<()> {
     Ok(())
 }
 
-/// The player's interface on the bus.
 #[derive(Clone)]
 struct Offered {
     seen: SharedSeen,

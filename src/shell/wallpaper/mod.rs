@@ -1,8 +1,7 @@
-//! The desktop's wallpaper: the frame below all windows, on all monitors, without input. Also drawing into a screen
-//! saver's window.
+//! The desktop's wallpaper: the frame below all windows, on all monitors, without input; or in a screen saver's window.
 //!
-//! On X11 it is one window, on Wayland a surface on each output ([`layers`]). It pauses while it is covered, and on
-//! battery ([`rest`]).
+//! On X11 it is a window, on Wayland a surface on each output ([`layers`]). It pauses if covered or on battery
+//! ([`rest`]).
 
 #[cfg(all(unix, not(target_os = "macos")))]
 mod layers;
@@ -29,13 +28,11 @@ use crate::shell::window::GlWindowContext;
 /// Default frame cap, in frames per second.
 pub(crate) const FPS: f64 = 30.0;
 
-/// The wallpaper, with the reasons to pause it.
 pub(crate) struct Wallpaper {
     ground: Shown,
     rest: WallpaperPause,
 }
 
-/// The wallpaper's window or surfaces.
 enum Shown {
     Window(MonitorWatch),
     Wall(Wall),
@@ -57,7 +54,6 @@ impl Wallpaper {
         Self { ground, rest }
     }
 
-    /// Updates the list of surfaces to draw into.
     pub(crate) fn update(&mut self, window: &GlWindowContext) {
         if let Shown::Wall(wall) = &mut self.ground {
             wall.update(window);
@@ -71,8 +67,7 @@ impl Wallpaper {
         }
     }
 
-    /// Shows a frame on the Wayland surfaces; `is_new` makes all of them stale. Calls `draw` for each with its size in
-    /// pixels, and with true if it also shows text.
+    /// Shows a frame on the Wayland surfaces, on all if `is_new`: `draw` gets the size in pixels, and true for text.
     pub(crate) fn show(
         &mut self,
         window: &GlWindowContext,
@@ -104,7 +99,6 @@ impl Wallpaper {
         }
     }
 
-    /// True if text over the frame would be visible now.
     pub(crate) fn shows_words(&self) -> bool {
         match &self.ground {
             Shown::Wall(wall) => wall.shows_words(),
@@ -112,7 +106,6 @@ impl Wallpaper {
         }
     }
 
-    /// The rectangle for its window, once the monitors are known.
     pub(crate) fn place(&self) -> Option<Rect> {
         around(&self.monitors()?)
     }
@@ -154,8 +147,7 @@ fn panels(monitors: &[Monitor], shape: (u32, u32)) -> Vec<Panel> {
     monitors.iter().map(panel).collect()
 }
 
-/// Fills `area` of a window, a monitor of `size` pixels, with a frame of `shape` pixels, cropped to the monitor's
-/// aspect ratio.
+/// Fills `area` of a monitor's window of `size` pixels with a frame of `shape` pixels, cropped to its aspect ratio.
 pub(crate) fn filling(shape: (u32, u32), size: (u32, u32), area: Area) -> Panel {
     let [across, down] = [size.0, size.1].map(f64::from);
     let scale = (across / f64::from(shape.0.max(1))).max(down / f64::from(shape.1.max(1)));

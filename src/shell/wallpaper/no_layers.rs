@@ -11,18 +11,15 @@ use crate::session::SessionError;
 use crate::session::waker::Waker;
 use crate::shell::messages::WindowMessage;
 
-/// Always false.
 pub(crate) fn is_wayland() -> bool {
     false
 }
 
-/// A type without use on this system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Extent {
     pub(crate) pixels: (u32, u32),
 }
 
-/// A type without values.
 #[derive(Debug)]
 pub(crate) struct OutputSurface(Infallible);
 
@@ -52,7 +49,6 @@ impl OutputSurface {
     }
 }
 
-/// A type without values.
 #[derive(Debug, Clone)]
 pub(crate) struct OutputSurfaces(Infallible);
 
@@ -66,7 +62,6 @@ impl OutputSurfaces {
     }
 }
 
-/// A type without values.
 pub(crate) struct Layers(Infallible);
 
 impl Layers {

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-/// The folder with an entry for each power supply.
 pub(super) const FOLDER: &str = "/sys/class/power_supply";
 
 /// True if a battery is discharging and no mains are connected; false if the folder cannot be read.

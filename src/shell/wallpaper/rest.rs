@@ -13,7 +13,6 @@ use crate::session::waker::Waker;
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
 use crate::shell::monitors::Rect;
 
-/// Period of checks.
 const LOOK_PERIOD: Duration = Duration::from_millis(500);
 
 /// The current reason to pause, as a flag set by the thread. Dropping it ends the thread.
@@ -48,21 +47,17 @@ impl WallpaperPause {
         Self(is_on)
     }
 
-    /// True if there is a reason to pause.
     pub(super) fn is_on(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// Reasons to pause.
 struct Look {
     is_covered: bool,
-    /// The compositor requests no frames.
     is_unseen: bool,
     spares_battery: bool,
 }
 
-/// The sources of the reasons.
 struct Looks {
     output_surfaces: Option<OutputSurfaces>,
     #[cfg(all(unix, not(target_os = "macos")))]

@@ -9,13 +9,11 @@ use crate::export::print::tell;
 use crate::session::SessionError;
 use crate::shell::window::{DrawTarget, GlWindowContext, SecondSurface};
 
-/// All surfaces with the objects that draw into them.
 pub(crate) struct Wall {
     output_surfaces: OutputSurfaces,
     hung: Vec<Hung>,
 }
 
-/// A surface of the compositor, with the OpenGL surface for it.
 struct Hung {
     output_surface: Arc<OutputSurface>,
     extent: Extent,
@@ -48,7 +46,6 @@ impl Wall {
         Self { output_surfaces, hung: Vec::new() }
     }
 
-    /// Updates the list of surfaces and their sizes.
     pub(super) fn update(&mut self, window: &GlWindowContext) {
         let present = self.output_surfaces.present();
         self.hung.retain(|hung| {
@@ -81,28 +78,23 @@ impl Wall {
         }
     }
 
-    /// Drops everything that belongs to the context; [`Self::update`] creates it again.
     pub(super) fn let_go(&mut self) {
         self.hung.clear();
     }
 
-    /// Size of the largest surface, in pixels.
     pub(super) fn screen(&self) -> Option<(u32, u32)> {
         let pixels = |size: &(u32, u32)| u64::from(size.0) * u64::from(size.1);
         self.hung.iter().map(|hung| hung.extent.pixels).max_by_key(pixels)
     }
 
-    /// True if a visible surface is stale.
     pub(super) fn is_due(&self) -> bool {
         self.hung.iter().any(|hung| hung.is_stale && hung.is_ready())
     }
 
-    /// True if a visible surface has no frame of its size yet.
     pub(super) fn has_blank(&self) -> bool {
         self.hung.iter().any(|hung| hung.is_blank && hung.is_ready())
     }
 
-    /// True if the compositor wants a frame on any surface.
     pub(super) fn is_ready(&self) -> bool {
         self.hung.iter().any(Hung::is_ready)
     }
@@ -116,8 +108,7 @@ impl Wall {
         self.hung.iter_mut().for_each(|hung| hung.is_stale = true);
     }
 
-    /// Draws the stale surfaces for which the compositor wants a frame. Calls `draw` with the size in pixels, and with
-    /// true if the surface also shows text.
+    /// Draws stale surfaces that want a frame: `draw` gets the size in pixels, and true if the surface shows text.
     pub(super) fn show(
         &mut self,
         window: &GlWindowContext,

@@ -27,12 +27,10 @@ x11rb::atom_manager! {
 
 /// The number for windows on all desktops.
 const EVERYWHERE: u32 = u32::MAX;
-/// Most windows that are checked.
 const WINDOWS_MAX: u32 = 4_096;
 /// A maximised window may leave this fraction of a monitor for bars.
 const BARS: f64 = 0.2;
 
-/// A connection to the X server for these queries.
 pub(super) struct Windows {
     connection: RustConnection,
     root: Window,
@@ -40,7 +38,6 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// Connects to the session's X server, if there is one.
     pub(super) fn connect() -> Option<Self> {
         let connect = || -> Result<Self, Box<dyn Error>> {
             let (connection, screen) = x11rb::connect(None)?;
@@ -52,7 +49,6 @@ impl Windows {
         connect().inspect_err(|error| tracing::info!("windows are not watched: {error}")).ok()
     }
 
-    /// True if every monitor is covered by a window.
     pub(super) fn cover_everything(&self) -> bool {
         self.look().unwrap_or(false)
     }
@@ -106,7 +102,6 @@ impl Windows {
     }
 }
 
-/// True if a window takes most of a monitor.
 fn fills((place, size): &Rect, (monitor, extent): &Rect) -> bool {
     let common = |from: i32, length: u32, of: i32, most: u32| {
         let (from, of) = (f64::from(from), f64::from(of));

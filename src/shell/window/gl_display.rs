@@ -69,8 +69,7 @@ mod x11 {
     /// A second connection to winit's X server. It is never closed, because drivers keep it.
     fn own_connection() -> Result<RawDisplayHandle, Box<dyn Error>> {
         let library = Xlib::open()?;
-        // SAFETY: a null name is allowed and means the server in the environment; the display was checked to be
-        // non-null.
+        // SAFETY: a null name is allowed and means the environment's server; the display was checked to be non-null.
         let (display, screen) = unsafe {
             let display = (library.XOpenDisplay)(null());
             let display = NonNull::new(display).ok_or("the X server refuses a second connection")?;

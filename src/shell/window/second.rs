@@ -1,5 +1,4 @@
-//! Further windows for the same context: the output on another monitor, and the wallpaper's surfaces on Wayland. Also
-//! the attributes of windows without input.
+//! Further windows for the same context: the output, and wallpaper surfaces on Wayland. Also windows without input.
 
 #![expect(unsafe_code, reason = "glutin's functions that create surfaces from window handles are unsafe")]
 
@@ -25,7 +24,6 @@ use crate::shell::identity;
 use crate::shell::monitors::{Monitor, Rect};
 use crate::shell::shared_window::SharedWindow;
 
-/// The place of a window without input.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Ground {
     /// Surfaces below all windows of a Wayland desktop; the window itself is invisible.
@@ -47,7 +45,6 @@ pub(crate) trait DrawTarget {
     /// The handle for the driver; `None` if the target is closed.
     fn handle(&self) -> Option<RawWindowHandle>;
 
-    /// Called before a frame is shown.
     fn is_about_to_show(&self);
 }
 
@@ -62,7 +59,6 @@ impl DrawTarget for SharedWindow {
 }
 
 impl SecondSurface {
-    /// Size of the surface, in pixels.
     pub(crate) fn size(&self) -> (u32, u32) {
         self.size
     }
@@ -77,8 +73,7 @@ impl SecondSurface {
 }
 
 impl GlWindowContext {
-    /// Creates a surface on another window, opened with the same config. From now on only that surface waits for
-    /// vertical sync.
+    /// Creates a surface on another window of the same config. Only that surface waits for vertical sync from now on.
     pub(crate) fn second_surface(&self, window: SharedWindow) -> Result<SecondSurface, SessionError> {
         let refused = |error: &dyn std::fmt::Display| refused("a second window", error);
         let calls = window.calls();
@@ -92,8 +87,7 @@ impl GlWindowContext {
         Ok(second)
     }
 
-    /// Creates a surface of `size` pixels for a Wayland wallpaper. Showing a frame does not wait, because the
-    /// compositor requests frames.
+    /// Creates a wallpaper surface of `size` pixels. Showing a frame does not wait: the compositor requests frames.
     pub(crate) fn wayland_surface_of(
         &self,
         output_surface: Arc<dyn DrawTarget>,
@@ -107,7 +101,6 @@ impl GlWindowContext {
         self.surface_on(output_surface, &attributes, size, SwapInterval::DontWait)
     }
 
-    /// Creates a surface of `size` pixels on a target.
     fn surface_on(
         &self,
         lies_on: Arc<dyn DrawTarget>,
@@ -128,7 +121,6 @@ impl GlWindowContext {
         Ok(second)
     }
 
-    /// Turns vertical sync of the first surface on or off.
     pub(crate) fn wait_for_monitor(&self, waits: bool) {
         let interval = if waits { SwapInterval::Wait(NonZeroU32::MIN) } else { SwapInterval::DontWait };
         if let Err(error) = self.surface.set_swap_interval(&self.context, interval) {
@@ -136,8 +128,7 @@ impl GlWindowContext {
         }
     }
 
-    /// Makes another surface current, calls `draw`, and shows the result. During the call, the default framebuffer is
-    /// that surface.
+    /// Makes another surface current as the default framebuffer, calls `draw`, and shows the result.
     pub(crate) fn draw_on<T>(
         &self,
         second: &SecondSurface,
@@ -160,7 +151,6 @@ fn refused(doing: &'static str, error: &dyn std::fmt::Display) -> SessionError {
     SessionError::Window { doing, reason: error.to_string() }
 }
 
-/// Adds the attributes of a window without input.
 pub(super) fn grounded(attributes: WindowAttributes, ground: Option<Ground>) -> WindowAttributes {
     let Some(ground) = ground else { return attributes };
     let attributes = attributes.with_decorations(false).with_active(false);

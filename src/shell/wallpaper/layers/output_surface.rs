@@ -15,8 +15,7 @@ use winit::event_loop::OwnedDisplayHandle;
 
 use super::LayersState;
 
-/// A surface is considered covered if the compositor requests no frame for this long. The slowest monitors show 24
-/// frames a second.
+/// A surface without a request for a frame for this long is covered. The slowest monitors show 24 frames a second.
 const UNSEEN: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,17 +70,14 @@ struct State {
 }
 
 impl OutputSurface {
-    /// A surface whose size is not known yet.
     pub(super) fn new(name: String, borne: Borne, queue: QueueHandle<LayersState>) -> Self {
         Self { name, state: Mutex::default(), queue, borne }
     }
 
-    /// Name of its output.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its size; `None` before the compositor has sent it.
     pub(crate) fn extent(&self) -> Option<Extent> {
         self.state().extent
     }
@@ -97,7 +93,6 @@ impl OutputSurface {
         Some(WaylandWindowHandle::new(surface).into())
     }
 
-    /// Sets the size at which the next frames are shown.
     pub(crate) fn fit(&self, extent: Extent) {
         let units = |side: u32| i32::try_from(side).unwrap_or(i32::MAX);
         match &self.borne.viewport {
@@ -124,7 +119,6 @@ impl OutputSurface {
         self.state().waits_since = None;
     }
 
-    /// Stores the size from the compositor, in units.
     pub(super) fn give(&self, units: (u32, u32)) {
         self.state().units = Some(units);
     }
@@ -191,7 +185,6 @@ impl OutputSurfaces {
         self.list().push(Arc::new(output_surface));
     }
 
-    /// Removes the surfaces for which `is_gone` returns true.
     pub(super) fn remove(&self, is_gone: impl Fn(&OutputSurface) -> bool) {
         self.list().retain(|output_surface| !is_gone(output_surface));
     }
