@@ -145,8 +145,7 @@ pub fn run() -> anyhow::Result<()> {
     dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
 }
 
-/// Parses the arguments of a show, such as `song.flac --scene orb`, without the program's name. Settings are read from
-/// `folders`.
+/// Parses a show's arguments, such as `song.flac --scene orb` without the program's name; settings are in `folders`.
 ///
 /// # Errors
 /// A usage error, a subcommand, or an argument that is refused.
@@ -174,7 +173,6 @@ fn misspelt(first: Option<OsString>) -> Option<(String, String)> {
     Some((typed, meant))
 }
 
-/// Colours a scene's diagnostics if standard error is a terminal.
 fn colored_on_a_terminal(error: anyhow::Error) -> anyhow::Error {
     let found = error.chain().find_map(|cause| match cause.downcast_ref() {
         Some(ExportError::Scene(error)) => Some(error),

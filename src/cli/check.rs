@@ -65,7 +65,6 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     }
 }
 
-/// The error for `scenes` scenes with mistakes, which the user finds `shown`.
 fn refused(scenes: usize, shown: &str) -> anyhow::Result<()> {
     match scenes {
         1 => bail!("a scene has mistakes: correct what is {shown}"),
@@ -108,7 +107,6 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     if wrong == 0 { Ok(()) } else { refused(wrong, "listed") }
 }
 
-/// A mistake in the form that editors read.
 #[derive(Serialize)]
 struct Mistake {
     /// Path relative to the current folder.
@@ -152,7 +150,6 @@ fn mistake(one: &Diagnostic, sources: &Sources, scene: &SceneSource) -> Mistake 
     }
 }
 
-/// The diagnostics of a scene.
 struct Mistakes {
     diagnostics: Vec<Diagnostic>,
     sources: Sources,
@@ -184,7 +181,6 @@ fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
     Ok(world)
 }
 
-/// Returns a line with the cost of a scene and the inputs that it reads.
 fn cost(scene: &Scene) -> anyhow::Result<String> {
     let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default())?;
     let mut roots = vec![scene.distance];
@@ -208,7 +204,6 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
     ))
 }
 
-/// Advice for a shape whose value is no distance; empty for a distance.
 fn advice(world: &World) -> String {
     match (world.non_lipschitz, world.slopes.distance_factor) {
         (false, _) => String::new(),
@@ -248,7 +243,6 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
     Ok(if names.is_empty() { "nothing".into() } else { names.join(", ") })
 }
 
-/// An input in the scene language.
 fn name_of(scene: &Scene, input: Input) -> String {
     match input {
         Input::Param(number) => scene

@@ -5,7 +5,6 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crate::config::{Choice, SdfChoice};
 use crate::export::video::{Codec, EncodingQuality};
 
-/// Reads a choice by its name.
 pub(super) fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
     let names = T::ALL.iter().map(|(_, name, meaning)| match *meaning {
         "" => PossibleValue::new(*name),
@@ -15,7 +14,6 @@ pub(super) fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value =
     PossibleValuesParser::new(names.collect::<Vec<_>>()).try_map(move |name| T::named(&name).ok_or(unknown))
 }
 
-/// The values of `--sdf`, for [`SdfChoice`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum Sdf {
     Interpreted,
@@ -33,7 +31,6 @@ impl From<Sdf> for SdfChoice {
     }
 }
 
-/// The values of `--repeat`, for [`mariana_player::track::Repeat`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum RepeatChoice {
     /// All tracks, over and over
@@ -44,7 +41,6 @@ pub(super) enum RepeatChoice {
     Off,
 }
 
-/// The values of `--codec`, for [`Codec`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum CodecChoice {
     /// Plays everywhere
@@ -68,7 +64,6 @@ impl From<CodecChoice> for Codec {
     }
 }
 
-/// The values of `--quality`, for [`EncodingQuality`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum EncodingChoice {
     /// A small preview

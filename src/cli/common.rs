@@ -49,7 +49,6 @@ pub(super) struct CommonArguments {
     verbose: u8,
 }
 
-/// The default scene.
 pub(super) const DEFAULT_SCENE: &str = "speakers";
 
 #[derive(Args)]
@@ -61,12 +60,10 @@ pub(super) struct OneScene {
 }
 
 impl OneScene {
-    /// True if the flag is absent.
     pub(super) fn is_default(&self) -> bool {
         self.scene.is_none()
     }
 
-    /// The scene named by the flag or by `file`, or the default.
     pub(super) fn choose(
         &self,
         file: Option<PathBuf>,
@@ -96,7 +93,6 @@ pub(super) fn colors(stream: &impl IsTerminal) -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && stream.is_terminal()
 }
 
-/// Refuses to write images to a terminal.
 pub(super) fn refuse_a_terminal(output: &Output, example: &str) -> anyhow::Result<()> {
     if *output == Output::Standard && std::io::stdout().is_terminal() {
         bail!("standard output is a terminal: send it to a program or a file, such as '{example}'");
@@ -138,7 +134,6 @@ impl CommonArguments {
         tracing_subscriber::registry().with(lines.with_filter(filter)).init();
     }
 
-    /// A scene, with the flags' choices of how to draw it.
     pub(super) fn scene(&self, scene: &OsStr) -> anyhow::Result<SceneChoice> {
         Ok(SceneChoice {
             source: scene_of(scene)?,

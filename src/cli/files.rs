@@ -13,16 +13,13 @@ use crate::scenes::{SceneSource, is_scene_file};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_player::song::Song;
 
-/// Positional files by kind.
 pub(super) struct Files {
     /// Songs, folders and playlists.
     pub(super) songs: Vec<PathBuf>,
-    /// The scene.
     pub(super) scene: Option<PathBuf>,
 }
 
 impl Files {
-    /// Separates scenes from songs by their extensions.
     pub(super) fn of(files: Vec<PathBuf>) -> anyhow::Result<Self> {
         let (scenes, songs): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         if let [first, second, ..] = &scenes[..] {
@@ -31,7 +28,6 @@ impl Files {
         Ok(Self { songs, scene: scenes.into_iter().next() })
     }
 
-    /// The song, or the demo track, and the scene; for commands that take one song.
     pub(super) fn song_and_scene(self) -> anyhow::Result<(Song, Option<PathBuf>)> {
         if let [first, second, ..] = &self.songs[..] {
             bail!("two songs are named, {} and {}: give one of them", first.display(), second.display());
@@ -40,7 +36,6 @@ impl Files {
     }
 }
 
-/// True if the name is `-`, standard input.
 pub(super) fn is_standard(path: &Path) -> bool {
     path.as_os_str() == STANDARD
 }

@@ -33,7 +33,6 @@ pub(super) struct StagingArguments {
 }
 
 impl StagingArguments {
-    /// True if `--output list` was given.
     pub(super) fn lists_monitors(&self) -> bool {
         self.output.as_deref() == Some("list")
     }
@@ -58,7 +57,6 @@ impl StagingArguments {
         Ok(())
     }
 
-    /// The monitor to fill; without the flag the `remembered` one.
     pub(super) fn output(&self, remembered: Option<String>) -> Option<String> {
         match self.output.as_deref() {
             Some("off") => None,

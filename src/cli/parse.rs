@@ -48,7 +48,6 @@ fn parse_whole(text: &str, low: u16, high: u16, unit: &str) -> Result<u16, Strin
     value.ok_or_else(|| format!("it must be from {low} to {high} {unit}"))
 }
 
-/// Parses the rate at which OSC messages are sent, in hertz.
 pub(super) fn parse_osc_rate(text: &str) -> Result<f64, String> {
     parse_within(text, CONTROL_LIMITS.osc_rate_min, CONTROL_LIMITS.osc_rate_max, "times a second")
 }
@@ -67,14 +66,12 @@ pub(super) fn parse_blend(text: &str) -> Result<(BlendKind, f32), String> {
     Ok((kind, parse_within(fraction, 0.0, 1.0, "of the second scene")? as f32))
 }
 
-/// The help of the flag that [`parse_blend`] reads.
 pub(super) fn blend_help() -> String {
     let kinds = BlendKind::ALL.iter().map(|(_, name, meaning)| format!("{name}, where {meaning}"));
     let kinds: Vec<String> = kinds.collect();
     format!("Kind of blend with that scene, and how far it has gone, 0 to 1: {}", kinds.join("; "))
 }
 
-/// Parses the number of frames to time.
 pub(super) fn parse_frames(text: &str) -> Result<u16, String> {
     parse_whole(text, 1, 10_000, "frames")
 }
@@ -113,7 +110,6 @@ pub(super) fn parse_fade(text: &str) -> Result<f64, String> {
     parse_within(text, 0.0, SETTING_LIMITS.fade_seconds_max, "seconds")
 }
 
-/// Parses `COUNT` numbers separated by commas.
 fn parse_numbers<const COUNT: usize>(text: &str, example: &str) -> Result<[f64; COUNT], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());

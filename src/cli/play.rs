@@ -149,7 +149,6 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     shell::run(prepare(arguments, Folders::of_user())?)
 }
 
-/// Combines the arguments with the settings that are saved in `folders`.
 pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Result<Prepared> {
     let listen = listen_of(&arguments);
     // An error in the settings file is reported when the window opens.
@@ -238,7 +237,6 @@ fn listen_of(arguments: &PlayArguments) -> Option<ListenChoice> {
     }
 }
 
-/// The settings of this run: flags override the saved ones.
 fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {
     let mut choices = arguments.chosen.over(remembered);
     choices.tone_map = arguments.common.tone_map.unwrap_or(choices.tone_map);
@@ -259,7 +257,6 @@ fn go_on(list: PathBuf, last: &LastShow, repeat: Repeat, shuffle: bool) -> Optio
     opened.playable.then_some((opened, begin_at))
 }
 
-/// Prints the monitors, with the numbers and names that --output takes.
 fn list_monitors() -> anyhow::Result<()> {
     let monitors =
         shell::monitors::present().map_err(|reason| anyhow::anyhow!("{reason}: start Mariana there"))?;
@@ -270,10 +267,8 @@ fn list_monitors() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Default size of the window, in pixels.
 const SIZE: (u32, u32) = (1280, 720);
 
-/// True if a window can have this saved size.
 fn fits((width, height): (u32, u32)) -> bool {
     let sides = LIMITS.picture_side_min.max(64)..=LIMITS.picture_side_max;
     let pixels = u64::from(width) * u64::from(height);
@@ -293,7 +288,6 @@ fn last_scene(name: &str, common: &CommonArguments) -> anyhow::Result<SceneChoic
     common.scene(DEFAULT_SCENE.as_ref())
 }
 
-/// Opens the playlist of the named songs.
 fn open_songs(songs: &[PathBuf], repeat: Repeat, shuffle: bool) -> anyhow::Result<Opened> {
     let missing: Vec<String> = songs
         .iter()

@@ -2,7 +2,6 @@
 
 use clap::ValueEnum;
 
-/// A service or format for which a video is made.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Place {
     /// 1920x1080 at 60 frames a second
@@ -17,16 +16,13 @@ pub(super) enum Place {
     Loop,
 }
 
-/// Defaults for a video, used where no flag is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Preset {
     /// Width and height in pixels.
     pub(super) size: (u32, u32),
-    /// Frames per second.
     pub(super) fps: f64,
     /// Maximal length in seconds; `None` for the whole song.
     pub(super) duration: Option<f64>,
-    /// True if the video has sound.
     pub(super) sound: bool,
     /// Sample rate of the sound, in hertz; `None` keeps the song's.
     pub(super) sound_rate: Option<u32>,
@@ -34,7 +30,6 @@ pub(super) struct Preset {
     pub(super) seam: Option<f64>,
 }
 
-/// The preset without `--for`.
 const PLAIN: Preset =
     Preset { size: (1280, 720), fps: 30.0, duration: None, sound: true, sound_rate: None, seam: None };
 

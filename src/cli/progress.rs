@@ -8,34 +8,26 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::export::print::tell;
 
-/// Time between lines if there is no terminal.
 const LINE_PERIOD: Duration = Duration::from_secs(10);
 
 const BAR: &str = "{bar:32} {percent:>3} %  frame {pos} of {len}, {rate} a second, {left} left";
 /// The bar's template while the number of frames is unknown.
 const COUNT: &str = "frame {pos}, {rate} a second";
 
-/// Shows how many frames are done.
 pub(super) enum Progress {
-    /// A bar on a terminal.
     Bar { bar: ProgressBar, has_length: bool },
-    /// Lines in a log or a pipe.
     Lines { since: Option<Since> },
-    /// No output.
     Quiet,
 }
 
-/// State of the lines since the first frame was done.
 pub(super) struct Since {
     begun: Instant,
     /// Frames done at the start.
     done: u64,
-    /// Time of the last line.
     reported: Instant,
 }
 
 impl Progress {
-    /// Starts a progress display on standard error.
     pub(super) fn begin(quiet: bool) -> Self {
         let target = ProgressDrawTarget::stderr();
         match (quiet, target.is_hidden()) {

@@ -90,7 +90,6 @@ pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compiles a scene; its diagnostics are an error.
 fn require(source: &SceneSource) -> anyhow::Result<Scene> {
     let compiled = source.compile()?;
     let diagnostics = compiled.render(colors(&std::io::stderr()));
@@ -103,7 +102,6 @@ fn require(source: &SceneSource) -> anyhow::Result<Scene> {
     })
 }
 
-/// Calls `take` with each point of a file.
 fn for_each_point(path: &Path, mut take: impl FnMut([f32; 3]) -> anyhow::Result<()>) -> anyhow::Result<()> {
     let (name, file): (String, Box<dyn BufRead>) = if is_standard(path) {
         ("standard input".into(), Box::new(std::io::stdin().lock()))

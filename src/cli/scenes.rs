@@ -3,7 +3,6 @@
 use crate::export::print::print_line;
 use crate::scenes::{SceneSource, first_comment, shipped_names};
 
-/// Prints the shipped scenes, each with the first comment of its text.
 pub(super) fn run() -> anyhow::Result<()> {
     let mut list = String::new();
     for name in shipped_names() {

@@ -22,7 +22,6 @@ macro_rules! define_flags {
         }
 
         impl SettingFlags {
-            /// Returns the settings of a run: the flags' values, and the `remembered` ones where there is no flag.
             pub(super) fn over(&self, remembered: &Choices) -> Choices {
                 let mut choices = remembered.clone();
                 $($($(

@@ -19,11 +19,8 @@ use crate::show::ShowSource;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct ShowChoice(Option<ShowSource>);
 
-/// Makes the director choose the scenes.
 const AUTO: &str = "auto";
-/// Selects the demo track's show.
 const DEMO: &str = "demo";
-/// Selects no show.
 const OFF: &str = "off";
 
 impl FromStr for ShowChoice {
@@ -46,17 +43,14 @@ impl ShowChoice {
         Some(Showing::Show(self.0?, or_shipped(scenes)))
     }
 
-    /// True unless `off` was given.
     pub(super) fn is_on(&self) -> bool {
         self.0.is_some()
     }
 
-    /// The window's setting for this choice.
     pub(super) fn follow(&self) -> FollowChoice {
         if self.is_on() { FollowChoice::On } else { FollowChoice::Off }
     }
 
-    /// The show, unless it is `auto`.
     pub(super) fn into_named(self) -> Option<ShowSource> {
         self.0.filter(|source| *source != ShowSource::Auto)
     }
