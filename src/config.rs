@@ -1,5 +1,4 @@
-//! The settings of a run: values from the command line and settings saved from earlier runs. [`PlaySettings`] is the
-//! whole of them for the window; the settings file itself is in `mariana_settings`.
+//! The settings of a run, from the command line and earlier runs. [`PlaySettings`] is the whole of them for the window.
 
 pub use mariana_files::Folders;
 pub use mariana_settings::limits::LIMITS as SETTING_LIMITS;

@@ -2,7 +2,6 @@
 
 use mariana_player::song::Song;
 
-/// The name of the embedded file.
 const NAME: &str = "demo.ogg";
 
 /// "Hadal Lanterns", composed by this project.

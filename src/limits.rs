@@ -1,7 +1,6 @@
-//! The limits of the program that belong to none of its crates; each crate has its own `limits.rs`.
+//! The limits that belong to none of the program's crates; each crate has its own `limits.rs`.
 //!
-//! Limits are data: code that applies a limit reads it here, an error message prints the same number, and a test
-//! reaches it.
+//! Limits are data: code that applies a limit reads it here, an error message prints it, and a test reaches it.
 
 /// Limits of inputs, and of the memory that the program allocates for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,8 +19,7 @@ pub struct Limits {
     pub seconds_max: f64,
     /// Most bytes of a song from standard input (1 GiB).
     pub standard_input_bytes_max: u64,
-    /// Most interpreters, and most programs of views, that are kept for later scenes (some 20 MiB each on a software
-    /// renderer).
+    /// Most interpreters and programs of views kept for later scenes (some 20 MiB each on a software renderer).
     pub programs_kept_max: usize,
     /// Most bytes of a program in the driver's binary format that is kept on disk (usually 100 KiB to 2 MiB).
     pub kept_program_bytes_max: usize,

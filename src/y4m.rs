@@ -10,7 +10,6 @@ pub enum Chroma {
     Quarter,
 }
 
-/// The header of each frame.
 const HEAD: &[u8] = b"FRAME\n";
 
 /// The header of the stream.

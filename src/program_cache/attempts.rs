@@ -1,9 +1,8 @@
-//! Detects that a driver crashed the process: a mark file exists while the driver works on a program, and a mark that
-//! is left over shows a crash to the next run.
+//! Detects that a driver crashed the process: a mark file exists while the driver works on a program, and a left-over
+//! mark shows a crash to the next run.
 //!
-//! A live process holds a lock on its marks, so a mark that can be locked is left over. A process that is killed leaves
-//! marks too, and a crash leaves the marks of all threads. A wrong guess costs only speed, and the message about it
-//! names the file.
+//! A live process holds a lock on its marks, so a mark that can be locked is left over. A kill leaves marks too, and
+//! a crash those of all threads. A wrong guess costs only speed, and the message about it names the file.
 
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};
@@ -12,7 +11,6 @@ use std::path::{Path, PathBuf};
 use crate::ending::{self, Undo};
 use crate::gpu::program_store::Work;
 
-/// The words for kinds of work in mark files.
 const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "compiling")];
 
 /// Work in progress. Dropping it removes the mark: the process has survived the work.

@@ -36,7 +36,6 @@ use crate::atomic_file::AtomicFile;
 use crate::gpu::program_store::{GivenUp, ProgramKey, ProgramStore, Work};
 use crate::limits::LIMITS;
 
-/// The words for reasons in files.
 const REASONS: [(GivenUp, &str); 3] =
     [(GivenUp::Refused, "refused"), (GivenUp::DiedOnce, "died once"), (GivenUp::DiedTwice, "died twice")];
 
@@ -50,7 +49,6 @@ pub struct ProgramCache {
 #[derive(Debug)]
 struct Folder {
     path: PathBuf,
-    /// True once a failed write was logged.
     complained: AtomicBool,
     /// Programs whose first crash was found in this run.
     left_out: Mutex<HashSet<ProgramKey>>,
@@ -92,7 +90,6 @@ impl ProgramCache {
         self.write(key, GIVEN_UP, word.as_bytes());
     }
 
-    /// The recorded failure of a program, and its file.
     fn noted(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         let path = self.path(key, GIVEN_UP)?;
         let word = read_file(&path, WORD_MAX)?.ok()?;
@@ -112,7 +109,6 @@ impl ProgramCache {
         Some(folder)
     }
 
-    /// Writes a file atomically, and deletes old files if the cache is too large.
     fn write(&self, key: ProgramKey, kind: &str, bytes: &[u8]) {
         let Some((folder, path)) = self.make_folder().zip(self.path(key, kind)) else { return };
         match AtomicFile::create(&path).and_then(|file| file.write(bytes)) {
@@ -123,7 +119,6 @@ impl ProgramCache {
 }
 
 impl ProgramStore for ProgramCache {
-    /// Loads an intact program of this key; removes a damaged file.
     fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
         let path = self.path(key, PROGRAM)?;
         let bytes = read_file(&path, LIMITS.kept_program_bytes_max + entry::HEADER)?.unwrap_or_default();
@@ -136,7 +131,6 @@ impl ProgramStore for ProgramCache {
         Some(content.to_owned())
     }
 
-    /// Saves a program, unless it is larger than [`crate::limits::Limits::kept_program_bytes_max`].
     fn save(&self, key: ProgramKey, content: &[u8]) {
         if content.len() <= LIMITS.kept_program_bytes_max {
             self.write(key, PROGRAM, &entry::encode(key, content));
@@ -153,17 +147,14 @@ impl ProgramStore for ProgramCache {
         Some(Box::new(self.begin(key, work)?))
     }
 
-    /// The work on a program during which an earlier run died. Reported once.
     fn death(&self, key: ProgramKey) -> Option<Work> {
         attempts::death(&self.path(key, ATTEMPT)?)
     }
 
-    /// Records that the driver refused a program, so that it is not tried again.
     fn note_refused(&self, key: ProgramKey) {
         self.give_up(key, GivenUp::Refused);
     }
 
-    /// Records that an earlier process died while the driver compiled a program.
     fn note_died(&self, key: ProgramKey) {
         let Some(folder) = &self.folder else { return };
         folder.left_out().insert(key);
@@ -171,7 +162,6 @@ impl ProgramStore for ProgramCache {
         self.give_up(key, if died_before { GivenUp::DiedTwice } else { GivenUp::DiedOnce });
     }
 
-    /// Records that the driver compiled a program: earlier crashes are forgotten.
     fn note_compiled(&self, key: ProgramKey) {
         if let Some(path) = self.path(key, GIVEN_UP) {
             let _ = fs::remove_file(path);
@@ -210,8 +200,7 @@ const BLOCK: u64 = 4096;
 /// More bytes than the longest of [`REASONS`].
 const WORD_MAX: usize = 16;
 
-/// The bytes of a file. An error if there are more than `limit` or it cannot be read; `None` if there is no regular
-/// file of this name.
+/// The bytes of a file; an error if there are more than `limit`, `None` if there is no regular file of this name.
 fn read_file(path: &Path, limit: usize) -> Option<io::Result<Vec<u8>>> {
     // Opening a device or a pipe could block forever.
     if !fs::symlink_metadata(path).ok()?.is_file() {
@@ -225,12 +214,10 @@ fn read_file(path: &Path, limit: usize) -> Option<io::Result<Vec<u8>>> {
     })
 }
 
-/// Sets a file's time of use to now.
 fn touch(path: &Path) {
     let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
 }
 
-/// Removes the least recently used files until the others have at most `bytes_max`.
 fn make_room(folder: &Path, bytes_max: u64) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     let mut files: Vec<(SystemTime, u64, PathBuf)> = entries

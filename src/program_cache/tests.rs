@@ -50,7 +50,6 @@ fn a_damaged_or_foreign_file_is_removed() {
         assert_eq!(cache.load(key), None);
         assert!(!path.exists());
     }
-    // A folder instead of a file, and a file that is too large.
     fs::create_dir(&path).unwrap();
     assert_eq!(cache.load(key), None);
     let large = vec![0; LIMITS.kept_program_bytes_max + 1];
@@ -132,7 +131,6 @@ fn one_crash_while_compiling_banned_a_program_for_ever() {
     let path = cache.folder.as_ref().unwrap().path.clone();
     let start = || ProgramCache::in_folder(path.clone());
     let why = |run: &ProgramCache| run.given_up(key).map(|(why, _)| why);
-    // A run that dies while the driver compiles.
     let die = |run: ProgramCache| {
         assert_eq!(why(&run), None, "the program is not tried");
         let attempt = run.attempt(key, Work::Compiling).unwrap();
@@ -141,7 +139,6 @@ fn one_crash_while_compiling_banned_a_program_for_ever() {
         drop(attempt);
         fs::write(mark, content).unwrap();
     };
-    // The next run, which finds the mark.
     let find_out = || {
         let run = start();
         assert_eq!(run.death(key), Some(Work::Compiling));

@@ -15,11 +15,9 @@ pub struct OutgoingFrame {
 /// A write that takes longer than this is reported as blocked.
 const BLOCKS_AFTER: Duration = Duration::from_secs(2);
 
-/// The mailbox, shared by the show and the sending threads.
 pub(super) struct LatestFrame {
     state: Mutex<State>,
     changed: Condvar,
-    /// The target, for messages.
     to: String,
 }
 
@@ -31,19 +29,15 @@ struct State {
     over: bool,
     receivers: usize,
     news: Vec<String>,
-    /// Start of the current write to a receiver.
     writing: Option<Instant>,
-    /// True once this receiver was reported as slow or blocked.
     reported_slow: bool,
 }
 
 impl LatestFrame {
-    /// An empty mailbox for the target `to`.
     pub(super) fn new(to: String) -> Self {
         Self { state: Mutex::default(), changed: Condvar::new(), to }
     }
 
-    /// The target, for messages.
     pub(super) fn to(&self) -> &str {
         &self.to
     }
@@ -108,13 +102,11 @@ impl LatestFrame {
         state.receivers = state.receivers.saturating_sub(1);
     }
 
-    /// True if a receiver reads frames, or waits for the first.
     pub(super) fn is_wanted(&self) -> bool {
         let state = self.lock();
         state.receivers > 0 || state.count == 0
     }
 
-    /// Notes the start or the end of a write to a receiver.
     pub(super) fn note_writing(&self, writes: bool) {
         self.lock().writing = writes.then(Instant::now);
     }
@@ -128,7 +120,6 @@ impl LatestFrame {
         }
     }
 
-    /// Messages since the last call.
     pub(super) fn news(&self) -> Vec<String> {
         let mut state = self.lock();
         let blocks = state.writing.is_some_and(|since| since.elapsed() > BLOCKS_AFTER);

@@ -1,5 +1,4 @@
-//! MJPEG over HTTP on the loopback interface: a response without end (`multipart/x-mixed-replace`) with a part for each
-//! frame, as OBS, browsers and players read it.
+//! MJPEG over HTTP on the loopback interface: an endless response (`multipart/x-mixed-replace`) with a part per frame.
 //!
 //! A frame is encoded once, and only while there is a reader. Each reader has a thread that always writes the latest
 //! frame. All other requests, and requests for other hosts, are refused.
@@ -19,7 +18,6 @@ use crate::limits::LIMITS;
 use mariana_remote::http::{Head, HeadBounds, answer_in_words, read_head};
 
 const BOUNDARY: &str = "mariana-picture";
-/// Quality of the JPEGs, 1 to 100.
 const QUALITY: u8 = 90;
 /// Longest time for a client to send its request.
 const QUESTION_TIME: Duration = Duration::from_secs(5);
@@ -84,7 +82,6 @@ impl Drop for Place {
     }
 }
 
-/// Serves one client until it disconnects.
 fn serve(stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) {
     let bounds = HeadBounds {
         bytes_max: LIMITS.send_request_bytes_max,
@@ -113,7 +110,6 @@ fn serve(stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) {
     tracing::info!("a reader of {} has gone ({gone:?})", latest_frame.to());
 }
 
-/// Refuses other requests with an HTTP status and a message.
 fn judge(head: &Head) -> Result<(), (&'static str, &'static str)> {
     // Protects against DNS rebinding: a web page must not read frames under its own host name.
     let host = head.field("Host");
@@ -128,7 +124,6 @@ fn judge(head: &Head) -> Result<(), (&'static str, &'static str)> {
     }
 }
 
-/// Writes frames, always the latest one.
 fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) -> std::io::Result<()> {
     stream.write_all(
         format!(
@@ -174,7 +169,6 @@ mod tests {
 
     use super::*;
 
-    /// A server on a free port, and the port.
     fn sending() -> (Arc<LatestFrame>, u16) {
         for port in 20_000..60_000 {
             let latest_frame = Arc::new(LatestFrame::new("a place".into()));
@@ -191,7 +185,6 @@ mod tests {
         stream
     }
 
-    /// The next line without its line ending.
     fn line(lines: &mut impl BufRead) -> String {
         let mut line = String::new();
         lines.read_line(&mut line).unwrap();
@@ -216,7 +209,6 @@ mod tests {
     fn readers_get_frames_and_one_that_does_not_read_blocks_nobody() {
         let (latest_frame, port) = sending();
         let question = "GET / HTTP/1.1\r\nHost: localhost:1\r\n\r\n";
-        // A client that never reads.
         let _blocks = ask(port, question);
         let mut lines = BufReader::new(ask(port, question));
         assert_eq!(line(&mut lines), "HTTP/1.1 200 OK");

@@ -1,5 +1,4 @@
-//! Sends the window's frames to other programs. Each target has a thread that always takes the latest frame, so slow
-//! receivers skip frames.
+//! Sends the window's frames to other programs, each from a thread that takes the latest one: slow receivers skip some.
 //!
 //! **A receiver never blocks the show.** The show puts a frame into a mailbox ([`LatestFrame`]) and continues. A
 //! receiver that blocks, disconnects or returns causes one message each time ([`Sending::news`]).
@@ -42,8 +41,7 @@ pub struct Sending {
 }
 
 impl Sending {
-    /// Starts sending frames of `size` pixels, both even, `fps` times a second. Returns at once: a receiver may connect
-    /// later.
+    /// Sends frames of `size` pixels, both even, `fps` times a second. Returns at once: a receiver may connect later.
     ///
     /// # Errors
     /// [`SendError`]

@@ -1,5 +1,4 @@
-//! Sends frames at a constant rate to receivers that read one frame after another: y4m into a FIFO or to standard
-//! output, and v4l2 devices.
+//! Sends frames at a constant rate to receivers that read them in turn: y4m (a FIFO or standard output) and v4l2.
 //!
 //! Receivers derive the time from the number of frames, so an unchanged frame is sent again.
 
@@ -13,8 +12,7 @@ use super::latest_frame::{LatestFrame, OutgoingFrame};
 use super::{SendError, SenderTarget};
 use crate::y4m::{self, Chroma};
 
-/// A receiver of frames at a constant rate, used on the thread of its target. Each call may block for as long as the
-/// receiver likes.
+/// A receiver of frames at a constant rate, on its target's thread. Each call may block as long as the receiver likes.
 pub(super) trait Receiver: Send + 'static {
     /// Waits for a reader.
     ///
@@ -28,11 +26,9 @@ pub(super) trait Receiver: Send + 'static {
     /// The reader has disconnected, or writing failed.
     fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()>;
 
-    /// True if another reader may connect after one has disconnected.
     fn can_come_again(&self) -> bool;
 }
 
-/// Pause before waiting for the next reader.
 const PAUSE: Duration = Duration::from_millis(500);
 
 pub(super) fn start(
@@ -102,7 +98,6 @@ fn feed(
     }
 }
 
-/// A FIFO that another program reads.
 pub(super) struct Fifo {
     path: PathBuf,
     header: Vec<u8>,
@@ -110,7 +105,6 @@ pub(super) struct Fifo {
 }
 
 impl Fifo {
-    /// The FIFO at `path`, for frames of `size` pixels.
     pub(super) fn new(path: &Path, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
         let refused = |reason: &str| SendError::Refused {
             to: SenderTarget::Y4m(Some(path.to_owned())).to_string(),
@@ -174,7 +168,6 @@ impl Receiver for Fifo {
 pub(super) struct Standard(Vec<u8>);
 
 impl Standard {
-    /// A stream on standard output, for frames of `size` pixels.
     pub(super) fn new(size: (u32, u32), fps: f64) -> Self {
         Self(y4m::header(size, fps, Chroma::Quarter))
     }
@@ -204,7 +197,6 @@ mod tests {
 
     use super::*;
 
-    /// A receiver that takes `pictures` frames and disconnects, `times` times.
     struct Short {
         taken: Sender<u8>,
         pictures: usize,

@@ -1,5 +1,4 @@
-//! A camera that other programs see, by v4l2loopback: a device that receives a format by an ioctl and then frames by
-//! writes.
+//! A camera that other programs see, by v4l2loopback: a device that takes a format by an ioctl, and frames by writes.
 
 #![expect(unsafe_code, reason = "the device's format is set by an ioctl of the kernel")]
 

@@ -1,5 +1,4 @@
-//! Shows together with the sources of their scenes. [`mariana_show`], which knows only the scenes' names, makes the
-//! timelines; [`prepared_show`] adds the sources.
+//! Shows with the sources of their scenes: [`mariana_show`] knows only names; [`prepared_show`] adds the sources.
 
 mod live;
 mod prepared_show;

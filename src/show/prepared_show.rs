@@ -1,5 +1,4 @@
-//! A show with everything that is needed to play it: the timeline and the sources of its scenes. Errors in the show
-//! file and its scenes are found here.
+//! A show with its timeline and the sources of its scenes. Errors in the show file and its scenes are found here.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,7 +10,6 @@ use mariana_music::SongStructure;
 use mariana_show::limits::LIMITS as SHOW_LIMITS;
 use mariana_show::{Clip, CueListError, Moment, SceneCard, Show, TimedTransition, Timeline};
 
-/// The demo track's show.
 const DEMO_SHOW: &str = include_str!("../../assets/demo.show");
 const DEMO_NAME: &str = "demo.show";
 
@@ -75,19 +73,16 @@ pub struct PreparedShow {
     chosen_by: ChosenBy,
 }
 
-/// The origin of a show's scenes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum ChosenBy {
     /// The user, by a show file or the command line.
     #[default]
     User,
     Director,
-    /// The author of the demo track's show.
     Demo,
 }
 
 impl PreparedShow {
-    /// The same scenes with another timeline.
     pub(super) fn with_timeline(&self, timeline: Option<Timeline>) -> Self {
         Self { show: self.show.with_timeline(timeline), ..self.clone() }
     }

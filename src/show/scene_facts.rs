@@ -5,12 +5,10 @@ use std::path::Path;
 use crate::scenes::{SceneError, SceneSource};
 use mariana_show::{Refusal, SceneFacts};
 
-/// Compiles a scene and returns the facts that a show needs.
 pub(super) fn facts_of(source: &SceneSource) -> Result<SceneFacts, SceneError> {
     source.checked().map(SceneFacts::from)
 }
 
-/// Converts a scene's error for messages about the show.
 pub(super) fn refusal(error: SceneError) -> Refusal {
     match error {
         SceneError::Mistakes { name, plain, .. } => {

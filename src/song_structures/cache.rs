@@ -1,8 +1,6 @@
 //! A cache of song structures in the user's cache folder. A file is named by a hash of the song's bytes, the played
-//! part and the version of the analysis.
-//!
-//! A file is a line with a checksum, and then JSON. All files may be deleted at any time; a damaged file is replaced,
-//! and the least recently used files are deleted first.
+//! part and the version of the analysis; it is a line with a checksum, and then JSON. All files may be deleted at any
+//! time; a damaged file is replaced, and the least recently used ones are deleted first.
 
 use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -19,7 +17,6 @@ use mariana_player::track::Content;
 
 const ENDING: &str = "song";
 
-/// The hash that identifies a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct StructureKey(u128);
 
@@ -66,7 +63,6 @@ impl StructureCache {
         Some(StructureKey((u128::from(a) << 64) | u128::from(b)))
     }
 
-    /// Loads an intact structure of this key.
     pub(super) fn load(&self, key: StructureKey) -> Option<SongStructure> {
         let path = self.path(key)?;
         let bytes = read_file(&path).ok()?;
@@ -104,7 +100,6 @@ impl StructureCache {
     }
 }
 
-/// The bytes of a file, at most as many as a structure may have.
 fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     // Opening a device or a pipe could block forever.
     if !fs::symlink_metadata(path)?.is_file() {
@@ -135,7 +130,6 @@ fn checksum(bytes: &[u8]) -> u64 {
     hasher.finish()
 }
 
-/// Removes the least recently used structures until at most `kept` are left.
 pub(super) fn forget_oldest(folder: Option<&Path>, kept: usize) {
     let Some(listing) = folder.and_then(|folder| fs::read_dir(folder).ok()) else { return };
     let mut files: Vec<(SystemTime, PathBuf)> = listing

@@ -15,8 +15,7 @@ const KNOWN_MAX: usize = 16;
 
 /// Niceness of the thread after the first song: the lowest priority.
 const NICENESS: i32 = 19;
-/// Niceness for the first song, which is already playing. At the lowest priority the thread would hardly run if a
-/// software renderer uses all processors.
+/// Niceness for the first song, which already plays: at the lowest, it would hardly run beside a software renderer.
 const FIRST_NICENESS: i32 = 5;
 
 /// The analysis thread. Dropping this ends it.
@@ -45,7 +44,6 @@ impl State {
         self.known.iter().find(|(known, _)| *known == track).map(|(_, structure)| structure)
     }
 
-    /// The most urgent track that is not analysed yet.
     fn next(&self) -> Option<&Arc<TrackInfo>> {
         self.wanted.iter().find(|track| self.find(track.id).is_none())
     }
@@ -120,7 +118,6 @@ impl Shared {
         if state.over { None } else { state.next().cloned() }
     }
 
-    /// True if this track is still the most urgent one.
     fn wants_most(&self, track: &TrackInfo) -> bool {
         let state = self.lock();
         !state.over && state.next().is_some_and(|next| next.id == track.id)

@@ -105,7 +105,6 @@ fn broken_and_silent_songs_are_neutral() {
     write_wav(&path, 48_000, 2, std::iter::repeat_n(0.0, 2 * 96_000));
     let moment = structure_of(&Song::File(path.clone()), &cache).moment(1.0);
     assert_eq!((moment.section, moment.energy, moment.beat_in_bar, moment.progress), (0.0, 0.0, 0.0, 0.5));
-    // A truncated file is a shorter song.
     write_song(&path, 20, 2);
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
@@ -137,7 +136,6 @@ fn only_the_oldest_beyond_the_limit_are_forgotten() {
     assert!(left.iter().any(|path| path.ends_with("other.txt")));
 }
 
-/// The track of a playlist with a single file.
 fn track_of(path: &Path) -> Arc<TrackInfo> {
     Playlist::open(&[path.to_owned()], Repeat::All, false).unwrap().first.info
 }
