@@ -9,7 +9,6 @@ use mariana_player::output::{Controls, Counters, OutputCallback, OutputCallbackL
 
 const FRAMES: usize = 1024;
 
-/// An [`OutputCallback`] in the middle of a song, with frames for a few calls in its ring.
 fn playing(volume: f32) -> (OutputCallback, OutputCallbackLink) {
     let (mut output_callback, mut link) = OutputCallback::new(
         48_000,

@@ -1,6 +1,5 @@
-//! The decoding speed per format: three minutes of stereo at 44.1 kHz (Opus 48 kHz), from file to frames.
-//!
-//! Elements are frames, so elements per second divided by the sample rate are multiples of real time.
+//! The decoding speed per format: three minutes of stereo at 44.1 kHz (Opus 48 kHz), from file to frames. Frames
+//! (elements) per second divided by the sample rate are multiples of real time.
 
 use std::path::Path;
 use std::process::Command;

@@ -40,13 +40,11 @@ struct Seen {
     steps: Vec<f64>,
     /// The longest time without a move of 1 ms.
     stillest: f64,
-    /// The progress of the position and of the time, in seconds.
     moved: f64,
     passed: f64,
     status: Option<PlayerStatus>,
 }
 
-/// Reads the position until `done`.
 fn watch(player: &mut Player, seen: &Mutex<Seen>, done: &AtomicBool) {
     let begin = Instant::now();
     let from = player.now(0.0).song_time;
@@ -80,7 +78,6 @@ fn watch(player: &mut Player, seen: &Mutex<Seen>, done: &AtomicBool) {
     }
 }
 
-/// Plays and reads the clock while `act` runs.
 fn during(act: impl FnOnce(&dyn Fn() -> Option<PlayerStatus>)) -> Seen {
     let mut player = Player::start_alone(Box::new(Tone(0)), PlayerOptions::default()).expect("a player");
     wait_until("the sound", || player.status().position > 1.0);

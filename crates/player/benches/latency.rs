@@ -34,7 +34,6 @@ const FRAME: Duration = Duration::from_nanos(16_666_667);
 const BURSTS: usize = 150;
 const BURST: u64 = 960;
 const DISTANCE: u64 = 24_000;
-/// Frames per call of the separate streams.
 const BUFFER: u32 = 256;
 
 fn host() -> cpal::Host {
@@ -52,7 +51,6 @@ fn burst_start(n: u64) -> u64 {
     RATE as u64 + n * DISTANCE + n * 7919 % 4801
 }
 
-/// The sample at `frame`: noise in bursts, silence otherwise.
 fn sample_at(frame: u64) -> f32 {
     let n = frame.saturating_sub(RATE as u64) / DISTANCE;
     let inside = |n: u64| (burst_start(n)..burst_start(n) + BURST).contains(&frame);
@@ -64,7 +62,6 @@ fn sample_at(frame: u64) -> f32 {
     }
 }
 
-/// Plays bursts, and sends the time at which each is heard by the stream's timestamps.
 fn play_bursts() -> (cpal::Stream, Receiver<Instant>) {
     let (heard, bursts) = channel();
     let (mut frame, mut n) = (0_u64, 0_u64);
@@ -87,7 +84,6 @@ fn play_bursts() -> (cpal::Stream, Receiver<Instant>) {
     (stream, bursts)
 }
 
-/// Records the monitor, and sends the time at which each burst arrived by the stream's timestamps.
 fn find_bursts() -> (cpal::Stream, Receiver<Instant>) {
     let (found, bursts) = channel();
     let mut quiet = 0_u64;
@@ -119,7 +115,6 @@ fn find_bursts() -> (cpal::Stream, Receiver<Instant>) {
     (stream, bursts)
 }
 
-/// Calls `look` at the start of each frame until it returns false.
 fn each_frame(mut look: impl FnMut(Instant) -> bool) {
     let mut due = Instant::now();
     loop {
@@ -150,7 +145,6 @@ fn milliseconds_after(later: Instant, sooner: Instant) -> f64 {
     if later >= sooner { (later - sooner).as_secs_f64() * 1e3 } else { -(sooner - later).as_secs_f64() * 1e3 }
 }
 
-/// Measures the time from an audible sample to the start of the first frame that shows it.
 fn live() {
     let _session = Session::with_server();
     let mut live =
@@ -204,7 +198,6 @@ impl FrameSource for Song {
     }
 }
 
-/// Measures the image's song time against the burst's at the moment of each burst at the monitor.
 fn file() {
     let _session = Session::with_server();
     let (_stream, bursts) = find_bursts();
@@ -230,7 +223,6 @@ fn file() {
     println!("      {} underruns", player.status().underruns);
 }
 
-/// Plays and listens with two busy threads per processor.
 fn xruns(seconds: u64) {
     let _session = Session::with_server();
     let mut player = Player::start_alone(Box::new(Song(0)), PlayerOptions::default()).expect("a player");

@@ -1,6 +1,4 @@
-//! The time for analysing a whole song: four minutes of mp3, decoded and analysed on one core.
-//!
-//! The song has sections, so that the analysis has something to find.
+//! The time for analysing a whole song: four minutes of mp3 with sections, decoded and analysed on one core.
 
 use std::process::Command;
 

@@ -1,7 +1,5 @@
-//! Song times and features of the delivered frames, by segment.
-//!
-//! The decoding and the analysis thread write them, and the window reads them. Each holds the lock only briefly; the
-//! callback never touches it.
+//! Song times and features of the delivered frames, by segment. The decoding and the analysis thread write them, and
+//! the window reads them. Each holds the lock only briefly; the callback never touches it.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -32,7 +30,6 @@ struct Anchor {
 struct Passage {
     id: u64,
     track: Arc<TrackInfo>,
-    /// The segment time at which the passage begins.
     segment_time: f64,
     /// The track time at that point. The features' time counts from there and continues over laps.
     start: f64,
@@ -45,11 +42,9 @@ struct SegmentNotes {
     id: u64,
     /// Segments with the same number are separated by neither a seek nor a skip.
     run: u64,
-    /// The device's frames per second.
     rate: u32,
     /// Ordered by time, never empty.
     passages: VecDeque<Passage>,
-    /// The number of track starts within the segment.
     laps: u32,
     end_frame: Option<u64>,
 }
@@ -267,7 +262,6 @@ mod tests {
     use super::*;
     use crate::track::Track;
 
-    /// Begins a segment whose id is also its passage, run and track number.
     fn begin(audible_segments: &mut AudibleSegments, id: u64, rate: u32, start: f64) {
         audible_segments.begin(id, id, rate, id, start, Track::silence(id as usize, 9).info);
     }

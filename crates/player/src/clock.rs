@@ -1,21 +1,21 @@
 //! The playback clock: maps moments to audible frames.
 //!
-//! The callback writes one [`Span`] per stretch of its buffer: which frames of which segment it delivered, and when the
-//! first of them becomes audible (callback time + latency, by the device's timestamps). The last [`SPANS_KEPT`] spans
-//! stay readable. Writing is wait-free. A slot is a sequence lock: its version is odd while it is being written, and
-//! also identifies the span that it holds. A reader that finds a slot half written tries again.
+//! The callback writes one [`Span`] per stretch of its buffer: which frames of which segment it delivered, and when
+//! the first of them becomes audible (callback time + latency, by the device's timestamps). The last [`SPANS_KEPT`]
+//! spans stay readable. Writing is wait-free: a slot is a sequence lock, whose version is odd while it is being
+//! written.
 //!
-//! Device timestamps jitter by milliseconds. Because the device plays at a steady rate, the writer follows them with a
-//! first-order loop (a delay-locked loop without its second integrator; F. Adriaensen, "Using a DLL to filter time",
-//! 2005). It jumps only if the deviation is large.
+//! Device timestamps jitter by milliseconds. The writer follows them with a first-order loop (a delay-locked loop
+//! without its second integrator; F. Adriaensen, "Using a DLL to filter time", 2005) and jumps only if the deviation
+//! is large.
 //!
 //! **The song continues through device faults.** A [`Clock`] computes its position:
 //! - While spans cover the moment, they give the position.
 //! - If a device falls silent while frames are moving, the song continues at its normal pace until another output
-//!   sounds. That output receives the time at which its first frame is due ([`super::output::Segment::due_at`]) and
-//!   drops frames that are already late.
-//! - The reported position never steps. If it differs from the audible one (a device resumed after a pause, or the
-//!   latency changed), the clock runs at [`SLOWEST`] to [`FASTEST`] times its pace until both agree.
+//!   sounds. That output knows when its first frame is due ([`super::output::Segment::due_at`]) and drops late
+//!   frames.
+//! - The reported position never steps. If it differs from the audible one, the clock runs at [`SLOWEST`] to
+//!   [`FASTEST`] times its pace until both agree.
 //! - Only a seek, a skip or another track moves the position at once. A pause or an underrun holds it.
 //! - If no reader looked and no device called for [`AWAY_MAX`], the process was suspended, and the song did not move.
 //!
@@ -36,22 +36,18 @@ const JUMP_NS: f64 = 30e6;
 
 const NS_PER_SECOND: f64 = 1e9;
 
-/// The slowest pace of a clock that is ahead of the audible sound.
+/// The paces of a clock that is ahead of the audible sound, and of one that is behind it.
 const SLOWEST: f64 = 0.8;
 
-/// The fastest pace of a clock that is behind the audible sound.
 const FASTEST: f64 = 1.2;
 
-/// After a longer time than this between two reads, in seconds, the process may have been suspended. Then only frames
-/// that were delivered to a device meanwhile count.
+/// After a longer pause between two reads, in seconds, only frames that were delivered meanwhile count.
 const AWAY_MAX: f64 = 0.5;
 
-/// A clock that is further ahead of the audible sound than this, in seconds, waits for it. Otherwise a device that
-/// stalls repeatedly would let the clock run away from the sound.
+/// A clock further ahead of the sound, in seconds, waits: repeated stalls must not let it run away.
 const AHEAD_MAX: f64 = 1.5;
 
-/// If two segments report positions further apart than this, in seconds, the clock jumps instead of closing the gap
-/// gradually.
+/// If two segments report positions further apart, in seconds, the clock jumps instead of closing the gap slowly.
 const APART_MAX: f64 = 3.0;
 
 /// The value of `first_frame` before any frame was delivered.
@@ -115,7 +111,6 @@ pub struct SpanHistory {
     /// The segment and frame of the first span; the frame is written last.
     first_segment: AtomicU64,
     first_frame: AtomicU64,
-    /// The number of frames in moving spans.
     moved: AtomicU64,
     silent: AtomicBool,
 }
@@ -151,7 +146,6 @@ impl SpanHistory {
 
     /// Sets the id of the device that plays these frames. Only the first call has an effect.
     pub fn set_device(&self, id: &str) {
-        // A second id is ignored: a history belongs to one stream.
         let _ = self.device.set(id.into());
     }
 
@@ -266,14 +260,11 @@ impl SpanHistory {
     }
 }
 
-/// A span and its relation to a moment.
 struct Found {
     span: Span,
     /// Frames from the span's start to the moment; negative if the span is later.
     passed: f64,
-    /// True for the first span that was written.
     first: bool,
-    /// True for the latest span that was written.
     newest: bool,
 }
 
@@ -336,21 +327,16 @@ impl SpanWriter {
 /// A reader whose position continues through device changes; the module's page gives the rules.
 #[derive(Default)]
 pub struct Clock {
-    /// The history that was read last.
     history: Option<Arc<SpanHistory>>,
-    /// The position that was reported last, and its moment.
     last: Option<(Audible, Instant)>,
     delay: f64,
 }
 
 impl Clock {
     /// The song's position at `moment`, if the sound is heard `delay` seconds (0 or more) later than the device
-    /// reports.
-    ///
-    /// `newest` is the history of the open output; until its first frame is audible, the previous history is used.
-    /// `carry` maps an audible frame of an earlier segment to a frame of a later one (negative before its start), or
-    /// returns `None` if a seek or another track separates them. If no history can be read, the last position is
-    /// returned.
+    /// reports. Until the first frame of `newest`, the open output's history, is audible, the previous history is
+    /// used; without any, the last position is returned. `carry` maps an audible frame of an earlier segment to one
+    /// of a later segment (negative before its start), or returns `None` if a seek or another track separates them.
     pub fn at(
         &mut self,
         newest: Option<&Arc<SpanHistory>>,

@@ -77,12 +77,10 @@ fn readers_never_see_a_span_half_written() {
     });
 }
 
-/// Maps nothing: the segments are unrelated.
 fn apart(_: Audible, _: u64) -> Option<f64> {
     None
 }
 
-/// The clock's position at `ms`, in frames, if all segments count the same frames.
 fn reported(clock: &mut Clock, history: &Arc<SpanHistory>, ms: u64) -> f64 {
     let moment = history.epoch + Duration::from_millis(ms);
     let carry = |from: Audible, _| Some(from.frame);

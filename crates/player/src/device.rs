@@ -41,27 +41,21 @@ pub(crate) trait Port: Sized + Send + 'static {
     type Link: Send + 'static;
     /// Port-specific data about the open stream.
     type Note: Clone + Default + Send + 'static;
-    /// The substitute for a device.
     type StandIn: Send + 'static;
 
-    /// The direction of the sound.
     const DIRECTION: Direction;
-    /// A description of the substitute.
     const STAND_IN: &'static str;
 
     /// Returns a function that opens and starts a device on another thread; it may block.
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<Self::Link> + Send + 'static;
-    /// The port-specific data of a link.
     fn note(link: &Self::Link) -> Self::Note;
     /// Handles a newly opened device, after its status was published.
     fn ready(&mut self, link: Self::Link);
-    /// Starts the substitute for a device.
     fn stand_in(&mut self) -> io::Result<(Option<Self::StandIn>, Self::Note)>;
     /// Handles a newly started substitute, after its status was published.
     fn stood_in(&mut self);
 }
 
-/// An open, running device.
 pub(crate) struct Opened<L> {
     pub(crate) link: L,
     pub(crate) entry: ListedDevice,
@@ -79,10 +73,8 @@ pub(crate) struct Running {
     pub(crate) _connection: Option<PlaybackConnection>,
 }
 
-/// A stream with its data, or the error.
 pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), (DeviceError, ErrorKind)>;
 
-/// The failure of a running stream.
 pub(crate) struct Failure {
     pub(crate) reason: String,
     pub(crate) kind: ErrorKind,
@@ -129,7 +121,6 @@ pub(crate) fn sentence(error: &cpal::Error) -> String {
     error.to_string().trim_end_matches('.').to_owned()
 }
 
-/// Converts an error during opening to one for the user.
 pub(crate) fn refusal(
     direction: Direction,
     device: &str,
@@ -205,7 +196,6 @@ fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedD
     ranked.min_by_key(|(rank, _)| *rank).map(|(_, device)| device)
 }
 
-/// The input that records the default output.
 fn monitor() -> Option<cpal::Device> {
     let hosts = hosts_by_preference();
     if let Some(server) = hosts.iter().copied().find(|id| is_server(*id)) {

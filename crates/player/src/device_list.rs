@@ -1,6 +1,5 @@
-//! The list of connected devices, polled several times a second on a separate thread.
-//!
-//! The sound servers announce changes, but cpal does not pass them on. A poll makes four queries to the server.
+//! The list of connected devices, polled several times a second on a separate thread: the sound servers announce
+//! changes, but cpal does not pass them on. A poll makes four queries to the server.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -26,7 +25,6 @@ pub struct ListedDevice {
 }
 
 impl ListedDevice {
-    /// Describes a cpal device.
     pub(crate) fn of(device: &cpal::Device) -> Self {
         let id = device.id().map(|id| id.to_string()).unwrap_or_default();
         let name = device.description().map_or_else(|_| id.clone(), |about| about.name().to_owned());

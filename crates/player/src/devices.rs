@@ -11,7 +11,6 @@ use serde::Serialize;
 use super::hosts::{self, hosts_by_preference, hush_sound_library, monitored_output};
 use super::worker::Worker;
 
-/// The longest time that a host may take to answer.
 const HOST_LIMIT: Duration = Duration::from_secs(3);
 
 /// All hosts of this system.

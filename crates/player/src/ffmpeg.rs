@@ -1,9 +1,8 @@
 //! Command lines of ffmpeg and ffprobe. No other module starts these programs.
 //!
 //! By default ffmpeg chooses a demuxer by a file's content, and some demuxers (HLS, DASH, concat) open every file and
-//! address that their input names. So a song that is also an HLS playlist could put the content of other files into a
-//! video. [`CommandLine::input`] is the only way to add an input. It names the demuxers that may read the input and the
-//! single protocol that reaches it. These demuxers open only their own input.
+//! address that their input names. [`CommandLine::input`], the only way to add an input, names the demuxers that may
+//! read it and the single protocol that reaches it. These demuxers open only their own input.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};

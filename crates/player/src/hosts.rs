@@ -1,8 +1,7 @@
-//! The sound systems of this machine, and the connections to a sound server.
-//!
-//! A connection to PulseAudio is a socket and a thread. It lasts as long as the server, not the host that opened it,
-//! and a server accepts only 64. So connections are kept and reused: one for queries and inputs, and one for each
-//! playing stream, because cpal groups all streams of a connection and PulseAudio keeps a group on one device.
+//! The sound systems of this machine, and the connections to a sound server. A connection to PulseAudio is a socket
+//! and a thread. It lasts as long as the server, which accepts only 64. So connections are kept and reused: one for
+//! queries and inputs, and one for each playing stream, because PulseAudio keeps all streams of a connection on one
+//! device.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -13,7 +12,6 @@ use super::server_connection::{self, ServerConnection};
 /// The suffix that an output's id gets in its monitor's id (PulseAudio, PipeWire).
 const MONITOR_SUFFIX: &str = ".monitor";
 
-/// The kept connection for queries and inputs.
 static SERVER: Mutex<Option<Arc<cpal::Host>>> = Mutex::new(None);
 
 /// A connection, and the server's identifier of it, if known.
@@ -50,9 +48,6 @@ pub(crate) fn hush_sound_library() {
 }
 
 /// Returns a host that answers. This may block as long as the sound system does.
-///
-/// # Errors
-/// The sound system's error.
 pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     if !is_server(id) {
         return Ok(Arc::new(cpal::host_from_id(id)?));
@@ -82,7 +77,6 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
 pub(crate) struct PlaybackConnection(Option<Connected>);
 
 impl PlaybackConnection {
-    /// The server's identifier of the connection, if known.
     pub(crate) fn at_server(&self) -> Option<ServerConnection> {
         self.0.as_ref()?.1
     }
@@ -96,11 +90,8 @@ impl Drop for PlaybackConnection {
     }
 }
 
-/// Returns the same device on its own connection, to be held while a stream plays on it. On hosts other than sound
-/// servers it returns the device unchanged.
-///
-/// # Errors
-/// The sound system's error.
+/// Returns the same device on its own connection, to be held while a stream plays on it; on hosts other than sound
+/// servers, the device itself.
 pub(crate) fn for_playback(device: cpal::Device) -> Result<(cpal::Device, PlaybackConnection), cpal::Error> {
     let id = device.id()?;
     if !is_server(id.host()) {
@@ -129,7 +120,6 @@ fn lock() -> std::sync::MutexGuard<'static, Option<Arc<cpal::Host>>> {
     SERVER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The id of a sound server's input that records the output.
 pub(crate) fn monitor_id(output_id: &str) -> String {
     format!("{output_id}{MONITOR_SUFFIX}")
 }

@@ -1,7 +1,6 @@
-//! The list of tracks as a window shows it. The list thread writes it; any thread may read it.
-//!
-//! Each entry has an **id** that is unique as long as the list exists. Its index changes when entries are moved or
-//! removed. Threads refer to entries by id; only readers of the list need indices.
+//! The list of tracks as a window shows it. The list thread writes it; any thread may read it. Each entry has an
+//! **id** that is unique as long as the list exists; its index changes when entries are moved or removed. Threads
+//! refer to entries by id; only readers of the list need indices.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -65,7 +64,6 @@ pub struct SharedListing(Arc<Mutex<Listing>>);
 #[derive(Debug, Default)]
 struct Listing {
     tracks: Arc<ListedTracks>,
-    /// Entry ids and indices.
     places: HashMap<u64, usize>,
 }
 

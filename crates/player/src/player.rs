@@ -1,12 +1,10 @@
-//! Playback of tracks: [`Player`], the handle that the window holds.
+//! Playback of tracks: [`Player`], the handle that the window holds. All methods return at once; slow work runs on
+//! the threads that [`Player::start`] starts.
 //!
-//! All methods return at once. Slow work runs on the threads that [`Player::start`] starts.
-//!
-//! **Gapless tracks.** The list thread (`player::listing`) opens the next track while the current one plays, so neither
-//! a slow disk nor a list of missing files delays the sound. The next track's frames enter the same ring of the same
-//! segment. At an equal sample rate they pass through the same resampler: no sample is added or lost, and the filter
-//! sees no artificial edge. At another rate the resampler is flushed and replaced. Frames that still wait in the ring
-//! count as not played: a seek applies to the track that is heard, and its decoder is kept until then.
+//! **Gapless tracks.** The list thread (`player::listing`) opens the next track while the current one plays. Its
+//! frames enter the same ring of the same segment, and at an equal sample rate the same resampler: no sample is added
+//! or lost. At another rate the resampler is flushed and replaced. Frames that still wait in the ring count as not
+//! played: a seek applies to the track that is heard, and its decoder is kept until then.
 
 mod analysis;
 mod audible;
@@ -253,17 +251,14 @@ impl Player {
         self.listing.tracks()
     }
 
-    /// The loudness shape of the track that [`Player::status`] reported last, as far as it is measured.
-    ///
-    /// The first call starts the measurement, and each later one may return more of the track. `None` before anything
-    /// is measured, and for tracks that have an unknown length, are longer than the limits' `shape_seconds_max`, or
-    /// cannot be opened twice.
+    /// The loudness shape of the track that [`Player::status`] reported last, as far as it is measured; the first
+    /// call starts the measurement. `None` before anything is measured, and for tracks that have an unknown length,
+    /// are longer than the limits' `shape_seconds_max`, or cannot be opened twice.
     pub fn shape(&self) -> Option<Arc<LoudnessShape>> {
         self.shapes.of(&self.track)
     }
 
-    /// Plays the track at this index of the list, or the next one that can be played. An index beyond the list is
-    /// ignored.
+    /// Plays the track at this index, or the next one that can be played. Ignores an index beyond the list.
     pub fn play_entry(&self, entry: usize) {
         self.threads.send(Command::PlayEntry(entry));
     }
@@ -274,8 +269,7 @@ impl Player {
         self.threads.send(Command::Edit(Edit::Move { from, to }));
     }
 
-    /// Removes an entry; see [`Player::move_entry`]. If it is playing, the next track plays instead, or silence if none
-    /// follows.
+    /// Removes an entry; see [`Player::move_entry`]. If it is playing, the next track or silence follows.
     pub fn remove_entry(&self, entry: usize) {
         self.threads.send(Command::Edit(Edit::Remove(entry)));
     }
@@ -349,11 +343,9 @@ impl Player {
         self.position.clone()
     }
 
-    /// The audible moment.
-    ///
-    /// `latency_shift` (in seconds, within the limits' `latency_ms_max`) is added to the latency that the device
-    /// reports. It is positive if the sound is heard later than the device reports. A negative shift looks ahead, as
-    /// far as frames are decoded (0.3 to 0.4 s).
+    /// The audible moment. `latency_shift` (in seconds, within the limits' `latency_ms_max`) is positive if the sound
+    /// is heard later than the device reports. A negative shift looks ahead, as far as frames are decoded (0.3 to 0.4
+    /// s).
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         self.audible.now(latency_shift)
     }

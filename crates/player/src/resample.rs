@@ -1,12 +1,10 @@
 //! Sample rate conversion of a stereo stream, for the decoding thread (never for the callback).
 //!
-//! The filter's delay is cut off at the start and drained at the end. So output frame `m` is the signal at input time
-//! `m * from / to`, and `n` input frames become `round(n * to / from)` output frames.
-//!
-//! Rates with a large common divisor (all usual ones) go through rubato's FFT resampler. Its block spans an even number
-//! of periods of the ratio, so its delay is a whole number of frames on both sides. For odd ratios such a block would
-//! hold seconds of sound. They go through the windowed-sinc resampler, whose delay is compensated to within half an
-//! output frame.
+//! The filter's delay is cut off at the start and drained at the end: output frame `m` is the signal at input time
+//! `m * from / to`, and `n` input frames become `round(n * to / from)` output frames. Rates with a large common
+//! divisor (all usual ones) go through rubato's FFT resampler, whose delay is then a whole number of frames on both
+//! sides. For odd ratios its block would hold seconds of sound; they go through the windowed-sinc resampler, whose
+//! delay is compensated to within half an output frame.
 
 use rubato::audioadapter_buffers::direct::InterleavedSlice;
 use rubato::{
@@ -17,8 +15,7 @@ use rubato::{
 use mariana_music::StereoFrame;
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
-/// Target length of an FFT block, in input frames: long enough for a steep filter, short enough to respond quickly
-/// after a seek (23 ms at 44.1 kHz).
+/// Target length of an FFT block, in input frames (23 ms at 44.1 kHz): a steep filter and quick seeks.
 const BLOCK_FRAMES: usize = 1024;
 
 /// Longest FFT block, in input frames; ratios that need a longer one use the sinc resampler.
@@ -60,9 +57,7 @@ pub struct Resampler {
 
 struct Engine {
     inner: Box<dyn rubato::Resampler<f32>>,
-    /// Input that does not fill a block yet.
     waiting: Vec<StereoFrame>,
-    /// One block of output.
     block: Vec<StereoFrame>,
     /// The filter's delay, in output frames.
     delay: usize,
@@ -177,7 +172,6 @@ impl Engine {
         Ok(Self { inner, waiting: Vec::new(), block, delay, delay_left: delay, frames_in: 0, frames_out: 0 })
     }
 
-    /// Converts all full blocks of waiting input.
     fn run(&mut self, output: &mut Vec<StereoFrame>) -> Result<(), String> {
         let mut taken = 0;
         while self.waiting.len() - taken >= self.inner.input_frames_next() {
@@ -244,7 +238,6 @@ mod tests {
             .collect()
     }
 
-    /// Converts in pieces of uneven length, like packets.
     fn convert(from: u32, to: u32, input: &[StereoFrame]) -> Vec<StereoFrame> {
         let mut resampler = Resampler::new(from, to).unwrap();
         let mut output = Vec::new();

@@ -1,8 +1,6 @@
-//! Closes cpal's PulseAudio connections on the server's side when cpal cannot close them.
-//!
-//! When the last output is unplugged, PulseAudio kills the stream that played on it. cpal's thread then waits forever
-//! for a last message of that stream, and dropping the stream waits for the thread. The thread does notice a closed
-//! connection, however, and the server can be asked to close it.
+//! Closes cpal's PulseAudio connections on the server's side when cpal cannot close them. When the last output is
+//! unplugged, PulseAudio kills its stream. cpal's thread then waits forever for a last message, and dropping the
+//! stream waits for the thread. The thread does notice a connection that the server has closed on request.
 
 use std::collections::BTreeSet;
 use std::ffi::CString;
@@ -11,11 +9,9 @@ use std::sync::{Mutex, PoisonError};
 use futures_executor::block_on;
 use pulseaudio::{Client, ClientError};
 
-/// The connection for queries about other connections. It is kept open, because a connection lasts as long as the
-/// server.
+/// The connection for queries about others, kept open because a connection lasts as long as the server.
 static ASKING: Mutex<Option<Client>> = Mutex::new(None);
 
-/// The server's identifier of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ServerConnection {
     /// The server's cookie, which changes when the server restarts.

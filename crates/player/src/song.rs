@@ -7,7 +7,6 @@ use std::path::PathBuf;
 use super::decode::{DecodeError, Decoder};
 pub use super::one_line::one_line;
 
-/// Bytes read at once.
 const PIECE_BYTES: usize = 1 << 16;
 
 /// A song that can be opened any number of times.
@@ -65,7 +64,6 @@ pub fn display_name(decoder: &Decoder) -> String {
     track_name(info.artist.as_deref(), info.title.as_deref(), &info.name)
 }
 
-/// The display name of a track with these tags in a file of this name.
 pub(super) fn track_name(artist: Option<&str>, title: Option<&str>, file: &str) -> String {
     let tag = |tag: Option<&str>| tag.map(one_line).filter(|tag| !tag.is_empty());
     match (tag(artist), tag(title)) {

@@ -1,16 +1,15 @@
-//! The supervisor of one direction of sound: opens a device, monitors it, follows the default device, replaces it by a
-//! substitute when it fails, and opens it again as soon as possible.
+//! The supervisor of one direction of sound: opens a device, monitors it, follows the default device, replaces it by
+//! a substitute when it fails, and opens it again as soon as possible. Outputs and inputs each have a [`Port`].
 //!
-//! There is one supervisor for each direction, with a [`Port`] for outputs and one for inputs. Each device has its own
-//! thread, which opens, holds and drops its stream. No such call is certain to return: a thread that does not answer in
-//! time is abandoned. Only one opening runs at a time, so that a hanging sound server costs one thread and not one for
-//! each attempt.
+//! Each device has its own thread, which opens, holds and drops its stream. No such call is certain to return: a
+//! thread that does not answer in time is abandoned. Only one opening runs at a time, so that a hanging sound server
+//! costs one thread and not one for each attempt.
 //!
-//! The supervisor counts the device's callbacks, and compares the open device with the device list, which another
-//! thread polls four times a second. Polling is needed because cpal does not report device changes, and a sound server
-//! silently moves the stream of an unplugged device to another one. The open device continues until its successor is
-//! open. Each kind of cpal's errors has its own wait before the next attempt; a change in the device list ends the
-//! wait. The default may change and change back between two polls, so an opened device is checked once more afterwards.
+//! The supervisor counts the device's callbacks, and compares the open device with the polled device list, because
+//! cpal does not report device changes, and a sound server silently moves the stream of an unplugged device to
+//! another one. The open device continues until its successor is open. Each kind of cpal's errors has its own wait
+//! before the next attempt; a change in the device list ends the wait. The default may change and change back between
+//! two polls, so an opened device is checked once more afterwards.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -27,30 +26,23 @@ use super::worker::Worker;
 /// The longest time for opening a device before silence replaces it.
 const OPEN_LIMIT: Duration = Duration::from_secs(3);
 
-/// Time between two checks of the device.
 const WATCH_PERIOD: Duration = Duration::from_millis(100);
 
 /// Consecutive checks without a callback after which a device has stalled. Checks are counted instead of time: if the
 /// whole machine was suspended, the device is not at fault.
 const SILENT_LOOKS: u32 = 10;
 
-/// The longest wait for the end of a device's thread.
 const CLOSE_LIMIT: Duration = Duration::from_millis(500);
 
-/// The state of one direction of sound.
 #[derive(Clone, Default)]
 pub(crate) struct StreamStatus<N> {
-    /// A description of the open device or its substitute.
     pub(crate) description: String,
-    /// The device, if one is open.
     pub(crate) device: Option<ListedDevice>,
     /// The reason why there is no sound, if there is none.
     pub(crate) silent: Option<String>,
     /// The reason why the chosen device is not open while the previous one continues.
     pub(crate) refused: Option<String>,
-    /// Port-specific data about the open stream.
     pub(crate) note: N,
-    /// The number of times that a device was opened.
     pub(crate) openings: u64,
 }
 
@@ -64,7 +56,6 @@ enum Event<L> {
 
 type Numbered<L> = (u64, Event<L>);
 
-/// The supervising thread. Dropping it ends the thread.
 pub(crate) struct Supervisor<P: Port> {
     events: Sender<Numbered<P::Link>>,
     status: Arc<Mutex<StreamStatus<P::Note>>>,
@@ -101,7 +92,6 @@ impl<P: Port> Supervisor<P> {
         lock(&self.status).clone()
     }
 
-    /// A handle that reads the port's data about the open stream from any thread.
     pub(crate) fn notes(&self) -> NoteReader<P::Note> {
         NoteReader(self.status.clone())
     }
@@ -182,7 +172,6 @@ struct Watch<P: Port> {
     port: P,
     target: Option<Target>,
     device_list: Option<Arc<DeviceWatch>>,
-    /// The generation of the device list that was seen last.
     generation: u64,
     /// The number of polls after which the device list certainly covers the last opening. Until then, the default
     /// device may have changed and changed back unnoticed, so that the opened device is no longer the default.
@@ -303,7 +292,6 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    /// Replaces the current device or substitute by an opened device.
     fn take(&mut self, thread: DeviceThread, opened: Opened<P::Link>) {
         let Opened { link, entry, description, calls, .. } = opened;
         tracing::info!("sound {}: {description}", P::DIRECTION);
@@ -383,7 +371,6 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    /// Compares the open device with the device list.
     fn follow(&mut self) {
         let Some(watch) = self.device_list.as_ref().filter(|_| self.opening.is_none()) else { return };
         let (generation, device_list) = watch.latest();
@@ -442,7 +429,6 @@ impl<P: Port> Watch<P> {
         gone.then(|| DeviceError::Gone { direction: P::DIRECTION, name: entry.name.clone() })
     }
 
-    /// Replaces the current device by silence.
     fn go_silent(&mut self, reason: String) {
         let reported = lock(&self.status).silent.replace(reason.clone());
         if reported.as_ref() != Some(&reason) {

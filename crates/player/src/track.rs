@@ -12,7 +12,6 @@ use super::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
 const SILENCE_RATE: u32 = 48_000;
-/// Frames of silence per block.
 const SILENCE_BLOCK: usize = 1024;
 
 /// Metadata of a track.
@@ -62,7 +61,6 @@ impl Reopen {
         Self { open: Some(Arc::new(open)), content: None }
     }
 
-    /// Adds the location of the track's frames.
     pub(super) fn of(self, content: Content) -> Self {
         Self { content: Some(Arc::new(content)), ..self }
     }

@@ -11,7 +11,6 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    /// Starts `work` on a new thread.
     pub(crate) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<Self> {
         let (at_end, done) = channel();
         let handle = Builder::new().name(name.into()).spawn(move || {
@@ -22,7 +21,6 @@ impl Worker {
         Ok(Self { handle: Some(handle), done })
     }
 
-    /// Wakes the thread if it is parked.
     pub(crate) fn wake(&self) {
         if let Some(handle) = &self.handle {
             handle.thread().unpark();

@@ -1,10 +1,8 @@
-//! Conversion of packet time stamps to frames.
-//!
-//! "Raw" frames are counted from the first frame of the first packet, including the encoder delay.
+//! Conversion of packet time stamps to frames. "Raw" frames include the encoder delay: they are counted from the
+//! first frame of the first packet.
 
 use symphonia::core::units::TimeBase;
 
-/// The relation between one track's time stamps and its frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Clock {
     /// Seconds per tick, as a fraction.
@@ -22,7 +20,6 @@ impl Clock {
         Self { numer, denom, first: None, grid }
     }
 
-    /// Records the first packet's time stamp.
     pub(super) fn begin(&mut self, ticks: i64) {
         self.first.get_or_insert(ticks);
     }
@@ -47,7 +44,6 @@ impl Clock {
         Some((frames / grid).round() as i64 * i64::from(self.grid?))
     }
 
-    /// Converts ticks to frames, as exactly as the clock allows.
     pub(super) fn frames(&self, ticks: i64, rate: u32) -> Option<f64> {
         let frames = i128::from(ticks) * i128::from(self.numer) * i128::from(rate);
         (self.numer > 0).then(|| frames as f64 / f64::from(self.denom))
@@ -73,7 +69,6 @@ impl Clock {
         self.frames(first, rate).map_or(0, |frames| (-frames).round() as u64)
     }
 
-    /// The first packet's time stamp, in ticks.
     pub(super) fn first(&self) -> i64 {
         self.first.unwrap_or(0)
     }

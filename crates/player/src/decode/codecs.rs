@@ -50,7 +50,6 @@ pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn 
     }
 }
 
-/// The name of a codec that may lack a decoder.
 fn codec_name(codec: AudioCodecId) -> &'static str {
     match codec {
         CODEC_ID_NULL_AUDIO => "an unknown codec",
@@ -91,9 +90,8 @@ pub(super) fn is_opus(codec: AudioCodecId) -> bool {
     codec == id::CODEC_ID_OPUS
 }
 
-/// Frames to decode before the target of a jump until the decoder's state equals that of an uninterrupted run. Half a
-/// second covers the overlap of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6 requires for
-/// Opus.
+/// Frames to decode before the target of a jump until the decoder's state is right. Half a second covers the overlap
+/// of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6 requires for Opus.
 pub(super) fn pre_roll(codec: AudioCodecId, rate: u32) -> i64 {
     let lossless = (id::CODEC_ID_PCM_S32LE..=id::CODEC_ID_PCM_MULAW).contains(&codec)
         || matches!(codec, id::CODEC_ID_FLAC | id::CODEC_ID_ALAC);

@@ -9,7 +9,6 @@ thread_local! {
     static INSIDE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs a part of a codec library and turns a panic into an error.
 pub(super) fn contained<T>(name: &str, run: impl FnOnce() -> T) -> Result<T, DecodeError> {
     let outer = INSIDE.replace(true);
     let result = catch_unwind(AssertUnwindSafe(run));

@@ -1,15 +1,14 @@
 //! Down-mix of any number of channels to two.
 //!
 //! Mono goes to both sides at full level, and stereo is unchanged. With more channels, each side is a weighted sum
-//! after the down-mix of ITU-R BS.775-3 (annex 4): the front channel of that side with weight 1, the centre and the
-//! surrounds of that side with 1/sqrt(2) (-3 dB). A rear or top centre goes to both sides with 1/2. LFE channels are
-//! dropped, as the recommendation allows. The weights of both sides are divided by the larger of their sums, so that
-//! full scale in all channels never exceeds full scale in the mix.
+//! after the down-mix of ITU-R BS.775-3 (annex 4): its front channel with weight 1, the centre and its surrounds with
+//! 1/sqrt(2) (-3 dB), a rear or top centre with 1/2, and LFE channels dropped. The weights of both sides are divided
+//! by the larger of their sums, so that the mix never exceeds full scale.
 //!
-//! The container gives the position of each channel. If it does not, the order of WAVE files applies:
-//! 3: L R C; 4: L R Ls Rs; 5: L R C Ls Rs; 6: L R C LFE Ls Rs; 7: L R C LFE Cs Ls Rs; 8: L R C LFE Lb Rb Ls Rs.
-//! With more than eight unknown channels, even ones (counted from 0) go to the left and odd ones to the right, with
-//! equal weights. Ambisonic sound is decoded to two cardioids that point left and right.
+//! Without positions in the container, the order of WAVE files applies: 3: L R C; 4: L R Ls Rs; 5: L R C Ls Rs; 6: L
+//! R C LFE Ls Rs; 7: L R C LFE Cs Ls Rs; 8: L R C LFE Lb Rb Ls Rs. With more than eight unknown channels, even ones
+//! (counted from 0) go to the left and odd ones to the right. Ambisonic sound is decoded to two cardioids that point
+//! left and right.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -20,10 +19,8 @@ use mariana_music::StereoFrame;
 /// Sample values are clamped to this (24 dB over full scale), because float files may hold anything.
 const SAMPLE_MAX: f32 = 16.0;
 
-/// The weights that mix one channel layout to stereo.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Downmix {
-    /// Left and right weight per channel.
     weights: Vec<[f32; 2]>,
 }
 
@@ -53,13 +50,11 @@ impl Downmix {
         Self { weights }
     }
 
-    /// The number of channels that the weights are for.
     pub(super) fn channels(&self) -> usize {
         self.weights.len()
     }
 
-    /// Mixes the planes (one per channel, of equal length) and appends the frames to `out`. Samples that are not finite
-    /// become silence.
+    /// Mixes the planes (one per channel, equally long) into `out`. Samples that are not finite become silence.
     pub(super) fn mix(&self, planes: &[Vec<f32>], frames: usize, out: &mut Vec<StereoFrame>) {
         let start = out.len();
         match planes {
@@ -126,9 +121,8 @@ const RIGHT: Position = Position::REAR_RIGHT
     .union(Position::BOTTOM_FRONT_RIGHT)
     .union(Position::FRONT_RIGHT_WIDE);
 
-/// True for a mask without meaning. Readers that know only the number of channels set the first positions of the list,
-/// whatever the channels are. Such a mask has a left without its right (or the reverse), or is the first four
-/// positions, a 3.1 layout that no program writes.
+/// True for a mask without meaning, set by programs that know only the number of channels: it has a left without its
+/// right (or the reverse), or is the first four positions, a 3.1 layout that no program writes.
 fn is_placeholder(mask: Position) -> bool {
     let first_positions = (mask.bits() & (mask.bits() + 1)) == 0;
     let lefts = (mask & (LEFT | Position::FRONT_LEFT)).bits().count_ones();

@@ -3,11 +3,6 @@
 use std::path::PathBuf;
 
 /// An error of a file or stream. Each message is one sentence: what happened, where, and what to do.
-///
-/// Malformed input is [`NotAudio`](Self::NotAudio) or [`Damaged`](Self::Damaged). Unsupported input is
-/// [`UnsupportedFormat`](Self::UnsupportedFormat), [`UnsupportedCodec`](Self::UnsupportedCodec),
-/// [`NeedsFfmpeg`](Self::NeedsFfmpeg) or [`NoAudioTrack`](Self::NoAudioTrack). Input beyond [`crate::limits`] is
-/// [`OverLimit`](Self::OverLimit).
 #[derive(Debug, thiserror::Error)]
 pub enum DecodeError {
     /// The path does not exist.
@@ -45,8 +40,7 @@ pub enum DecodeError {
     Read {
         /// The file's name.
         name: String,
-        /// The system's error message. It is not an error source: the message contains it, and sources are printed
-        /// after the message.
+        /// The system's message. Not an error source: sources are printed after the message, which contains it.
         reason: std::io::Error,
     },
     /// The bytes are not audio, or are in an unknown form.

@@ -1,20 +1,15 @@
-//! Encoder delays that the demuxers do not report: the edit list and the `iTunSMPB` tag of MP4 files, and the header of
-//! Opus.
-//!
-//! Sources: ISO/IEC 14496-12, 8.2 to 8.6 (boxes, edit list); RFC 7845, 5.1 (`OpusHead`).
+//! Encoder delays that the demuxers do not report: the edit list and the `iTunSMPB` tag of MP4 files, and the header
+//! of Opus. Sources: ISO/IEC 14496-12, 8.2 to 8.6 (boxes, edit list); RFC 7845, 5.1 (`OpusHead`).
 
 use std::io::{self, Read, Seek, SeekFrom};
 
 /// Deepest nesting of boxes that is followed: `moov/trak/edts/elst` and `moov/trak/mdia/mdhd`.
 const DEPTH_MAX: usize = 4;
 
-/// Most boxes that are examined before the search is given up.
 const BOXES_MAX: usize = 4096;
 
-/// The edit of one MP4 track.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(super) struct TrackEdit {
-    /// The track's number in the file.
     pub(super) track_id: u32,
     /// Ticks per second of the track.
     pub(super) timescale: u32,
@@ -170,7 +165,6 @@ mod tests {
             .concat();
         let wanted = TrackEdit { track_id: 7, timescale: 44_100, media_time: 1024 };
         assert_eq!(track_edits(&mut Cursor::new(&file)), (vec![wanted], false));
-        // Truncated or random input neither fails nor hangs.
         for end in 0..file.len() {
             track_edits(&mut Cursor::new(&file[..end]));
         }

@@ -19,36 +19,27 @@ use super::{contained, sniff};
 /// The longest tags that are read, in bytes; longer ones are skipped.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TagBytes {
-    /// The limit of a text.
     pub(super) text: usize,
-    /// The limit of an image.
     pub(super) picture: usize,
 }
 
 impl TagBytes {
-    /// The limits for decoding, which needs no images.
     const FOR_SOUND: Self = Self { text: 1 << 16, picture: 0 };
 }
 
-/// A stream of bytes that can be opened repeatedly.
 #[derive(Debug, Clone)]
 pub(super) enum Input {
     File {
-        /// The path at which it was opened.
         path: PathBuf,
         /// An open handle, so that the song continues if its file is moved or deleted.
         file: Arc<File>,
     },
-    /// Bytes in the program.
     Bytes {
-        /// The name for messages.
         name: String,
-        /// The whole file.
         bytes: &'static [u8],
     },
 }
 
-/// A demuxer and additional data from the file's header.
 pub(super) struct Opened {
     pub(super) format: Box<dyn FormatReader>,
     pub(super) edits: Vec<TrackEdit>,
@@ -76,7 +67,6 @@ fn path_error(path: &Path, source: io::Error) -> DecodeError {
 }
 
 impl Input {
-    /// Opens a path, which must be a regular file that is not empty.
     pub(super) fn file(path: &Path) -> Result<Self, DecodeError> {
         let failed = |error| path_error(path, error);
         let metadata = std::fs::metadata(path).map_err(failed)?;
@@ -101,7 +91,6 @@ impl Input {
         }
     }
 
-    /// The error for a failed system call.
     pub(super) fn read_error(&self, source: io::Error) -> DecodeError {
         match self {
             Self::File { path, .. } => path_error(path, source),
@@ -109,12 +98,10 @@ impl Input {
         }
     }
 
-    /// Finds the container and reads its headers.
     pub(super) fn open(&self) -> Result<Opened, DecodeError> {
         self.open_with(TagBytes::FOR_SOUND)
     }
 
-    /// [`Input::open`] with other limits for tags.
     pub(super) fn open_with(&self, tags: TagBytes) -> Result<Opened, DecodeError> {
         match self {
             Self::File { file, .. } => self.probe(from_start(file).map_err(|e| self.read_error(e))?, tags),
@@ -204,7 +191,6 @@ impl Input {
     }
 }
 
-/// The first bytes of supported containers: offset and mark.
 const RECOGNISED: &[(usize, &[u8])] = &[
     (0, b"RIFF"),
     (0, b"FORM"),

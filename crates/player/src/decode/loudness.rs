@@ -1,12 +1,9 @@
-//! Loudness tags of files.
+//! Loudness tags of files. ReplayGain 2.0 stores the gain in decibels that brings a track to -18 LUFS (EBU R128);
+//! Opus files store `R128_TRACK_GAIN`, an integer of 1/256 dB towards -23 LUFS (RFC 7845, 5.2.1).
 //!
-//! ReplayGain 2.0 stores the gain in decibels that brings a track to -18 LUFS (EBU R128). Opus files store
-//! `R128_TRACK_GAIN`, an integer of 1/256 dB towards -23 LUFS (RFC 7845, 5.2.1). Both are converted to one factor.
-//!
-//! **The gain applies only to the analysis.** It multiplies a track's frames before they are analysed, towards -14
-//! LUFS, by the same function live and offline. Unlike a measured loudness, a tag is known before the first frame.
-//! Tracks without a tag are left to the analysis. Playback stays unchanged: listeners have a volume control, and a gain
-//! above 1 could clip.
+//! **The gain applies only to the analysis.** One factor multiplies a track's frames before they are analysed,
+//! towards -14 LUFS, live and offline. Tracks without a tag are left to the analysis. Playback stays unchanged:
+//! listeners have a volume control, and a gain above 1 could clip.
 
 /// The target loudness of tagged tracks for scenes, in LUFS. Streaming services normalise to it, so untagged music is
 /// similarly loud.
@@ -44,7 +41,6 @@ impl Loudness {
         *(if of_album { &mut self.album } else { &mut self.track }) = Some(db);
     }
 
-    /// The factor for samples before analysis; 1 without a tag.
     pub(super) fn scene_gain(self) -> f32 {
         let towards_scene = self.track.or(self.album).map(|db| db + SCENE_LUFS - REPLAY_GAIN_LUFS);
         towards_scene.map_or(1.0, |db| 10_f64.powf(db / 20.0) as f32)

@@ -1,9 +1,7 @@
-//! Decoding of audio files to stereo frames.
-//!
-//! [`Decoder`] opens a file, finds the container by its content, picks the first audio track that can be decoded and
-//! yields its frames, mixed down to stereo ([`downmix`]), at the rate of the file. Common formats are decoded by
-//! [`native`]. Files whose format or codec that module does not support go to [`ffmpeg`], if it is installed. Damaged
-//! files do not.
+//! Decoding of audio files to stereo frames. [`Decoder`] finds the container by its content, picks the first audio
+//! track that can be decoded and yields its frames, mixed down to stereo ([`downmix`]), at the rate of the file.
+//! [`native`] decodes common formats. Files whose format or codec it does not support go to [`ffmpeg`], if it is
+//! installed; damaged files do not.
 
 mod clock;
 mod codecs;
@@ -112,9 +110,8 @@ impl Decoder {
         }
     }
 
-    /// Appends the next frames (at most one packet) to `out` and returns their number; 0 at the end.
-    ///
-    /// After an error the stream has ended; a seek restarts it.
+    /// Appends the next frames (at most one packet) to `out` and returns their number; 0 at the end. After an error
+    /// the stream has ended; a seek restarts it.
     pub fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
         match &mut self.0 {
             By::Native(decoder) => decoder.next_block(out),

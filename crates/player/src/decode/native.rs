@@ -2,16 +2,13 @@
 //!
 //! - Containers: WAV, AIFF, FLAC, MP3, Ogg, MP4, CAF, Matroska/WebM, ADTS. Codecs: PCM (integer and float), ADPCM,
 //!   FLAC, ALAC, MP1-3, Vorbis, Opus (mono and stereo), AAC-LC.
-//! - Encoder delay and padding are cut off if the file reports them, so that frame 0 is the encoder's first input
-//!   frame.
-//! - A seek is exact to the frame. If the container cannot seek, or its clock is too coarse for the codec, the file is
-//!   decoded again from its start. Samples after a seek equal those of an uninterrupted run: bit for bit with lossless
-//!   codecs. With lossy ones, half a second before the target is decoded first, which brings the decoder to the same
-//!   state (except for AAC's random substituted noise).
-//! - Damaged packets are skipped and counted. If the clock shows their length, silence replaces them, so that the rest
-//!   stays in time. A truncated file plays to its end (except for CAF, and MP4 with its tables at the end).
-//! - Chained streams (Ogg) play in succession. A change of channels changes the down-mix; a stream with another rate is
-//!   resampled to the first rate.
+//! - Encoder delay and padding are cut off if the file reports them: frame 0 is the encoder's first input frame.
+//! - A seek is exact to the frame. If the container cannot seek, or its clock is too coarse, the file is decoded
+//!   again from its start. Samples after a seek equal those of an uninterrupted run, because lossy codecs decode half
+//!   a second before the target first (except for AAC's random substituted noise).
+//! - Damaged packets are skipped and counted; silence of their length keeps the rest in time. A truncated file plays
+//!   to its end (except for CAF, and MP4 with its tables at the end).
+//! - Chained streams (Ogg) play in succession, resampled to the first rate.
 //! - No buffer is sized by a number from the file, and a panic in a codec library becomes an error.
 
 use crate::limits::LIMITS;
@@ -22,8 +19,7 @@ use super::input::Input;
 use super::packets::{Block, PacketReader};
 use super::{Cover, DecodeError, StreamInfo, cover, sniff};
 
-/// Longest total silence that fills gaps in the container's clock between two seeks, in seconds. More means that the
-/// clock is broken.
+/// Longest silence, in seconds, that fills gaps between two seeks. More means that the container's clock is broken.
 const HOLE_SECONDS_MAX: i64 = 10;
 
 /// A forward seek of at most this many seconds decodes up to the target instead of jumping.
@@ -50,7 +46,6 @@ pub(super) struct NativeDecoder {
     /// True once the rate has changed or a chained stream has begun: from then on the clock is meaningless.
     uneven: bool,
     ended: bool,
-    /// Packets skipped by earlier readers.
     skipped_before: u64,
     scratch: Vec<StereoFrame>,
 }
@@ -60,9 +55,7 @@ struct RawPlace {
     /// The next raw frame, unknown until the first packet is decoded.
     next: i64,
     settled: bool,
-    /// True from the start until the first packet.
     at_start: bool,
-    /// Frames of silence that filled gaps.
     filled: i64,
 }
 
@@ -71,7 +64,6 @@ impl RawPlace {
 }
 
 impl NativeDecoder {
-    /// Opens an input and decodes its first packet.
     pub(super) fn open(input: Input) -> Result<Self, DecodeError> {
         let mut reader = PacketReader::open(&input)?;
         let mut first = Vec::new();
@@ -115,10 +107,6 @@ impl NativeDecoder {
         Ok(decoder)
     }
 
-    /// The file's cover image, if it has one.
-    ///
-    /// # Errors
-    /// The demuxer's errors.
     pub(super) fn cover(&self) -> Result<Option<Cover>, DecodeError> {
         cover::of(&self.input)
     }
@@ -127,14 +115,10 @@ impl NativeDecoder {
         &self.info
     }
 
-    /// The number of damaged packets that were skipped so far.
     pub(super) fn skipped_packets(&self) -> u64 {
         self.skipped_before + self.reader.skipped()
     }
 
-    /// Appends the next frames (at most one packet) to `out` and returns their number; 0 at the end.
-    ///
-    /// After an error the stream has ended; a seek restarts it.
     pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
         while self.pending.is_empty() && self.advance()? {}
         let frames = self.pending.len();
@@ -143,7 +127,6 @@ impl NativeDecoder {
         Ok(frames)
     }
 
-    /// Moves to the frame nearest to `seconds` (clamped to the stream) and returns the time reached, in seconds.
     pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
         let rate = f64::from(self.info.sample_rate);
         // The conversion saturates and maps NaN to 0; a quarter of the range leaves room for sums.
@@ -164,13 +147,11 @@ impl NativeDecoder {
         Ok(self.position as f64 / rate)
     }
 
-    /// Decodes until a frame is pending or the stream ends.
     fn fill(&mut self) -> Result<(), DecodeError> {
         while self.pending.is_empty() && self.advance()? {}
         Ok(())
     }
 
-    /// Starts again at the first frame.
     fn restart(&mut self) -> Result<(), DecodeError> {
         self.forget();
         self.skipped_before = 0;
@@ -291,7 +272,6 @@ impl NativeDecoder {
         self.raw.at_start = false;
     }
 
-    /// Inserts silence for lost packets.
     fn fill_hole(&mut self, frames: i64) {
         let room = HOLE_SECONDS_MAX * i64::from(self.info.sample_rate) - self.raw.filled;
         if (1..=room).contains(&frames) {
@@ -301,7 +281,6 @@ impl NativeDecoder {
         }
     }
 
-    /// Converts the frames in `scratch` to the stream's first rate.
     fn equalise(&mut self, rate: u32) -> Result<(), DecodeError> {
         let wanted = self.info.sample_rate;
         if self.resampler.as_ref().map_or(wanted, Resampler::from_hz) == rate {
@@ -330,7 +309,6 @@ impl NativeDecoder {
         Ok(())
     }
 
-    /// Ends the decoding until the next seek.
     fn end(&mut self) {
         if self.ended {
             return;

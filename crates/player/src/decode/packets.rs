@@ -34,7 +34,6 @@ const DEMUXER_FAILURES_MAX: u32 = 16;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
-    /// The frames' rate, in hertz.
     pub(super) rate: u32,
     /// Its first raw frame by the container's clock.
     pub(super) start: Option<i64>,
@@ -55,7 +54,6 @@ pub(super) struct Tags {
     itunes_gapless: Option<(u64, u64)>,
 }
 
-/// A demuxer with the decoder of one of its tracks.
 pub(super) struct PacketReader {
     name: String,
     input: Input,
@@ -65,7 +63,6 @@ pub(super) struct PacketReader {
     stream: Stream,
     mixer: Mixer,
     mpeg_header: Option<[u8; 3]>,
-    /// Packets without a frame since the last one with frames.
     empty_in_a_row: u32,
     demuxer_failures: u32,
     links: u32,
@@ -85,7 +82,6 @@ struct Stream {
 
 #[derive(Default)]
 struct Mixer {
-    /// The weights for the channels of the last packet.
     downmix: Option<(Channels, Downmix)>,
     planes: Vec<Vec<f32>>,
 }
@@ -354,21 +350,16 @@ impl PacketReader {
         Ok(true)
     }
 
-    /// The number of packets that could not be read or decoded.
     pub(super) fn skipped(&self) -> u64 {
         self.skipped
     }
 
-    /// The names of the container and the codec.
     pub(super) fn describe(&self) -> (String, String) {
         let container = self.format.format_info().long_name;
         (container.into(), self.stream.codec.codec_info().long_name.into())
     }
 
-    /// ffmpeg's demuxer for the container.
-    ///
-    /// # Errors
-    /// [`DecodeError::UnsupportedFormat`] if no ffmpeg demuxer for songs reads the container.
+    /// ffmpeg's demuxer for the container. Fails if no ffmpeg demuxer for songs reads it.
     pub(super) fn demuxer(&self) -> Result<Demuxer, DecodeError> {
         let format = self.format.format_info();
         match format.format {
@@ -388,19 +379,16 @@ impl PacketReader {
         }
     }
 
-    /// Channels of the last packet, before the down-mix.
     pub(super) fn channels(&self) -> usize {
         self.mixer.downmix.as_ref().map_or(0, |(_, downmix)| downmix.channels())
     }
 
-    /// The error for a stream that cannot be decoded.
     pub(super) fn damaged(&self, what: &str) -> DecodeError {
         DecodeError::Damaged { name: self.name.clone(), what: what.into() }
     }
 }
 
 impl Mixer {
-    /// Appends the frames of a packet to `out`.
     fn mix(
         &mut self,
         name: &str,
@@ -429,7 +417,6 @@ impl Mixer {
 }
 
 impl Stream {
-    /// Picks the first audio track (marked as default, if one is) that has a decoder.
     fn choose(name: &str, format: &dyn FormatReader) -> Result<Self, DecodeError> {
         let mut tracks: Vec<&Track> = format.tracks().iter().collect();
         tracks.sort_by_key(|track| !track.flags.contains(TrackFlags::DEFAULT));

@@ -6,7 +6,6 @@ use crate::limits::LIMITS;
 
 use super::error::DecodeError;
 
-/// Bytes examined at the start of a file.
 pub(super) const SNIFF_BYTES: usize = 4096;
 
 /// Known audio and video containers without a demuxer here: offset, mark, name.
@@ -82,7 +81,6 @@ pub(super) fn over_limit(name: &str, head: &[u8]) -> Option<DecodeError> {
     check(name, channels, rate).err()
 }
 
-/// Checks a channel count and a sample rate against the limits.
 pub(super) fn check(name: &str, channels: usize, rate: u32) -> Result<(), DecodeError> {
     let over = |what: String, limit: String| DecodeError::OverLimit { name: name.into(), what, limit };
     if channels > usize::from(LIMITS.channels_max) {

@@ -1,6 +1,5 @@
-//! The audio callback of an input: copies frames into a ring and counts them.
-//!
-//! It never locks, allocates, frees, logs or panics. It wakes the listening thread, which needs no lock.
+//! The audio callback of an input: copies frames into a ring and counts them. It never locks, allocates, frees, logs
+//! or panics. It wakes the listening thread, which needs no lock.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,7 +11,6 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use mariana_music::StereoFrame;
 
-/// Frames handled at a time.
 const CHUNK: usize = 256;
 
 /// Length of the ring, in seconds: the longest time for which the listening thread may be delayed.
@@ -58,11 +56,9 @@ impl InputCallback {
         (Self { counters, ring: producer, listener, chunk: [[0.0; 2]; CHUNK] }, link)
     }
 
-    /// Receives a device's buffer: `data` with `channels` interleaved channels. `age` is the age of its first frame, if
-    /// the device reports it.
-    ///
-    /// A single channel goes to both left and right; of more than two, the first two are left and right. An incomplete
-    /// frame at the end is ignored. Frames that do not fit into the ring are lost and counted.
+    /// Receives a device's buffer: `data` with `channels` interleaved channels. `age` is the age of its first frame,
+    /// if the device reports it. A single channel goes to both sides; of more than two, the first two count. An
+    /// incomplete frame at the end is ignored. Frames that do not fit into the ring are lost and counted.
     pub fn take<T: Sample>(&mut self, data: &[T], channels: usize, age: Option<Duration>)
     where
         f32: FromSample<T>,

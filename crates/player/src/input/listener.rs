@@ -23,7 +23,6 @@ const REST: f64 = 20.0;
 /// The smallest range of sample values within a batch that counts as a signal: -80 dB. A constant offset is no signal.
 pub(super) const FLAT: f32 = 1e-4;
 
-/// The features of a moment of the input.
 #[derive(Debug, Clone)]
 pub(super) struct Heard {
     /// The stream's number, which grows with each opened device.
@@ -36,9 +35,7 @@ pub(super) struct Heard {
     pub(super) heard: TimedFeatures,
 }
 
-/// The listening thread's state for other threads.
 pub(super) struct Ear {
-    /// The zero of all times.
     pub(super) epoch: Instant,
     pub(super) stop: AtomicBool,
     /// The times of the last signal and of the current stream's start, in nanoseconds since the epoch.
@@ -81,7 +78,6 @@ pub(super) struct Listener {
     last: f64,
     /// Seconds of silence that remain to be analysed.
     rest: f64,
-    /// The time of the last moment.
     last_time: f64,
     /// Frames received from the stream.
     position: u64,
@@ -111,7 +107,6 @@ impl Listener {
         }
     }
 
-    /// Runs until the stop flag is set.
     pub(super) fn run(mut self, links: &Receiver<Option<InputCallbackLink>>) {
         while !self.ear.stop.load(Ordering::Relaxed) {
             for link in links.try_iter() {
@@ -122,7 +117,6 @@ impl Listener {
         }
     }
 
-    /// Switches to another input, or to none.
     fn attach(&mut self, link: Option<InputCallbackLink>) {
         if let Some(link) = &link {
             self.stream += 1;
@@ -258,7 +252,6 @@ mod tests {
         listener.listen();
         assert!(all(&mut heard).last().is_some_and(|last| last.heard.features.volume[0] > 0.1));
         listener.attach(None);
-        // Simulate the passing of time.
         let mut made = 0;
         for _ in 0..2 * REST as usize {
             listener.last -= 0.6;

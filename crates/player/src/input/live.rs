@@ -1,11 +1,9 @@
-//! Live input: [`Live`], the handle that the window holds.
+//! Live input: [`Live`], the handle that the window holds. All methods return at once; slow work runs on threads.
 //!
-//! All methods return at once. Slow work runs on the threads that [`Live::start`] starts.
-//!
-//! **Live features have the least delay.** The window of a live moment ends at its newest sample, buffers are one hop
-//! long, and no step waits for a beat. Moments go through a wait-free ring to the window, which keeps the last seconds
-//! and shows the newest one, or an earlier one if the image is delayed. Scene time is then the clock's. Silence
-//! replaces missing sound, so that the image calms down as after a song.
+//! **Live features have the least delay.** The window of a live moment ends at its newest sample, and buffers are one
+//! hop long. Moments go through a wait-free ring to the window, which keeps the last seconds and shows the newest
+//! one, or an earlier one if the image is delayed. Silence replaces missing sound, so that the image calms down as
+//! after a song.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -92,7 +90,6 @@ pub struct Live {
     paused: Option<f64>,
     /// The total time of earlier pauses, in seconds.
     paused_for: f64,
-    /// The track time that was reported last.
     heard_at: f64,
     /// The sound at the start of the pause, kept because the track drops it.
     paused_at: Sound,
@@ -230,7 +227,6 @@ impl Live {
         }
     }
 
-    /// The name of the chosen input while no device is open.
     fn wanted_name(&self, device_list: &DeviceList) -> String {
         match &self.target {
             Target::Default => "the microphone".into(),

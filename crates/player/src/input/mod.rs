@@ -4,8 +4,8 @@
 //! device ─► InputCallback ─► ring of frames ─► listening thread ─► ring of moments ─► Live::now
 //! ```
 //!
-//! Both rings are wait-free at both ends, and a moment carries the index of its sample and its time. The window keeps
-//! the moments of the last seconds, so that the image can be delayed against the incoming sound.
+//! Both rings are wait-free at both ends. The window keeps the moments of the last seconds, so that the image can be
+//! delayed.
 
 mod input_callback;
 mod listener;

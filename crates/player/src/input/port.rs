@@ -25,7 +25,6 @@ const BUFFER_FRAMES: u32 = 512;
 /// Highest channel count for which a sound server's down-mix is used.
 const MIXED_CHANNELS_MAX: u16 = 8;
 
-/// Passes the links of inputs to the listening thread.
 pub(super) struct InputPort {
     /// `None` means no input.
     pub(super) links: Sender<Option<InputCallbackLink>>,
@@ -86,7 +85,6 @@ pub(super) fn open(
     let supported = if device.supports_input() {
         device.default_input_config().map_err(refused)?
     } else {
-        // The device is an output: record its sound.
         device.default_output_config().map_err(refused)?
     };
     let reported_rate = supported.sample_rate();

@@ -16,13 +16,11 @@ const LISTENING: Duration = Duration::from_millis(400);
 /// The longest wait for an answer, including the opening.
 const ANSWER_LIMIT: Duration = Duration::from_millis(1500);
 
-/// Most inputs that are tested at once.
 const CANDIDATES_MAX: usize = 8;
 
 /// Wait before the next search after one without success; it doubles up to [`PAUSE_MAX`].
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// Longest wait between two searches.
 const PAUSE_MAX: Duration = Duration::from_secs(30);
 
 pub(super) struct Prober {
@@ -39,7 +37,6 @@ impl Prober {
         Self { search: None, found: None, stale: false, next: None, pause: PAUSE }
     }
 
-    /// Drops the result.
     pub(super) fn reset(&mut self) {
         // The answer of a running search is about the previous input.
         self.stale = self.search.is_some();
@@ -99,7 +96,6 @@ fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>
     }
 }
 
-/// Records one input for a short time and answers true if it has a signal.
 fn probe(id: &str, index: usize, answer: &Sender<(usize, bool)>) {
     let heard = match open(&Target::Named(id.to_owned()), &std::thread::current(), &(Arc::new(|_| {}) as _)) {
         Ok((stream, mut opened)) => {

@@ -1,9 +1,6 @@
-//! The silent clock: takes frames in real time like a device and discards them.
-//!
-//! Without a usable device the song runs in real time on a thread that calls the same `OutputCallback`. The same
-//! happens when a device is lost: the position continues and the status gives the reason.
-//!
-//! Frames are stamped with their due time, so that the song's pace does not depend on the scheduling of the thread.
+//! The silent clock: takes frames in real time like a device and discards them. Without a usable device, or when one
+//! is lost, a thread calls the same `OutputCallback`, so that the song goes on. Frames are stamped with their due
+//! time, so that the song's pace does not depend on the thread's scheduling.
 
 use std::io;
 use std::sync::Arc;
@@ -13,11 +10,9 @@ use std::time::{Duration, Instant};
 use super::output_callback::OutputCallback;
 use crate::worker::Worker;
 
-/// Time between two calls.
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// After a longer gap (the machine or the process was suspended) the clock restarts instead of catching up: the ring is
-/// certain to hold only this much.
+/// After a longer gap (the process was suspended) the clock restarts: the ring is certain to hold only this much.
 const GAP_MAX: Duration = Duration::from_millis(250);
 
 /// A running silent clock. Dropping it stops it.
@@ -27,7 +22,6 @@ pub(crate) struct NullOutput {
 }
 
 impl NullOutput {
-    /// Starts to take `rate` frames per second from `output_callback`.
     pub(crate) fn start(mut output_callback: OutputCallback, rate: u32) -> io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();

@@ -1,11 +1,10 @@
-//! The audio callback of an output: copies frames from a ring into the device's buffer.
+//! The audio callback of an output: copies frames from a ring into the device's buffer. It never locks, allocates,
+//! frees, logs or panics. Every change of the audible sound is ramped to avoid clicks: volume and mute over 10 ms;
+//! pause, seeks and underruns over 5 ms.
 //!
-//! It never locks, allocates, frees, logs or panics. Every change of the audible sound is ramped to avoid clicks:
-//! volume and mute over 10 ms; pause, seeks and underruns over 5 ms.
-//!
-//! A seek hands over a new [`Segment`] through a small ring. The callback fades out the old one, takes the new one, and
-//! returns the old one through another ring, so that another thread frees it. A segment that takes over from another
-//! device has a due time: frames that are already late are dropped, so that the song's time is not disturbed.
+//! A seek hands over a new [`Segment`] through a small ring. The callback fades out the old one, takes the new one,
+//! and returns the old one through another ring, so that another thread frees it. A segment that takes over from
+//! another device has a due time: frames that are already late are dropped.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -17,7 +16,6 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use crate::clock::{Span, SpanHistory, SpanWriter};
 use mariana_music::StereoFrame;
 
-/// Frames handled at a time.
 const CHUNK: usize = 256;
 
 /// Duration of a volume ramp over the whole range, in seconds.
@@ -125,9 +123,8 @@ impl Default for Counters {
 }
 
 impl Counters {
-    /// A percentile of the callback load: the load below which the given fraction of the calls stays (0.999 is all but
-    /// one in a thousand). The load is the duration of a call relative to its buffer's, in steps of 0.01. Infinite if
-    /// it is beyond the histogram.
+    /// The load below which the given fraction of the calls stays (0.999 is all but one in a thousand): the duration
+    /// of a call relative to its buffer's, in steps of 0.01. Infinite if it is beyond the histogram.
     pub fn load_of(&self, fraction: f64) -> f64 {
         let counts = self.loads.each_ref().map(|count| count.load(Ordering::Relaxed));
         let wanted = fraction * counts.iter().sum::<u64>() as f64;
@@ -236,13 +233,11 @@ pub struct OutputCallback {
     fade_frames: u32,
     last: StereoFrame,
     chunk: [StereoFrame; CHUNK],
-    /// The span being built, not pushed yet.
     open_span: Option<Span>,
 }
 
 impl OutputCallback {
-    /// Creates the callback for a device with `rate` frames per second and calls of about `buffer_frames`, and its
-    /// link.
+    /// Creates the callback for a device of `rate` frames per second and `buffer_frames` per call, and its link.
     pub fn new(
         rate: u32,
         buffer_frames: usize,
@@ -282,7 +277,6 @@ impl OutputCallback {
         (output_callback, link)
     }
 
-    /// True if a segment waits to be taken.
     #[cfg(test)]
     pub(crate) fn is_offered(&self) -> bool {
         !self.incoming.is_empty()
@@ -330,10 +324,8 @@ impl OutputCallback {
         }
     }
 
-    /// Fills `data` for a call at `called_at`, without updating the counters. See [`OutputCallback::serve`].
-    ///
-    /// A single channel gets the mean of left and right; of more than two, the first two get left and right, the others
-    /// silence. Samples are finite and within -1..1.
+    /// Fills `data` for a call at `called_at`, without updating the counters. See [`OutputCallback::serve`]. A single
+    /// channel gets the mean of left and right; of more than two, the others get silence. Samples are within -1..1.
     pub fn fill<T: Sample + FromSample<f32>>(
         &mut self,
         data: &mut [T],
@@ -444,7 +436,6 @@ impl OutputCallback {
         Some(silence)
     }
 
-    /// Produces `count` frames of silence in `chunk`.
     fn be_silent(&mut self, count: usize) {
         self.chunk[..count].fill([0.0; 2]);
         self.last = [0.0; 2];

@@ -23,7 +23,6 @@ impl Bench {
         Self { output_callback, link, controls, counters, now: Instant::now() }
     }
 
-    /// Offers a segment that holds `frames` now and has room for as many again.
     fn offer(&mut self, id: u64, frames: &[StereoFrame]) -> (Producer<StereoFrame>, Arc<AtomicU64>) {
         let (mut producer, end, segment) = Segment::new(id, frames.len().max(1) * 2);
         producer.push_entire_slice(frames).expect("there is room");
@@ -48,7 +47,6 @@ fn ramp(range: std::ops::Range<usize>) -> Vec<StereoFrame> {
     range.map(|n| [n as f32 / (1 << 24) as f32, -(n as f32) / (1 << 24) as f32]).collect()
 }
 
-/// Panics with the first difference between two runs of frames.
 fn assert_same(heard: &[StereoFrame], wanted: &[StereoFrame]) {
     assert_eq!(heard.len(), wanted.len());
     let odd = heard.iter().zip(wanted).position(|(heard, wanted)| heard != wanted);

@@ -95,18 +95,15 @@ impl Supervisor {
         OutputStatus { description, device, silent, refused, history, openings }
     }
 
-    /// A handle for other threads that follows the current output.
     pub(crate) fn watch(&self) -> OutputWatch {
         OutputWatch(self.0.notes())
     }
 }
 
-/// The current output's history, for any thread.
 #[derive(Clone)]
 pub(crate) struct OutputWatch(NoteReader<Option<Arc<SpanHistory>>>);
 
 impl OutputWatch {
-    /// The history; `None` before the first output is open.
     pub(crate) fn history(&self) -> Option<Arc<SpanHistory>> {
         self.0.note()
     }

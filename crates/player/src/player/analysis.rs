@@ -1,8 +1,7 @@
-//! The analysis thread: computes features of frames and stores them in the [`SharedAudibleSegments`].
-//!
-//! **Each track is analysed separately.** The analysis restarts with each track, which forms a passage of its own. So a
-//! moment of a track yields the same image no matter how it was reached, identical to that of `still` and `analyze`. A
-//! repeated track is one passage, because listeners hear its end and its start as connected.
+//! The analysis thread: computes features of frames and stores them in the [`SharedAudibleSegments`]. **Each track is
+//! analysed separately**, as a passage of its own. So a moment of a track yields the same image no matter how it was
+//! reached, identical to that of `still` and `analyze`. A repeated track is one passage: listeners hear it as
+//! connected.
 
 use std::sync::mpsc::Receiver;
 
@@ -11,7 +10,6 @@ use crate::gain_switch::GainSwitch;
 use crate::track::scale;
 use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 
-/// The messages of the decoding thread, in order.
 pub(crate) enum AnalysisInput {
     /// Begins a passage. `position` is the index of the next frame in its track; samples are multiplied by `gain`.
     Begin {
@@ -24,7 +22,6 @@ pub(crate) enum AnalysisInput {
     Finish,
 }
 
-/// Runs until the decoding thread ends.
 pub(crate) fn run(
     inbox: &Receiver<AnalysisInput>,
     sample_rate: u32,

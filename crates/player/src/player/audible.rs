@@ -28,7 +28,6 @@ pub struct Moment {
     pub lap: u32,
 }
 
-/// Follows the audible moment for the image.
 pub(super) struct AudibleMoment {
     outputs: OutputWatch,
     audible_segments: SharedAudibleSegments,
@@ -42,13 +41,11 @@ pub(super) struct AudibleMoment {
 }
 
 impl AudibleMoment {
-    /// Starts before any frame of the track with this id is audible.
     pub(super) fn new(outputs: OutputWatch, audible_segments: SharedAudibleSegments, track: u64) -> Self {
         let moment = Moment { track, ..Moment::default() };
         Self { outputs, audible_segments, clock: Clock::default(), moment, heard: None, shift: 0.0 }
     }
 
-    /// Implements [`Player::now`](super::Player::now).
     pub(super) fn now(&mut self, latency_shift: f64) -> Moment {
         let limit = LIMITS.latency_ms_max / 1000.0;
         let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
@@ -68,7 +65,6 @@ impl AudibleMoment {
         self.moment
     }
 
-    /// The sound, with its tables, of the last moment.
     pub(super) fn sound(&self) -> Sound {
         let sound =
             self.heard.and_then(|(audible, ahead)| self.audible_segments.lock().sound(audible, ahead));

@@ -1,16 +1,12 @@
 //! The decoding thread: keeps the callback's ring filled, seeks, and moves from track to track.
 //!
-//! A seek makes a new segment. The old one sounds until the new one has `PREFILL` seconds in its ring. The frames of
-//! the last [`PREROLL`] seconds before the target go only to the analysis. So after a seek the features and their
-//! history equal those of uninterrupted playback, except for effects with a longer memory.
-//!
-//! A following track stays in the segment: the list thread opens it while the previous track plays, and its frames
-//! enter the same ring. At an equal rate they pass through the same resampler. The analysis restarts, so that the
-//! features depend on that track alone. A skip by the user makes a new segment.
-//!
-//! A new output also makes a new segment, but the song does not wait for it. The song continues from its audible
-//! position, and the segment is due from the moment at which the output opened. The part until its first audible frame
-//! is missed.
+//! - A seek makes a new segment. The old one sounds until the new one has `PREFILL` seconds in its ring. The frames
+//!   of the last [`PREROLL`] seconds before the target go only to the analysis, so that features and their history
+//!   equal those of uninterrupted playback, except for effects with a longer memory.
+//! - A following track stays in the segment, and at an equal rate in the same resampler. The analysis restarts, so
+//!   that the features depend on that track alone. A skip by the user makes a new segment.
+//! - A new output also makes a new segment, but the song does not wait for it: the segment is due from the moment at
+//!   which the output opened. The part until its first audible frame is missed.
 
 mod command;
 mod passages;
@@ -34,15 +30,12 @@ use place::{Goal, Place};
 use segment::{CurrentSegment, SegmentStart};
 use track_queue::{Following, TrackQueue};
 
-/// Seconds that the analysis processes before a seek's target: the length of the history, and the time after which only
-/// the beat and the bass drive remember anything. Near the song's start it is less, and the history before the start is
-/// silent.
+/// Seconds that the analysis processes before a seek's target: the length of the history, after which only the beat
+/// and the bass drive remember anything. Near the song's start it is less.
 const PREROLL: f64 = 13.0;
 
-/// Frames analysed and resampled at a time.
 const CHUNK: usize = 4096;
 
-/// Time between two checks of the ring.
 const WAIT: Duration = Duration::from_millis(20);
 
 /// If a wait of [`WAIT`] took longer than this, the process was suspended.
@@ -57,7 +50,6 @@ pub(crate) struct Decoding {
     analysis: SyncSender<AnalysisInput>,
     track_errors: SharedTrackErrors,
     scratch: Vec<StereoFrame>,
-    /// The next track that was reported last.
     reported_next: Option<Arc<TrackInfo>>,
 }
 
@@ -84,7 +76,6 @@ impl Decoding {
         }
     }
 
-    /// Runs until [`Command::Quit`] or until the player is dropped.
     pub(crate) fn run(mut self, inbox: &Receiver<Command>) {
         let mut next = Step::Wait;
         loop {
@@ -114,7 +105,6 @@ impl Decoding {
         }
     }
 
-    /// Publishes the next track, for readers that prepare for it.
     fn tell_next(&mut self) {
         let next = self.queue.opened_ahead();
         if self.reported_next.as_ref().map(|reported| reported.id) != next.map(|next| next.id) {
@@ -197,7 +187,6 @@ impl Decoding {
         }
     }
 
-    /// Starts a segment in the current track.
     fn begin(&mut self, goal: Goal) {
         self.segment.aim(goal);
         let place = self.place().time;
@@ -226,7 +215,6 @@ impl Decoding {
         self.segment.begin(SegmentStart {
             passage: self.queue.passages.current(),
             info: self.queue.passages.track().info.clone(),
-            // Rounded to a frame.
             target: frame_at(target) as f64 / f64::from(source_rate),
             resampler,
             skip: frame_at(target).saturating_sub(frame_at(reached)),
@@ -240,7 +228,6 @@ impl Decoding {
         self.queue.passages.source().seek((goal - PREROLL).max(0.0))
     }
 
-    /// Performs the next step of filling the segment.
     fn fill(&mut self) -> Step {
         if !self.segment.push() {
             return Step::Wait;
@@ -267,7 +254,6 @@ impl Decoding {
         Step::GoOn
     }
 
-    /// Analyses and resamples the next decoded frames.
     fn convert(&mut self) -> Step {
         let Some(filling) = self.segment.filling() else { return Step::Wait };
         let count = filling.decoded.len().min(CHUNK);
@@ -279,7 +265,6 @@ impl Decoding {
         Step::GoOn
     }
 
-    /// Continues with the same track, another one, or none.
     fn end_of_track(&mut self) -> Step {
         let (passage, rate) = (self.queue.passages.current(), self.queue.passages.source().sample_rate());
         self.segment.start_at_end(passage, rate);
@@ -307,7 +292,6 @@ impl Decoding {
         self.queue.ask_ahead();
     }
 
-    /// Ends the segment if no track follows.
     fn end(&mut self) {
         let Some(filling) = self.segment.filling() else { return };
         filling.exhausted = true;
@@ -317,7 +301,6 @@ impl Decoding {
         self.analyse(AnalysisInput::Finish);
     }
 
-    /// Restarts the analysis for the current track, at frame `position`.
     fn analyse_current(&self, position: u64) {
         let passages = &self.queue.passages;
         let (sample_rate, gain) = (passages.track().source.sample_rate(), passages.track().info.scene_gain);

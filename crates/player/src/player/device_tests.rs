@@ -15,13 +15,11 @@ use crate::output::{Controls, OutputCallback};
 use crate::track::Repeat;
 use crate::worker::Worker;
 
-/// Time between two reads of the clock, in milliseconds.
 const LOOK_MS: u64 = 5;
 
 /// The largest step of the clock beyond the passed time, in seconds.
 const STEP_MAX: f64 = 0.05;
 
-/// A device whose callback is called at simulated times.
 struct Device {
     output_callback: OutputCallback,
     history: Arc<SpanHistory>,
@@ -29,13 +27,11 @@ struct Device {
     buffer: usize,
     latency: Duration,
     next_call: Instant,
-    /// The first frame of the last buffer: the time at which it is audible, and its song time in seconds, unless it is
-    /// faded.
+    /// The time at which the last buffer's first frame is audible, and its song time unless it is faded.
     heard: Option<(Instant, f64)>,
 }
 
 impl Device {
-    /// Calls the callback as often as it is due at `now`.
     fn run(&mut self, now: Instant, fed: bool) {
         while self.next_call <= now {
             let waiting = Instant::now();
@@ -57,19 +53,16 @@ impl Device {
     }
 }
 
-/// The decoding thread, the open device, and a clock.
 struct TestPlayback {
     commands: Sender<Command>,
     audible_segments: SharedAudibleSegments,
     worker: Worker,
     device: Device,
-    /// The previous device, until it is closed.
     before: Option<(Device, Instant)>,
     now: Instant,
     clock: Clock,
     last: f64,
     looks: u32,
-    /// The time for which the clock has stopped, and its maximum.
     still: Duration,
     stillest: Duration,
 }
@@ -124,7 +117,6 @@ impl TestPlayback {
         self.before = Some((std::mem::replace(&mut self.device, device), self.now + closing));
     }
 
-    /// Lets time pass and reads the clock; the device calls unless it is `lost`.
     fn pass(&mut self, ms: u64, lost: bool) {
         for _ in 0..ms / LOOK_MS {
             self.now += Duration::from_millis(LOOK_MS);
@@ -155,7 +147,6 @@ impl TestPlayback {
         self.looks += 1;
     }
 
-    /// The lead of the clock over the audible sound, in seconds.
     fn ahead(&self) -> f64 {
         let (at, place) = self.device.heard.expect("an audible frame");
         let since = |moment: Instant| {
@@ -176,7 +167,6 @@ impl Drop for TestPlayback {
     }
 }
 
-/// Creates an output that opened at `now`, and waits until its segment is ready.
 fn open(
     commands: &Sender<Command>,
     now: Instant,

@@ -23,7 +23,6 @@ pub(super) struct Filling {
     pub(super) skip: u64,
     /// Device frames in or past the ring.
     pub(super) pushed: u64,
-    /// Decoded frames that are not processed yet.
     pub(super) decoded: VecDeque<StereoFrame>,
     /// Resampled frames that are not in the ring yet.
     ready: VecDeque<StereoFrame>,
@@ -37,7 +36,6 @@ pub(super) struct Filling {
     pub(super) finished: bool,
 }
 
-/// The conversion from the source's rate, replaced when a source with another rate follows.
 struct Conversion {
     resampler: Resampler,
     /// The segment time at which the conversion began, in seconds.
@@ -76,12 +74,10 @@ impl Filling {
         }
     }
 
-    /// True if all resampled frames are in the ring.
     pub(super) fn is_pushed(&self) -> bool {
         self.ready.is_empty()
     }
 
-    /// Moves as many frames into the ring as fit.
     pub(super) fn push_ready(&mut self) {
         let (front, _) = self.ready.as_slices();
         let (pushed, _) = self.ring.push_partial_slice(front);
@@ -106,7 +102,6 @@ impl Filling {
         resampled
     }
 
-    /// Takes the remaining frames out of the resampler.
     pub(super) fn flush(&mut self, scratch: &mut Vec<StereoFrame>) -> Result<(), ResampleError> {
         scratch.clear();
         let resampled = self.conversion.resampler.finish(scratch);
@@ -123,7 +118,6 @@ impl Filling {
         self.conversion.base + self.conversion.fed as f64 / f64::from(self.source_hz())
     }
 
-    /// Continues with a source of another rate, for a device of `rate` frames per second.
     pub(super) fn change_resampler(
         &mut self,
         resampler: Resampler,

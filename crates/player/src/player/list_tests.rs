@@ -8,7 +8,6 @@ use super::*;
 use crate::playlist::Playlist;
 use mariana_testing::wave::write_wav;
 
-/// A player of `songs` songs of `seconds` seconds each, named by letters from a on, and their folder.
 fn playing(songs: usize, seconds: f64, repeat: Repeat) -> (Player, tempfile::TempDir) {
     let folder = tempfile::tempdir().expect("a folder");
     let files: Vec<PathBuf> = (b'a'..).take(songs).map(|name| song(folder.path(), name, seconds)).collect();
@@ -24,7 +23,6 @@ fn song(folder: &Path, name: u8, seconds: f64) -> PathBuf {
     path
 }
 
-/// The playing track's name, index and count.
 fn reported(player: &mut Player) -> (String, usize, usize) {
     let track = player.status().track;
     (track.name.clone(), track.entry, track.count)

@@ -17,7 +17,6 @@ pub(crate) enum Request {
     Edit { edit: Edit, playing: u64 },
 }
 
-/// Runs until the decoding thread ends.
 pub(crate) fn run(
     mut list: Box<dyn TrackList>,
     inbox: &Receiver<Request>,

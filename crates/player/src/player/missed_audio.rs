@@ -1,17 +1,13 @@
 //! Detection of missed audio: parts of the song that were not heard because of device changes.
 //!
-//! The song does not wait for devices. If a device falls silent, the song continues from the last frame that the device
-//! received. The segment for the next output, or for the silent clock, is due from the moment at which that output
-//! opened, and its callback drops frames that come too late. So the position neither steps nor stops, and the sound
-//! after a fault matches the image.
-//!
-//! The part between the last frame of one device and the first of the next, including the time on the silent clock, was
-//! not heard. It is reported once there is sound again. Frames in the buffer of a lost device count as heard, because
-//! their fate is unknown.
+//! The song does not wait for devices. The segment for the next output, or for the silent clock, is due from the
+//! moment at which that output opened, and its callback drops late frames, so that the sound after a fault matches
+//! the image. The part between the last frame of one device and the first of the next, including the time on the
+//! silent clock, was not heard. It is reported once there is sound again. Frames in the buffer of a lost device count
+//! as heard, because their fate is unknown.
 //!
 //! If a device merely resumes late, nothing is lost: [`Clock`](crate::clock::Clock) then runs a fifth slower (or
-//! faster) until it agrees with the sound. A suspended process continues at its old position: a gap without readers and
-//! device calls is no song time. `cargo bench --bench device_faults` counts steps through 200 faults.
+//! faster) until it agrees with the sound. `cargo bench --bench device_faults` counts steps through 200 faults.
 
 use std::fmt;
 use std::sync::Arc;
@@ -53,13 +49,11 @@ impl fmt::Display for MissedAudio {
     }
 }
 
-/// Compares successive outputs.
 #[derive(Default)]
 pub(super) struct MissedAudioWatch {
     history: Option<Arc<SpanHistory>>,
     /// Seconds of the song since the last sound; `None` before the first sound.
     pending: Option<f64>,
-    /// The id of the last device that played sound.
     device: Option<String>,
     reported: MissedAudio,
 }
@@ -112,7 +106,6 @@ mod tests {
         (writer, history)
     }
 
-    /// Maps frames one to one: all segments count the same frames.
     fn together(from: Audible, _: u64) -> Option<f64> {
         Some(from.frame)
     }

@@ -22,14 +22,10 @@ struct State {
     place: Place,
 }
 
-/// An audible position in the list.
 #[derive(Clone)]
 pub(super) struct Place {
-    /// The track that was audible last.
     pub(super) track: Arc<TrackInfo>,
-    /// The position in the track, in seconds.
     pub(super) seconds: f64,
-    /// Parts of the song that were not heard.
     pub(super) missed_audio: MissedAudio,
 }
 

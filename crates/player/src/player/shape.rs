@@ -1,7 +1,5 @@
-//! The loudness of a track over its length, for the seek bar.
-//!
-//! A separate thread of the lowest priority opens the track again and decodes it as fast as it can. It starts with the
-//! first request, and drops a track as soon as another one is requested.
+//! The loudness of a track over its length, for the seek bar. A separate thread of the lowest priority opens the
+//! track again and decodes it as fast as it can, from the first request until another track is requested.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
@@ -12,7 +10,6 @@ use crate::source::FrameSource;
 use crate::track::TrackInfo;
 use crate::worker::Worker;
 
-/// Parts of equal length into which a track is divided.
 const PARTS: usize = 600;
 
 /// Parts measured between two updates.
@@ -21,7 +18,6 @@ const PARTS_A_TIME: usize = 6;
 /// The exponent from amplitude to loudness: 10 dB more are twice as loud (Stevens 1955, in sones).
 const LOUDNESS_POWER: f32 = 0.6;
 
-/// Shapes of earlier tracks that are kept.
 const SHAPES_KEPT: usize = 16;
 
 /// The loudness of a track's parts, as far as they are measured.
@@ -43,7 +39,6 @@ pub(super) struct Shapes {
 
 struct ShapeThread {
     wanted: Sender<Arc<TrackInfo>>,
-    /// The track that was requested last.
     last: u64,
     _worker: Worker,
 }
@@ -104,7 +99,6 @@ impl Shapes {
     }
 }
 
-/// Runs until the player is dropped.
 fn run(inbox: &Receiver<Arc<TrackInfo>>, shared: &SharedShapes) {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::setpriority_process(None, 19) {
@@ -165,11 +159,9 @@ fn measure(
     None
 }
 
-/// The power of a track's parts.
 struct Sums {
     parts: usize,
     frames_per_part: f64,
-    /// The mean square of each completed part.
     squares: Vec<f32>,
     frames: u64,
     sum: f64,
@@ -177,7 +169,6 @@ struct Sums {
 }
 
 impl Sums {
-    /// Prepares parts for a track of `frames` frames; `None` if there are none.
     fn new(frames: f64) -> Option<Self> {
         let parts = (frames as usize).min(PARTS);
         let frames_per_part = frames / parts as f64;

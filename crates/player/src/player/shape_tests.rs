@@ -9,7 +9,6 @@ use crate::playlist::Playlist;
 use crate::track::{Reopen, Repeat, Track};
 use mariana_testing::wave::write_wav;
 
-/// Waits for the complete shape of the playing track.
 fn whole(player: &mut Player) -> Arc<LoudnessShape> {
     let start = Instant::now();
     loop {
@@ -22,7 +21,6 @@ fn whole(player: &mut Player) -> Arc<LoudnessShape> {
     }
 }
 
-/// Writes a second of silence, one at -20 dB, one at full scale and one at -10 dB.
 fn write_steps(path: &std::path::Path) {
     let levels = [0.0, 0.1, 1.0, 0.1_f32.sqrt()];
     write_wav(
@@ -74,7 +72,6 @@ fn a_part_of_a_file_has_the_shape_of_that_part() {
     assert!((shape.levels[9] - 1.0).abs() < 0.01 && (shape.levels[PARTS - 9] - 0.5).abs() < 0.01);
 }
 
-/// An endless source of full-scale frames.
 struct Endless {
     duration: Option<f64>,
 }
@@ -98,7 +95,6 @@ impl FrameSource for Endless {
     }
 }
 
-/// A track with this id that claims to last `duration`.
 fn endless(id: u64, duration: Option<f64>) -> Arc<TrackInfo> {
     let mut info = Track::silence(0, 1).info.as_ref().clone();
     info.reopen = Reopen::by(move || Ok(Box::new(Endless { duration })));

@@ -23,9 +23,7 @@ pub(super) struct Ramp {
     pub(super) frames: usize,
     pub(super) next: usize,
     pub(super) block: usize,
-    /// The frame at which decoding fails.
     pub(super) broken_at: usize,
-    /// Seeks past this time fail.
     pub(super) seek_limit: f64,
 }
 
@@ -76,9 +74,7 @@ impl FrameSource for Ramp {
 pub(super) struct Ramps {
     pub(super) songs: Vec<Ramp>,
     pub(super) repeat: Repeat,
-    /// The time for finding a track.
     pub(super) delay: Duration,
-    /// True while no track can be opened.
     pub(super) gone: Arc<AtomicBool>,
 }
 
@@ -133,7 +129,6 @@ pub(super) fn repeat_of(looping: bool) -> Repeat {
     if looping { Repeat::All } else { Repeat::Off }
 }
 
-/// The decoding thread and a simulated callback.
 pub(super) struct Stepped {
     pub(super) output_callback: OutputCallback,
     pub(super) history: Arc<SpanHistory>,
@@ -144,7 +139,6 @@ pub(super) struct Stepped {
     pub(super) now: Instant,
 }
 
-/// An audible frame and its reported position.
 #[derive(Clone, Copy)]
 pub(super) struct Heard {
     /// The frame's index in the song, if the sample is not faded.
@@ -160,7 +154,6 @@ impl Stepped {
         Self::of(Ramps::new(vec![source], repeat_of(looping)), RATE)
     }
 
-    /// Plays a list from its first song on, on a device with `rate` frames per second.
     pub(super) fn of(list: Ramps, rate: u32) -> Self {
         let audible_segments = SharedAudibleSegments::default();
         let track_errors = SharedTrackErrors::default();
@@ -191,7 +184,6 @@ impl Stepped {
         self.commands.send(command).expect("the thread runs");
     }
 
-    /// Plays `frames` frames, slowly enough for the decoding thread.
     pub(super) fn play(&mut self, frames: usize) -> Vec<Heard> {
         let mut heard: Vec<Heard> = Vec::new();
         let mut before = f64::NAN;
@@ -244,7 +236,6 @@ impl Stepped {
         samples
     }
 
-    /// Replaces the device by another one with `rate` frames per second.
     pub(super) fn change_device(&mut self, rate: u32) {
         let (output_callback, link) =
             OutputCallback::new(rate, 480, Arc::new(Controls::new(1.0, false)), Arc::default());
@@ -259,7 +250,6 @@ impl Stepped {
         }
     }
 
-    /// Plays until the first segment is audible.
     pub(super) fn begin(&mut self) {
         let start = Instant::now();
         while self.play(480).is_empty() {
@@ -275,7 +265,6 @@ impl Drop for Stepped {
     }
 }
 
-/// Asserts that the fraction `least_part` of the frames is not faded, and that their reported positions are right.
 fn assert_reported(heard: &[Heard], least_part: f64) {
     let clear: Vec<_> = heard.iter().filter_map(|heard| Some((heard.index?, heard.reported_index))).collect();
     assert!(
@@ -344,7 +333,6 @@ fn the_end_comes_after_the_last_frame_and_a_seek_resumes() {
     let heard = stepped.play(9600);
     assert_reported(&heard, 0.3);
     assert!(!ended(&stepped));
-    // A seek past the end reaches the end.
     stepped.send(Command::SeekTo(99.0));
     let last = stepped.play(9600).pop().expect("frames");
     assert!((last.reported_index + 0.5 - song as f64).abs() < 0.01, "{}", last.reported_index);
@@ -388,7 +376,6 @@ fn a_failed_seek_is_reported_and_the_song_continues() {
     assert!((2.0..4.0).contains(&last), "{last} s");
 }
 
-/// Waits until `done` returns true; panics after 5 s.
 pub(super) fn wait_for(player: &mut Player, what: &str, mut done: impl FnMut(&mut Player) -> bool) {
     let start = Instant::now();
     while !done(player) {

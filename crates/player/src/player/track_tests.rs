@@ -17,7 +17,6 @@ fn songs(lengths: &[usize]) -> Vec<Ramp> {
     lengths.iter().zip(firsts).map(|(frames, first)| Ramp { first, ..Ramp::new(*frames) }).collect()
 }
 
-/// The first sample value of a song.
 fn first_of(lengths: &[usize], entry: usize) -> f64 {
     lengths[..entry].iter().sum::<usize>() as f64
 }

@@ -1,8 +1,6 @@
-//! Cue sheets: the tracks of files that hold a whole disc.
-//!
-//! The parser understands `FILE "name" TYPE`, `TRACK n AUDIO`, `INDEX 01 minutes:seconds:frames`, `TITLE` and
-//! `PERFORMER`. A track extends from its index 01 to the next track's in the same file. So the gap before a track
-//! (index 00) is heard at the end of the previous track, as on a disc.
+//! Cue sheets: the tracks of files that hold a whole disc. The parser understands `FILE "name" TYPE`, `TRACK n
+//! AUDIO`, `INDEX 01 minutes:seconds:frames`, `TITLE` and `PERFORMER`. A track extends from its index 01 to the next
+//! track's, so that the gap before a track (index 00) is heard at the end of the previous track, as on a disc.
 
 use std::path::Path;
 
@@ -12,7 +10,6 @@ use super::text::{decode, resolve};
 /// Compact disc frames per second.
 pub(super) const DISC_FRAMES: u64 = 75;
 
-/// Largest accepted count of minutes.
 const MINUTES_MAX: u64 = 100_000;
 
 /// The tracks of a sheet in the folder `base`; `None` if the sheet has no `FILE` line.

@@ -20,12 +20,10 @@ impl Playlist {
         first
     }
 
-    /// Publishes all entries to the listing.
     pub(super) fn tell_listing(&self) {
         self.listing.tell(self.slots.iter().map(|slot| (slot.id, slot.listed.clone())));
     }
 
-    /// Moves the entry at `from` to index `to`.
     pub(super) fn move_entry(&mut self, from: usize, to: usize) -> Edited {
         if from != to && from.max(to) < self.slots.len() {
             let beside = self.slots.get(to).map(|slot| slot.id);
@@ -73,7 +71,6 @@ impl Playlist {
         Edited { removed: None, appended: true, resume: self.index(playing).is_none() }
     }
 
-    /// Updates the indices of all entries from `start` on.
     fn note_places(&mut self, start: usize) {
         let moved = self.slots.iter().enumerate().skip(start);
         self.places.extend(moved.map(|(index, slot)| (slot.id, index)));

@@ -24,7 +24,6 @@ fn change() -> impl Strategy<Value = Change> {
     ]
 }
 
-/// Paths of missing files: a list does not open them.
 fn files(from: usize, count: usize) -> Vec<PathBuf> {
     (from..from + count).map(|n| PathBuf::from(format!("/nowhere/{n}.wav"))).collect()
 }
@@ -97,7 +96,6 @@ proptest! {
             all.sort_unstable();
             prop_assert_eq!(round, all);
         }
-        // Without shuffle, the order equals the listing.
         list.set_order(Repeat::All, true, playing);
         list.set_order(Repeat::All, false, playing);
         let order: Vec<usize> = std::iter::successors(list.order.first(), |id| list.order.beside(*id, true, false))

@@ -5,10 +5,6 @@ use std::path::{Path, PathBuf};
 use crate::decode::DecodeError;
 
 /// The errors that prevent playback of a list or a part of one.
-///
-/// Malformed lists are [`NotAList`](Self::NotAList), [`Empty`](Self::Empty) or [`Circular`](Self::Circular),
-/// unsupported ones [`Stream`](Self::Stream) or [`Address`](Self::Address). Lists beyond [`crate::limits`] are
-/// [`TooLarge`](Self::TooLarge), [`TooMany`](Self::TooMany) or [`TooDeep`](Self::TooDeep).
 #[derive(Debug, thiserror::Error)]
 pub enum PlaylistError {
     /// A list or a folder cannot be read.
@@ -98,7 +94,6 @@ pub enum PlaylistError {
     Track(#[from] DecodeError),
 }
 
-/// The file name without folders, on one line.
 pub(super) fn name_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
     crate::one_line::one_line(&name.to_string_lossy())

@@ -8,7 +8,6 @@ use mariana_music::StereoFrame;
 /// A range of a source's frames. Parts that are adjacent in the file join without a gap as excerpts.
 pub(super) struct Excerpt {
     source: Box<dyn FrameSource>,
-    /// The first frame, counted from the source's start.
     start: u64,
     /// The end of the range (exclusive); `u64::MAX` is the source's end.
     end: u64,
@@ -17,9 +16,6 @@ pub(super) struct Excerpt {
 
 impl Excerpt {
     /// Restricts `source` to the part `cut` and seeks to its start.
-    ///
-    /// # Errors
-    /// The source's errors.
     pub(super) fn new(source: Box<dyn FrameSource>, cut: Cut) -> Result<Self, SourceError> {
         let rate = u64::from(source.sample_rate());
         let frame = |disc: u64| disc.saturating_mul(rate) / DISC_FRAMES;

@@ -22,19 +22,14 @@ pub const AUDIO_EXTENSIONS: &[&str] = &[
     "rf64", "s3m", "snd", "spx", "tta", "voc", "w64", "wav", "wave", "webm", "wma", "wv", "xm",
 ];
 
-/// Most error messages that are kept.
 const TRACK_ERRORS_KEPT: usize = 20;
 
-/// A track that has not been opened yet.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
-    /// The source of its sound.
     pub song: Song,
     /// The part of the song that is played; `None` for all of it.
     pub cut: Option<Cut>,
-    /// The title, if a list gave one.
     pub title: Option<String>,
-    /// The artist, if a list gave one.
     pub artist: Option<String>,
     /// The length in seconds, if a list gave one.
     pub duration: Option<f64>,
@@ -47,7 +42,6 @@ impl From<Song> for Entry {
 }
 
 impl Entry {
-    /// The data for the listing before the track is opened.
     pub(super) fn listed(&self) -> ListedTrack {
         let (name, file) = match &self.song {
             Song::Embedded { name, .. } => ((*name).to_owned(), None),
@@ -66,9 +60,7 @@ impl Entry {
 
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
-    /// The tracks in order, at most the limits' `playlist_tracks_max`.
     pub entries: Vec<Entry>,
-    /// The first errors.
     pub track_errors: Vec<PlaylistError>,
     /// Lists and folders that are being read. One that is met again within itself is circular.
     open: Vec<PathBuf>,
@@ -79,7 +71,6 @@ pub(super) struct Gathered {
     full: bool,
 }
 
-/// True if `path` is a folder or a list.
 pub(super) fn is_many(path: &Path) -> bool {
     path.is_dir() || Kind::of(path).is_some()
 }
@@ -119,7 +110,6 @@ impl Gathered {
         over.is_none()
     }
 
-    /// Adds the file, folder or list at `path`, given by the user or (as `item`) by a list.
     fn add(&mut self, path: &Path, item: Option<&Item>) {
         if !self.has_room() {
             return;
@@ -223,7 +213,6 @@ fn is_audio(path: &Path) -> bool {
     AUDIO_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
-/// Reads a list file within the size limit.
 fn read_bounded(path: &Path) -> Result<Vec<u8>, PlaylistError> {
     let unreadable = |source| PlaylistError::Unreadable { path: path.to_owned(), source };
     // Checked before opening, because opening a pipe waits for its writer.

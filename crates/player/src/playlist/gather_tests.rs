@@ -2,7 +2,6 @@
 
 use super::*;
 
-/// Creates a folder with these files and their parent folders.
 fn folder_of(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -13,7 +12,6 @@ fn folder_of(files: &[(&str, &str)]) -> tempfile::TempDir {
     folder
 }
 
-/// The names of the entries relative to `folder`, and the error messages.
 fn gathered(folder: &Path, names: &[&str]) -> (Vec<String>, Vec<String>) {
     let paths: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
     let found = gather(&paths);

@@ -9,10 +9,9 @@
 //! | [`order`] | orders entries: shuffle and repeat |
 //! | [`editing`] | moves, removes and appends entries while the list plays |
 //!
-//! **Unplayable entries never stop the show.** Every failure of a list or track becomes a message (`TrackErrors`). The
-//! list thread continues with the next track that opens; if none does, a track of silence plays. Lists are read within
-//! the limits of `limits.rs`. The program refuses to open the window only for a single file that cannot be played, or
-//! for lists without any entry. After 64 successive tracks without a frame, silence is played, so that no thread spins.
+//! **Unplayable entries never stop the show.** Every failure becomes a message (`TrackErrors`), and the list thread
+//! continues with the next track that opens; if none does, or after 64 tracks without a frame, silence plays. The
+//! window does not open only for a single file that cannot be played, or for lists without any entry.
 
 mod cue;
 mod editing;
@@ -48,7 +47,6 @@ const TRACK_ERRORS_KEPT: usize = 20;
 /// A list of entries and their order.
 pub struct Playlist {
     slots: Vec<Slot>,
-    /// Entry ids and indices.
     places: HashMap<u64, usize>,
     /// The id of the next entry; ids are never reused.
     next_id: u64,
@@ -58,11 +56,9 @@ pub struct Playlist {
     listing: SharedListing,
 }
 
-/// An entry of the list with its id.
 struct Slot {
     id: u64,
     entry: Entry,
-    /// The entry's data for the listing.
     listed: ListedTrack,
 }
 
@@ -158,7 +154,6 @@ impl Playlist {
         list
     }
 
-    /// The ids of the entries in list order.
     fn ids(&self) -> impl Iterator<Item = u64> + use<> {
         self.slots.iter().map(|slot| slot.id).collect::<Vec<_>>().into_iter()
     }
@@ -171,7 +166,6 @@ impl Playlist {
         self.order.set(repeat, shuffled, first, self.ids());
     }
 
-    /// Opens an entry, and updates its data in the listing.
     fn open_entry(&mut self, id: u64) -> Result<Track, SourceError> {
         let index = self.index(id).ok_or("there is no such track")?;
         let count = self.slots.len();
@@ -242,7 +236,6 @@ impl Playlist {
 }
 
 impl Entry {
-    /// Opens the entry as number `index` of `count`.
     fn open(&self, index: usize, count: usize) -> Result<Track, SourceError> {
         let decoder = self.song.open()?;
         let Track { mut source, mut info } = Track::of_decoder(decoder, index, count);

@@ -28,7 +28,6 @@ pub(super) fn compare(a: &str, b: &str) -> Ordering {
     }
 }
 
-/// The next digits, without leading zeros.
 fn number(characters: &mut Peekable<Chars<'_>>) -> String {
     let mut digits = String::new();
     while let Some(digit) = characters.next_if(char::is_ascii_digit) {

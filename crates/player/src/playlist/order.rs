@@ -1,7 +1,5 @@
-//! The order of a list's entries: list order or random, once or repeated.
-//!
-//! Entries are identified by their ids. A removed entry leaves a hole in the order, so that its successor is known
-//! while it still plays.
+//! The order of a list's entries: list order or random, once or repeated. Entries are identified by their ids. A
+//! removed entry leaves a hole in the order, so that its successor is known while it still plays.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -12,7 +10,6 @@ use crate::track::Repeat;
 pub(super) struct Order {
     /// Every entry once, and holes.
     sequence: Vec<u64>,
-    /// The index of each entry and hole in the sequence.
     places: HashMap<u64, usize>,
     holes: HashSet<u64>,
     shuffled: bool,
@@ -21,7 +18,6 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// The list's order, repeated.
     pub(super) fn new(list: impl Iterator<Item = u64>) -> Self {
         // The standard library seeds its hashers randomly.
         let random = RandomState::new().build_hasher().finish();
@@ -103,7 +99,6 @@ impl Order {
         self.note_places(start);
     }
 
-    /// Turns an entry into a hole.
     pub(super) fn remove(&mut self, id: u64) {
         if self.places.contains_key(&id) {
             self.holes.insert(id);
@@ -138,7 +133,6 @@ impl Order {
         found.copied()
     }
 
-    /// Updates the indices of the sequence from `start` on.
     fn note_places(&mut self, start: usize) {
         let moved = self.sequence.iter().enumerate().skip(start);
         self.places.extend(moved.map(|(place, id)| (*id, place)));

@@ -3,7 +3,6 @@
 use super::*;
 use std::path::Path;
 
-/// Writes a wave file of 50 ms of silence.
 fn write_song(path: &Path) {
     let data = [0_u8; 4800];
     let mut bytes = b"RIFF".to_vec();
@@ -27,7 +26,6 @@ fn paths(folder: &tempfile::TempDir, names: &[&str]) -> Vec<PathBuf> {
     names.iter().map(|name| folder.path().join(name)).collect()
 }
 
-/// The index of the found entry, or the other result; and the messages.
 fn found(list: &mut Playlist, wanted: Wanted) -> (Result<usize, &'static str>, Vec<String>) {
     let mut reported = Vec::new();
     let found = match list.find(&wanted, &mut |trouble| reported.push(trouble)) {

@@ -78,7 +78,6 @@ fn path_of(bytes: &[u8]) -> PathBuf {
     PathBuf::from(drive.unwrap_or(&text))
 }
 
-/// Decodes the percent escapes of an address: `%20` is a space.
 fn unescaped(text: &str) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.as_bytes();

@@ -17,7 +17,6 @@ const RATE: u32 = 48_000;
 /// Largest shift that is searched, in frames.
 const REACH: isize = 5000;
 
-/// A file, the ffmpeg arguments that create it, and its accuracy.
 struct Case {
     file: &'static str,
     args: &'static [&'static str],

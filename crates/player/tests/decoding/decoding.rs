@@ -1,7 +1,6 @@
-//! Tests of decoding through the public API, with files that ffmpeg creates from a known signal.
-//!
-//! The signal is a function of time, so that it can be evaluated at any rate and compared with the output. Left and
-//! right differ, are broad-band (to reveal shifts) and stay below 8 kHz (to survive lossy codecs).
+//! Tests of decoding through the public API, with files that ffmpeg creates from a known signal. The signal is a
+//! function of time, so that it can be compared at any rate. Left and right differ, are broad-band (to reveal shifts)
+//! and stay below 8 kHz (to survive lossy codecs).
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -51,13 +50,11 @@ pub(super) fn ffmpeg(args: &[&str], output: &Path) {
 struct Case {
     file: &'static str,
     args: &'static [&'static str],
-    /// The decoded stream's rate, in hertz.
     rate: u32,
     /// Largest error of a sample against the signal; 0 for lossy codecs.
     lossless: f32,
     /// Largest difference of a sample after a seek from an uninterrupted run.
     seek: f32,
-    /// Largest number of missing or extra frames at the end.
     tail: usize,
     /// Encoder delay that ffmpeg does not write into this container, in frames.
     unreported: usize,

@@ -35,7 +35,6 @@ fn device_list() -> std::sync::Arc<DeviceList> {
     DeviceWatch::shared().expect("a device watch").latest().1
 }
 
-/// Waits until `done` returns true for the player's status. Returns the duration of the wait.
 fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> bool) -> Duration {
     let start = Instant::now();
     loop {
@@ -48,7 +47,6 @@ fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> boo
     }
 }
 
-/// [`wait_for`] for an input.
 fn wait_for_live(live: &mut Live, what: &str, done: impl Fn(&LiveStatus, f32) -> bool) -> Duration {
     let start = Instant::now();
     loop {
@@ -283,7 +281,6 @@ fn a_suspended_output_is_used_when_it_resumes() {
     wait_for_live(&mut live, "sound again", hears("viz.monitor"));
 }
 
-/// The numbers of threads and open files of this process.
 fn held() -> (usize, usize) {
     let count = |folder| std::fs::read_dir(folder).unwrap().count();
     (count("/proc/self/task"), count("/proc/self/fd"))

@@ -13,7 +13,6 @@ use mariana_player::{Player, PlayerOptions, PlayerStatus};
 use mariana_testing::sound_server::SINK_RATE as RATE;
 use mariana_testing::sound_session::Session;
 
-/// The parts of a song, played once.
 struct Songs(Vec<Song>);
 
 impl Songs {
@@ -138,7 +137,6 @@ fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> boo
     }
 }
 
-/// Plays a song to its end and checks that the sink played it completely and at its level.
 fn played_is_recorded(rate: u32, parts: usize) {
     let session = Session::with_server();
     let recorder = session.record();
@@ -156,7 +154,6 @@ fn played_is_recorded(rate: u32, parts: usize) {
     // If the rates are equal, the recording must equal the song created at the sink's rate.
     let wanted = if rate == RATE { Song::new(4.0, RATE).frames } else { resampled(rate) };
     let shift = align(&recorded, &wanted, 24_000, 1_000);
-    // All frames after the fade in.
     let range = 480..wanted.len();
     let from = (range.start as isize + shift) as usize;
     let heard = &recorded[from..from + range.len()];
@@ -169,7 +166,6 @@ fn played_is_recorded(rate: u32, parts: usize) {
             assert!(level.abs() < 0.1, "{level} dB in channel {channel}, piece {n}");
         }
     }
-    // Silence before and after the song.
     let loudest = |frames: &[StereoFrame]| {
         frames.iter().flatten().fold(0.0_f32, |loudest, sample| loudest.max(sample.abs()))
     };

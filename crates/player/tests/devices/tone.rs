@@ -3,7 +3,6 @@
 use mariana_music::StereoFrame;
 use mariana_player::source::{FrameSource, SourceError};
 
-/// An endless tone.
 pub(crate) struct Tone(pub(crate) u64);
 
 impl FrameSource for Tone {

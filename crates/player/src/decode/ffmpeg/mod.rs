@@ -1,11 +1,9 @@
-//! Decoding with an installed `ffmpeg`, for formats and codecs that [`native`](super::native) lacks.
+//! Decoding with an installed `ffmpeg`, for formats and codecs that [`native`](super::native) lacks. `ffprobe`
+//! describes the file; `ffmpeg` writes 32-bit floats with the file's own rate and channels to a pipe. A seek restarts
+//! it (`-ss`): exact to the frame in lossless formats, within some milliseconds in others.
 //!
-//! `ffprobe` describes the file. `ffmpeg` writes the sound to a pipe as 32-bit floats with the file's own rate and
-//! channels. A seek restarts it at another time (`-ss`), so it is as exact as the container's times: exact to the frame
-//! in lossless formats, within some milliseconds in others. Both programs are found through `PATH` and started without
-//! a shell. The file is passed as `file:` with its absolute path, so that no name is taken for an option or an address.
-//! [`CommandLine`] keeps both programs from opening other files and addresses: ffprobe chooses among the demuxers for
-//! songs, and ffmpeg uses the chosen one.
+//! The programs are started without a shell, and get the file as `file:` with its absolute path, so that no name is
+//! taken for an option or an address. [`CommandLine`] keeps them from opening other files and addresses.
 
 mod probe;
 mod process;
@@ -48,7 +46,6 @@ pub(super) struct FfmpegDecoder {
     programs: Programs,
     /// The absolute path of the file.
     path: PathBuf,
-    /// The index of the stream in the file.
     stream: u32,
     info: StreamInfo,
     downmix: Downmix,
@@ -64,7 +61,6 @@ pub(super) struct FfmpegDecoder {
 }
 
 impl FfmpegDecoder {
-    /// Opens the file at `path` under the display name `name`, after the native decoder rejected it with `refusal`.
     pub(super) fn open(
         path: &Path,
         name: &str,
@@ -129,7 +125,6 @@ impl FfmpegDecoder {
         &self.info
     }
 
-    /// Appends the next frames to `out` and returns their number; 0 at the end.
     pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
         self.advance()?;
         let count = self.pending.len();
@@ -138,7 +133,6 @@ impl FfmpegDecoder {
         Ok(count)
     }
 
-    /// Moves to the frame nearest to `seconds` and returns the time reached.
     pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
         let rate = f64::from(self.info.sample_rate);
         // NaN becomes the start. Past the claimed end there may be a little more sound.
@@ -160,7 +154,6 @@ impl FfmpegDecoder {
         Ok(self.position as f64 / rate)
     }
 
-    /// Decodes until a frame is pending or the stream ends.
     fn advance(&mut self) -> Result<(), DecodeError> {
         while self.pending.is_empty() && !self.ended {
             match self.process.next() {
@@ -175,7 +168,6 @@ impl FfmpegDecoder {
         Ok(())
     }
 
-    /// Converts bytes of interleaved samples.
     fn take(&mut self, piece: &[u8]) {
         self.rest.extend_from_slice(piece);
         let channels = self.downmix.channels();
@@ -200,7 +192,6 @@ impl FfmpegDecoder {
     }
 }
 
-/// Starts to decode a stream of a file at a time.
 fn start(
     programs: &Programs,
     path: &Path,
@@ -219,7 +210,6 @@ fn start(
     Process::start(line, programs.patience)
 }
 
-/// The context for error messages about a file.
 struct Reader<'a> {
     name: &'a str,
     /// The rest of the sentence after the file's name: why the native decoder rejected it.
@@ -247,7 +237,6 @@ impl Reader<'_> {
         })
     }
 
-    /// The error for a program that produced no output.
     fn refused(&self, process: &mut Process, path: &Path) -> DecodeError {
         // The program has closed its pipe; once it has ended, its error messages are complete.
         process.succeeded();

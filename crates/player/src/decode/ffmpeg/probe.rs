@@ -8,7 +8,6 @@ use crate::decode::loudness::Loudness;
 use crate::ffmpeg::Demuxer;
 use crate::limits::LIMITS;
 
-/// The requested entries.
 pub(super) const ENTRIES: &str = "format=format_name,format_long_name,duration:format_tags:\
     stream=index,codec_type,codec_name,codec_long_name,sample_rate,channels,channel_layout,duration:stream_tags";
 
@@ -46,7 +45,6 @@ pub(super) struct Stream {
 }
 
 impl Answer {
-    /// The first audio stream, if there is one.
     pub(super) fn sound(&self) -> Option<&Stream> {
         let mut sounds = self.streams.iter().filter(|stream| stream.codec_type == "audio");
         // Prefer a stream that can be decoded.
@@ -69,7 +67,6 @@ impl Answer {
         in_tags(&stream.tags).or_else(|| in_tags(&self.format.tags)).filter(|tag| !tag.trim().is_empty())
     }
 
-    /// The gains in the tags.
     pub(super) fn loudness(&self, stream: &Stream) -> Loudness {
         let mut loudness = Loudness::default();
         for (of_album, word) in [(false, "TRACK"), (true, "ALBUM")] {

@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 
 use crate::ffmpeg::CommandLine;
 
-/// Bytes read from the pipe at a time.
 const PIECE: usize = 1 << 15;
 
 /// Pieces that are buffered before the program has to wait.
@@ -21,13 +20,10 @@ const WORDS_MAX: usize = 1 << 12;
 /// The longest wait for the end of a program that has closed its pipe or was killed.
 const END_LIMIT: Duration = Duration::from_millis(500);
 
-/// The reasons why no more data comes.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// The program is not installed.
     Missing,
     Start(io::Error),
-    /// The program was silent for too long.
     Stalled,
 }
 
@@ -41,7 +37,6 @@ pub(super) struct Process {
 }
 
 impl Process {
-    /// Starts a program without input.
     pub(super) fn start(line: CommandLine, patience: Duration) -> Result<Self, Failure> {
         let mut child = line
             .command()
@@ -92,7 +87,6 @@ impl Process {
         }
     }
 
-    /// All of its output, up to `limit` bytes.
     pub(super) fn all(&mut self, limit: usize) -> Result<Vec<u8>, Failure> {
         let start = Instant::now();
         let mut all = Vec::new();
@@ -147,7 +141,6 @@ impl Drop for Process {
     }
 }
 
-/// The next bytes; `None` at the end or after a failure.
 fn read_piece(from: &mut impl Read) -> Option<Vec<u8>> {
     let mut piece = vec![0; PIECE];
     let count = loop {

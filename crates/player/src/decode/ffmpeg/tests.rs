@@ -9,7 +9,6 @@ fn refusal() -> DecodeError {
     DecodeError::UnsupportedFormat { name: "a.wma".into(), what: "a Windows Media file".into() }
 }
 
-/// Creates a file of `seconds` seconds with ffmpeg.
 fn made(folder: &Path, name: &str, seconds: &str) -> PathBuf {
     let path = folder.join(name);
     let run = Command::new("ffmpeg")

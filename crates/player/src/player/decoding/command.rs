@@ -7,7 +7,6 @@ use crate::listed::{Edit, Edited};
 use crate::output::OutputCallbackLink;
 use crate::track::{Found, Repeat};
 
-/// A command from the window, the supervisor or the list thread.
 pub(crate) enum Command {
     /// Plays on this output from `at` on.
     Output {
@@ -19,7 +18,6 @@ pub(crate) enum Command {
     SeekTo(f64),
     /// Seeks by seconds, forward or back.
     SeekBy(f64),
-    /// Skips to the next or the previous track.
     Skip {
         forward: bool,
     },
@@ -28,7 +26,6 @@ pub(crate) enum Command {
     PlayEntry(usize),
     Edit(Edit),
     Edited(Edited),
-    /// Changes the repeat mode and the order.
     Order(Repeat, bool),
     /// The list thread's answer to request `id`.
     Found {

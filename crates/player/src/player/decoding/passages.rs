@@ -5,13 +5,11 @@ use std::collections::VecDeque;
 use crate::source::FrameSource;
 use crate::track::Track;
 
-/// A track and the passage in which it plays.
 struct Playing {
     passage: u64,
     track: Track,
 }
 
-/// The current track and the earlier tracks of the segment.
 pub(super) struct Passages {
     current: Playing,
     /// Earlier tracks of the segment whose ends may still be audible, the oldest first.
@@ -21,7 +19,6 @@ pub(super) struct Passages {
 }
 
 impl Passages {
-    /// Starts with `first`, before any of it is audible.
     pub(super) fn new(first: Track) -> Self {
         Self { current: Playing { passage: 0, track: first }, before: VecDeque::new(), last: 0 }
     }
@@ -30,12 +27,10 @@ impl Passages {
         &self.current.track
     }
 
-    /// The frames of the track being decoded.
     pub(super) fn source(&mut self) -> &mut dyn FrameSource {
         &mut *self.current.track.source
     }
 
-    /// The passage of the track being decoded.
     pub(super) fn current(&self) -> u64 {
         self.current.passage
     }
@@ -45,7 +40,6 @@ impl Passages {
         self.before.front().unwrap_or(&self.current).passage
     }
 
-    /// The id of the list entry that plays in `passage`.
     pub(super) fn entry_in(&self, passage: u64) -> u64 {
         let playing = self.before.iter().find(|playing| playing.passage == passage).unwrap_or(&self.current);
         playing.track.info.id
@@ -77,12 +71,10 @@ impl Passages {
         self.current = Playing { passage: self.last, track };
     }
 
-    /// True if tracks before the current one are kept.
     pub(super) fn has_earlier(&self) -> bool {
         !self.before.is_empty()
     }
 
-    /// Drops all tracks before the current one.
     pub(super) fn forget_earlier(&mut self) {
         self.before.clear();
     }
@@ -112,7 +104,6 @@ impl Passages {
 mod tests {
     use super::*;
 
-    /// Entries 0, 1 and 2 in succession.
     fn three() -> Passages {
         let mut passages = Passages::new(Track::silence(0, 3));
         passages.follow_with(Track::silence(1, 3));

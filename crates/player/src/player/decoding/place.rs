@@ -11,10 +11,8 @@ pub(super) struct Place {
     pub(super) time: f64,
 }
 
-/// The start of the next segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Goal {
-    /// The time of the track, in seconds.
     pub(super) time: f64,
     /// True if only the output changed.
     pub(super) same_run: bool,
@@ -23,7 +21,6 @@ pub(super) struct Goal {
 }
 
 impl Goal {
-    /// The goal of a seek or a skip.
     pub(super) fn seek(time: f64) -> Self {
         Self { time, same_run: false, due: None }
     }

@@ -17,28 +17,23 @@ use mariana_music::StereoFrame;
 /// Depth of the ring, in seconds; at least [`RING_BUFFERS`] device buffers.
 const RING: f64 = 0.4;
 
-/// Smallest depth of the ring, in device buffers.
 const RING_BUFFERS: usize = 4;
 
 /// Seconds of a segment that must be ready before it is played: more than the look-ahead of the analysis.
 const PREFILL: f64 = 0.15;
 
 pub(super) struct SegmentStart {
-    /// The passage of its first frame.
     pub(super) passage: u64,
     pub(super) info: Arc<TrackInfo>,
     /// The track time of its first frame, in seconds.
     pub(super) target: f64,
-    /// The converter from the source's rate to the output's.
     pub(super) resampler: Resampler,
-    /// Source frames before the target, which only the analysis uses.
     pub(super) skip: u64,
     /// True if the source is at the track's start.
     pub(super) from_start: bool,
 }
 
-/// The segment being filled and its output. There is no segment before the first output, or after one that could not
-/// begin.
+/// The segment being filled and its output. There is none before the first output or after one that could not begin.
 pub(super) struct CurrentSegment {
     audible_segments: SharedAudibleSegments,
     link: Option<OutputCallbackLink>,
@@ -55,7 +50,6 @@ pub(super) struct CurrentSegment {
 }
 
 impl CurrentSegment {
-    /// Starts without a segment or an output. Positions are recorded in `audible_segments`.
     pub(super) fn new(audible_segments: SharedAudibleSegments) -> Self {
         Self {
             audible_segments,
@@ -69,25 +63,21 @@ impl CurrentSegment {
         }
     }
 
-    /// Switches to another output for the next segment.
     pub(super) fn set_output(&mut self, link: OutputCallbackLink) {
         self.link = Some(link);
         self.stood_still = None;
     }
 
-    /// The output's frames per second, if there is an output.
     pub(super) fn output_rate(&self) -> Option<u32> {
         self.link.as_ref().map(|link| link.rate)
     }
 
-    /// Frees the segments that the output has returned.
     pub(super) fn clean_up(&mut self) {
         if let Some(link) = &mut self.link {
             link.clean_up();
         }
     }
 
-    /// Records that the process was suspended until now.
     pub(super) fn note_standstill(&mut self) {
         self.stood_still = self.link.as_ref().map(|link| link.history.calls());
     }
@@ -102,7 +92,6 @@ impl CurrentSegment {
         self.filling.is_some()
     }
 
-    /// True if no more frames come for the segment.
     pub(super) fn is_finished(&self) -> bool {
         self.filling.as_ref().is_some_and(|filling| filling.exhausted)
     }
@@ -115,12 +104,10 @@ impl CurrentSegment {
         &self.audible_segments
     }
 
-    /// The moment at which the first frame is due, if it has to meet a time.
     pub(super) fn due(&self) -> Option<Instant> {
         self.due
     }
 
-    /// The track time at which the segment starts, now or once there is an output, in seconds.
     pub(super) fn start(&self) -> f64 {
         self.filling.as_ref().map_or(self.start, |filling| filling.target)
     }
@@ -136,7 +123,6 @@ impl CurrentSegment {
         link.history.course(at).filter(|course| course.audible.segment == filling.id)
     }
 
-    /// Sets the start of the next segment.
     pub(super) fn aim(&mut self, goal: Goal) {
         self.start = goal.time.max(0.0);
         self.run += u64::from(!goal.same_run);
@@ -196,7 +182,6 @@ impl CurrentSegment {
         self.audible_segments.lock().set_start(passage, filling.target);
     }
 
-    /// Continues with the same track from its start.
     pub(super) fn begin_lap(&mut self) {
         let played = self.played();
         let Some(filling) = &mut self.filling else { return };
@@ -212,10 +197,7 @@ impl CurrentSegment {
         self.audible_segments.lock().begin_track(filling.id, filling.next_time(), played, passage, info);
     }
 
-    /// Sets the source's rate for the following frames.
-    ///
-    /// # Errors
-    /// The rate cannot be converted.
+    /// Sets the source's rate for the following frames. Fails if the rate cannot be converted.
     pub(super) fn set_source_rate(
         &mut self,
         rate: u32,

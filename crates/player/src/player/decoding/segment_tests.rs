@@ -10,7 +10,6 @@ use mariana_music::{Features, TimedFeatures};
 
 const RATE: u32 = 48_000;
 
-/// A segment that starts at `goal`, and its callback.
 fn begun(goal: Goal) -> (CurrentSegment, OutputCallback) {
     let mut segment = CurrentSegment::new(SharedAudibleSegments::default());
     let controls = Arc::new(Controls::new(1.0, false));

@@ -12,7 +12,6 @@ use crate::track::{Found, Repeat, Track, TrackInfo, Wanted};
 /// Number of successive empty tracks after which silence is played.
 const EMPTY_TRACKS_MAX: u32 = 64;
 
-/// The successor of the track being decoded.
 enum Next {
     Unasked,
     /// Requested from the list thread under this id.
@@ -22,27 +21,22 @@ enum Next {
     End,
 }
 
-/// The continuation after the end of a track.
 pub(super) enum Following {
     /// The list thread has not answered yet.
     Unknown,
     /// The same track, which is at its start again.
     Again,
-    /// Another track, which is at its start.
     Track(Track),
     End,
 }
 
-/// The tracks that have begun, and the requests for the next ones.
 pub(super) struct TrackQueue {
-    /// The tracks that have begun.
     pub(super) passages: Passages,
     next: Next,
     /// The id of the request for a skip.
     skipping: Option<u64>,
     /// Further skip steps since that request.
     steps: i32,
-    /// The number of successive tracks without a frame.
     empty_tracks: u32,
     list: Sender<Request>,
     last_request: u64,
@@ -50,7 +44,6 @@ pub(super) struct TrackQueue {
 }
 
 impl TrackQueue {
-    /// Starts with `first`. Requests go to `list`, errors to `track_errors`.
     pub(super) fn new(first: Track, list: Sender<Request>, track_errors: SharedTrackErrors) -> Self {
         Self {
             passages: Passages::new(first),
@@ -64,7 +57,6 @@ impl TrackQueue {
         }
     }
 
-    /// Metadata of the next track, if it is open.
     pub(super) fn opened_ahead(&self) -> Option<&Arc<TrackInfo>> {
         match &self.next {
             Next::Track(track) => Some(&track.info),
@@ -77,7 +69,6 @@ impl TrackQueue {
         self.skipping.is_some()
     }
 
-    /// Adds a step forward or back.
     pub(super) fn skip(&mut self, forward: bool) {
         self.steps += if forward { 1 } else { -1 };
     }
@@ -92,8 +83,7 @@ impl TrackQueue {
         }
     }
 
-    /// Requests the first of these files, which replace the list. Pending skips are dropped: they refer to the old
-    /// list.
+    /// Requests the first of these files, which replace the list. Skips of the old list are dropped.
     pub(super) fn ask_for_files(&mut self, files: Vec<PathBuf>) {
         (self.skipping, self.steps) = (self.request(Wanted::Files(files)), 0);
     }
@@ -103,16 +93,14 @@ impl TrackQueue {
         (self.skipping, self.steps) = (self.request(Wanted::Entry(entry)), 0);
     }
 
-    /// Edits the list while passage `audible` is heard.
     pub(super) fn edit(&mut self, edit: Edit, audible: u64) {
         let playing = self.passages.entry_in(audible);
         // If the list thread has ended, the list stays unchanged.
         let _ = self.list.send(Request::Edit { edit, playing });
     }
 
-    /// Handles the list thread's answer to an edit while passage `audible` is heard; `ended` if the segment is fully
-    /// decoded. Returns true if a track that had begun ahead of time was removed: a new segment must then begin at the
-    /// audible position.
+    /// Handles an answer to an edit while passage `audible` is heard; `ended` if the segment is fully decoded.
+    /// Returns true if a track that had begun was removed: a new segment must begin at the audible position.
     pub(super) fn take_edit(&mut self, edited: Edited, audible: u64, ended: bool) -> bool {
         let playing = self.passages.entry_in(audible);
         if edited.removed == Some(playing) || edited.resume {
@@ -133,7 +121,6 @@ impl TrackQueue {
         ahead
     }
 
-    /// Changes the repeat mode and the order.
     pub(super) fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
         let current = self.passages.track().info.id;
         // If the list thread has ended, no track follows this one.
@@ -141,7 +128,6 @@ impl TrackQueue {
         self.ask(false);
     }
 
-    /// Requests the next track unless it is known or requested already.
     pub(super) fn ask_ahead(&mut self) {
         if matches!(self.next, Next::Unasked) {
             self.ask(false);
