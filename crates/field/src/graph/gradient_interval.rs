@@ -18,8 +18,7 @@ pub struct GradientInterval {
     pub value: Interval,
     /// The gradient.
     pub gradient: [Interval; 3],
-    /// For each axis an upper bound of Σ (∂aᵢ)² if the value is known to be Σ aᵢ² or a non-negative constant, else
-    /// infinite.
+    /// Per axis an upper bound of Σ (∂aᵢ)² if the value is known to be Σ aᵢ² or a constant >= 0, else infinite.
     squares: [f32; 3],
 }
 
@@ -101,8 +100,7 @@ impl GradientInterval {
         }
     }
 
-    /// A minimum, maximum or mask has the slopes of the operand that it chooses, or the hull of both. (The chain rule
-    /// alone would allow any weighted sum of both.)
+    /// The slopes of the chosen operand, or of both. (The chain rule would allow any weighted sum of both.)
     fn chosen(operands: [(&Self, Interval); 2], value: Interval) -> Self {
         let may_be = operands.iter().filter(|(_, fraction)| fraction.hi > 0.0).map(|(operand, _)| **operand);
         let surely = operands.iter().any(|(_, fraction)| fraction.lo > 0.0)
@@ -212,8 +210,7 @@ fn is_factor(a: &GradientInterval) -> bool {
     a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
 }
 
-/// The chain rule. A constant operand contributes nothing, even if the function's slope is infinite. Where the
-/// function is flat, no change of the operand matters.
+/// The chain rule. A constant operand contributes nothing, nor does a flat function, whatever the other slope is.
 #[inline(always)]
 fn along(slope: Interval, change: Interval) -> Interval {
     if rules::is_zero(slope) || rules::is_zero(change) {

@@ -157,9 +157,8 @@ macro_rules! operators {
                 match self { $( Op::$id => call($slopes, a, b, r, frame), )+ }
             }
 
-            /// Returns intervals that hold the partial derivatives by a and by b for all a and b in the given
-            /// intervals, where `r` bounds the value; at kinks the slopes of both sides. Jumps have no slope
-            /// (`slope_rules.rs`).
+            /// Returns intervals that hold the partial derivatives by a and by b over the given intervals, where `r`
+            /// bounds the value; at kinks the slopes of both sides. Jumps have no slope (`slope_rules.rs`).
             #[inline(always)]
             pub fn slope_bounds(
                 self, a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
@@ -382,8 +381,7 @@ operators! {
         slopes |a, b, r, _| if a >= SMALLEST { (b * r / a, r * a.ln()) } else { (0.0, 0.0) },
         slope_bounds |a, b, r, _| slopes::pow(a, b, r),
         glsl "($a >= 1.17549435e-38 ? pow($a, $b) : float($b == 0.0))";
-    /// The angle of the vector (b, a) from the x axis, -π..π: GLSL's atan(a, b). Where a is 0: π for negative
-    /// b, else 0.
+    /// The angle of (b, a) from the x axis, -π..π: GLSL's atan(a, b). Where a is 0: π for negative b, else 0.
     Atan2 = 72 "ATAN2" EXPENSIVE,
         value |a, b, _| atan2(a, b), bounds |a, b, _| rules::atan2(a, b),
         slopes |a, b, _, _| { let d = a * a + b * b; if d > 0.0 { (b / d, -a / d) } else { (0.0, 0.0) } },

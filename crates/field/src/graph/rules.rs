@@ -1,10 +1,10 @@
 //! The interval rules of the operators: for all values in the operands' intervals, the result holds the value that
 //! the CPU computes.
 //!
-//! Sums, products, quotients and roots are rounded to nearest, which never reverses an order. Ends computed in f32
-//! therefore bound every value computed in f32. Library functions need not be monotonic everywhere where the true
-//! function is, so their ends are widened by more than their error ([`super::interval::LIBRARY_ERROR`]). Interval
-//! arithmetic: Moore, Kearfott and Cloud, Introduction to Interval Analysis (2009), chapters 2 and 5.
+//! Rounding to nearest never reverses an order, so ends computed in f32 bound every value computed in f32. Library
+//! functions need not be monotonic everywhere where the true function is, so their ends are widened by more than
+//! their error ([`super::interval::LIBRARY_ERROR`]). Interval arithmetic: Moore, Kearfott and Cloud, Introduction to
+//! Interval Analysis (2009), chapters 2 and 5.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 

@@ -211,7 +211,6 @@ impl Graph {
     }
 }
 
-/// The value of an operator on constants, unless it depends on the frame.
 fn fold(op: Op, a: f32, b: f32) -> Option<f32> {
     if op.properties().has(Properties::READS_FRAME) {
         return None;

@@ -25,7 +25,6 @@ pub(super) const fn constant(by_a: f32, by_b: f32) -> (Interval, Interval) {
     (Interval { lo: by_a, hi: by_a }, Interval { lo: by_b, hi: by_b })
 }
 
-/// The slope of a one-operand operator.
 #[inline(always)]
 pub(super) const fn first(by_a: Interval) -> (Interval, Interval) {
     (by_a, ZERO)

@@ -26,7 +26,6 @@ pub struct TableData {
     values: Option<Arc<[f32]>>,
     /// For scrolling rows, the row at coordinate 0 and the number of rows from there to coordinate 1.
     scroll: Option<(f32, f32)>,
-    /// Bounds of the entries, if the entries themselves are unknown.
     unknown: Option<(f32, f32)>,
     derived: Option<Arc<Derived>>,
 }
@@ -45,7 +44,6 @@ struct Extremes {
     down: TableExtremes,
 }
 
-/// The extremes of a table, and the first and last column and row of a rectangle of patches.
 type Touched<'a> = (&'a Extremes, (usize, usize), (usize, usize));
 
 impl PartialEq for TableData {
@@ -64,7 +62,6 @@ pub(super) fn unit(value: f32) -> f32 {
     if value > 0.0 { value.min(1.0) } else { 0.0 }
 }
 
-/// The Bézier points of the piece between `b` and `c`.
 fn bezier([a, b, c, d]: [f32; 4]) -> Points {
     [(a + 4.0 * b + c) / 6.0, (2.0 * b + c) / 3.0, (b + 2.0 * c) / 3.0, (b + 4.0 * c + d) / 6.0]
 }
@@ -262,8 +259,7 @@ impl TableData {
         )
     }
 
-    /// Returns bounds of the value over intervals of the coordinates: the extremes of the Bézier points that affect
-    /// it.
+    /// Returns bounds of the value over intervals: the extremes of the Bézier points that affect it.
     pub fn bounds(&self, u: Interval, v: Interval) -> Interval {
         let bounds = match (self.unknown, self.touched(u, v)) {
             (Some((lo, hi)), _) => Interval { lo, hi },

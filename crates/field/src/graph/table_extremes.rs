@@ -47,8 +47,7 @@ impl TableExtremes {
         Self { columns, rows, nodes }
     }
 
-    /// The extremes in these columns and rows, ends included: [`Interval::ANY`] if an entry is not finite, `lo > hi`
-    /// for an empty rectangle.
+    /// The extremes there, ends included: [`Interval::ANY`] with entries that are not finite, `lo > hi` if empty.
     pub(super) fn within(&self, columns: (usize, usize), rows: (usize, usize)) -> Interval {
         let mut found = NONE;
         each_node(self.columns, columns, |column| {
