@@ -40,8 +40,7 @@ const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str)
 use InputValue::{Constant, Many, One};
 use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, POINT};
 
-/// All inputs except numbers of the sound. The direction is read from the slots of the normal: no expression has
-/// both.
+/// All inputs except numbers of the sound. The direction shares the normal's slots: no expression has both.
 const OTHERS: &[InputRow] = &[
     row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
     row("x", One(Input::X), POINT, "p.x, to the right"),
@@ -269,8 +268,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     ),
 ];
 
-/// Functions of any number of values: the name, and the number of arguments at the end that are not among these
-/// values.
+/// Functions of any number of values: name, and the number of last arguments that are not among the values.
 pub(super) const FOLDS: &[(&str, usize)] = &[
     ("min", 0),
     ("max", 0),

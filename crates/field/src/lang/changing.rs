@@ -90,7 +90,6 @@ pub(super) struct ChangingNumber {
 }
 
 impl ChangingNumbers {
-    /// Returns the numbers with these indices in `text`, which is the first of the sources.
     pub(super) fn of(text: &str, places: &BTreeSet<usize>, turning: &[Turning]) -> Self {
         if places.is_empty() && turning.is_empty() {
             return Self::default();

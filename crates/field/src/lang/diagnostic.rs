@@ -242,7 +242,6 @@ impl Diagnostics {
         if self.list.len() < self.max { self.list.push(diagnostic) } else { self.dropped += 1 }
     }
 
-    /// True if mistakes were dropped because the list is full.
     pub(super) fn full(&self) -> bool {
         self.dropped > 0
     }

@@ -92,8 +92,7 @@ impl Loader<'_, '_> {
             let message = format!("files include each other in a circle: {}", circle.join(" includes "));
             return self.diagnostics.push(Diagnostic::new(span, message).hint("remove this `include`"));
         }
-        // Once the list of mistakes is full, request no more files: failing includes then cost no more than other
-        // text.
+        // Request no more files with a full list of mistakes: failing includes then cost no more than other text.
         if self.loaded.includes.contains(&name) || self.diagnostics.full() {
             return;
         }

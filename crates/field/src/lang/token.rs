@@ -36,7 +36,6 @@ pub(super) enum Kind {
     And,
     Or,
     Not,
-    /// Unknown characters, which were reported.
     Unknown,
     End,
 }
