@@ -107,10 +107,6 @@ impl Encoder {
         }
     }
 
-    /// Encodes the given roots of a program.
-    ///
-    /// # Errors
-    /// Returns [`TooManyRegisters`] if the program needs more registers than the encoder may use.
     pub(super) fn encode(
         &mut self,
         program: &Program,

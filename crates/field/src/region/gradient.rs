@@ -72,8 +72,7 @@ pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
     ]
 }
 
-/// The fastest fall of a value with such a gradient along a direction: -inf(gradient · direction). Negative if the
-/// value certainly rises.
+/// The fastest fall of a value along a direction: -inf(gradient · direction). Negative if it certainly rises.
 pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
     let falls = |side: Interval, along: f32| (-side.lo * along).max(-side.hi * along);
     (0..3).map(|axis| falls(gradient[axis], direction[axis])).sum()
@@ -100,8 +99,7 @@ pub(super) struct Gradients {
 }
 
 impl Gradients {
-    /// Creates an evaluator for a world whose slopes are at most about `steepest`
-    /// ([`crate::world::Slopes::steepest`]).
+    /// `steepest` is about the steepest slope of the world ([`crate::world::Slopes::steepest`]).
     pub(super) fn new(steepest: f32) -> Self {
         Self { values: Vec::new(), jumps: Pieces::default(), steepest }
     }

@@ -40,7 +40,6 @@ impl ShortLives {
         lives
     }
 
-    /// The position of the newest computation of a node of the old list.
     pub(super) fn position(&self, old: usize) -> usize {
         self.newest.get(old).map_or(old, |(position, _)| *position)
     }

@@ -3,7 +3,7 @@
 //!
 //! Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020) shortens tapes by interval
 //! arithmetic for tiles of the screen. Here the cells divide the world, so that shadow, occlusion and reflection rays
-//! can use them as well. Within its cell a shortened tape gives the same bits as the whole tape.
+//! can use them as well.
 //!
 //! ```text
 //! World → RegionPlan; with a frame's inputs: numbers folded in → 64 cells at once: bounds → decisions → groups of
@@ -30,19 +30,17 @@
 //!
 //! # Construction
 //! A frame's numbers are folded into the distance's program. Interval arithmetic then bounds its values in 64 cells
-//! at once. Masks of 64 bits record for each value the cells that need it, the cells where it is a number, and the
-//! cells where it equals one of its operands. Nested minima are treated as one minimum of many operands; an operand
-//! is dropped in cells where it is above the upper end of the whole minimum. Cells with equal masks share a program,
-//! which is written once; programs with equal steps share a tape.
+//! at once, and masks of 64 bits record the decisions about each value (`prune.rs`). Cells with equal masks share a
+//! program, which is written once; programs with equal steps share a tape.
 //!
 //! The root has 16 cells along each axis. A cell with a surface and more than 16 clauses has 64 children. Away from
 //! surfaces only penumbras and occlusion read tapes, so there groups of 2x2x2 cells share their decisions. Several
 //! threads can build blocks of the root: this module makes the [`Part`]s, `gpu::scene_resources` runs the threads.
 //!
 //! # Rounding
-//! On the CPU a shortened tape equals the whole tape bit for bit in its cell; tests compare random expressions.
-//! Shaders round differently. Bounds are therefore reduced by 1e-5 of the scene's size, and cells overlap by 4e-6 of
-//! it. Rays look up their cell a hundred-thousandth of a root cell further on, so that no ray gets stuck at a face.
+//! On the CPU a shortened tape equals the whole tape bit for bit in its cell. Shaders round differently: bounds are
+//! reduced by 1e-5 of the scene's size, and cells overlap by 4e-6 of it (`tree.rs`). Rays look up their cell a
+//! hundred-thousandth of a root cell further on, so that no ray gets stuck at a face.
 
 mod encode;
 pub mod gradient;
@@ -162,7 +160,6 @@ const TYPICAL: f32 = 0.618_034;
 /// The parts of a world's regions that all frames share.
 #[derive(Debug, Clone)]
 pub struct RegionPlan {
-    /// The nodes of the distance and the object, operands first.
     nodes: Vec<(usize, Node)>,
     roots: [usize; 3],
     graph_nodes: usize,
@@ -170,7 +167,6 @@ pub struct RegionPlan {
     variant: RegionVariant,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
-    /// [`Slopes::steepest`](crate::world::Slopes::steepest) of a value that is not a distance.
     steepest: Option<f32>,
     runs: bool,
     whole_texels: usize,
@@ -215,8 +211,7 @@ impl RegionPlan {
             runs: true,
             whole_texels: 0,
         };
-        // With unknown numbers nothing is folded: this program has every operator and register that any frame's
-        // program may need.
+        // Unknown numbers fold nothing: this program has every operator and register that any frame's may need.
         let mut program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
         let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
         let mut fits = encodes(&mut encoder, &program);
@@ -244,7 +239,6 @@ impl RegionPlan {
         plan
     }
 
-    /// Computes cheap values again instead of keeping them in registers.
     fn shorten_lives(&mut self) {
         let lives = ShortLives::of(&self.nodes, self.graph_nodes);
         self.roots = self.roots.map(|root| lives.position(root));
@@ -261,8 +255,7 @@ impl RegionPlan {
         self.runs
     }
 
-    /// An upper bound of the texels of the whole tape and the object's tape. Drivers with smaller buffers cannot use
-    /// regions.
+    /// An upper bound of the texels of the whole tapes. Drivers with smaller buffers cannot use regions.
     pub fn whole_texels(&self) -> usize {
         self.whole_texels
     }

@@ -52,7 +52,6 @@ struct Written {
     bricks: Vec<usize>,
     /// The keys of bricks that a later tree may copy, and their positions.
     keys: Vec<(u64, usize)>,
-    /// Positions of the texels before tapes.
     heads: Vec<usize>,
 }
 
@@ -62,7 +61,6 @@ pub struct Part<'a> {
     trunk: &'a Trunk<'a>,
     number: usize,
     parts: usize,
-    /// Most texels that the part may write.
     room: usize,
     written: Written,
     blocks: Vec<(usize, Cells)>,
@@ -98,8 +96,7 @@ impl<'a> Part<'a> {
         self.build_while(&|| true);
     }
 
-    /// Builds the cells of this part while `is_wanted` returns true. It is called between blocks, some milliseconds
-    /// apart. A cancelled part is useless.
+    /// Builds the cells while `is_wanted` returns true, asked every few ms. A cancelled part is useless.
     pub fn build_while(&mut self, is_wanted: &dyn Fn() -> bool) {
         let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
         let trunk = self.trunk;
@@ -268,7 +265,6 @@ impl<'a> Part<'a> {
             .fold(0, |close, cell| close | 1 << cell)
     }
 
-    /// The address of the next texels; `None` if there is no room for `texels` of them.
     fn address(&self, texels: usize) -> Option<u32> {
         let at = self.trunk.texels.len() + self.written.texels.len();
         let fits =
@@ -356,7 +352,6 @@ impl<'a> Part<'a> {
     fn brick_of_before(&mut self, key: u64) -> Option<Cells> {
         let before = self.trunk.before?;
         let mut cells = [[0; 4]; CELLS];
-        // Neighbours mostly have the same tape.
         let mut last = None;
         for (cell, old) in cells.iter_mut().zip(before.brick(key)?) {
             let [bound, second, z, w] = *old;

@@ -27,7 +27,6 @@ pub(super) struct Step {
 }
 
 impl Step {
-    /// Creates a step; `None` if both arguments are numbers.
     fn new(op: Op, a: Arg, b: Arg) -> Option<Self> {
         Some(match (a, b) {
             (Arg::Value(a), _) if op.arity() == 1 => Self { op, form: Form::Values, a, b: a, number: 0.0 },

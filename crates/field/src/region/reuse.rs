@@ -34,7 +34,6 @@ pub(super) struct TapeBefore<'a> {
     pub(super) program: u64,
     pub(super) object: u32,
     pub(super) texels: &'a [Texel],
-    /// The texels of the object's tape; `None` for the whole one.
     pub(super) object_tape: Option<&'a [Texel]>,
 }
 
@@ -93,7 +92,6 @@ fn spread_long(number: u64) -> u64 {
     product ^ product >> 32
 }
 
-/// A hasher for keys that are hashes already.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Hashed(u64);
 

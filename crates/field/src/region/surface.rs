@@ -48,8 +48,7 @@ pub(crate) enum Over {
     Directions,
 }
 
-/// A grid. The cell of a point or direction is `floor((point - low) * scale)`, clamped to 0..[`SIDE`] along each
-/// axis.
+/// A grid. A point's cell is `floor((point - low) * scale)`, clamped to 0..[`SIDE`] along each axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Grid {
     pub(crate) low: [f32; 3],
@@ -158,7 +157,6 @@ pub(crate) struct SurfacePlan {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShortTape {
     pub(crate) outputs: Vec<u8>,
-    /// The clauses, with END.
     pub(crate) texels: Vec<Texel>,
     pub(crate) samples: bool,
 }

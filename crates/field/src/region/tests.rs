@@ -381,7 +381,6 @@ fn cells_hold_the_slopes_in_them() {
             seen += 1;
             for (bounds, slope) in cell.slopes.iter().zip(found.gradient) {
                 assert!(bounds.contains(slope), "{text} at {at:?}: {slope} is not in {bounds:?}");
-                // In a scene without bounds, cells far from the middle are coarse.
                 if at.iter().all(|place| place.abs() < 8.0) {
                     slack += bounds.hi - bounds.lo;
                     close += 1;
@@ -394,8 +393,7 @@ fn cells_hold_the_slopes_in_them() {
     }
 }
 
-/// Regression: shared values were kept until their last use, and numbers of the frame counted as values, so that no
-/// interpreter could run the scene.
+/// Regression: shared values were kept until their last use, and the frame's numbers counted as values.
 #[test]
 fn a_foam_of_many_parts_needed_more_than_256_registers() {
     let plan_of = |center: &str| {

@@ -72,7 +72,6 @@ pub struct Regions {
     pub(super) memory: Memory,
 }
 
-/// Most passes that shrink the bounds of a frame.
 const TIGHTENINGS_MAX: usize = 3;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
@@ -93,7 +92,6 @@ pub(super) struct Block {
     pub(super) cell: [f32; 3],
 }
 
-/// The common start of all parts of a tree: the whole tapes and the decisions about the 64 blocks of the root.
 #[derive(Debug)]
 pub(super) struct Trunk<'a> {
     pub(super) frame: &'a FrameInputs,
@@ -104,7 +102,6 @@ pub(super) struct Trunk<'a> {
     pub(super) texels: Vec<Texel>,
     pub(super) variant: &'a RegionVariant,
     pub(super) steepest: f32,
-    /// The previous frame's tree, if anything can be copied from it.
     pub(super) before: Option<Before<'a>>,
     pub(super) unbounded: bool,
     pub(super) rounding: Rounding,
@@ -137,7 +134,6 @@ pub(super) struct Whole {
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traced<'a> {
-    /// True if there are surfaces other than planes.
     pub(super) has_rest: bool,
     pub(super) variant: &'a RegionVariant,
     pub(super) steepest: f32,
