@@ -19,7 +19,6 @@ use super::symbol::{Interner, Symbol};
 use super::token::RESERVED;
 use crate::limits::LIMITS;
 
-/// The title and text of each part of the library.
 pub(super) const TEXTS: &[(&str, &str)] = &[
     ("Functions of GLSL", include_str!("glsl.scene")),
     ("Shapes in space", include_str!("solids.scene")),
@@ -57,7 +56,6 @@ pub struct Entry {
     pub source: String,
 }
 
-/// The definitions that every scene starts with.
 pub(super) struct Library {
     /// Reserved words, inputs, built-in functions and the library's names, in this order.
     pub names: Interner,
@@ -71,7 +69,6 @@ pub(super) struct Library {
 
 static LIBRARY: LazyLock<Library> = LazyLock::new(build);
 
-/// Returns the library; the first call parses it.
 pub(super) fn library() -> &'static Library {
     &LIBRARY
 }
@@ -80,12 +77,10 @@ pub(super) const FIRST_INPUT: usize = RESERVED.len();
 pub(super) const FIRST_BUILTIN: usize = FIRST_INPUT + INPUTS.len();
 const BEHIND_BUILTINS: usize = FIRST_BUILTIN + BUILTINS.len();
 
-/// The index in [`INPUTS`] of a symbol.
 pub(super) fn input_index(symbol: Symbol) -> Option<usize> {
     (FIRST_INPUT..FIRST_BUILTIN).contains(&symbol.index()).then(|| symbol.index() - FIRST_INPUT)
 }
 
-/// The index in [`BUILTINS`] of a symbol.
 pub(super) fn builtin_index(symbol: Symbol) -> Option<usize> {
     (FIRST_BUILTIN..BEHIND_BUILTINS).contains(&symbol.index()).then(|| symbol.index() - FIRST_BUILTIN)
 }

@@ -18,7 +18,6 @@ enum Number {
 }
 
 impl Lowering<'_> {
-    /// Calls a built-in function with the arguments from `mark` on.
     pub(super) fn builtin(&mut self, row: &'static BuiltinRow, mark: usize, first: u32, span: Span) -> Value {
         let count = self.arguments.len() - mark;
         let (least, most) = row.arguments;
@@ -98,8 +97,7 @@ impl Lowering<'_> {
         zip(&mut self.graph, a, b, |graph, a, b| graph.binary(op, a, b))
     }
 
-    /// Constructs a vector from one number, from the first components of a longer vector, or from parts with `len`
-    /// components in total.
+    /// From one number, the first components of a longer vector, or parts with `len` components in total.
     fn construct(&mut self, name: &str, len: u8, vectors: &[Option<Vector>; 4], span: Span) -> Value {
         let len = usize::from(len);
         let Some(first) = vectors[0] else { return Value::Unknown };
@@ -133,8 +131,7 @@ impl Lowering<'_> {
     }
 
     /// Reads a pitch class. A computed index is clamped and rounded down, as for bands, and compared with each class.
-    /// The terms of the other classes are 0. The maximum of all terms, unlike their sum, keeps the interval over
-    /// several possible classes as narrow as their values.
+    /// The maximum of the terms (0 for other classes) bounds several possible classes tighter than their sum.
     fn chroma(&mut self, index: Vector, span: Span) -> Value {
         let classes = SoundInput::CHROMA;
         let hint = "there are 12 pitch classes, 0 for C to 11 for B";
@@ -162,8 +159,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The index in a call of `name`, which reads one of `count` numbers of the sound. Reports an index out of range
-    /// and returns `None`.
+    /// The index in a call of `name`, which reads one of `count` numbers; `None`, reported, if out of range.
     fn number_among(
         &mut self,
         name: &'static str,

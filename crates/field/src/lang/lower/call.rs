@@ -11,7 +11,6 @@ use super::super::value::Value;
 use super::lowering::Lowering;
 use crate::graph::NodeId;
 
-/// A called function, by its index.
 #[derive(Clone, Copy)]
 enum Callee {
     Scene(usize),
@@ -126,8 +125,7 @@ impl Lowering<'_> {
         Some(value as i64)
     }
 
-    /// Folds the arguments from `mark` on: combines them two at a time, from the left. The last `tail` arguments are
-    /// passed to each step.
+    /// Combines the arguments from `mark` on, two at a time from the left; each step gets the last `tail` ones.
     fn fold(&mut self, callee: Callee, name: Symbol, mark: usize, tail: usize, span: Span) -> Value {
         let count = self.arguments.len() - mark;
         if self.arguments.iter().skip(mark).any(|value| *value == Value::Unknown) {
@@ -242,7 +240,6 @@ impl Lowering<'_> {
         }
     }
 
-    /// Calls a library function with numbers and returns the first component of its result.
     pub(super) fn library_number(&mut self, name: &str, arguments: &[NodeId]) -> Option<NodeId> {
         let symbol = self.names.get(name)?;
         let mark = self.arguments.len();
@@ -267,8 +264,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// True if the arguments have the count and types that the function takes; otherwise reports the mistakes. A number
-    /// that is passed as a vector is widened.
+    /// Reports arguments whose count or types do not fit. A number that is passed as a vector is widened.
     fn arguments_fit(
         &mut self,
         function: &Function,
@@ -330,7 +326,6 @@ impl Lowering<'_> {
         self.reports.count_message(name, count, takes, hint, span);
     }
 
-    /// A function's name and parameters, for messages.
     #[cold]
     fn signature(&self, callee: Callee, name: Symbol) -> String {
         let parameters = match callee {

@@ -13,12 +13,10 @@ pub(super) struct Declared<'a> {
     pub lets: Vec<GlobalLet>,
     pub functions: Vec<GlobalFunction<'a>>,
     pub params: Vec<Param>,
-    /// Textures in the order of their first use.
     pub textures: Vec<TextureRef>,
 }
 
 impl Declared<'_> {
-    /// An empty table for the symbols below `names`.
     pub(super) fn new(names: usize) -> Self {
         let globals = vec![Global::default(); names];
         Self { globals, lets: Vec::new(), functions: Vec::new(), params: Vec::new(), textures: Vec::new() }
@@ -38,7 +36,6 @@ pub(super) struct Global {
     pub function: u32,
     /// 1 + the material's index, or 0.
     pub material: u32,
-    /// True if a mistake in a declaration of this name was already reported.
     pub broken: bool,
 }
 

@@ -72,9 +72,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// [`Lowering::expr`], one level deeper.
     fn expr_below(&mut self, id: ExprId, span: Span) -> Value {
-        // Numbers and names contain no further expressions.
         match self.ast.expr(id) {
             Expr::Number(value) => return self.written_number(value, id),
             Expr::Name(symbol) => {
@@ -102,7 +100,6 @@ impl Lowering<'_> {
         self.reports.stop(span, message, "nest fewer function calls")
     }
 
-    /// Lowers an expression that contains others, except operators and swizzles.
     fn nested(&mut self, expr: Expr, span: Span) -> Value {
         match expr {
             Expr::Negate(inner) => {
@@ -373,7 +370,6 @@ impl Lowering<'_> {
         self.reports.add(unknown)
     }
 
-    /// True if a function has this name.
     pub(super) fn is_function(&self, symbol: Symbol) -> bool {
         let own = self.declared.globals.get(symbol.index()).is_some_and(|global| global.function > 0);
         let shared = self.library.by_symbol.get(symbol.index()).is_some_and(|&index| index > 0);

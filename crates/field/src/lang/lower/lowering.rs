@@ -28,7 +28,6 @@ pub(super) struct Lowering<'a> {
     pub declared: Declared<'a>,
     pub scope: Scope,
     pub inputs: Inputs,
-    /// Numbers of the scene's text that are being edited, and are read as inputs.
     pub changing: ChangingNumbers,
     pub budget: Budget,
     /// A stack of operators and swizzles whose first operand is still being lowered.
@@ -41,14 +40,11 @@ pub(super) struct Lowering<'a> {
 /// The inputs that the current section or let may use and does use, as bits of [`uses`].
 pub(super) struct Inputs {
     pub allowed: u8,
-    /// The name of the section in messages.
     pub place: &'static str,
-    /// The inputs used since this was last cleared.
     pub used: u8,
 }
 
 impl Inputs {
-    /// Records the use of inputs and reports it if they are not allowed here.
     pub(super) fn take(&mut self, kind: u8, symbol: Symbol, span: Span, reports: &mut Reports) {
         self.used |= kind;
         let missing = kind & !self.allowed;
@@ -144,7 +140,6 @@ impl<'a> Lowering<'a> {
         !self.reports.stopped
     }
 
-    /// Lowers a number in the text: a constant or, if it is being edited, an input.
     pub(super) fn written_number(&mut self, value: f32, id: ExprId) -> Value {
         // A number becomes an input only where inputs of a frame are allowed, and only in the scene: offsets in the
         // library's texts are counted separately.
@@ -169,7 +164,6 @@ impl<'a> Lowering<'a> {
         self.changing.known(&self.graph, value)
     }
 
-    /// The vector with each constant expression replaced by its value.
     pub(super) fn with_known(&mut self, vector: Vector) -> Vector {
         vector.map(|part| match self.known(part) {
             Some(value) => self.graph.constant(value),
@@ -240,7 +234,6 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The value of a `let` of the scene, lowered at its first use.
     pub(super) fn global_let(&mut self, index: usize, span: Span) -> Value {
         let Some(global) = self.declared.lets.get_mut(index) else { return Value::Unknown };
         let name = global.name;
@@ -277,7 +270,6 @@ impl<'a> Lowering<'a> {
         value
     }
 
-    /// A list of parameters, for messages.
     pub(super) fn parameters(&self, parameters: &[Parameter]) -> String {
         let shown = |one: &Parameter| match one.of {
             Some(of) => format!("{}: {}", self.names.name(one.name.symbol), of.name()),
@@ -300,7 +292,6 @@ impl<'a> Lowering<'a> {
         result
     }
 
-    /// The number in a value that must be one. Reports other values; `what` names the value in messages.
     pub(super) fn one_number(&mut self, value: Value, what: &str, span: Span) -> Option<NodeId> {
         match value {
             Value::Unknown => None,

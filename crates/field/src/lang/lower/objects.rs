@@ -1,7 +1,7 @@
 //! Objects, and the field `melt`, which merges an object with the previous one.
 //!
-//! Melting happens entirely in this module: the merged object has one shape and one material, and shaders need no code
-//! for it.
+//! Melting happens entirely in this module: the merged object has one shape and one material, and shaders need no
+//! code for it.
 
 use super::super::diagnostic::Diagnostic;
 use super::super::material::Material;
@@ -53,8 +53,7 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// Combines two objects into one. Within `radius` their shapes blend and their materials mix, half and half where
-    /// both shapes are equally near. Returns `None` if a limit is reached.
+    /// Blends shapes and mixes materials within `radius`, half and half where both are equally near.
     fn melted(&mut self, a: Object, b: Object, radius: NodeId) -> Option<Object> {
         let tiny = self.lowering.constant(1e-4);
         let radius = self.lowering.graph.max(radius, tiny);

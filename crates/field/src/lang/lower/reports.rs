@@ -5,7 +5,6 @@ use super::super::source::Span;
 use super::super::symbol::{Interner, Symbol};
 use super::super::value::Value;
 
-/// Most enclosing calls that a diagnostic lists.
 const CALLS_SHOWN: usize = 3;
 
 /// The list of diagnostics, and the calls that enclose the expression being lowered.
@@ -16,13 +15,11 @@ pub(super) struct Reports<'a> {
     pub calls: Vec<(Symbol, Span)>,
     /// The scene's outermost call of a library function, if one is being expanded.
     pub library_call: Option<(Symbol, Span)>,
-    /// True once a limit is reached: lowering has stopped.
     pub stopped: bool,
 }
 
 impl Reports<'_> {
-    /// Reports a mistake and returns [`Value::Unknown`]. A mistake inside a library function is reported at the scene's
-    /// call of it.
+    /// Reports a mistake, at the scene's call if it is in a library function. Returns [`Value::Unknown`].
     #[cold]
     pub(super) fn add(&mut self, mut diagnostic: Diagnostic) -> Value {
         if let Some((_, span)) = self.library_call {
@@ -37,7 +34,6 @@ impl Reports<'_> {
         Value::Unknown
     }
 
-    /// Reports that a limit is reached, and stops lowering.
     #[cold]
     pub(super) fn stop(&mut self, span: Span, message: String, hint: &str) -> Value {
         let value = self.add(Diagnostic::over_limit(span, message).hint(hint));
@@ -64,7 +60,6 @@ impl Reports<'_> {
         value
     }
 
-    /// Reports that `what` needs vectors of the same size.
     #[cold]
     pub(super) fn sizes_differ(&mut self, what: &str, left: Value, right: Value, span: Span) -> Value {
         let (a, b) = (left.described(), right.described());
@@ -72,7 +67,6 @@ impl Reports<'_> {
         self.add(wrong.hint("give both the same number of components, as in `p.xz`"))
     }
 
-    /// Reports a call with the wrong number of arguments.
     #[cold]
     pub(super) fn count_message(
         &mut self,

@@ -14,14 +14,12 @@ use super::lowering::Lowering;
 use super::sections::Values;
 use crate::graph::NodeId;
 
-/// The parts of a scene under construction.
 #[derive(Default)]
 pub(super) struct Parts {
     pub objects: Vec<Object>,
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
     pub camera: Option<Camera>,
-    /// Named cameras.
     pub cameras: Vec<(String, Camera)>,
     pub sky: Option<Sky>,
     pub has_own_sky: bool,
@@ -31,7 +29,6 @@ pub(super) struct Parts {
     pub default_material: Option<usize>,
 }
 
-/// The object's name in a scene that is a bare expression.
 const BARE_NAME: &str = "shape";
 
 /// Builds a scene from its items. `declare.rs` handles declarations, `sections.rs` blocks with fields.
@@ -116,7 +113,6 @@ impl<'a> SceneBuilder<'a> {
         });
     }
 
-    /// Reports a graph that exceeds a limit.
     fn check_the_graph(&mut self) {
         if let Err(error) = self.lowering.graph.check()
             && !self.lowering.reports.stopped
@@ -127,8 +123,7 @@ impl<'a> SceneBuilder<'a> {
         }
     }
 
-    /// The distance to the nearest object. Reports a scene without objects, unless it has other mistakes, and returns
-    /// `None`.
+    /// The distance to the nearest object. Reports a scene without objects, unless it has other mistakes.
     fn distance(&mut self, sources: &Sources) -> Option<NodeId> {
         let shapes: Vec<NodeId> = self.parts.objects.iter().map(|object| object.shape).collect();
         let distance = shapes.into_iter().reduce(|a, b| self.lowering.graph.min(a, b));
@@ -153,7 +148,6 @@ impl<'a> SceneBuilder<'a> {
         }
     }
 
-    /// Appends the numbers of the text that are being edited to the parameters.
     fn add_changing_numbers(&mut self) {
         self.lowering.declared.params.extend(self.lowering.changing.numbers().map(|number| Param {
             name: String::new(),

@@ -4,7 +4,6 @@ use super::super::origins::Stretch;
 use super::super::symbol::Symbol;
 use super::super::value::Value;
 
-/// A local name with its value.
 pub(super) struct Binding {
     pub symbol: Symbol,
     /// Index of the binding of the same name that it hides, or [`NO_BINDING`].
@@ -26,24 +25,20 @@ pub(super) struct Scope {
 }
 
 impl Scope {
-    /// An empty scope for the symbols below `names`.
     pub(super) fn new(names: usize) -> Self {
         Self { bindings: Vec::new(), innermost: vec![NO_BINDING; names], frame: 0 }
     }
 
-    /// Binds a name until [`Scope::unbind`] removes it.
     pub(super) fn bind(&mut self, symbol: Symbol, value: Value) {
         self.bind_made(symbol, value, Stretch::default());
     }
 
-    /// Binds a name to a value, with the notes `by` of the text that computes it.
     pub(super) fn bind_made(&mut self, symbol: Symbol, value: Value, by: Stretch) {
         let Some(innermost) = self.innermost.get_mut(symbol.index()) else { return };
         let hidden = std::mem::replace(innermost, self.bindings.len() as u32);
         self.bindings.push(Binding { symbol, hidden, value, by });
     }
 
-    /// Removes all bindings from index `mark` on.
     pub(super) fn unbind(&mut self, mark: usize) {
         while self.bindings.len() > mark {
             if let Some(binding) = self.bindings.pop()

@@ -64,7 +64,6 @@ const SECTIONS: [Section; 7] = [
     Section::About,
 ];
 
-/// True if any section has a field of this name.
 fn is_field(name: &str) -> bool {
     SECTIONS.into_iter().flat_map(fields).any(|field| field.name == name)
 }
@@ -74,7 +73,6 @@ pub fn section_fields() -> impl Iterator<Item = (&'static str, &'static [Field])
     SECTIONS.into_iter().map(|section| (word(section), fields(section)))
 }
 
-/// The keyword of a section.
 pub(super) fn word(section: Section) -> &'static str {
     match section {
         Section::Object => "object",
@@ -87,7 +85,6 @@ pub(super) fn word(section: Section) -> &'static str {
     }
 }
 
-/// The name of a section in messages.
 fn place(section: Section) -> &'static str {
     match section {
         Section::Object => "a shape",
@@ -100,15 +97,12 @@ fn place(section: Section) -> &'static str {
     }
 }
 
-/// The fields that a section sets, with their values.
 #[derive(Default)]
 pub(super) struct Values {
     given: Vec<(&'static str, Value, Span)>,
-    /// Index of the material that an object names.
     pub(super) material: Option<usize>,
     /// The notes of the values (see `lang::origins`), except of an object's shape.
     pub(super) beside_the_shape: Vec<Stretch>,
-    /// True if a field has a mistake, so that the values cannot be used.
     pub(super) broken: bool,
 }
 
@@ -180,7 +174,6 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// Lowers a section's lets and fields in the order of the text.
     pub(super) fn fields(&mut self, section: Section, entries: &[Entry], broken: bool) -> Values {
         let known = fields(section);
         let mut values = Values { broken, ..Values::default() };
@@ -317,7 +310,6 @@ impl SceneBuilder<'_> {
         self.lowering.reports.add(wrong)
     }
 
-    /// Evaluates an expression that must be a text in quotes.
     fn text(&mut self, field: &str, value: ExprId) -> Value {
         match self.lowering.ast.expr(value) {
             Expr::Error => Value::Unknown,
@@ -357,7 +349,6 @@ impl SceneBuilder<'_> {
             .map_or(Value::Unknown, Value::Vector)
     }
 
-    /// Builds [`About`] from its fields.
     fn about(&self, values: &Values) -> About {
         let text = |name: &str| match values.given(name) {
             Some((Value::Text(symbol), _)) => Some(self.lowering.name(symbol).to_owned()),
@@ -386,7 +377,6 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// The index of the material that an expression names.
     fn material_index(&mut self, value: ExprId) -> Option<usize> {
         let span = self.lowering.ast.span(value);
         let Expr::Name(symbol) = self.lowering.ast.expr(value) else {

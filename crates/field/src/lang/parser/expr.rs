@@ -26,7 +26,6 @@ fn infix(kind: Kind) -> Option<(BinaryOp, u8, u8)> {
         Kind::Star => (BinaryOp::Multiply, 6, 7),
         Kind::Slash => (BinaryOp::Divide, 6, 7),
         Kind::Percent => (BinaryOp::Modulo, 6, 7),
-        // Right-associative.
         Kind::Caret => (BinaryOp::Power, 8, 8),
         _ => return None,
     })

@@ -26,12 +26,10 @@ const KEYWORDS: &[(&str, Keyword)] = &[
     ("about", Keyword::Section(Section::About)),
 ];
 
-/// True for a name that begins an item.
 pub(crate) fn is_keyword(name: &str) -> bool {
     keywords().any(|keyword| keyword == name)
 }
 
-/// The names that begin items.
 pub(crate) fn keywords() -> impl Iterator<Item = &'static str> {
     KEYWORDS.iter().map(|(name, _)| *name)
 }
@@ -42,7 +40,6 @@ const GLSL_TYPES: &[&str] = &[
     "void",
 ];
 
-/// The keyword at the current token, if an item with a keyword begins there.
 pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
     let token = parser.token();
     let next = parser.ahead(1);
@@ -53,14 +50,12 @@ pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
     KEYWORDS.iter().find(|(name, _)| *name == text).map(|(_, keyword)| *keyword)
 }
 
-/// The handling of text written as in GLSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Habit {
     /// The text is not as in GLSL, or only `return` was skipped.
     None,
     /// The rest is parsed as if it followed a `let`.
     Let,
-    /// The line was skipped.
     Skipped,
 }
 
@@ -158,7 +153,6 @@ impl Parser<'_> {
         None
     }
 
-    /// Parses `name = value`, after `let`.
     pub(super) fn binding(&mut self) -> Option<(Name, ExprId)> {
         let Some(name) = self.name("a name after `let`") else {
             self.skip_line();
@@ -173,7 +167,6 @@ impl Parser<'_> {
         Some((name, value))
     }
 
-    /// Reports text that cannot follow a complete `name = value`.
     fn end_of_entry(&mut self) {
         let kind = self.kind();
         let hint = match kind {
@@ -191,7 +184,6 @@ impl Parser<'_> {
         }
     }
 
-    /// Skips to the next line, `;` or closing brace.
     fn skip_line(&mut self) {
         self.skip_until(|parser| parser.token().newline || parser.kind() == Kind::Semicolon);
     }
@@ -250,7 +242,6 @@ impl Parser<'_> {
         Some(Item::Param { name, value, range })
     }
 
-    /// Skips the rest of an item with a mistake, and returns it as [`Item::Broken`].
     fn broken(&mut self, name: Name) -> Option<Item> {
         self.skip_until(|parser| parser.token().newline && parser.kind() == Kind::Name);
         while matches!(self.kind(), Kind::CloseParen | Kind::CloseBrace) {
@@ -303,7 +294,6 @@ impl Parser<'_> {
         Some(Item::Fn(Function { name, parameters, body }))
     }
 
-    /// Parses `name` or `name: type`.
     fn parameter(&mut self) -> Option<Parameter> {
         let token = self.token();
         if token.is_name() && self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(token.symbol)) {

@@ -41,8 +41,7 @@ use super::token::{Kind, Token, word};
 
 pub(super) use items::{is_keyword, keywords};
 
-/// Parses the tokens of one file into items, and adds their expressions to `ast`. The last token must be of kind
-/// `End`.
+/// Parses one file's tokens, the last of which must be `End`, into items. Adds their expressions to `ast`.
 pub(super) fn parse(
     tokens: &[Token],
     names: &Interner,
@@ -71,17 +70,14 @@ pub(super) fn parse(
 struct Parser<'a> {
     tokens: &'a [Token],
     at: usize,
-    /// The token at `at`.
     current: Token,
     /// The end of the previous token; 0 at the start.
     end_before: u32,
     names: &'a Interner,
     ast: &'a mut Ast,
     diagnostics: &'a mut Diagnostics,
-    /// The depth of nested expressions.
     nesting: usize,
     nesting_max: usize,
-    /// True inside parentheses, where line ends have no meaning.
     in_parens: bool,
     /// Index of the last reported token. A second report about the same token would only repeat the mistake.
     reported: Option<usize>,
@@ -136,7 +132,6 @@ impl Parser<'_> {
         found
     }
 
-    /// The span from `start` to the end of the previous token.
     fn since(&self, start: Span) -> Span {
         Span::new(start.start, self.end_before.max(start.end))
     }
@@ -149,7 +144,6 @@ impl Parser<'_> {
         }
     }
 
-    /// The current token, for messages.
     fn found(&self) -> String {
         let token = self.token();
         match token.kind {
@@ -165,7 +159,6 @@ impl Parser<'_> {
         }
     }
 
-    /// A diagnostic that `what` is expected at the current token.
     fn expected(&self, what: &str) -> Diagnostic {
         let diagnostic =
             Diagnostic::new(self.token().span, format!("expected {what}, found {}", self.found()));
@@ -175,7 +168,6 @@ impl Parser<'_> {
         }
     }
 
-    /// Consumes a token of `kind`, or reports that it is missing.
     fn demand(&mut self, kind: Kind, after: &str) -> bool {
         let found = self.eat(kind);
         if !found {
@@ -185,8 +177,8 @@ impl Parser<'_> {
         found
     }
 
-    /// Skips tokens until `stop` returns true, outside of brackets that open in the skipped text. Also stops before an
-    /// unmatched closing bracket, a `let`, a field on a new line, an item on a new line, and the end of the text.
+    /// Skips tokens until `stop` returns true, outside of brackets that open in the skipped text. Also stops before
+    /// an unmatched closing bracket, a `let`, a field on a new line, an item on a new line, and the end of the text.
     fn skip_until(&mut self, stop: impl Fn(&Self) -> bool) {
         let mut open = 0_usize;
         loop {
@@ -204,12 +196,10 @@ impl Parser<'_> {
         }
     }
 
-    /// True if the next tokens are `name =`.
     fn begins_assignment(&self) -> bool {
         self.token().is_name() && self.ahead(1).kind == Kind::Assign
     }
 
-    /// True at a `let`, and at a field on a new line.
     fn begins_entry(&self) -> bool {
         let token = self.token();
         token.is_word(word::LET) || (token.newline && self.begins_assignment())
@@ -221,10 +211,8 @@ impl Parser<'_> {
     }
 }
 
-/// Length in characters after which messages cut names.
 const NAME_SHOWN: usize = 60;
 
-/// The text of a sign; empty for kinds without a fixed text.
 fn sign(kind: Kind) -> &'static str {
     match kind {
         Kind::OpenParen => "(",

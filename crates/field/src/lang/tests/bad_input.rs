@@ -39,7 +39,6 @@ fn chains_do_not_count_as_nesting() {
         let compiled = on_a_small_stack(text);
         assert!(compiled.scene.is_some(), "{}", compiled.render(false));
     }
-    // Nesting up to the limit, also through calls, works on a small stack.
     for (open, depth) in [("(x+", 120), ("min(x, ", 250)] {
         assert!(on_a_small_stack(open.repeat(depth) + "1" + &")".repeat(depth)).scene.is_some(), "{open}");
     }

@@ -2,7 +2,6 @@
 
 use super::value;
 
-/// One component of a vector formula.
 fn part(formula: &str, axis: &str) -> f32 {
     value(&format!("{{ let v = {formula}  v.{axis} }}"), [0.0; 3])
 }
@@ -57,7 +56,6 @@ fn paths_go_through_their_points() {
             let formula = format!("path_{count}({at}{})", points(count));
             assert_near(place(&formula), *point, &formula);
         }
-        // A path stops at its ends.
         for (at, point) in [(-3.0, POINTS[0]), (7.5, POINTS[count - 1])] {
             assert_near(place(&format!("path_{count}({at}{})", points(count))), point, "beyond the end");
         }
@@ -91,6 +89,5 @@ fn weights_of_any_number_of_points_sum_to_one() {
             }
         }
     }
-    // A path between two points is a straight line.
     assert_eq!(value("sum(for i in 0..2: (3 + 4 * i) * path_share(0.25, i, 2))", [0.0; 3]), 4.0);
 }

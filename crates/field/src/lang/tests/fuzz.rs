@@ -40,7 +40,6 @@ const PIECES: &[&str] = &[
     "speakers(p)",
 ];
 
-/// A shipped scene with pieces of its text deleted, repeated, moved or inserted.
 fn mutated(changes: &[(usize, usize, u8)]) -> String {
     let mut text: Vec<char> = SPEAKERS.chars().collect();
     for &(at, length, what) in changes {

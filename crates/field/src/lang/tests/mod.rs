@@ -20,7 +20,6 @@ use super::{Compiled, Scene, compile, no_includes};
 use crate::graph::{FrameInputs, Point};
 use crate::graph::{SoundInput, SoundInputs};
 
-/// Compiles a text that must have no mistakes.
 pub(super) fn scene(text: &str) -> Scene {
     let compiled = compile("test.scene", text, &mut no_includes);
     match compiled.scene {
@@ -29,7 +28,6 @@ pub(super) fn scene(text: &str) -> Scene {
     }
 }
 
-/// Compiles a text that must have mistakes.
 pub(super) fn broken(text: &str) -> Compiled {
     let compiled = compile("test.scene", text, &mut no_includes);
     assert!(compiled.scene.is_none() && !compiled.diagnostics.is_empty(), "no mistake found in: {text}");
@@ -54,12 +52,10 @@ pub(super) fn frame(scene: &Scene) -> FrameInputs {
     }
 }
 
-/// The scene's distance at a point.
 pub(super) fn distance(scene: &Scene, at: [f32; 3]) -> f32 {
     scene.graph.evaluate(&[scene.distance], &Point::at(at[0], at[1], at[2]), &frame(scene)).unwrap()[0]
 }
 
-/// A formula's value at a point.
 pub(super) fn value(text: &str, at: [f32; 3]) -> f32 {
     distance(&scene(text), at)
 }

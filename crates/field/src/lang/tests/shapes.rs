@@ -5,7 +5,6 @@ use super::{distance, scene, value};
 /// A point with the distance there.
 pub(crate) type Sample = ([f32; 3], f32);
 
-/// A call of each shape, with the expected distances at some points.
 pub(crate) const SHAPES: &[(&str, &[Sample])] = &[
     ("sphere(p, 1)", &[([2.0, 0.0, 0.0], 1.0), ([0.0, 0.0, 0.0], -1.0)]),
     ("box(p, vec3(1, 0.5, 0.75))", &[([4.0, 4.5, 0.0], 5.0), ([0.0, 0.0, 0.0], -0.5)]),
