@@ -1,5 +1,4 @@
-// Counts distance evaluations by kind of ray, for `mariana bench` (COUNT_EVALUATIONS). Without it the macros are
-// empty.
+// Counts distance evaluations by kind of ray, for `mariana bench`; the macros are empty without COUNT_EVALUATIONS.
 
 #ifdef COUNT_EVALUATIONS
 float count_primary = 0.0;

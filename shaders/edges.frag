@@ -1,5 +1,4 @@
-// Keeps the pixels that differ visibly from their neighbours; they get more samples. Others are discarded, so that
-// the stencil, or the written mark, shows the edges.
+// Keeps only pixels that differ visibly from their neighbours: they get more samples, by the stencil or written mark.
 
 #include "picture_block.glsl"
 #include "encode.glsl"
@@ -14,7 +13,6 @@ const float ROUGH_CONTRAST = 0.02;
 // The contrast for distant neighbours, where colours differ even without noise.
 const float FAR_ROUGH_CONTRAST = 0.06;
 
-// Offsets of the neighbours that are compared.
 const int NEAREST = 4;
 const int NEIGHBOURS = 12;
 const ivec2 PLACES[NEIGHBOURS] = ivec2[](

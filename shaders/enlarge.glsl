@@ -11,7 +11,6 @@ vec4 weights(float t) {
         t * t * (0.5 * t - 0.5));
 }
 
-// The frame's colour at a position of 0..1.
 vec3 enlarged(vec2 at) {
     ivec2 size = textureSize(picture, 0);
     ivec2 limit = size - 1;

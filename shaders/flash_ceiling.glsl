@@ -5,7 +5,6 @@
 // Values at each cell's centre: w the ceiling of luminance, z the fraction of grey.
 uniform sampler2D ceilings;
 
-// The ceiling of luminance and the fraction of grey at the centre of a cell.
 vec2 ceiling_of(ivec2 cell) {
     return texelFetch(ceilings, clamp(cell, ivec2(0), ivec2(COLUMNS, ROWS) - 1), 0).wz;
 }
@@ -24,7 +23,6 @@ bool limits(vec2 ceiling) {
     return ceiling.x < 0.9999 * OPEN || ceiling.y > 0.0;
 }
 
-// Linear light after dimming by such a ceiling.
 vec3 below_ceiling(vec3 color, vec2 ceiling) {
     float light = dot(color, vec3(0.2126, 0.7152, 0.0722));
     float knee = KNEE * ceiling.x;

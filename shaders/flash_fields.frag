@@ -1,5 +1,4 @@
-// Computes, for each row, the columns covered by crowded fields that begin in this row: fields with too many marked
-// cells (crates/render/src/flash/fields.rs).
+// For each row, finds the columns in crowded fields that begin in it, with too many marked cells (flash/fields.rs).
 
 #include "flash_rows.glsl"
 
@@ -7,7 +6,6 @@ uniform sampler2D marked_rows;      // of flash_rows.frag
 
 layout(location = 0) out vec4 covered;  // xy for light, zw for red
 
-// The number of bits in a field's row.
 uint bits_of(uint row) {
     row -= row >> 1u & 0x5555u;
     row = (row & 0x3333u) + (row >> 2u & 0x3333u);

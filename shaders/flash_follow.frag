@@ -1,5 +1,4 @@
-// Detects the changes of each cell before the limiter, and the rises that would begin one flash too many
-// (crates/render/src/flash/limiter.rs).
+// Detects changes of cells before the limiter, and rises that would begin one flash too many (flash/limiter.rs).
 
 #include "flash_swing.glsl"
 

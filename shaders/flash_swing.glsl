@@ -69,7 +69,6 @@ float red_change(inout vec3 swing, vec3 color) {
     return changes ? (red > 0.5 ? 1.0 : -1.0) : 0.0;
 }
 
-// True if this colour may be the one that makes the last change count, because the change was small.
 bool may_count_only_as_red(vec3 swing, vec3 color) {
     return swing.x == saturated_red(color, RED_FRACTION) + UNSURE;
 }

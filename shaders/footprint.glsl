@@ -1,6 +1,5 @@
 // The area of a surface under a pixel.
 
-// The number of no plane.
 const int NOTHING = -1;
 
 // The movement of the visible point along the surface when the ray moves by `step` at its distance.

@@ -19,7 +19,8 @@ layout(std140) uniform FrameBlock {
                                         // radius; half the right side, w range or 0; half the upper side, w fraction
                                         // that shadows remove
     vec4 frame_heard[HEARD_QUADS];      // numbers of the sound, four to a vector, in the order of their table
-                                        // (crates/field/src/graph/sound_input.rs; volumes: Abt 2022, section 5, eq. 1)
+                                        // (crates/field/src/graph/sound_input.rs; volumes: Abt 2022, section 5, eq.
+                                        // 1)
     vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1; one per vector, so that an index reads one number
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
     vec4 frame_hoisted[HOISTED_QUADS];  // values that the CPU computes once per frame
@@ -44,9 +45,9 @@ layout(std140) uniform PassBlock {
 #define PLANES PLANES_MAX   // compiled scenes define their number
 #endif
 
-// llvmpipe fetches every number of a block separately for each pixel: thirty instructions, where a copy takes none.
-// On it, values that rays read often are therefore copied once per sample. `scene_load` does the same for a compiled
-// scene's inputs. GPUs read blocks for free, and copies would take registers there.
+// llvmpipe fetches every number of a block for each pixel: thirty instructions, where a copy takes none. On it,
+// values that rays read often are copied once per sample, as `scene_load` does for a compiled scene's inputs. GPUs
+// read blocks for free, and copies would take registers there.
 #ifdef SOFTWARE
 vec4 bounds_low;
 vec4 bounds_high;

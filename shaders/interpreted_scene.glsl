@@ -8,8 +8,6 @@ const int AMBIENT_PROGRAM = 1;
 const int GLOW_PROGRAM = 2;
 const int MATERIAL_PROGRAMS = 4;
 
-// --- Materials and light ---
-
 void scene_load() {}
 
 // The program for a point or a direction: the directory entry `place` has a grid with a program for each cell.
@@ -24,7 +22,6 @@ int program_at(int place, vec3 at) {
     return int(texelFetch(tape, grid + 2 + (number >> 2))[number & 3]);
 }
 
-// A point and its normal, or a direction.
 struct Place {
     vec3 p;
     vec3 n;
@@ -45,8 +42,7 @@ uvec4 run_program(int program, Place here, Place right, Place above) {
     for (int round = 0; round <= SAMPLES; round++) {
         vec2 uv;
         uvec4 texture_head;
-        // One call in a loop, because each call is compiled separately: three runs for a texture, one for the
-        // program's own tape.
+        // One call in a loop: each call is compiled separately. Three runs per texture, one for the own tape.
         for (;;) {
             bool is_own = sample_number >= samples;
             texture_head = texelFetch(tape, program + 1 + sample_number);

@@ -1,15 +1,13 @@
-// The interpreter of tapes in texture buffers. `crates/field/src/tape/` describes clauses, registers and operators.
-// `crates/field/src/tape/interpreter.rs` describes texels and the variant's defines, and writes operators.glsl.
+// The interpreter of tapes in texture buffers. `crates/field/src/tape/` describes clauses, registers and operators;
+// `interpreter.rs` there describes texels and the variant's defines, and writes operators.glsl.
 //
-// A texel holds two clauses, each followed by its immediate, which a compound reads as a third operand. The second
-// clause of the last texel is END, with the registers of two results in its bytes 2 and 3; it assigns the first one
-// to itself. At the start the registers hold x, y, z and the normal. A region's tape has the distance beyond which a
-// surface casts no shadow instead of the normal's x.
+// At the start the registers hold x, y, z and the normal. A region's tape has the distance beyond which a surface
+// casts no shadow instead of the normal's x.
 //
 // There are two loops over clauses. EVERY_CASE is for renderers that never skip a branch. It runs both clauses of a
-// texel in one round. Rare operators are always second in a texel; they are computed between runs of texels, because
-// they would otherwise be computed with every clause. GPUs skip branches, and their compilers inline a function at
-// each call, so their loop has only one clause.
+// texel in one round, and rare operators, always second in a texel, between runs of texels, because they would
+// otherwise be computed with every clause. GPUs skip branches, and their compilers inline a function at each call, so
+// their loop has only one clause.
 
 uniform usamplerBuffer tape;        // RGBA32UI
 
@@ -23,13 +21,10 @@ float count_surface_clauses = 0.0;  // clauses of materials and light
 #define COUNT_CLAUSES(kind, count)
 #endif
 
-// --- Decoding a word ---
-
 #define BYTE(word, place) ((word >> (8 * place)) & 255u)
 #define HAS(word, place, bit) ((word & (1u << (8 * place + bit))) != 0u)
 
-// True if an operand is the immediate, by the form of the clause. With at most 128 registers, the operand's byte
-// shows it.
+// True if an operand is the immediate, by the clause's form; by the operand's byte with at most 128 registers.
 bool form_is_immediate(uint word, const int place) {
     // LOAD has the number 2.
     return place == 2 ? (word & 192u) == 192u || (word & 255u) == 2u : (word & 192u) == 128u;
@@ -52,15 +47,12 @@ int operator_number(uint word) {
 #define CLAUSE_PLACE bool
 #endif
 
-// Clears registers before a run, so that a GPU's compiler does not keep them alive between runs. On a CPU they are in
-// memory, where clearing would take time.
+// Clears registers before a run, so that GPUs' compilers do not keep them alive. On a CPU clearing would take time.
 #ifdef EVERY_CASE
 #define FORGET(file, first, count)
 #else
 #define FORGET(file, first, count) for (int i = first; i < count; ++i) file[i] = 0.0
 #endif
-
-// --- A region's tape ---
 
 float region_file[REGION_REGISTERS];
 
@@ -120,8 +112,6 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     return vec2(REGION_READ(words.z, 2), REGION_READ(words.z, 3));
 }
 
-// --- A tape of materials and light ---
-
 // The registers, and the sampled colours with four channels per texture. GPUs' compilers put more than 64 registers
 // into memory (crates/field/src/tape/interpreter.rs). The colours are then behind them, because a separate array
 // would occupy registers during all of the shading.
@@ -141,7 +131,6 @@ float sampled[4 * SAMPLES];
 float tape_memory[MEMORY];
 #endif
 
-// Runs a clause in the same way as region_clause.
 void tape_clause(uint word, uint immediate, CLAUSE_PLACE last, vec3 p, vec3 n, out float a, out float b) {
     int number = operator_number(word);
     a = OPERAND(word, 2, immediate);

@@ -1,6 +1,5 @@
-// Depth of field: adds up the light of all discs that reach a pixel. A disc's brightness is its point's brightness
-// divided by its area. Light from behind a sharp point does not spread over it. Alpha is the fraction of discs in
-// front.
+// Depth of field: adds up the light of all discs that reach a pixel, each as bright as its point divided by its area.
+// Light from behind a sharp point does not spread over it. Alpha is the fraction of discs in front.
 
 #include "post_block.glsl"
 

@@ -6,7 +6,6 @@ const float PI = 3.14159265;
 #error "`light_at` handles only lamps, suns and panels: add the new kind of light there"
 #endif
 
-// A light as seen from a point of a surface.
 struct Incoming {
     vec3 direction;     // towards its middle
     vec3 mirrored;      // towards its part nearest to the mirrored line of sight
@@ -112,8 +111,7 @@ vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, f
 // Least alpha: a sharper highlight would be smaller than a pixel.
 const float ALPHA_MIN = 0.02;
 
-// Reflectance towards the eye for arriving light, without mirror images. The diffuse part gets the light that
-// Fresnel's reflection leaves.
+// Reflectance towards the eye, without mirror images. The diffuse part gets what Fresnel's reflection leaves.
 vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     float seen = max(dot(normal, -direction), 1e-3);
     float facing = max(dot(normal, incoming.mirrored), 1e-3);

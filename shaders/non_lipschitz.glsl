@@ -1,9 +1,7 @@
-// Traces rays through formulas that are not distances, in the variant NON_LIPSCHITZ. Replaces `trace` of
-// sphere_tracing.glsl. Each cell of the tree (regions.glsl) has bounds of the formula's gradient
-// (crates/field/src/region/gradient.rs). The value divided by the rate at which it can fall along the ray gives a
-// step that cannot pass a surface; it is limited to the cell's face.
+// Traces rays through formulas that are not distances (NON_LIPSCHITZ) instead of sphere_tracing.glsl's `trace`. Each
+// cell (regions.glsl) has bounds of the gradient (region/gradient.rs): the value divided by the rate at which it can
+// fall along the ray is a step that cannot pass a surface. It is limited to the cell's face.
 
-// Bounds of the gradient.
 struct Slopes {
     vec3 low;
     vec3 high;
@@ -37,8 +35,8 @@ float even_step(int left, float t, float end) {
     return from * (pow(end / from, 1.0 / float(left)) - 1.0);
 }
 
-// First surface along the ray: the change of sign. `cone` is the radius of the pixel's cone at t = 0 and `spread` its
-// growth.
+// First surface along the ray: the change of sign. The pixel's cone has the radius `cone` at t = 0 and grows by
+// `spread`.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
     vec2 span = non_lipschitz_span(origin, direction);

@@ -14,7 +14,6 @@ vec3 normal_of(vec3 sum) {
     return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);
 }
 
-// The sum for `normal_of`, from the distances at the taps.
 vec3 sum_of_taps(vec4 d) {
     return vec3(dot(TAPS_X, d), dot(TAPS_Y, d), dot(TAPS_Z, d));
 }

@@ -4,7 +4,6 @@
 // Heights of the probes, as fractions of the reach of occlusion (`frame_reach`).
 const vec4 PROBE_FRACTIONS = vec4(0.0625, 0.25, 0.5625, 1.0);
 const vec4 PROBE_WEIGHTS = vec4(1.0, 0.8, 0.64, 0.512) / (1.0 + 0.8 + 0.64 + 0.512);
-// Heights of the probes.
 #define probes (frame_reach.x * PROBE_FRACTIONS)
 
 // True if the scene without planes can affect a probe. A probe of height h is unaffected by a distance above h.

@@ -24,8 +24,7 @@ float noise(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-// -1.5..1.5 steps of 1/255 at a grain of 1; half a step in each direction hides banding. Small values are more likely
-// than large ones. It is constant in time, so that still images stay still.
+// -1.5..1.5 steps of 1/255 at a grain of 1, mostly small; half a step hides banding. Constant in time, for stills.
 float grain(vec2 pixel) {
     float film = noise(pixel + vec2(57.0, 131.0)) + noise(pixel.yx + vec2(211.0, 17.0)) - 1.0;
     return noise(pixel) - 0.5 + picture_look.w * film;

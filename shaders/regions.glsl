@@ -25,7 +25,6 @@ struct Cell {
 // The cell of a compiled scene that is drawn without a tree.
 const Cell NO_CELL = Cell(0.0, 0, SEVERAL, 0.0);
 #else
-// The cell at a point in root coordinates.
 Cell cell_at(vec3 q) {
     bool inside = region_low.w > 0.5 && all(greaterThanEqual(q, vec3(0.0))) && all(lessThan(q, vec3(ROOT_SIDE)));
     uvec4 texel = uvec4(0u);
@@ -56,8 +55,7 @@ vec3 in_root(vec3 p) {
     return (p - region_low.xyz) * region_scale.xyz;
 }
 
-// A ray through the tree. It has few members, because they occupy registers while the scene is evaluated. Values that
-// are cheap to compute are computed again.
+// A ray through the tree, with few members: they occupy registers while the scene is evaluated.
 struct Walk {
     vec3 origin;
     vec3 direction;
@@ -74,8 +72,7 @@ Walk walk_of(vec3 origin, vec3 direction) {
     return Walk(origin, direction, inverse, nudge);
 }
 
-// The position for looking up the ray's cell at t. It is slightly beyond the point, so that a ray never gets stuck at
-// a face.
+// The position for looking up the ray's cell at t, slightly further on, so that a ray never gets stuck at a face.
 vec3 place_on(Walk walk, float t) {
     vec3 ahead = mix(vec3(-walk.nudge), vec3(walk.nudge), greaterThanEqual(walk.direction, vec3(0.0)));
     return in_root(walk.origin + t * walk.direction) + ahead;
@@ -89,7 +86,6 @@ float exit_of(Cell cell, Walk walk, vec3 q, float t) {
     return t + min(left.x, min(left.y, left.z));
 }
 
-// A point slightly further along the ray.
 float past(float t) {
     return t * (1.0 + PAST_FACE) + PAST_FACE;
 }

@@ -1,13 +1,11 @@
-// Limits the rounds of a pixel's loops in the variant LIMITED_ROUNDS: the interpreter on llvmpipe. llvmpipe ends
-// every loop of a group of pixels for good once all their loops together have run 65,535 rounds. After that the tapes
-// of materials and light would no longer run, and the frame would show the old contents of registers.
+// Limits the rounds of a pixel's loops in the variant LIMITED_ROUNDS, the interpreter on llvmpipe: it ends every loop
+// of a group of pixels for good once their loops together have run 65,535 rounds, and would then show old registers.
 //
 // Each texel of a tape is a round. Rays therefore take as many steps as they can afford, and longer steps when few
 // are left. The remaining rounds are for surfaces.
 
-// Rounds of the pixel up to which rays of each kind are traced. In each step a group runs as many rounds as its
-// longest pixel. A pixel cannot count the rounds of the others, so these limits leave room: they are measured, not
-// proven.
+// Rounds of the pixel up to which rays of each kind are traced. A step takes a group as many rounds as its longest
+// pixel, and a pixel cannot count those of the others. So these limits leave room: measured, not proven.
 const int EYE_ROUNDS = 26000;
 const int MIRROR_ROUNDS = 30000;
 const int SHADOW_ROUNDS = 40000;

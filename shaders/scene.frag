@@ -129,8 +129,7 @@ vec3 facet(vec3 normal, float alpha, vec2 random) {
 }
 #endif
 
-// Light along a ray from the eye. A single loop over the surfaces of the path, so that a driver compiles tracing and
-// shading only once.
+// Light along a ray from the eye. A single loop over the path's surfaces: a driver compiles tracing and shading once.
 vec3 scene_color(vec3 origin, vec3 direction) {
     float spread = camera_position.w;
     float fraction_min = mix(FRACTION_MIN_LEAST, FRACTION_MIN, frame_quality);

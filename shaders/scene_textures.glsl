@@ -1,5 +1,4 @@
-// The scene's textures. Each has its own texture unit, because OpenGL 3.3 has no arrays of samplers with variable
-// indices.
+// The scene's textures, a texture unit each: OpenGL 3.3 has no arrays of samplers with variable indices.
 
 #if TEXTURES > 0
 uniform sampler2D scene_texture_0;

@@ -3,8 +3,8 @@
 const float SHADOW_STEP_MIN = 0.03;
 // Start of a shadow ray, so that it does not hit the surface that it leaves.
 const float SHADOW_START = 0.02;
-// Shadow rays are also dimmed by surfaces that they pass outside the scene's bounds. This margin is the largest width
-// of a penumbra: the light's distance divided by its sharpness, within this range.
+// Shadow rays are also dimmed by surfaces they pass outside the scene's bounds, up to the largest width of a
+// penumbra: the light's distance divided by its sharpness, within this range.
 const float SHADOW_MARGIN_MIN = 0.1;
 const float SHADOW_MARGIN_MAX = 3.0;
 // The sharpness of a penumbra, a light's distance divided by its radius, is clamped to this range.
@@ -28,8 +28,7 @@ vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
 #else
 const int SHADOW_STEPS_MAX = 96;
 const float SHADOW_STEP_GROWTH = 0.0;
-// Longest step near the scene, because longer ones would make the steps visible in the penumbra. Farther away, half
-// the distance.
+// Longest step near the scene: longer ones would be visible in the penumbra. Farther away, half the distance.
 const float SHADOW_STEP_MAX = 0.6;
 
 // Visible fraction of a light from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest pass
@@ -74,8 +73,8 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
-        // The spheres of the last two points are empty. They meet `behind` back from this point and `closest` off the
-        // ray. A stride longer than its sphere, taken next to a surface, allows no triangulation.
+        // The last two points' spheres are empty. They meet `behind` back from this point and `closest` off the ray.
+        // A stride longer than its sphere, taken next to a surface, allows no triangulation.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));

@@ -44,12 +44,10 @@ Hit trace_planes(vec3 origin, vec3 direction, float start) {
 }
 
 // Beams: on llvmpipe, further samples of a pixel do not start at the eye. The pixel's first ray finds the free
-// distance of its beam, which contains all of the pixel's rays. At a distance t these are within a radius of the
-// first ray. If no surface is nearer than twice that radius, the free ball around a step contains the whole beam and
-// meets the previous step's ball.
-//
-// Beams and NO_CELLS make compiled scenes without a tree 23 % faster on llvmpipe (median), interpreted ones 2 %. On a
-// GPU a beam would occupy one more register during all of the shading, which costs waves; fewer pixels are at edges
+// distance of its beam, which contains all of the pixel's rays: at a distance t within a radius of the first ray. If
+// no surface is nearer than twice that radius, the free ball around a step contains the beam and meets the previous
+// ball. Beams and NO_CELLS make compiled scenes without a tree 23 % faster on llvmpipe (median), interpreted ones 2
+// %. On a GPU a beam would occupy one more register during shading, which costs waves; fewer pixels are at edges
 // there.
 #ifdef SOFTWARE
 #define BEAMS
@@ -82,7 +80,7 @@ float free_after(float free, float nearest, float t) {
 #ifdef NON_LIPSCHITZ
 #include "non_lipschitz.glsl"
 #else
-// First surface along the ray. `cone` is the radius of the pixel's cone at t = 0 and `spread` its growth.
+// First surface along the ray. The pixel's cone has the radius `cone` at t = 0 and grows by `spread`.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
     vec2 span = traced_span(origin, direction, 0.0);
@@ -153,8 +151,8 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     // A ray that used up its steps far from any surface has missed. (A single exit of the loop needs fewer
     // registers.)
     if (t >= end || d > CAPPED_FRACTION * (cone + spread * t)) return behind;
-    // The last step ends on the surface, so that the hit hardly depends on earlier steps. It is as long as the
-    // distance, or longer if the last two distances show that the ray meets the surface at an angle.
+    // The last step ends on the surface, so that the hit hardly depends on earlier steps. It is longer than the
+    // distance if the last two distances show that the ray meets the surface at an angle.
     float slant = before > d ? min(before / (before - d), SLANT_MAX) : 1.0;
     // NaN ends the ray at its last point.
     return Hit(d > 0.0 ? t + d * slant : t, NOTHING, true);

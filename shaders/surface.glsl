@@ -10,8 +10,7 @@ const int FIRST_TAP = 1;
 const int FIRST_PROBE = 5;
 const int LAST_PROBE = 8;
 
-// `plane` is the number of the plane that contains `p`, or NOTHING for other surfaces. `dx` and `dy` are the vectors
-// at this distance to the rays of the neighbouring pixels.
+// `plane` is the plane that contains `p`, or NOTHING. `dx` and `dy` lead to the neighbouring pixels' rays here.
 Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, vec3 dy) {
     Surface s;
     s.normal = vec3(0.0);

@@ -37,8 +37,8 @@ vec3 tone_map(vec3 color) {
     return pow(clamp(encoded, 0.0, 1.0), vec3(AGX_POWER));
 }
 #elif TONE_MAP == 1
-// ACES: Stephen Hill's fit of its reference rendering and sRGB output transforms. It is scaled to match the other
-// curves in brightness at medium light.
+// ACES: Stephen Hill's fit of its reference rendering and sRGB output transforms, scaled to the other curves'
+// brightness.
 vec3 tone_map(vec3 color) {
     const mat3 inset = mat3(0.59719, 0.07600, 0.02840, 0.35458, 0.90834, 0.13383, 0.04823, 0.01566, 0.83777);
     const mat3 outset = mat3(1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605, 1.07602);
