@@ -323,8 +323,7 @@ impl<'a> IntervalEvaluator<'a> {
         Self { tape, frame, machine, outputs, choices: Vec::new() }
     }
 
-    /// Bounds of the outputs over a box of positions and normals. They contain every value that [`PointEvaluator`]
-    /// computes in the box.
+    /// Bounds of the outputs over a box. They contain every value that [`PointEvaluator`] computes there.
     pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[Interval] {
         let ([x, y, z], [nx, ny, nz]) = (position, normal);
         self.choices.clear();

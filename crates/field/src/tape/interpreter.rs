@@ -12,12 +12,10 @@
 //!
 //! **Variants.** The text holds only the operators of a [`Variant`]. With `EVERY_CASE`, for renderers that never skip
 //! a branch (llvmpipe), all cases are computed and the result is selected by the bits of its number
-//! (`tape/select.rs`). Without it the text finds the case by binary search.
-//!
-//! **The universal variant** ([`Variant::universal`]) runs nearly every scene, so that on GPUs an edit never waits
-//! for a compiler. It has many registers on purpose: AMD's compilers put arrays of more than 64 numbers into memory,
-//! which costs materials little because they run once per surface. With 64 of their registers in GPU registers,
-//! Mesa's LLVM needs 256 registers, 15 spills and 8 s on Vega.
+//! (`tape/select.rs`). Without it the text finds the case by binary search.**The universal variant**
+//! ([`Variant::universal`]) runs nearly every scene, so that on GPUs an edit never waits for a compiler. It has many
+//! registers on purpose: AMD's compilers put arrays of more than 64 numbers into memory, which costs materials
+//! little. With 64 in GPU registers, Mesa's LLVM needs 256 registers, 15 spills and 8 s on Vega.
 //!
 //! **A point at a time.** The interpreter runs a tape for one point; only texture coordinates, a few clauses, also
 //! run for the pixels to the right and above. A frame's numbers are immediates of the clauses, so programs are
@@ -56,8 +54,7 @@ pub(crate) fn end_of([first, second]: [u8; 2]) -> u32 {
 }
 
 impl Tape {
-    /// Appends the tape as texels for an interpreter with these compounds. `table` holds the numbers of its table
-    /// ([`Tape::table_values`]).
+    /// Appends the tape as texels. `table` holds the numbers of its table ([`Tape::table_values`]).
     pub fn append_texels(&self, table: &[f32], compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
         let mut first: Option<[u32; 2]> = None;
         let mut clauses = RunClauses::of(self, table);
@@ -138,8 +135,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// The variant that runs nearly every scene: all operators, and more registers and textures than scenes use. It
-    /// is meant for GPUs; with every case computed it would be slow.
+    /// Runs nearly every scene: all operators, many registers and textures. For GPUs: computing every case is slow.
     pub fn universal() -> Self {
         Self {
             operators: Op::ALL.iter().copied().collect(),

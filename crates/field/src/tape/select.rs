@@ -2,10 +2,9 @@
 //! result.
 //!
 //! If all cases are computed anyway, n - 1 selections on at most seven bits distinguish n cases. That is half the
-//! instructions of n comparisons with as many selections. llvmpipe reads an array with a variable index lane by lane,
-//! and writes it with a branch per lane: about sixty instructions; selecting takes two per register. Selections use
-//! `mix`, because Mesa turns nested `?:` into branches and llvmpipe computes a mask of lanes for each of them.
-//! Compilers for GPUs turn branches into selections where that pays.
+//! instructions of n comparisons. llvmpipe reads an array with a variable index lane by lane, and writes it with a
+//! branch per lane: about sixty instructions; selecting takes two per register. Selections use `mix`, because Mesa
+//! turns nested `?:` into branches and llvmpipe computes a mask of lanes for each of them.
 //!
 //! Tried: one square root for all operators that need one, selected by the bits of their operands. It saves 3 % in
 //! lattice and nothing in city and kaleidoscope.

@@ -68,8 +68,7 @@ fn words_match_the_table_in_the_module_documentation() {
         0x01_00_01_45, // MAX = 69
     ];
     assert_eq!(words, expected);
-    // Texels leave out inputs that start in their registers, put immediates behind their clauses, and name the output
-    // in END.
+    // Texels omit inputs that start in their registers, put immediates after clauses, and END names the output.
     let mut texels = Vec::new();
     tape.append_texels(&[1.0, 0.5], Compounds::NONE, &mut texels);
     let [one, half] = [1.0_f32, 0.5].map(f32::to_bits);
