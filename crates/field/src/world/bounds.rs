@@ -1,9 +1,8 @@
 //! Finds a box around a scene's surfaces by interval arithmetic on its formula (Moore 1966).
 //!
-//! A cube that extends about 1024 from the origin is repeatedly divided into eight, and slices are cut off it.
-//! Interval arithmetic over all sounds, times and parameters finds the parts that cannot contain a surface, and these
-//! are dropped. This runs once for each text of a scene and may take about 10 ms. Rays that miss the box cost
-//! nothing. An infinite scene has no bounds and is traced up to a distance of 1000.
+//! A cube that extends about 1024 from the origin is repeatedly divided into eight, and slices are cut off it. Parts
+//! that contain no surface for any sound, time and parameters are dropped. This runs once per text and may take about
+//! 10 ms. An infinite scene has no bounds and is traced up to a distance of 1000.
 //!
 //! A blend of exponentials is constant where all of them underflow in 32 bits: e^-11d does at d = 7.9. Without
 //! bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has that problem.

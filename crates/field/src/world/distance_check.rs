@@ -1,10 +1,11 @@
-//! Checks if the value of a scene's formula is a distance in practice, by sampling its gradient.
+//! Checks if the value of a scene's formula is a distance in practice, by sampling its gradient when the scene is
+//! loaded.
 //!
-//! **Any formula can be traced.** The gradient is sampled when the scene is loaded. If the formula is steeper than 1,
-//! or far flatter at its surfaces, steps by its value would miss surfaces or make them too thick. Each cell of the
-//! tree then holds bounds of the gradient (`graph::GradientInterval`: forward accumulation in intervals, with a
-//! separate rule for lengths because a square root's slope is unbounded at 0). These bounds give a step that cannot
-//! pass a surface. Boxes are cut where parts of a formula jump, so that noise has the bounds of its smooth parts.
+//! If the formula is steeper than 1, or far flatter at its surfaces, steps by its value would miss surfaces or make
+//! them too thick. Each cell of the tree then holds bounds of the gradient (`graph::GradientInterval`: forward
+//! accumulation in intervals, with a separate rule for lengths because a square root's slope is unbounded at 0).
+//! These bounds give a step that cannot pass a surface. Boxes are cut where parts of a formula jump, so that noise
+//! has the bounds of its smooth parts.
 
 use super::bounds::Bounds;
 use crate::graph::{FrameInputs, Point, TableData, cell_hash};

@@ -13,12 +13,10 @@
 //! | | the tapes of the coordinates |
 //!
 //! [`crate::tape::interpreter`] describes the tapes, which contain a frame's numbers. Distances and objects are
-//! computed by the tapes of regions.
+//! computed by the tapes of regions. Cells run shortened programs (`region::surface`), except for texture
+//! coordinates.
 //!
-//! **Cells** run shortened programs (`region::surface`). Cells with the same shortened program share it. Texture
-//! coordinates are never shortened.
-//!
-//! **Textures** are sampled before a program's own tape runs. Thus only their coordinates, a few clauses, are also
+//! Textures are sampled before a program's own tape runs. Thus only their coordinates, a few clauses, are also
 //! computed for the neighbouring pixels. A texture whose coordinates depend on another one comes after it.
 
 use super::{Bounds, ShortPrograms, World, WorldError, WorthShortening};

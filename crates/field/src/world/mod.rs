@@ -79,8 +79,7 @@ pub enum WorldError {
     },
 }
 
-/// The expressions that the shader evaluates. Each is a program of the interpreter and a function of the compiled
-/// shader.
+/// The expressions that the shader evaluates: programs of the interpreter and functions of the compiled shader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Roots {
     /// For the rest: the length of a ray's step, and the distance to an actual surface. The normal's x passes the

@@ -1,16 +1,14 @@
-//! The light that shining objects give to their surroundings.
+//! The light that shining objects give to their surroundings, the counterpart of ambient occlusion: an object that
+//! hides a part of the sky from a surface sends its own light from there instead. Once per surface the shader probes
+//! a point above it and runs one program for the emission and the distance of shining objects nearby. Only scenes
+//! with emission pay for it. No other light travels from surface to surface, except by mirrors.
 //!
-//! **Emission is the counterpart of ambient occlusion.** An object that hides a part of the sky from a surface sends
-//! its own light from there instead. Once per surface the shader probes a point above it and runs one program for the
-//! emission and the distance of shining objects nearby, mixed between objects so that there are no visible seams.
-//! Only scenes with emission pay for this program. No other light travels from surface to surface, except by mirrors.
+//! Shining objects are mixed by the inverse squares of their distances, so that there are no visible seams. Such a
+//! weight is never 0, so a shortened tape cannot leave an object out: most of the work that remains after shortening.
+//! Weights that end at the reach of the light would change images.
 //!
-//! Shining objects are mixed by the inverse squares of their distances. Such a weight is never 0, so a shortened tape
-//! cannot leave an object out. This is most of the work that remains after shortening. Weights that end at the reach
-//! of the light would change images.
-//!
-//! Tried: skipping the glow program if no shining object is within reach. In most scenes nearly every surface has one
-//! within reach (in speakers 19 % of the pixels have none, in clockwork 79 %).
+//! Tried: skipping the program if no shining object is within reach. In most scenes nearly every surface has one (in
+//! speakers 19 % of the pixels have none, in clockwork 79 %).
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;

@@ -52,14 +52,12 @@ pub struct ShortPrograms {
 /// The programs that are worth shortening, by the savings of the last attempts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorthShortening {
-    /// For each program, the number of frames until the next attempt, 0 if it is shortened in each frame, `None` if
-    /// it never is.
+    /// Per program, the frames until the next attempt; 0 to shorten it in each frame, `None` for never.
     rests: Vec<Option<u32>>,
 }
 
 impl ShortenRequest {
-    /// True if the programs built for `other` can be used for this request: no program was shortened with other
-    /// numbers. A whole program always can.
+    /// True if programs built for `other` can be used: none of them was shortened with other numbers.
     pub fn is_served_by(&self, other: &Self) -> bool {
         let served = |(own, other): (&Option<RegionKey>, &Option<RegionKey>)| {
             own.is_none() || other.is_none() || own == other

@@ -8,10 +8,9 @@
 //! The fraction of the second world is the last parameter ([`blended_params`]), so one program draws every fraction.
 //! At the fractions 0 and 1 draw the pure worlds instead: they need no second field.
 //!
-//! **Mixed quantities.** In all kinds of blends, the light of shining objects is weighted by its side's fraction,
-//! lights change in the middle half, and sky, reach, image settings and camera are mixed. The tone map is a name and
-//! changes at the middle. A surface has the material of its scene's nearest object. A melt selects the scene by the
-//! nearer surface, a portal by the side.
+//! **Mixed quantities.** The light of shining objects is weighted by its side's fraction, lights change in the middle
+//! half, the tone map at the middle; sky, reach, image settings and camera are mixed. A surface has the material of
+//! its scene's nearest object. A melt selects the scene by the nearer surface, a portal by the side.
 
 mod alignment;
 mod camera;
@@ -293,8 +292,7 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
     mixed.numbers()
 }
 
-/// Light of nearby shining objects. Each side's light is attenuated by its own distance here, so the shaders get the
-/// distance 0.
+/// Light of nearby shining objects. Each side's is attenuated by its own distance here: shaders get distance 0.
 fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let rest = graph.sub(one, s);

@@ -17,8 +17,7 @@ pub enum PortalShape {
     Ball,
     /// The half space to the left of a plane along the line of sight that moves to the right.
     Plane,
-    /// The shape in the block `about` of the second scene, which grows around the camera's target; a ball if there is
-    /// no such shape.
+    /// The shape in the second scene's block `about`, growing around the camera's target; else a ball.
     Own,
 }
 

@@ -306,8 +306,7 @@ fn parameters_of_both_scenes_are_independent() {
 
 #[test]
 fn far_from_a_scene_rays_are_as_fast_as_in_it_alone() {
-    // Upwards from the ground, through the rock around a tunnel, both values change equally fast in opposite
-    // directions.
+    // Upwards from the ground, through a tunnel's rock, both values change equally fast in opposite directions.
     let (ground, tunnel) = (world_of("p.y + 2 + 0*length(p)"), world_of("2 - length(p.xy)"));
     let melt = World::blend(&ground, &tunnel, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
     let at = |x: f32, y: f32| distance(&melt, [x, y, 0.0], &frame(&ground, &tunnel, 0.5));
@@ -335,8 +334,7 @@ fn materials_ran_off_their_surfaces_in_a_melt() {
 
 #[test]
 fn a_polynomial_melts_with_the_slope_of_a_distance() {
-    // Barth's sextic has slope 0 at its double points, and elsewhere the slope grows with the fifth power of the
-    // distance.
+    // Barth's sextic has slope 0 at its double points; elsewhere it grows with the fifth power of the distance.
     let star = world_of(include_str!("../../../../../assets/scenes/barth.scene"));
     assert!(star.non_lipschitz);
     let ball = world_of("sphere(p - vec3(0, 2.5, 0), 1)");
