@@ -176,8 +176,7 @@ fn assert_same(text: &str, instructions: &str) {
 }
 
 fn text_to_words(criterion: &mut Criterion) {
-    // Freeing a large block makes glibc keep freed pages, as after decoding an image in the program. Otherwise every
-    // iteration would get them from the kernel again.
+    // Freeing a large block makes glibc keep freed pages, as in the program; else each iteration gets them anew.
     drop(black_box(vec![1_u8; 16 << 20]));
     let mut group = criterion.benchmark_group("text_to_words");
     // About as many lines as fidget's largest model.

@@ -41,8 +41,7 @@ pub struct Limits {
     pub scene_lights_max: usize,
     /// Most named cameras of a scene.
     pub scene_cameras_max: usize,
-    /// Most values that are computed once per frame instead of at every point. Values beyond this number are computed
-    /// at every point.
+    /// Most values that are computed once per frame; further ones are computed at every point.
     pub hoisted_max: usize,
 }
 

@@ -16,8 +16,7 @@ rays! {
     STEPS_MAX: u32 = 128;
     /// A ray hits when the distance is below this fraction of the pixel cone's radius.
     HIT_FRACTION: f32 = 0.25;
-    /// Growth of the hit fraction per step beyond [`STEPS_MANY`], so that a ray that creeps along a surface ends
-    /// there.
+    /// Growth of the hit fraction per step beyond [`STEPS_MANY`]: a ray that creeps along a surface ends there.
     HIT_FRACTION_GROWTH: f32 = 0.03;
     /// Number of steps from which the hit fraction grows.
     STEPS_MANY: u32 = 32;

@@ -85,8 +85,7 @@ pub struct RayProbe<'a> {
 }
 
 impl<'a> RayProbe<'a> {
-    /// Creates a probe from a world and the tree and planes of a frame
-    /// ([`FrameValues::planes`](crate::world::FrameValues)).
+    /// Creates a probe for a frame's tree and planes ([`FrameValues::planes`](crate::world::FrameValues)).
     pub fn new(
         world: &'a World,
         regions: &'a Regions,
@@ -131,8 +130,7 @@ impl<'a> RayProbe<'a> {
         unit(sum)
     }
 
-    /// The path from a shape to the hit part, as far as the text has an origin for it. `deciding` is the hit
-    /// object's.
+    /// The path from a shape to the hit part, as far as the text has its origin. `deciding` is the hit object's.
     pub fn path(&self, hit: &Hit, deciding: Option<&Deciding<'_>>) -> Vec<NodeId> {
         let plane = hit.plane.and_then(|plane| self.world.planes.get(plane));
         let mut path = match (plane, deciding) {
