@@ -325,7 +325,7 @@ mod tests {
             ("at start none.scene", "none.scene"),
             ("at start orbb", "orbb"),
             ("at start own.scene camera far", "its cameras are near"),
-            ("at start bare.scene camera far", "no cameras with names"),
+            ("at start bare.scene camera far", "it has no named cameras"),
             ("at start own.scene\nset swell = 1", "its parameters are size"),
             ("at start own.scene flyy", "my.show:1:20"),
             ("at section Z orb\nat drop 9 orb", "no entry of the show fits this song"),

@@ -28,7 +28,7 @@ fn invalid_targets_for_sending_are_refused() {
     // One more than the limit.
     let many: Vec<String> = (0..9).map(|n| format!("y4m:{n}")).collect();
     let flags: Vec<&str> = many.iter().flat_map(|to| ["--send", to.as_str()]).collect();
-    place.run(&flags).refused(&["at most 8 places, not 9"]);
+    place.run(&flags).refused(&["at most 8 targets, not 9"]);
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn songs_of_every_format_are_read_from_standard_input() {
     fed(&place, "empty", &["analyze", "-"]).refused(&["standard input is empty"]);
     fed(&place, "text", &["still", "-", "-o", "a.png"]).refused(&["standard input is not an audio file"]);
     fed(&place, "text", &["-"]).refused(&["standard input is not an audio file"]);
-    fed(&place, "song.mp3", &["-", "song.mp3"]).refused(&["alone"]);
+    fed(&place, "song.mp3", &["-", "song.mp3"]).refused(&["cannot be combined"]);
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub(crate) const RUN_LIMIT: Duration = Duration::from_secs(60);
 /// Words of advice to the user; every refusal contains at least one.
 const ADVICE: &[&str] = &[
     "split", "change", "check", "choose", "convert", "correct", "end", "export", "fetch", "give", "install",
-    "name", "save", "send", "set", "start", "unset", "update", "write",
+    "name", "remove", "save", "send", "set", "start", "unset", "update", "write",
 ];
 
 /// Texts that must not appear in messages to users: panics, paths of source code, temporary files.
