@@ -19,7 +19,6 @@ fn playing(volume: f32) -> (OutputCallback, OutputCallbackLink) {
     let (mut ring, _, segment) = Segment::new(1, 4 * FRAMES);
     ring.push_entire_slice(&[[0.5, -0.25]; 4 * FRAMES]).unwrap_or_default();
     drop(link.offer(segment));
-    // Past the fade in.
     output_callback.fill(&mut [0.0_f32; 2 * FRAMES], 2, Instant::now(), None);
     (output_callback, link)
 }

@@ -57,7 +57,6 @@ fn watch(player: &mut Player, seen: &Mutex<Seen>, done: &AtomicBool) {
         let (status, after) = (player.status(), Instant::now());
         let mut seen = seen.lock().unwrap();
         seen.looks += 1;
-        // The read happens between these times.
         let (least, most) = ((before - at).as_secs_f64(), (after - at).as_secs_f64());
         let step = position - last;
         if step < 0.0 {
@@ -186,7 +185,6 @@ fn flaps(count: usize) {
     report(&format!("{count} flaps"), &seen);
 }
 
-/// Loses the only output repeatedly; the server then kills the output's stream.
 fn only(count: usize) {
     let session = Session::with_server();
     // All null sinks, by the module's name.

@@ -9,7 +9,6 @@ use super::track::TrackInfo;
 use crate::limits::LIMITS;
 use mariana_music::{FeatureTrack, Features, Sound, TimedFeatures};
 
-/// Segments kept: the newest and the older ones that may still be audible.
 const SEGMENTS_KEPT: usize = 8;
 
 /// Passages kept per segment, however short they are; more would only cost memory.
@@ -18,7 +17,6 @@ const PASSAGES_KEPT: usize = 8;
 /// Seconds of features that a passage keeps beyond the largest delay of the image: the ring and a reserve.
 const TRACK_RESERVE: f64 = 2.0;
 
-/// A pair of equal times: the song runs from `song_time` at `segment_time`.
 #[derive(Debug, Clone, Copy)]
 struct Anchor {
     segment_time: f64,
@@ -68,7 +66,6 @@ pub struct SongPlace {
 #[derive(Default)]
 pub struct AudibleSegments {
     segments: VecDeque<SegmentNotes>,
-    /// The track that follows the one being decoded, once it is open.
     next: Option<Arc<TrackInfo>>,
 }
 
@@ -210,7 +207,6 @@ impl AudibleSegments {
         Some(self.passage_at(audible, 0.0)?.0.track.clone())
     }
 
-    /// The passage `ahead` seconds after `audible`, and its segment time.
     fn passage_at(&self, audible: Audible, ahead: f64) -> Option<(&Passage, f64)> {
         let segment = self.find(audible.segment)?;
         let rate = f64::from(segment.rate);

@@ -50,7 +50,6 @@ const AHEAD_MAX: f64 = 1.5;
 /// If two segments report positions further apart, in seconds, the clock jumps instead of closing the gap slowly.
 const APART_MAX: f64 = 3.0;
 
-/// The value of `first_frame` before any frame was delivered.
 const NEVER: u64 = u64::MAX;
 
 /// A stretch of sound that was delivered to the device.
@@ -377,7 +376,6 @@ impl Clock {
     }
 }
 
-/// The position to report `passed` after `last`, if the song is at `course`.
 fn follow(
     course: Course,
     last: Audible,

@@ -61,7 +61,6 @@ fn readers_never_see_a_span_half_written() {
         let reader = scope.spawn(|| {
             let mut seen = 0_u64;
             while done.load(Ordering::Acquire) == 0 {
-                // Every span holds n in all its fields.
                 if let Some(Found { span, .. }) = history.look(u64::MAX) {
                     assert_eq!(span.frame, span.segment);
                     seen += 1;

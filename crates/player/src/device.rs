@@ -14,7 +14,6 @@ use super::error::{DeviceError, Direction};
 use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, is_watched, monitor_id};
 use super::server_connection::ServerConnection;
 
-/// The sample rate for which buffer sizes are given, in hertz.
 const BUFFER_RATE: u32 = 48_000;
 
 /// The longest time for creating a stream, if the host can limit it.
@@ -80,7 +79,6 @@ pub(crate) struct Failure {
     pub(crate) kind: ErrorKind,
 }
 
-/// A callback that receives a stream's failure once.
 pub(crate) type OnFailure = Arc<dyn Fn(Failure) + Send + Sync>;
 
 /// The wait before the device is tried again after an error. A change in the device list ends the wait.
@@ -99,8 +97,7 @@ pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
     }
 }
 
-/// The callback for errors of a running stream. Errors that the stream survives are counted or ignored; the first other
-/// error is reported.
+/// The callback for errors of a running stream. Reports the first error that the stream does not survive.
 pub(crate) fn error_callback(
     on_failure: OnFailure,
     xruns: impl Fn() + Send + 'static,
@@ -192,7 +189,6 @@ fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedD
         }
     };
     let ranked = devices.into_iter().filter_map(|device| Some((rank(&device)?, device)));
-    // The first of equal rank.
     ranked.min_by_key(|(rank, _)| *rank).map(|(_, device)| device)
 }
 
@@ -221,8 +217,7 @@ pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
     if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }
 }
 
-/// Frames per callback to request: `frames` at 44.1 and 48 kHz, scaled by the nearest power of two at other rates,
-/// within the device's range.
+/// Scales `frames` at 44.1 and 48 kHz by the nearest power of two at other rates, within the device's range.
 pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSize) -> u32 {
     let scale = (f64::from(rate.max(1)) / f64::from(BUFFER_RATE)).log2().round().clamp(-3.0, 4.0);
     let frames = (f64::from(frames) * scale.exp2()) as u32;
@@ -326,7 +321,6 @@ mod tests {
             }
             assert!(wait_before_retry(kind) <= Duration::from_secs(5), "{kind:?}");
         }
-        // A stream that only has to be built again is retried at once.
         assert_eq!(wait_before_retry(StreamInvalidated), Duration::ZERO);
     }
 

@@ -168,8 +168,7 @@ fn buffer_frames(size: SupportedBufferSize) -> Option<(u32, u32)> {
     }
 }
 
-/// Joins entries with the same range of rates: hosts list every combination of format and channel count separately,
-/// hundreds of them.
+/// Joins entries with the same range of rates: hosts list hundreds of combinations of formats and channels.
 fn join(entries: impl Iterator<Item = FormatReport>) -> Vec<FormatReport> {
     let mut joined: Vec<FormatReport> = Vec::new();
     for mut entry in entries {

@@ -76,8 +76,7 @@ impl Demuxer {
     /// WAVE.
     pub const WAV: Self = Self("wav");
 
-    /// The demuxer for songs that ffprobe reports, which may have several names separated by commas; `None` if it is
-    /// not one for songs.
+    /// The demuxer for songs among the names that ffprobe reports, separated by commas; `None` without any.
     pub(crate) fn of_song(reported: &str) -> Option<Self> {
         let is_reported = |known: &&str| reported.split(',').any(|name| name == *known);
         SONG_DEMUXERS.into_iter().find(is_reported).map(Self)
@@ -115,7 +114,6 @@ impl CommandLine {
         Self::of("ffmpeg".as_ref()).options(["-nostdin"])
     }
 
-    /// Starts a command line of one of the two programs, which reports only errors.
     pub(crate) fn of(program: &Path) -> Self {
         Self { program: program.to_owned(), arguments: Vec::new() }.options(["-v", "error"])
     }

@@ -14,14 +14,12 @@ const MONITOR_SUFFIX: &str = ".monitor";
 
 static SERVER: Mutex<Option<Arc<cpal::Host>>> = Mutex::new(None);
 
-/// A connection, and the server's identifier of it, if known.
 type Connected = (Arc<cpal::Host>, Option<ServerConnection>);
 
 /// Connections without a playing stream.
 static IDLE: Mutex<Vec<Connected>> = Mutex::new(Vec::new());
 
-/// The hosts of this system. The sound server comes first: it reports failures best, and several programs can use a
-/// device through it.
+/// The sound server comes first: it reports failures best, and several programs can use a device through it.
 pub(crate) fn hosts_by_preference() -> Vec<cpal::HostId> {
     let mut hosts = cpal::available_hosts();
     hosts.sort_by_key(|host| !is_server(*host));
@@ -33,8 +31,7 @@ pub(crate) fn is_server(host: cpal::HostId) -> bool {
     host.name().eq_ignore_ascii_case("pulseaudio")
 }
 
-/// True if the device list covers this host while the show runs. Listing ALSA's devices is slow and prints messages;
-/// `mariana devices` does it on demand.
+/// True if the device list covers this host during the show. Listing ALSA's devices is slow and prints messages.
 pub(crate) fn is_watched(host: cpal::HostId) -> bool {
     is_server(host) || cfg!(not(target_os = "linux"))
 }

@@ -143,7 +143,6 @@ mod tests {
         let now = shared.tracks();
         assert_eq!((now.revision, now.entries[1].name.as_str()), (2, "B"));
         assert_eq!(now.entries[1].duration, Some(5.0));
-        // Known data and unknown entries change nothing.
         shared.tell_entry(3, &now.entries[1]);
         shared.tell_entry(8, &named("c"));
         assert!(Arc::ptr_eq(&now, &shared.tracks()));

@@ -1,6 +1,5 @@
 //! The substitute for `server_connection.rs` on systems without PulseAudio.
 
-/// A type without values: there are no connections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ServerConnection {}
 

@@ -46,7 +46,6 @@ pub use shape::LoudnessShape;
 use shape::Shapes;
 use threads::Threads;
 
-/// Blocks of frames that may wait for the analysis.
 const ANALYSIS_QUEUE: usize = 32;
 
 /// The settings of a new player.
@@ -355,7 +354,6 @@ impl Player {
         self.audible.sound()
     }
 
-    /// Updates the audible track's index in the list. A track of a replaced list keeps its last one.
     fn find_place(&mut self) {
         if let Some((entry, count)) = self.listing.place(self.track.id)
             && (entry, count) != (self.track.entry, self.track.count)

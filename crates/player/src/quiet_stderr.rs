@@ -10,7 +10,6 @@ pub(super) struct QuietStderr {
 }
 
 impl QuietStderr {
-    /// Redirects standard error; `None` if that fails and it stays unchanged.
     pub(super) fn new() -> Option<Self> {
         let saved = rustix::io::dup(rustix::stdio::stderr()).ok()?;
         let nowhere = OpenOptions::new().write(true).open("/dev/null").ok()?;

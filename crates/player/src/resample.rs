@@ -181,7 +181,6 @@ impl Engine {
         Ok(())
     }
 
-    /// Feeds silence until `total` frames have come out.
     fn drain(&mut self, total: u64, output: &mut Vec<StereoFrame>) -> Result<(), String> {
         while self.frames_out < total {
             let rest = self.waiting.len();

@@ -37,8 +37,7 @@ pub(super) fn opened_by<T, E>(
 }
 
 impl ServerConnection {
-    /// Asks the server to close the connection, which wakes all threads that wait on it. This may block as long as the
-    /// server does.
+    /// Asks the server to close the connection, which wakes all its waiting threads. May block as long as it does.
     pub(crate) fn end(self) {
         let mut asking = ASKING.lock().unwrap_or_else(PoisonError::into_inner);
         let is_there = own_connections(&mut asking)
@@ -51,7 +50,6 @@ impl ServerConnection {
     }
 }
 
-/// The server's cookie, and the ids of the connections that cpal made for this process.
 fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> {
     if let Some(client) = asking
         && let Ok(answer) = ask(client)

@@ -23,13 +23,11 @@ use super::hosts::monitor_id;
 use super::server_connection::ServerConnection;
 use super::worker::Worker;
 
-/// The longest time for opening a device before silence replaces it.
 const OPEN_LIMIT: Duration = Duration::from_secs(3);
 
 const WATCH_PERIOD: Duration = Duration::from_millis(100);
 
-/// Consecutive checks without a callback after which a device has stalled. Checks are counted instead of time: if the
-/// whole machine was suspended, the device is not at fault.
+/// Consecutive checks without a callback. Not a time: if the machine was suspended, the device is not at fault.
 const SILENT_LOOKS: u32 = 10;
 
 const CLOSE_LIMIT: Duration = Duration::from_millis(500);
@@ -38,7 +36,6 @@ const CLOSE_LIMIT: Duration = Duration::from_millis(500);
 pub(crate) struct StreamStatus<N> {
     pub(crate) description: String,
     pub(crate) device: Option<ListedDevice>,
-    /// The reason why there is no sound, if there is none.
     pub(crate) silent: Option<String>,
     /// The reason why the chosen device is not open while the previous one continues.
     pub(crate) refused: Option<String>,
@@ -63,7 +60,6 @@ pub(crate) struct Supervisor<P: Port> {
 }
 
 impl<P: Port> Supervisor<P> {
-    /// Starts the supervisor; without a target there is deliberate silence.
     pub(crate) fn start(port: P, target: Option<Target>) -> io::Result<Self> {
         let (events, inbox) = channel();
         let status = StreamStatus { description: "opening".into(), ..StreamStatus::default() };
@@ -96,7 +92,6 @@ impl<P: Port> Supervisor<P> {
         NoteReader(self.status.clone())
     }
 
-    /// Switches to another device; the current one continues until the new one is open.
     pub(crate) fn choose(&self, target: Target) {
         // A failed send means that the thread has ended.
         let _ = self.events.send((0, Event::Choose(target)));
@@ -181,7 +176,6 @@ struct Watch<P: Port> {
     last_number: u64,
     current: Current<P>,
     opening: Option<Opening>,
-    /// The time of the next attempt, while there is no device.
     retry_at: Option<Instant>,
     /// The target's device that was open last.
     had: Option<ListedDevice>,
@@ -398,7 +392,6 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    /// The id of the device that should be open, if the target is a default or has one.
     fn default_of(&self, device_list: &DeviceList) -> Option<String> {
         let (listed, default) = match P::DIRECTION {
             Direction::Output => (&device_list.outputs, &device_list.default_output),
@@ -414,8 +407,7 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    /// The error for a device that was chosen by name and is no longer connected: sound servers silently move its
-    /// stream to another one.
+    /// The error for a named device that is gone: sound servers silently move its stream to another one.
     fn has_gone(&self, device_list: &DeviceList, entry: &ListedDevice) -> Option<DeviceError> {
         let named = matches!(self.target, Some(Target::Named(_) | Target::MonitorOf(_)));
         let list = match P::DIRECTION {

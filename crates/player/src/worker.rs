@@ -27,7 +27,6 @@ impl Worker {
         }
     }
 
-    /// The thread's handle, for other threads to wake it. `None` after [`Worker::join_within`].
     pub(crate) fn thread(&self) -> Option<&Thread> {
         self.handle.as_ref().map(JoinHandle::thread)
     }

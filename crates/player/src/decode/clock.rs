@@ -24,7 +24,6 @@ impl Clock {
         self.first.get_or_insert(ticks);
     }
 
-    /// True if a tick is a frame.
     pub(super) fn is_exact(&self, rate: u32) -> bool {
         u64::from(self.numer) * u64::from(rate) == u64::from(self.denom)
     }
@@ -49,8 +48,7 @@ impl Clock {
         (self.numer > 0).then(|| frames as f64 / f64::from(self.denom))
     }
 
-    /// A time stamp at or before a raw frame. With a coarse clock it is earlier by one packet of the grid and two
-    /// ticks.
+    /// A time stamp at or before a raw frame; with a coarse clock, by one packet of the grid and two ticks.
     pub(super) fn ticks_before(&self, raw: i64, rate: u32) -> Option<i64> {
         let exact = self.is_exact(rate);
         let raw = if exact { raw } else { raw.checked_sub(i64::from(self.grid?))? };

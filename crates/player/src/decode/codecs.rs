@@ -70,8 +70,7 @@ fn codec_name(codec: AudioCodecId) -> &'static str {
     }
 }
 
-/// The number of frames on whose multiples this codec's packets begin, which corrects coarse time stamps. Opus frames
-/// last at least 2.5 ms.
+/// The number of frames on whose multiples packets begin, for coarse time stamps. Opus frames last 2.5 ms or more.
 pub(super) fn grid(codec: AudioCodecId) -> Option<u32> {
     match codec {
         id::CODEC_ID_AAC => Some(1024),
@@ -98,8 +97,7 @@ pub(super) fn pre_roll(codec: AudioCodecId, rate: u32) -> i64 {
     if lossless { 0 } else { i64::from(rate / 2) }
 }
 
-/// The known encoder delay nearest to one that a container gives in coarse ticks. AAC encoders use 1024 or 2048 frames,
-/// Apple's 2112; LAME's MP3 uses 1105.
+/// The known encoder delay nearest to one in coarse ticks: 1024 or 2048 for AAC, Apple's 2112, 1105 for LAME.
 pub(super) fn known_delay(codec: AudioCodecId, about: u64, rate: u32) -> u64 {
     let known: &[u64] = match codec {
         id::CODEC_ID_AAC => &[1024, 2048, 2112],

@@ -36,7 +36,6 @@ impl Cover {
     }
 }
 
-/// Returns the front cover, or the first image if none is marked as front cover.
 pub(super) fn of(input: &Input) -> Result<Option<Cover>, DecodeError> {
     // Twice the size for text, because comments hold covers in base64.
     let limits = TagBytes { text: 2 * LIMITS.cover_bytes_max, picture: LIMITS.cover_bytes_max };

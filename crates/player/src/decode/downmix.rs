@@ -83,7 +83,6 @@ fn clean(sample: f32) -> f32 {
     if sample.is_finite() { sample.clamp(-SAMPLE_MAX, SAMPLE_MAX) } else { 0.0 }
 }
 
-/// Left and right weight of a speaker position, before normalisation.
 fn weight(position: Position) -> [f32; 2] {
     const SIDE: f32 = FRAC_1_SQRT_2;
     if position == Position::FRONT_LEFT {

@@ -115,7 +115,6 @@ pub enum DecodeError {
 }
 
 impl DecodeError {
-    /// True if the format or codec is unsupported here, so that another decoder may succeed.
     pub(super) fn is_unsupported(&self) -> bool {
         matches!(self, Self::UnsupportedFormat { .. } | Self::UnsupportedCodec { .. })
     }

@@ -16,7 +16,6 @@ use super::error::DecodeError;
 use super::gapless::{TrackEdit, track_edits};
 use super::{contained, sniff};
 
-/// The longest tags that are read, in bytes; longer ones are skipped.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TagBytes {
     pub(super) text: usize,

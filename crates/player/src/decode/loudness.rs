@@ -5,8 +5,7 @@
 //! towards -14 LUFS, live and offline. Tracks without a tag are left to the analysis. Playback stays unchanged:
 //! listeners have a volume control, and a gain above 1 could clip.
 
-/// The target loudness of tagged tracks for scenes, in LUFS. Streaming services normalise to it, so untagged music is
-/// similarly loud.
+/// The loudness of tagged tracks for scenes. Streaming services use it too, so untagged music is similarly loud.
 const SCENE_LUFS: f64 = -14.0;
 const REPLAY_GAIN_LUFS: f64 = -18.0;
 const R128_LUFS: f64 = -23.0;
@@ -23,13 +22,11 @@ pub(super) struct Loudness {
 }
 
 impl Loudness {
-    /// Reads a ReplayGain tag such as "-7.35 dB".
     pub(super) fn replay_gain(&mut self, of_album: bool, text: &str) {
         let number = text.trim().trim_end_matches(['d', 'D', 'b', 'B']).trim_end();
         self.set(of_album, number.parse().ok());
     }
 
-    /// Reads a tag of an Opus file such as "-1882".
     pub(super) fn r128(&mut self, of_album: bool, text: &str) {
         let towards_r128 = text.trim().parse::<i32>().ok().map(|q7_8| f64::from(q7_8) / 256.0);
         self.set(of_album, towards_r128.map(|db| db + REPLAY_GAIN_LUFS - R128_LUFS));

@@ -22,7 +22,6 @@ use super::{Cover, DecodeError, StreamInfo, cover, sniff};
 /// Longest silence, in seconds, that fills gaps between two seeks. More means that the container's clock is broken.
 const HOLE_SECONDS_MAX: i64 = 10;
 
-/// A forward seek of at most this many seconds decodes up to the target instead of jumping.
 const NEAR_SECONDS: i64 = 1;
 
 pub(super) struct NativeDecoder {
@@ -38,7 +37,6 @@ pub(super) struct NativeDecoder {
     from: i64,
     /// Frames to drop at the start of a chained stream.
     drop_next: usize,
-    /// Decoded frames that were not returned yet; the first is at `position`.
     pending: Vec<StereoFrame>,
     position: i64,
     /// For streams whose rate differs from the first one's.
@@ -193,7 +191,6 @@ impl NativeDecoder {
         Ok(self.pending.is_empty() || self.position == target)
     }
 
-    /// Decodes one packet into `pending`; false at the end.
     fn advance(&mut self) -> Result<bool, DecodeError> {
         if self.ended {
             return Ok(false);
@@ -217,7 +214,6 @@ impl NativeDecoder {
         }
     }
 
-    /// Puts the block in `scratch` at its position in time.
     fn take(&mut self, block: Block) -> Result<(), DecodeError> {
         let padding = block.padding.min(self.scratch.len());
         self.scratch.truncate(self.scratch.len() - padding);
@@ -256,7 +252,6 @@ impl NativeDecoder {
         Ok(())
     }
 
-    /// Sets the position from the first block after a start or a jump.
     fn settle(&mut self, block: &Block) {
         self.raw.settled = true;
         match block.start {

@@ -76,7 +76,6 @@ struct Stream {
     params: AudioCodecParameters,
     codec: Box<dyn AudioDecoder>,
     clock: Clock,
-    /// The delay in the first packet, in frames.
     announced_delay: Option<u64>,
 }
 
@@ -87,7 +86,6 @@ struct Mixer {
 }
 
 impl PacketReader {
-    /// Opens the stream and picks the first audio track (marked as default, if one is) that has a decoder.
     pub(super) fn open(input: &Input) -> Result<Self, DecodeError> {
         let opened = input.open()?;
         let name = input.name();
@@ -172,7 +170,6 @@ impl PacketReader {
         }
     }
 
-    /// Starts the next stream in the same file; false if it cannot be decoded.
     fn begin_link(&mut self) -> Result<bool, DecodeError> {
         let Ok(stream) = Stream::choose(&self.name, self.format.as_ref()) else { return Ok(false) };
         self.stream = stream;
@@ -206,11 +203,9 @@ impl PacketReader {
         }
     }
 
-    /// Replaces the decoder if the stream changes its format: the MPEG decoder keeps the rate and channels of its first
-    /// packet.
+    /// Replaces the decoder if the format changes: it keeps the rate and channels of its first packet.
     fn follow_mpeg_header(&mut self, data: &[u8]) -> Result<(), DecodeError> {
         if let [_, version, rate, mode, ..] = data {
-            // Version and layer, rate, and a mono flag.
             let header = [version & 0x1E, rate & 0x0C, u8::from(mode & 0xC0 == 0xC0)];
             if self.mpeg_header.replace(header).is_some_and(|previous| previous != header) {
                 self.stream.codec = codecs::make(&self.name, &self.stream.params)?;

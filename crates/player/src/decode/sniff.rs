@@ -67,7 +67,6 @@ fn marked(head: &[u8], marks: &[(usize, &[u8], &'static str)]) -> Option<&'stati
         .map(|(_, _, name)| *name)
 }
 
-/// The error for a stream that begins like an unsupported format.
 pub(super) fn foreign(name: &str, head: &[u8]) -> Option<DecodeError> {
     if let Some(what) = marked(head, FOREIGN_MEDIA) {
         return Some(DecodeError::UnsupportedFormat { name: name.into(), what: what.into() });
@@ -75,7 +74,6 @@ pub(super) fn foreign(name: &str, head: &[u8]) -> Option<DecodeError> {
     marked(head, OTHER_FILES).map(|what| DecodeError::NotAudio { name: name.into(), what: what.into() })
 }
 
-/// The error for a stream whose header exceeds the limits of channels or sample rate.
 pub(super) fn over_limit(name: &str, head: &[u8]) -> Option<DecodeError> {
     let (channels, rate) = wave_format(head).or_else(|| aiff_format(head))?;
     check(name, channels, rate).err()

@@ -120,7 +120,6 @@ mod tests {
     }
 
     proptest! {
-        /// Frames come out once and in order for all sizes, and lost frames are counted.
         #[test]
         fn lost_frames_are_counted(sizes in prop::collection::vec((0_usize..3000, any::<bool>()), 1..40)) {
             let (mut tap, mut link) = tap(8_000);

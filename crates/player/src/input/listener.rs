@@ -27,11 +27,9 @@ pub(super) const FLAT: f32 = 1e-4;
 pub(super) struct Heard {
     /// The stream's number, which grows with each opened device.
     pub(super) stream: u64,
-    /// The index of the sample in the stream.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests distinguish the moments by it"))]
     pub(super) position: u64,
-    /// The features, with the time at which the sample arrived, in seconds since the listener's epoch. Their number
-    /// grows over all streams.
+    /// The time is that of the sample's arrival, in seconds since the epoch; numbers grow over all streams.
     pub(super) heard: TimedFeatures,
 }
 
@@ -79,7 +77,6 @@ pub(super) struct Listener {
     /// Seconds of silence that remain to be analysed.
     rest: f64,
     last_time: f64,
-    /// Frames received from the stream.
     position: u64,
     /// True while the analysis rests: there is no signal, and every feature has settled.
     resting: bool,
@@ -162,7 +159,6 @@ impl Listener {
         self.analyse(now);
     }
 
-    /// Analyses the batch, whose last frame came at `now`.
     fn analyse(&mut self, now: f64) {
         let was_resting = std::mem::replace(&mut self.resting, self.ear.flat_for() > REST);
         if was_resting && !self.resting {
@@ -188,7 +184,6 @@ impl Listener {
     }
 }
 
-/// True if the samples vary by more than [`FLAT`].
 pub(super) fn has_signal(frames: &[StereoFrame]) -> bool {
     (0..2).any(|side| {
         let samples = || frames.iter().map(|frame| frame[side]).filter(|sample| sample.is_finite());
@@ -234,7 +229,6 @@ mod tests {
         assert!(positions.len() as u64 >= 11_030 / 512);
         assert!(moments.is_sorted_by(|a, b| a.heard.time < b.heard.time && a.heard.number < b.heard.number));
         assert!(moments.last().is_some_and(|last| last.heard.features.volume[0] > 0.1 && last.stream == 1));
-        // A second device is a second stream, which starts at its first sample.
         let (mut tap, link) = InputCallback::new(96_000, std::thread::current());
         listener.attach(Some(link));
         tap.take(&tone(5_000), 1, None);

@@ -25,7 +25,6 @@ use crate::supervisor::Supervisor;
 use crate::worker::Worker;
 use mariana_music::{FeatureTrack, Gain, Sound};
 
-/// Moments that may wait for the window: about 2 s.
 const MOMENTS: usize = 256;
 
 /// Seconds of features kept beyond the largest shift.
@@ -34,7 +33,6 @@ const TRACK_RESERVE: f64 = 1.0;
 /// An input without a signal for this long, in seconds, is reported.
 const FLAT_LIMIT: f64 = 2.0;
 
-/// The longest wait for the end of the listening thread.
 const END_LIMIT: Duration = Duration::from_millis(500);
 
 /// The settings of a new input.

@@ -22,7 +22,6 @@ use crate::hosts::hush_sound_library;
 /// the delay, because features come once per hop, and each buffer costs the PulseAudio client about 0.1 ms.
 const BUFFER_FRAMES: u32 = 512;
 
-/// Highest channel count for which a sound server's down-mix is used.
 const MIXED_CHANNELS_MAX: u16 = 8;
 
 pub(super) struct InputPort {

@@ -10,10 +10,8 @@ use crate::device::Target;
 use crate::device_list::ListedDevice;
 use crate::worker::Worker;
 
-/// The time for which each input is recorded.
 const LISTENING: Duration = Duration::from_millis(400);
 
-/// The longest wait for an answer, including the opening.
 const ANSWER_LIMIT: Duration = Duration::from_millis(1500);
 
 const CANDIDATES_MAX: usize = 8;

@@ -15,7 +15,6 @@ const PERIOD: Duration = Duration::from_millis(10);
 /// After a longer gap (the process was suspended) the clock restarts: the ring is certain to hold only this much.
 const GAP_MAX: Duration = Duration::from_millis(250);
 
-/// A running silent clock. Dropping it stops it.
 pub(crate) struct NullOutput {
     stop: Arc<AtomicBool>,
     worker: Worker,

@@ -24,14 +24,12 @@ const VOLUME_RAMP: f32 = 0.010;
 /// Duration of a fade in or out, in seconds.
 const FADE: f32 = 0.005;
 
-/// After an underrun the sound resumes once the ring holds this much, in seconds (or a quarter of the ring, if that is
-/// less).
+/// After an underrun the sound resumes at this many seconds in the ring (or a quarter of it, if less).
 const REFILL: f64 = 0.020;
 
 /// Frames that are later than this, in seconds, are played anyway: the process was suspended.
 const LATE_MAX: f64 = 3.0;
 
-/// Longest device latency that is accepted.
 const LATENCY_MAX: Duration = Duration::from_secs(5);
 
 /// Largest sample value: the device's integer formats end just below 1.
@@ -141,7 +139,6 @@ impl Counters {
 pub struct Segment {
     id: u64,
     ring: Consumer<StereoFrame>,
-    /// The index of the next frame to play.
     next: u64,
     /// The number of frames once it is final; before that `u64::MAX`.
     end: Arc<AtomicU64>,
@@ -157,8 +154,7 @@ impl Segment {
         (producer, end.clone(), Self { id, ring, next: 0, end, due: None })
     }
 
-    /// Sets the moment at which the first frame should be audible. The segment begins with the frame that is due when
-    /// it is first played, or after silence if that is too early.
+    /// Sets the moment for the first frame. Frames that are late by then are skipped; silence fills an early start.
     pub fn due_at(self, moment: Instant) -> Self {
         Self { due: Some(moment), ..self }
     }
@@ -225,7 +221,6 @@ pub struct OutputCallback {
     incoming: Consumer<Segment>,
     outgoing: Producer<Segment>,
     segment: Option<Segment>,
-    /// True while the segment has no frames; the sound resumes once more arrive.
     starved: bool,
     gain: f32,
     /// Position in a fade, in frames: 0 is silence, `fade_frames` is full volume.
@@ -300,7 +295,6 @@ impl OutputCallback {
         self.serve_at(data, channels, Instant::now(), latency);
     }
 
-    /// [`OutputCallback::serve`] for a call that was due at `called_at`.
     pub(super) fn serve_at<T: Sample + FromSample<f32>>(
         &mut self,
         data: &mut [T],

@@ -99,7 +99,6 @@ fn a_new_segment_follows_a_fade_and_the_old_one_comes_back() {
     assert_same(&heard[2 * FADE_FRAMES..], &frames[FADE_FRAMES..1000 - FADE_FRAMES]);
     let returned = bench.link.outgoing.pop().expect("the old segment");
     assert_eq!((returned.id, returned.next), (1, (1000 + FADE_FRAMES) as u64));
-    // The clock has both parts of that buffer.
     let at = |frame: usize| {
         let begin = bench.now - Duration::from_secs_f64(1000.0 / f64::from(RATE));
         bench.link.history.at(begin + Duration::from_secs_f64((frame as f64 + 0.5) / f64::from(RATE)))

@@ -157,8 +157,7 @@ impl Port for OutputPort {
     }
 }
 
-/// Opens and starts an output. This may block as long as the sound system does. A buffer size is always requested,
-/// because PulseAudio's default is two seconds.
+/// May block as long as the sound system does. Requests a buffer size: PulseAudio's default is two seconds.
 fn open(
     target: &Target,
     controls: &Arc<Controls>,

@@ -174,12 +174,10 @@ impl Decoding {
         self.segment.place(self.queue.passages.earliest())
     }
 
-    /// The track time once a pending goal is reached, in seconds.
     fn time_after(&self, goal: Option<Goal>) -> f64 {
         goal.map_or_else(|| self.place().time, |goal| goal.time)
     }
 
-    /// Drops tracks that are no longer audible.
     fn let_go(&mut self) {
         if self.queue.passages.has_earlier() {
             let audible = self.place().passage;
@@ -279,7 +277,6 @@ impl Decoding {
         Step::GoOn
     }
 
-    /// Continues with `track`, which is at its start, without a gap.
     fn join(&mut self, track: Track) {
         if let Err(error) = self.segment.set_source_rate(track.source.sample_rate(), &mut self.scratch) {
             self.report(&error);
@@ -308,8 +305,8 @@ impl Decoding {
     }
 
     fn analyse(&self, input: AnalysisInput) {
-        // The analysis is faster than the sound, so this does not block for long. If its thread has failed, the song
-        // still plays.
+        // The analysis is faster than the sound, so this blocks only briefly. Without its thread the song still
+        // plays.
         let _ = self.analysis.send(input);
     }
 

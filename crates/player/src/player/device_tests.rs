@@ -17,7 +17,6 @@ use crate::worker::Worker;
 
 const LOOK_MS: u64 = 5;
 
-/// The largest step of the clock beyond the passed time, in seconds.
 const STEP_MAX: f64 = 0.05;
 
 struct Device {
@@ -104,7 +103,6 @@ impl TestPlayback {
         }
     }
 
-    /// Switches to another output, which is first called `first_call` later. The previous one continues for `closing`.
     fn change(
         &mut self,
         closing: Duration,
@@ -237,7 +235,6 @@ fn the_position_is_smooth_during_many_device_changes() {
                 evening.pass(random(900), true);
                 evening.device.next_call = evening.now;
             }
-            // Another latency.
             _ => evening.device.latency = latency,
         }
         evening.pass(random(1200), false);

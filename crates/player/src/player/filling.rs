@@ -24,15 +24,12 @@ pub(super) struct Filling {
     /// Device frames in or past the ring.
     pub(super) pushed: u64,
     pub(super) decoded: VecDeque<StereoFrame>,
-    /// Resampled frames that are not in the ring yet.
     ready: VecDeque<StereoFrame>,
     /// Source frames since the last jump within the source.
     pub(super) since_jump: u64,
     /// True if that jump went to the track's start.
     pub(super) from_start: bool,
-    /// True if no more frames come for this segment.
     pub(super) exhausted: bool,
-    /// True if all frames are in the ring.
     pub(super) finished: bool,
 }
 
@@ -45,8 +42,7 @@ struct Conversion {
 }
 
 impl Filling {
-    /// Creates segment `id`, starting at `target` seconds of a track, with a ring of `ring_frames` device frames. The
-    /// source is `skip` frames before the target, and at the track's start if `from_start`.
+    /// Starts at `target` seconds of a track, with a ring of `ring_frames` device frames and a source `skip` earlier.
     pub(super) fn new(
         id: u64,
         target: f64,
@@ -86,7 +82,6 @@ impl Filling {
         self.ready.drain(..count);
     }
 
-    /// Resamples the source's next frames, except those before the target.
     pub(super) fn feed(
         &mut self,
         frames: &[StereoFrame],

@@ -59,8 +59,7 @@ pub(super) struct MissedAudioWatch {
 }
 
 impl MissedAudioWatch {
-    /// Takes note of the current output. `carry` maps a frame of an earlier segment to one of a later segment, unless a
-    /// seek or another track separates them.
+    /// `carry` maps a frame of an earlier segment to a later one, unless a seek or another track separates them.
     pub(super) fn look(
         &mut self,
         history: &Arc<SpanHistory>,
@@ -99,7 +98,6 @@ mod tests {
     use super::*;
     use crate::clock::{Span, SpanWriter};
 
-    /// A history that begins with `frame` of `segment` (in milliseconds of a song) and lasts `frames`.
     fn output(segment: u64, frame: u64, frames: u32, moving: bool) -> (SpanWriter, Arc<SpanHistory>) {
         let (mut writer, history) = SpanHistory::new(1000);
         writer.push(Span { start_ns: 0, segment, frame, frames, moving });

@@ -12,7 +12,6 @@ use crate::worker::Worker;
 
 const PARTS: usize = 600;
 
-/// Parts measured between two updates.
 const PARTS_A_TIME: usize = 6;
 
 /// The exponent from amplitude to loudness: 10 dB more are twice as loud (Stevens 1955, in sones).
@@ -43,7 +42,6 @@ struct ShapeThread {
     _worker: Worker,
 }
 
-/// Track ids and shapes; the newest last.
 type KnownShapes = VecDeque<(u64, Arc<LoudnessShape>)>;
 
 #[derive(Clone, Default)]
@@ -82,7 +80,6 @@ impl Shapes {
             let shared = self.shared.clone();
             match Worker::spawn("shape", move || run(&inbox, &shared)) {
                 Ok(worker) => *thread = Some(ShapeThread { wanted, last: track.id, _worker: worker }),
-                // The track stays without a shape.
                 Err(error) => tracing::debug!("no thread for shapes: {error}"),
             }
         }

@@ -141,7 +141,6 @@ pub(super) struct Stepped {
 
 #[derive(Clone, Copy)]
 pub(super) struct Heard {
-    /// The frame's index in the song, if the sample is not faded.
     pub(super) index: Option<f64>,
     pub(super) reported_index: f64,
     pub(super) entry: usize,
@@ -221,7 +220,6 @@ impl Stepped {
         heard
     }
 
-    /// The left samples of the next `frames` frames, from the first audible one on.
     pub(super) fn samples(&mut self, frames: usize) -> Vec<f32> {
         let mut samples = Vec::new();
         while samples.len() < frames {

@@ -7,7 +7,6 @@ use super::decoding::Command;
 use crate::output::Supervisor;
 use crate::worker::Worker;
 
-/// The longest wait for the end of each thread.
 const END_LIMIT: Duration = Duration::from_secs(1);
 
 /// The threads that [`Player::start`](super::Player::start) starts. Dropping them ends them, within a time limit.

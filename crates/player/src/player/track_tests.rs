@@ -7,7 +7,6 @@ use super::decoding::Command;
 use super::tests::{Heard, RATE, Ramp, Ramps, Stepped};
 use crate::track::Repeat;
 
-/// Songs of these lengths, whose samples count on from one song to the next.
 fn songs(lengths: &[usize]) -> Vec<Ramp> {
     let firsts = lengths.iter().scan(0, |sum, length| {
         let first = *sum;
@@ -146,7 +145,6 @@ fn many_skips_reach_their_target() {
         let index = last.index.expect("no fade") - first_of(&lengths, entry);
         assert!((index - last.reported_index).abs() < 0.01 && index < 96_000.0, "{index}");
     }
-    // Later in a track, a step back leads to its own start.
     stepped.send(Command::SeekTo(5.0));
     stepped.play(9_600);
     stepped.send(Command::Skip { forward: false });

@@ -12,7 +12,6 @@ pub(super) const DISC_FRAMES: u64 = 75;
 
 const MINUTES_MAX: u64 = 100_000;
 
-/// The tracks of a sheet in the folder `base`; `None` if the sheet has no `FILE` line.
 pub(super) fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
     let mut items: Vec<Item> = Vec::new();
     let (mut file, mut track) = (None, Track::default());

@@ -51,7 +51,6 @@ impl Playlist {
         Edited { removed: Some(id), ..Edited::default() }
     }
 
-    /// Appends the contents of `paths`, up to the limit, while entry `playing` plays.
     pub(super) fn append(&mut self, paths: &[PathBuf], playing: u64, tell: &mut dyn FnMut(String)) -> Edited {
         let mut gathered = gather(paths);
         gathered.track_errors.iter().for_each(|trouble| tell(trouble.to_string()));

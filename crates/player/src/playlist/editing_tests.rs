@@ -6,7 +6,6 @@ use super::*;
 use crate::listed::{Edit, SharedListing};
 use crate::track::{Found, Repeat, TrackList, Wanted};
 
-/// A change; its indices may be beyond the list.
 #[derive(Debug, Clone)]
 enum Change {
     Move(usize, usize),

@@ -15,7 +15,6 @@ pub(super) struct Excerpt {
 }
 
 impl Excerpt {
-    /// Restricts `source` to the part `cut` and seeks to its start.
     pub(super) fn new(source: Box<dyn FrameSource>, cut: Cut) -> Result<Self, SourceError> {
         let rate = u64::from(source.sample_rate());
         let frame = |disc: u64| disc.saturating_mul(rate) / DISC_FRAMES;

@@ -75,8 +75,7 @@ pub(super) fn is_many(path: &Path) -> bool {
     path.is_dir() || Kind::of(path).is_some()
 }
 
-/// Gathers entries from `paths`: files as they are, the entries of lists, and the audio files in folders and their
-/// subfolders, in natural order.
+/// Gathers files as they are, entries of lists, and audio files in folders and subfolders, in natural order.
 pub(super) fn gather(paths: &[PathBuf]) -> Gathered {
     let mut gathered = Gathered::default();
     for path in paths {

@@ -1,7 +1,6 @@
 //! Parsers for the formats of playlist files.
-//!
-//! - M3U and M3U8: a path on each line; lines that begin with `#` are comments or directives of other programs. A line
-//!   `#EXTINF:seconds,title` describes the next path.
+//! - M3U and M3U8: a path on each line; lines that begin with `#` are comments or directives of other programs. A
+//!   line `#EXTINF:seconds,title` describes the next path.
 //! - PLS: `FileN=path` under `[playlist]`, ordered by the number.
 //! - CUE: tracks within files, each from one index to the next; see [`cue`].
 

@@ -41,7 +41,6 @@ use super::song::{Song, track_name};
 use super::source::SourceError;
 use super::track::{Content, Found, Reopen, Repeat, Track, TrackList, Wanted};
 
-/// Most messages that are kept about entries before the first playable track, in addition to the last one.
 const TRACK_ERRORS_KEPT: usize = 20;
 
 /// A list of entries and their order.
@@ -98,7 +97,6 @@ impl Playlist {
         if let [path] = paths
             && (!is_many(path) || !path.exists())
         {
-            // For a single file, its own error is reported.
             Song::File(path.clone()).open()?;
         }
         let gathered = gather(paths);
@@ -177,8 +175,7 @@ impl Playlist {
         Ok(track)
     }
 
-    /// Opens entry `first`, or the nearest one after (or before) it that can be opened. Wraps around the end if the
-    /// list repeats. Stops at `open`, which is open already.
+    /// Opens `first` or the nearest after (or before) it; wraps if the list repeats. Stops at `open`, the open one.
     fn search(
         &mut self,
         first: u64,
@@ -214,8 +211,7 @@ impl Playlist {
         if next.is_none() && open.is_some() { Found::End } else { Found::Nothing }
     }
 
-    /// The entry `steps` steps from `from`, which may have been removed. `None` if the list does not repeat and no step
-    /// is possible.
+    /// The entry `steps` from `from`, which may be gone; `None` if the list does not repeat and no step is possible.
     fn entry_after(&self, from: u64, steps: i32) -> Option<u64> {
         let around = self.order.repeat() != Repeat::Off;
         let forward = steps > 0;

@@ -4,8 +4,7 @@ use std::cmp::Ordering;
 use std::iter::Peekable;
 use std::str::Chars;
 
-/// Compares names: digits by their number, letters without regard to case. Names that are equal by this are compared by
-/// their characters.
+/// Compares digits by number and letters without case; names that are then equal, by their characters.
 pub(super) fn compare(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.chars().peekable(), b.chars().peekable());
     loop {

@@ -33,7 +33,6 @@ impl Order {
         order
     }
 
-    /// An order of other entries with the same settings.
     pub(super) fn of(&self, list: impl Iterator<Item = u64>) -> Self {
         let mut order = Self::new(list);
         order.repeat = self.repeat;
@@ -51,8 +50,7 @@ impl Order {
         self.repeat
     }
 
-    /// Sets the order and the repeat mode; `list` is the list's own order. When the order becomes random, `first` comes
-    /// first, if it is an entry. The random order is the same in each round, so that skipping back works.
+    /// Sets order and repeat mode. A new random order begins with `first` and stays the same in each round.
     pub(super) fn set(
         &mut self,
         repeat: Repeat,
@@ -80,7 +78,6 @@ impl Order {
         self.note_places(0);
     }
 
-    /// Shuffles the sequence from `start` on, after Fisher and Yates.
     fn shuffle_from(&mut self, start: usize) {
         for last in (start + 1..self.sequence.len()).rev() {
             let other = start + self.below((last - start) as u64 + 1) as usize;

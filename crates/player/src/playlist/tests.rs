@@ -75,7 +75,6 @@ fn the_next_track_depends_on_the_repeat_mode() {
     assert_eq!(following(&mut all.list, 2), Err("again"));
     std::fs::remove_file(folder.path().join("3.wav")).unwrap();
     let (none, reported) = found(&mut all.list, Wanted::Following { after: 2, anew: true });
-    // The errors of the others were reported earlier.
     assert_eq!((none, reported.len()), (Err("nothing"), 2), "{reported:?}");
     assert!(
         reported[0].contains("3.wav does not") && reported[1].contains("none of the 4 tracks"),

@@ -13,8 +13,7 @@ pub enum Reference {
     Address(String),
 }
 
-/// The trimmed lines of a list, as UTF-8 or as raw bytes (old lists contain names in their system's encoding). `None`
-/// if the bytes are not text.
+/// The trimmed lines, as UTF-8 or raw bytes (names in old lists have any encoding). `None` if not text.
 pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     let utf16 = |from: fn([u8; 2]) -> u16| {
         let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);

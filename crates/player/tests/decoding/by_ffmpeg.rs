@@ -14,7 +14,6 @@ use super::decoding::{
 
 const RATE: u32 = 48_000;
 
-/// Largest shift that is searched, in frames.
 const REACH: isize = 5000;
 
 struct Case {
@@ -44,7 +43,6 @@ const CASES: &[Case] = &[
     case("a.dts", &["-c:a", "dca", "-strict", "-2", "-b:a", "1024k"], 0.0, 1024),
 ];
 
-/// A folder with the files of [`CASES`], and its wave file with the signal; created once.
 static MEDIA: LazyLock<(tempfile::TempDir, PathBuf)> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let source = folder.path().join("source.wav");

@@ -18,7 +18,6 @@ pub(super) type Frame = [f32; 2];
 
 pub(super) const SECONDS: f64 = 4.0;
 
-/// Sweeps and tone bursts at `t` seconds, left and right, with values up to 0.7.
 fn signal(t: f64) -> Frame {
     let sweep = |from: f64, to: f64, period: f64| {
         let u = t.rem_euclid(period);
@@ -220,8 +219,7 @@ pub(super) fn decode_file(path: &Path) -> Vec<Frame> {
     decode_all(&mut decoder).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// The shift of `got` against `wanted` (at most `reach` frames) with the highest correlation, and that correlation (1
-/// is equality).
+/// The best shift of `got` against `wanted`, up to `reach` frames, and its correlation (1 is equality).
 pub(super) fn best_shift(got: &[Frame], wanted: &[Frame], side: usize, reach: isize) -> (isize, f64) {
     let (start, length) = (20_000usize, 2048usize);
     let wanted: Vec<f64> = wanted[start..start + length].iter().map(|f| f64::from(f[side])).collect();
@@ -593,8 +591,7 @@ fn chained_streams_continue_at_the_first_rate() {
     }
 }
 
-/// Decodes an arbitrary file with a seek in between. Returns the number of frames, and the error that ended the
-/// decoding.
+/// Decodes any file with a seek in between. Returns the frame count and the error that ended it.
 fn endure(file: &str, bytes: Vec<u8>, most: usize) -> (usize, Option<DecodeError>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(file);

@@ -171,7 +171,6 @@ fn a_named_device_is_used_when_it_returns() {
     let session = Session::with_server();
     let usb = session.server().plug("usb", &[]);
     let mut player = play(Some("usb"));
-    // Named by its output.
     let mut live = listen(Target::MonitorOf("usb".into()));
     wait_for(&mut player, "the sound", plays_on("usb"));
     wait_for_live(&mut live, "the sound", hears("usb.monitor"));

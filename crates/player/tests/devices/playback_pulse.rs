@@ -103,7 +103,6 @@ fn align(recorded: &[StereoFrame], wanted: &[StereoFrame], from: usize, length: 
     best as isize - from as isize
 }
 
-/// The correlation of `a` and `b`, and the level of `a` relative to `b` in dB.
 fn compare(a: impl Iterator<Item = f32> + Clone, b: impl Iterator<Item = f32> + Clone) -> (f64, f64) {
     let dot =
         |x: &mut dyn Iterator<Item = (f32, f32)>| x.map(|(x, y)| f64::from(x) * f64::from(y)).sum::<f64>();
@@ -141,7 +140,6 @@ fn played_is_recorded(rate: u32, parts: usize) {
     let session = Session::with_server();
     let recorder = session.record();
     let song = Song::new(4.0, rate);
-    // The parts are not whole blocks or seconds.
     let cuts: Vec<usize> = (0..=parts).map(|part| song.frames.len() * part / parts).collect();
     let part = |ends: &[usize]| Song { frames: song.frames[ends[0]..ends[1]].to_vec(), rate, next: 0 };
     let mut player = play_parts(cuts.windows(2).map(part).collect());

@@ -27,7 +27,6 @@ const ANSWER_MAX: usize = 1 << 20;
 /// A forward seek of at most this many seconds decodes up to the target.
 const NEAR_SECONDS: u64 = 1;
 
-/// The paths of the programs, and the longest time that they may stay silent.
 #[derive(Debug, Clone)]
 pub(super) struct Programs {
     ffprobe: PathBuf,
@@ -44,15 +43,12 @@ impl Default for Programs {
 
 pub(super) struct FfmpegDecoder {
     programs: Programs,
-    /// The absolute path of the file.
     path: PathBuf,
     stream: u32,
     info: StreamInfo,
     downmix: Downmix,
     process: Process,
-    /// Bytes of an incomplete frame.
     rest: Vec<u8>,
-    /// Decoded frames; the first is at `position`.
     pending: Vec<StereoFrame>,
     position: u64,
     /// Frames to drop before the next audible one.
@@ -212,7 +208,6 @@ fn start(
 
 struct Reader<'a> {
     name: &'a str,
-    /// The rest of the sentence after the file's name: why the native decoder rejected it.
     refusal: String,
 }
 
@@ -260,7 +255,6 @@ impl Reader<'_> {
     }
 }
 
-/// The content that the native decoder rejected, as the rest of a sentence after the file's name.
 fn describe(refusal: &DecodeError) -> String {
     match refusal {
         DecodeError::UnsupportedFormat { what, .. } => format!("is {what}"),
@@ -269,8 +263,7 @@ fn describe(refusal: &DecodeError) -> String {
     }
 }
 
-/// The down-mix for a stream. ffmpeg orders channels like WAVE files; layouts that are unusual for their channel count
-/// are recognised by name.
+/// ffmpeg orders channels like WAVE files; layouts that are unusual for their channel count are known by name.
 fn downmix(stream: &Stream) -> Downmix {
     const FRONT: Position = Position::FRONT_LEFT.union(Position::FRONT_RIGHT);
     let mask = match stream.channel_layout.as_str() {

@@ -59,7 +59,6 @@ impl Answer {
         reported.find(|seconds| *seconds > 0.0 && *seconds <= LIMITS.claimed_duration_max)
     }
 
-    /// A tag of the stream, or else of the file.
     pub(super) fn tag(&self, stream: &Stream, name: &str) -> Option<String> {
         let in_tags = |tags: &Tags| {
             tags.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, tag)| tag.clone())
@@ -82,7 +81,6 @@ impl Answer {
 }
 
 impl Format {
-    /// The demuxer that reads the file, if it is one for songs.
     pub(super) fn demuxer(&self) -> Option<Demuxer> {
         Demuxer::of_song(&self.format_name)
     }

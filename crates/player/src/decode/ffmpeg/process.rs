@@ -11,7 +11,6 @@ use crate::ffmpeg::CommandLine;
 
 const PIECE: usize = 1 << 15;
 
-/// Pieces that are buffered before the program has to wait.
 const PIECES_WAITING: usize = 4;
 
 /// Bytes of the program's error messages that are kept, from the end.
@@ -32,7 +31,6 @@ pub(super) struct Process {
     child: Child,
     pieces: Receiver<Vec<u8>>,
     words: Arc<Mutex<Vec<u8>>>,
-    /// The longest time that the program may stay silent.
     patience: Duration,
 }
 
@@ -78,7 +76,6 @@ impl Process {
         Ok(process)
     }
 
-    /// The next bytes of its output; `None` once it has closed its pipe.
     pub(super) fn next(&mut self) -> Result<Option<Vec<u8>>, Failure> {
         match self.pieces.recv_timeout(self.patience) {
             Ok(piece) => Ok(Some(piece)),

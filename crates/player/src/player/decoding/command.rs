@@ -11,7 +11,6 @@ pub(crate) enum Command {
     /// Plays on this output from `at` on.
     Output {
         link: OutputCallbackLink,
-        /// The time at which it opened.
         at: Instant,
     },
     /// Seeks to a time of the track, in seconds.
@@ -22,12 +21,10 @@ pub(crate) enum Command {
         forward: bool,
     },
     Files(Vec<PathBuf>),
-    /// Plays the track at this index of the list.
     PlayEntry(usize),
     Edit(Edit),
     Edited(Edited),
     Order(Repeat, bool),
-    /// The list thread's answer to request `id`.
     Found {
         id: u64,
         found: Found,

@@ -35,7 +35,6 @@ impl Passages {
         self.current.passage
     }
 
-    /// The earliest passage that may be audible.
     pub(super) fn earliest(&self) -> u64 {
         self.before.front().unwrap_or(&self.current).passage
     }
@@ -45,19 +44,16 @@ impl Passages {
         playing.track.info.id
     }
 
-    /// True if the entry with this id has begun ahead of time, after `passage`.
     pub(super) fn has_begun(&self, id: u64, passage: u64) -> bool {
         let mut begun = self.before.iter().chain([&self.current]);
         begun.any(|playing| playing.passage > passage && playing.track.info.id == id)
     }
 
-    /// Makes a new passage of the current track, because it continues at another position.
     pub(super) fn begin_anew(&mut self) {
         self.last += 1;
         self.current.passage = self.last;
     }
 
-    /// Continues with `track`; the previous one may still be audible.
     pub(super) fn follow_with(&mut self, track: Track) {
         self.last += 1;
         let current = Playing { passage: self.last, track };
@@ -79,7 +75,6 @@ impl Passages {
         self.before.clear();
     }
 
-    /// Drops the tracks that are over once `passage` is audible.
     pub(super) fn forget_before(&mut self, passage: u64) {
         while self.before.front().is_some_and(|playing| playing.passage < passage) {
             self.before.pop_front();

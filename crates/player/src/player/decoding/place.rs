@@ -36,8 +36,7 @@ impl CurrentSegment {
         })
     }
 
-    /// The passage and position of the song at a moment, if it continues in real time regardless of the output. A
-    /// position that is not audible yet is in passage `earliest`.
+    /// The passage and position at a moment if the song continues; a position not yet audible is in `earliest`.
     pub(super) fn course(&self, at: Instant, earliest: u64) -> (u64, Goal) {
         let Place { passage, time } = self.place(earliest);
         let stands = Goal { time, same_run: true, due: None };

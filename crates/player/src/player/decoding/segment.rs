@@ -29,7 +29,6 @@ pub(super) struct SegmentStart {
     pub(super) target: f64,
     pub(super) resampler: Resampler,
     pub(super) skip: u64,
-    /// True if the source is at the track's start.
     pub(super) from_start: bool,
 }
 
@@ -41,7 +40,6 @@ pub(super) struct CurrentSegment {
     last_id: u64,
     /// A number that grows with each seek and each skip.
     run: u64,
-    /// The moment at which the first frame is due, if it has to meet a time.
     due: Option<Instant>,
     /// The number of output calls when the process was last suspended.
     stood_still: Option<u64>,
@@ -129,7 +127,6 @@ impl CurrentSegment {
         self.due = goal.due;
     }
 
-    /// Drops the segment, and its record if it was never handed over.
     pub(super) fn abandon(&mut self) {
         if let Some(missed_audio) = self.filling.take().filter(|filling| filling.waiting.is_some()) {
             self.audible_segments.lock().discard(missed_audio.id);
@@ -150,8 +147,7 @@ impl CurrentSegment {
         self.filling = Some(filling);
     }
 
-    /// Moves ready frames into the ring, and hands the segment over once it holds enough. Returns true if more frames
-    /// should be decoded now.
+    /// Fills the ring, and hands the segment over once it holds enough. Returns true if more frames are needed.
     pub(super) fn push(&mut self) -> bool {
         let Some((link, filling)) = self.link.as_mut().zip(self.filling.as_mut()) else { return false };
         filling.push_ready();
@@ -173,8 +169,7 @@ impl CurrentSegment {
         !filling.finished && filling.is_pushed()
     }
 
-    /// Handles a track that ended before the target: the segment starts at the track's end. `rate` is the source's
-    /// frames per second.
+    /// Starts the segment at the end of a track that ended before the target; `rate` is the source's.
     pub(super) fn start_at_end(&mut self, passage: u64, rate: u32) {
         let Some(filling) = self.filling.as_mut().filter(|filling| filling.skip > 0) else { return };
         filling.target = (filling.target - filling.skip as f64 / f64::from(rate)).max(0.0);

@@ -14,7 +14,6 @@ const EMPTY_TRACKS_MAX: u32 = 64;
 
 enum Next {
     Unasked,
-    /// Requested from the list thread under this id.
     Asked(u64),
     Again,
     Track(Track),
@@ -22,7 +21,6 @@ enum Next {
 }
 
 pub(super) enum Following {
-    /// The list thread has not answered yet.
     Unknown,
     /// The same track, which is at its start again.
     Again,
@@ -64,7 +62,6 @@ impl TrackQueue {
         }
     }
 
-    /// True if the list thread is searching for a track other than the next one.
     pub(super) fn is_skipping(&self) -> bool {
         self.skipping.is_some()
     }
@@ -73,8 +70,7 @@ impl TrackQueue {
         self.steps += if forward { 1 } else { -1 };
     }
 
-    /// Requests the target of the pending skips, counted from the track in passage `audible`, unless another search is
-    /// running.
+    /// Requests the target of the pending skips, counted from passage `audible`, unless another search is running.
     pub(super) fn ask_for_skips(&mut self, audible: u64) {
         if self.steps != 0 && self.skipping.is_none() {
             let steps = std::mem::take(&mut self.steps);
@@ -173,7 +169,6 @@ impl TrackQueue {
         false
     }
 
-    /// The continuation now that the current track has ended; `empty` if it had no frame.
     pub(super) fn following(&mut self, empty: bool) -> Following {
         match std::mem::replace(&mut self.next, Next::Unasked) {
             Next::Unasked => self.ask(false),
@@ -205,8 +200,7 @@ impl TrackQueue {
         Following::Unknown
     }
 
-    /// Makes the track of `passage` current again if the next one has begun ahead of time. The caller must begin a new
-    /// segment.
+    /// Goes back to the track of `passage` if the next one has begun. The caller must begin a new segment.
     pub(super) fn go_back_to(&mut self, passage: u64) {
         if let Some(mut later) = self.passages.go_back_to(passage) {
             self.next = if later.source.seek(0.0).is_ok() { Next::Track(later) } else { Next::Unasked };
@@ -230,7 +224,6 @@ impl TrackQueue {
         self.next = self.request(Wanted::Following { after, anew }).map_or(Next::End, Next::Asked);
     }
 
-    /// Sends a request to the list thread and returns its id; `None` if the thread has ended.
     fn request(&mut self, wanted: Wanted) -> Option<u64> {
         self.last_request += 1;
         let id = self.last_request;
