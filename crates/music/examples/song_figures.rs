@@ -176,7 +176,6 @@ fn alone() {
     }
 }
 
-/// All keys, in tune and out of tune.
 fn keys() {
     let mut right = 0;
     for mode in [Mode::Major, Mode::Minor] {

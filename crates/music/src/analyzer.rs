@@ -100,7 +100,6 @@ pub struct Analyzer {
 #[derive(Default)]
 struct Progress {
     moment: u64,
-    /// The next frame to be pushed.
     position: u64,
     /// True if frames were pushed since the (re)start.
     any: bool,
@@ -326,8 +325,7 @@ impl Analyzer {
     }
 }
 
-/// Averages both channels over `frames_per_point` frames for each point. If a hop has fewer frames than points, each
-/// frame gives several points.
+/// Averages both channels over `frames_per_point` frames; with fewer frames than points, frames repeat.
 fn mean_of_channels(frames: &[StereoFrame], frames_per_point: usize, wave: &mut [f32; WAVE_PER_HOP]) {
     if frames_per_point == 0 {
         for (index, point) in wave.iter_mut().enumerate() {

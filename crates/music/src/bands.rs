@@ -16,9 +16,8 @@ pub fn band_edge(index: usize) -> f64 {
     BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(index as f64 / BAND_COUNT as f64)
 }
 
-/// The weights of the bins in each band. Bin k covers [k - ½, k + ½] bins, and a band takes the fraction of it that
-/// is between the band's edges, so that no power is lost or counted twice. [`Resolution::fraction`] weights the
-/// windows.
+/// The weights of the bins in each band. Bin k covers [k - ½, k + ½] bins, and a band takes its fraction of it: no
+/// power is lost or counted twice. [`Resolution::fraction`] weights the windows.
 pub(super) struct Bands {
     bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
     weights: Vec<f32>,
@@ -33,8 +32,7 @@ struct Bins {
 }
 
 impl Bands {
-    /// Creates the weights for windows of [`Resolution::hops`] times `hop` sample frames at `sample_rate` hertz. A band
-    /// is cut at half the sample rate; a band above it is silent.
+    /// Windows have [`Resolution::hops`] times `hop` frames. Bands are cut at half the sample rate, and silent above.
     pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
         let mut weights = Vec::new();
         let mut bands = [[Bins::default(); Resolution::ALL.len()]; BAND_COUNT];

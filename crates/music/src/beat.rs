@@ -38,8 +38,7 @@ const NEIGHBOUR: f32 = 1.2;
 /// The largest change of period between two beats, in hops.
 const REACH: usize = 8;
 
-/// The fraction of the belief that is redistributed at each hop, so that a new tempo can be found: over periods by the
-/// prior, over the phases of a period evenly.
+/// The fraction of the belief that is redistributed at each hop, so that a new tempo can be found.
 const DOUBT: f32 = 1e-6;
 
 /// Thresholds of the belief within a tenth of a beat and a twelfth of the tempo around the likeliest state. A tempo is
@@ -228,7 +227,6 @@ impl BeatTracker {
         }
     }
 
-    /// Updates the report from the mean phase and tempo around the likeliest period.
     fn tell(&mut self) -> Beat {
         let best = self.chosen();
         let around = self.around(best);

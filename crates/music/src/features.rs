@@ -165,8 +165,7 @@ pub struct TimedFeatures {
     /// Heights of the spectrum, 0..1, at frequencies in equal ratios ([`spectrum_hz`](super::spectrum_hz)), smoothed
     /// like the bands.
     pub spectrum: [f32; SPECTRUM_POINTS],
-    /// One hop of the mean of both channels, -8..8. Together with the three previous hops, it is the waveform of the
-    /// moment ([`Tables`](super::Tables)).
+    /// One hop of the mean of both channels, -8..8. Four hops are a moment's waveform ([`Tables`](super::Tables)).
     pub wave: [f32; WAVE_PER_HOP],
 }
 

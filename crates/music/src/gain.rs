@@ -15,8 +15,7 @@ pub enum Gain {
     Off,
 }
 
-/// The range of the loudest recent moment without gain, in decibels. Published music is in this range, and the
-/// difference between its quiet and loud passages should stay.
+/// The range of the loudest recent moment without gain, in decibels. Published music is in this range.
 const KEPT_DB: (f32, f32) = (-20.0, -4.0);
 
 /// From the first level down to the second, in decibels, the gain falls to 0: sound this quiet is room noise.

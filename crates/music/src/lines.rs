@@ -16,7 +16,6 @@ pub(super) struct Lines {
     points: Vec<Point>,
 }
 
-/// A point with its parts from two windows at most: the crossover ranges of the windows do not overlap.
 struct Point {
     parts: [Part; 2],
     /// True if the frequency is below half the sample rate.

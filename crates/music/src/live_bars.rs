@@ -16,7 +16,6 @@ const STRUCK: (f32, f32) = (0.85, 0.3);
 
 /// The time constant of the statistics, in beats.
 const USUAL_BEATS: f32 = 24.0;
-/// The number of beats before evidence counts.
 const FIRST_BEATS: u32 = 5;
 
 /// The weight of the evidence, in natural logarithms per standard deviation.
@@ -35,7 +34,6 @@ const PITCHES_HZ: (f64, f64) = (60.0, 1_600.0);
 pub(super) struct LiveBar {
     /// The number of the beat in its bar, from 1; 0 while uncertain.
     pub(super) beat: f32,
-    /// The number of beats in the bar; 0 while uncertain.
     pub(super) beats: f32,
 }
 
@@ -170,7 +168,6 @@ impl LiveBars {
         self.tell();
     }
 
-    /// Weights the positions like the bars of a whole song (`song::bars`).
     fn weigh(&mut self, [low, high, struck, harmony, sound]: [f32; 5]) {
         let start = 0.7 * low + harmony + 0.7 * sound;
         let snare = 0.5 * (high + struck) - low;

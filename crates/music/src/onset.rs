@@ -53,7 +53,6 @@ pub(super) struct Rise {
 }
 
 pub(super) struct Flux {
-    /// The first bins of the groups, and the end of the last.
     edges: [usize; GROUPS + 1],
     /// The weights of the groups, with sum 1.
     weights: [f32; GROUPS],
@@ -151,7 +150,6 @@ const ONSETS_APART: f64 = 0.05;
 
 /// Detects onsets with an adaptive threshold, without lookahead.
 pub(super) struct Onsets {
-    /// The last values of [`Rise::sudden`], in a ring buffer.
     sudden: Vec<f32>,
     flux: Vec<f32>,
     moment: usize,

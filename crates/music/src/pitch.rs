@@ -5,14 +5,12 @@ use super::resolution::Resolution;
 /// Peaks below this power (-80 dB) are not tones.
 const POWER_MIN: f32 = 1e-8;
 
-/// The crossover of the windows, in hertz: the long window is searched below the second frequency, the middle window
-/// above the first.
+/// The crossover in hertz: the long window is searched below the second frequency, the middle one above the first.
 const BORDER_HZ: (f64, f64) = (400.0, 500.0);
 
 /// The largest loss of peak power of a tone between two bins, as a factor (Hann: 1.42 dB).
 const SCALLOPING: f32 = 1.387;
 
-/// A spectral peak: its position in bins, and its power at the largest bin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Line {
     bin: f32,

@@ -47,7 +47,6 @@ impl Rhythm {
         RhythmMoment { begins, beat: self.beats.follow(flux, begins), strokes }
     }
 
-    /// Returns the position in the bar, for live input. `spectrum` is the spectrum's curve of the same moment.
     pub(super) fn bar(&mut self, pulse: RhythmMoment, spectrum: &[f32; SPECTRUM_POINTS]) -> Option<LiveBar> {
         let (Some((_, bars)), Some(strokes)) = (&mut self.bars, pulse.strokes) else { return None };
         let phase = (pulse.beat.tempo > 0.0).then_some(pulse.beat.phase);

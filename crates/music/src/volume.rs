@@ -24,7 +24,6 @@ pub(super) struct Volumes {
 }
 
 impl Volumes {
-    /// Measures a stretch. An empty one is silent.
     pub(super) fn of(frames: &[StereoFrame]) -> Self {
         let mut sums = [0.0_f64; 4];
         for &[left, right] in frames {

@@ -48,8 +48,7 @@ const BREAK_COST: f32 = 12.0;
 const THREE_OVER_FOUR: f32 = 0.06;
 /// The number of hops around a beat in which its onset is searched.
 const AROUND: usize = 3;
-/// The minimum onset strength at both thirds of a beat for a ternary meter, relative to the strength on beats and to
-/// the strength at the half of a beat.
+/// The minimum strength at both thirds of a beat for a ternary meter, relative to the beat and to its half.
 const TERNARY: (f32, f32) = (0.12, 1.5);
 
 struct Evidence {
@@ -58,7 +57,6 @@ struct Evidence {
     struck: Vec<f32>,
     harmony: Vec<f32>,
     sound: Vec<f32>,
-    /// The onset strengths half a beat later.
     half: Vec<f32>,
     low_half: Vec<f32>,
 }

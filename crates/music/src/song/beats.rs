@@ -43,8 +43,7 @@ const STRUCK_MIN: f32 = 0.25;
 /// their mean as points on a circle. Music has 0.3 and more, speech and rain less than 0.2.
 const AGREE_MIN: f64 = 0.25;
 const PARTS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
-/// The minimum standard deviation of the level of music with a beat, in decibels. A held note with vibrato has a steady
-/// level.
+/// The minimum standard deviation of the level, in decibels. A held note with vibrato has a steady level.
 const LEVEL_DEVIATION_MIN: f32 = 1.0;
 /// The range of levels that count, in decibels below the loudest.
 const LEVEL_RANGE: f32 = 60.0;
@@ -60,8 +59,7 @@ pub(super) fn onset_strengths(heard: &Heard) -> Vec<f32> {
     flux.iter().zip(largest).map(|(flux, largest)| flux / largest.max(FLUX_MIN)).collect()
 }
 
-/// Returns for each value the largest within `reach` before and after it. The queue holds the candidates in decreasing
-/// order (Lemire 2006).
+/// Returns the largest value within `reach` of each. The queue holds candidates in decreasing order (Lemire 2006).
 fn largest_around(values: &[f32], reach: usize) -> Vec<f32> {
     let mut queue = VecDeque::new();
     let mut ahead = values.iter().copied().enumerate();
@@ -124,7 +122,6 @@ fn odds(strengths: &[f32]) -> Vec<f32> {
     (0..strengths.len()).map(odds).collect()
 }
 
-/// Returns the moments of the beats on the likeliest path.
 fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
     let period = |tempo: f64| (60.0 / tempo / hop_seconds).round().max(2.0) as usize;
     let (shortest, longest) = (period(TEMPO.0), period(TEMPO.1));

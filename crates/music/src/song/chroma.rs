@@ -3,8 +3,7 @@
 /// Thirds of semitones in an octave.
 pub(super) const FINE_BINS: usize = 36;
 
-/// The range of pitches, in hertz. Below it the window cannot separate semitones; above it partials outweigh
-/// fundamentals.
+/// The range in hertz. Below, the window cannot separate semitones; above, partials outweigh fundamentals.
 const RANGE_HZ: (f64, f64) = (58.0, 1_600.0);
 
 /// The minimum power of a peak relative to the mean around it. The noise of drums has no such peaks.

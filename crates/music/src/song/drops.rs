@@ -70,7 +70,6 @@ pub(super) fn builds_and_drops(
     // The last bar of a build may be a pause.
     let ended = |bar: usize| build(&tension, bar).or_else(|| build(&tension, bar - 1));
     let mut builds: Vec<std::ops::Range<usize>> = Vec::new();
-    // Each drop with the rise of its low band, in decibels.
     let mut drops: Vec<(usize, f32)> = Vec::new();
     for bar in *BUILD_BARS.start()..bars.len() {
         let build = ended(bar);
@@ -97,7 +96,6 @@ pub(super) fn builds_and_drops(
             _ => drops.push((bar, returns)),
         }
     }
-    // A build ends at its drop.
     let drops: Vec<usize> = drops.into_iter().map(|(bar, _)| bar).collect();
     for build in &mut builds {
         if let Some(drop) = drops.iter().find(|drop| build.contains(drop) && **drop > build.start) {
@@ -117,14 +115,12 @@ fn tension(bars: &[Unit]) -> Vec<f32> {
     bars.iter().map(of_bar).collect()
 }
 
-/// Returns the minimum level of loud bars in this song.
 fn loud(bars: &[Unit]) -> f32 {
     let levels = sorted(bars.iter().map(|bar| bar.level));
     levels.get((levels.len() as f32 * LOUD.0) as usize).map_or(f32::INFINITY, |level| level - LOUD.1)
 }
 
-/// Returns the rise of the low band in decibels if `bar` begins a drop: after a build, or without a certain build,
-/// after a pause.
+/// Returns the rise of the low band, in decibels, if `bar` begins a drop: after a build, or after a pause.
 fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: bool) -> Option<f32> {
     let last = bar.checked_sub(1)?;
     let eve = eves.get(last)?;

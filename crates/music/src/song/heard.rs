@@ -33,14 +33,12 @@ pub(super) struct SlowMoment {
 pub(super) struct Heard {
     pub(super) hop_seconds: f64,
     pub(super) seconds: f64,
-    /// True if the song continues after the analysed part.
     pub(super) cut_short: bool,
     /// The integrated loudness in LUFS; `None` if nothing is loud enough.
     pub(super) loudness: Option<f32>,
     /// The moments; moment n is at n hops.
     pub(super) moments: Vec<Moment>,
-    /// The slow moments; number n ends at (n + 1) · [`SLOW_HOPS`] hops. Its chroma has a delay of
-    /// [`Heard::chroma_late`].
+    /// The slow moments; number n ends at (n + 1) · [`SLOW_HOPS`] hops, with late chroma.
     pub(super) slow: Vec<SlowMoment>,
     /// The delay of the chroma in slow moments.
     pub(super) chroma_late: usize,

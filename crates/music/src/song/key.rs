@@ -70,8 +70,7 @@ const CHORD_MIN: f32 = 0.35;
 /// The cost of a chord change, in correlation.
 const CHANGE_COST: f32 = 0.45;
 
-/// Returns the pitch class weights of the whole song, or `None` without harmony: in noise all are equal, and a held
-/// note does not change.
+/// Returns the song's pitch class weights; `None` without harmony: in noise they are equal, a held note is constant.
 pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     let pitched = units.iter().filter(|unit| unit.chroma.iter().any(|fraction| *fraction > 0.0)).count();
     if (pitched as f32) < PITCHED_MIN * units.len().max(1) as f32 {

@@ -50,7 +50,6 @@ pub struct SongListener {
 }
 
 struct Timbre {
-    /// The ends of the bands, in bins.
     edges: [usize; TIMBRE_BANDS + 1],
     sums: [f32; TIMBRE_BANDS],
 }

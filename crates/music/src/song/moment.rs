@@ -126,7 +126,6 @@ impl At<'_> {
         }
     }
 
-    /// Returns the position in the bar, and the number of the beat.
     fn place_in_bar(self) -> Option<(f32, f32)> {
         let time = self.time;
         let in_bar = self.song.meter?.beats();
@@ -210,7 +209,6 @@ impl At<'_> {
         std::array::from_fn(|class| mixed(from[class], to[class], amount))
     }
 
-    /// Returns the pitch classes of a beat, relative to the strongest.
     fn heights_of(self, index: usize) -> [f32; PITCH_CLASSES.len()] {
         let Some(unit_of) = self.song.chroma.get(index) else { return SongMoment::UNKNOWN.chroma };
         let strongest = unit_of.fractions.iter().copied().fold(0.0, f32::max);

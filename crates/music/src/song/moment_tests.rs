@@ -56,7 +56,6 @@ fn bars_continue_before_the_first_and_after_the_last_beat() {
         // The bar before the first beat.
         (0.75, 0.875, 4.0),
         (0.0, 0.5, 3.0),
-        // The last beat is at 30.5 s.
         (30.75, 0.875, 4.0),
         (31.25, 0.125, 1.0),
     ] {

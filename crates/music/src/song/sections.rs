@@ -33,7 +33,6 @@ struct Scaled {
     chroma: Vec<[f32; 12]>,
 }
 
-/// A section: its bars, and its letter from 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Stretch {
     pub(super) bars: std::ops::Range<usize>,
@@ -109,8 +108,7 @@ impl<const N: usize> Sums<N> {
         Self { step, sums, squares }
     }
 
-    /// Returns the sum of squared distances of the rows `start..end`, each from the mean of the rows a multiple of
-    /// `step` away.
+    /// Sums squared distances of the rows `start..end` from the mean of the rows a multiple of `step` away.
     fn deviation(&self, start: usize, end: usize) -> f32 {
         let of_phase = |phase: usize| {
             let first = start + phase;

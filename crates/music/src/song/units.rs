@@ -79,7 +79,6 @@ pub(super) fn distance(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()
 }
 
-/// Subtracts the mean and divides by the standard deviation, or by `least` if that is larger.
 pub(super) fn standardised(values: &[f32], least: f32) -> Vec<f32> {
     let count = values.len().max(1) as f32;
     let mean = values.iter().sum::<f32>() / count;

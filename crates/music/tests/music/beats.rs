@@ -32,7 +32,6 @@ fn beats_of(track: &FeatureTrack) -> Vec<f64> {
     beats
 }
 
-/// Returns the F-measure of a pattern whose tempo changes evenly, and the tempo at the end.
 fn measure(pattern: &Pattern, (from, to): (f64, f64), alignment: Alignment) -> (f64, f32) {
     let (frames, truth) = play(pattern, SECONDS, |t| from + (to - from) * t / SECONDS);
     let track = track_of(&frames, alignment);
