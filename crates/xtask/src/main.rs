@@ -9,6 +9,7 @@ mod desktop;
 mod gallery;
 mod gpu;
 mod language_page;
+mod melt;
 mod root;
 mod textures;
 mod thumbnails;
@@ -47,6 +48,7 @@ const TOOLS: &[Tool] = &[
         gpu::programs,
     ),
     ("language-page", "[FOLDER]", "writes docs/language.md and the images of shapes", language_page::run),
+    ("melt", "PROGRAM", "draws docs/images/melt.webp, the moving image of the README", melt::run),
     ("textures", "[FOLDER]", "generates assets/textures", textures::run),
     (
         "thumbnails",
