@@ -17,7 +17,7 @@ pub fn print_line(text: &str) -> Result<(), ExportError> {
 
 /// Prints a message for the user on standard error, after the program's name. Does nothing if standard error is closed.
 pub fn tell(sentence: &str) {
-    tracing::debug!(target: "report", "{sentence}");
+    tracing::debug!(target: "message", "{sentence}");
     // An error here cannot be reported anywhere.
     let _ = writeln!(std::io::stderr(), "mariana: {sentence}");
 }

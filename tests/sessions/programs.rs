@@ -156,7 +156,7 @@ fn a_rejected_interpreter_is_not_retried_and_a_smaller_one_draws() {
     let [mark] = &place.files("given-up")[..] else { panic!("{:?}", place.files("given-up")) };
 
     let app = place.open(&[]);
-    app.wait_until_reported(&format!("delete {} to have it tried", mark.display()));
+    app.wait_until_reported(&format!("to try it again, delete {}", mark.display()));
     wait_for_channel(&app, 0);
     let reported = app.quit_content();
     assert!(reported.contains(sentence) && !reported.contains(READY), "{reported}");

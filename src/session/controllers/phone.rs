@@ -73,7 +73,7 @@ impl Phones {
             RemoteState::Open(pairing_address) => {
                 let url = &pairing_address.url;
                 let only = if pairing_address.is_local { " (only on this computer)" } else { "" };
-                Some((format!("a phone can open {url}, or press J for the code{only}"), false))
+                Some((format!("a phone can open {url} or scan the code that J shows{only}"), false))
             }
             RemoteState::Refused(why) => Some((why.clone(), true)),
         }
