@@ -28,7 +28,7 @@ const VOLUME_RELEASE: f64 = 0.150;
 const BAND_ATTACK: f64 = 0.010;
 const BAND_RELEASE: f64 = 0.200;
 
-/// Release time of `beat`, in seconds.
+/// Release time of the feature `beat`, in seconds.
 const BEAT_RELEASE: f64 = 0.15;
 
 /// Sound below this level, in decibels, is room noise and has no brightness.
@@ -43,7 +43,8 @@ const BASS: std::ops::Range<usize> = 0..8;
 const MID: std::ops::Range<usize> = 8..21;
 const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 
-/// Delay of the onset strength relative to the onset, in hops: for centred and for trailing windows.
+/// Delay of the onset strength relative to the onset, in hops. The first value is for centred, the second for trailing
+/// windows.
 const FLUX_LATE: (f32, f32) = (1.1, 2.1);
 
 /// The long window is not used above this frequency, in hertz.
@@ -52,13 +53,14 @@ const SLOW_HIGHEST_HZ: f64 = 600.0;
 /// The position of the windows relative to their moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alignment {
-    /// Centred on the moment, for files: the following samples are known, so the image is not late by half a window.
+    /// Centred on the moment, for files. Files provide the samples after the moment, so the image is not late by half a
+    /// window.
     Centred,
-    /// Ending at the moment, for live input: the features of a moment are emitted with the window's last sample frame.
+    /// Ending at the moment, for live input. A moment's features are emitted with the last sample frame of the window.
     Trailing,
 }
 
-/// The power-weighted mean position among the bands (spectral centroid), 0..1; 0 for near silence.
+/// The power-weighted mean position among the bands (spectral centroid), 0..1. It is 0 for near silence.
 fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
     if level_db < QUIET_DB {
         return 0.0;
@@ -71,16 +73,16 @@ fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
 
 /// Measures the features of a stream, once per hop.
 ///
-/// The hop is 512 sample frames at 44.1 and 48 kHz, scaled by the nearest power of two at other rates (7.5 to 15.1
-/// ms). Windows are 16, 4 and 2 hops long: the long one for the bass, the short one for the treble and for onsets.
-/// Moments are at whole multiples of the hop from frame 0 of the stream; the [`Alignment`] places the windows around
-/// them. Samples before the first and after the last frame count as silence.
+/// The hop is 512 sample frames at 44.1 and 48 kHz. At other rates it is scaled by the nearest power of two and lasts
+/// 7.5 to 15.1 ms. The windows are 16, 4 and 2 hops long: the long window is for the bass, the short window for the
+/// treble and for onsets. Moments are at whole multiples of the hop from frame 0 of the stream. [`Alignment`] places
+/// the windows around each moment. Samples before the first and after the last frame count as silence.
 ///
-/// The output depends, bit for bit, only on the samples. Nothing is allocated after `new`.
+/// The output depends, bit for bit, only on the samples. Only `new` allocates memory.
 pub struct Analyzer {
     sample_rate: u32,
     lookahead: usize,
-    /// The sample frames of the long window. It ends at frame `moment + lookahead`.
+    /// The sample frames of the long window, which ends at frame `moment + lookahead`.
     buffer: HopBuffer,
     progress: Progress,
     slow: SlowWindow,
@@ -101,7 +103,7 @@ pub struct Analyzer {
 struct Progress {
     moment: u64,
     position: u64,
-    /// True if frames were pushed since the (re)start.
+    /// True if frames were pushed since the start or the last restart.
     any: bool,
     has_measured: bool,
 }
@@ -156,10 +158,11 @@ impl Analyzer {
         };
         let slow_gain = |bin: usize, decimator: &Decimator| {
             let hz = bin as f64 * rate / longest as f64;
-            // Higher bins are not used.
+            // Bins at or above `SLOW_HIGHEST_HZ` are not used.
             if hz < SLOW_HIGHEST_HZ { decimator.power_gain(hz, rate) } else { 1.0 }
         };
-        // Only the last of the four hops around or before a moment: the earlier hops came with earlier moments.
+        // The waveform of a moment has four hops, but only the last hop is new: earlier moments emitted the other
+        // three.
         let wave_end = place(4 * hop).end;
         let short = hop * Resolution::Short.hops();
         let mut analyzer = Self {
@@ -191,7 +194,7 @@ impl Analyzer {
         analyzer
     }
 
-    /// Turns automatic gain on or off. The gain changes smoothly within tenths of a second.
+    /// Turns automatic gain on or off. The gain then changes smoothly within tenths of a second.
     pub fn set_gain(&mut self, gain: Gain) {
         self.gain.set(gain);
     }
@@ -206,14 +209,15 @@ impl Analyzer {
         self.buffer.hop()
     }
 
-    /// The number of sample frames after a moment before its features are emitted. With centred windows: half the long
-    /// window, 85 ms at 48 kHz, plus the delay of the decimating filter. With trailing windows: 0.
+    /// The number of sample frames after a moment before its features are emitted. With centred windows the number is
+    /// half the long window (85 ms at 48 kHz) plus the delay of the decimating filter. With trailing windows it is 0.
     pub fn lookahead(&self) -> usize {
         self.lookahead
     }
 
-    /// Resets the analyzer; the next frame pushed is frame `position` of the stream, from 0. Everything before counts
-    /// as silence. To get the features of an uninterrupted analysis after a seek, start a second earlier.
+    /// Resets the analyzer. The next frame pushed is frame `position` of the stream, counted from 0. All sound before
+    /// this frame counts as silence. To get the same features as an uninterrupted analysis after a seek, restart a
+    /// second earlier.
     pub fn restart(&mut self, position: u64) {
         let position = position.min(POSITION_MAX);
         let moment = position.next_multiple_of(self.hop() as u64);
@@ -228,7 +232,7 @@ impl Analyzer {
     }
 
     /// Analyses the next sample frames, any number of them, and emits the features of each completed moment. Samples
-    /// that are not finite count as 0; others are clamped to ±8.
+    /// that are not finite count as 0, and all others are clamped to ±8.
     pub fn push(&mut self, frames: &[StereoFrame], emit: &mut dyn FnMut(&TimedFeatures)) {
         self.progress.any |= !frames.is_empty();
         self.progress.position += frames.len() as u64;
@@ -239,10 +243,10 @@ impl Analyzer {
         }
     }
 
-    /// Ends the stream: emits the remaining moments, with silence after the last frame, up to the first moment at or
-    /// after the end. Emits nothing if nothing was pushed. Then resets the analyzer.
+    /// Ends the stream: emits the remaining moments up to the first moment at or after the end, with silence after the
+    /// last frame. Emits moments only if frames were pushed. Then resets the analyzer.
     pub fn finish(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
-        // All moments before `position + hop`: those before the end of the stream and the first one after it.
+        // These are all moments before the end of the stream, and the first moment after the end.
         while self.progress.any && self.progress.moment < self.progress.position + self.hop() as u64 {
             self.buffer.end();
             self.emit_if_full(emit);
@@ -325,7 +329,7 @@ impl Analyzer {
     }
 }
 
-/// Averages both channels over `frames_per_point` frames; with fewer frames than points, frames repeat.
+/// Averages both channels over `frames_per_point` frames. If there are fewer frames than points, frames repeat.
 fn mean_of_channels(frames: &[StereoFrame], frames_per_point: usize, wave: &mut [f32; WAVE_PER_HOP]) {
     if frames_per_point == 0 {
         for (index, point) in wave.iter_mut().enumerate() {

@@ -5,25 +5,25 @@ use super::scale::{BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB};
 
 const HEIGHT_ZERO_DB: f32 = -66.0;
 
-/// The level with height 1, in decibels. Music at -14 LUFS has a total level of about -13 dB (0 dB: a full-scale sine
-/// in both channels); spread evenly over 32 bands (pink), this is -28 dB each, a height of 0.63. In most music the
-/// bass is near -18 dB (0.8), a kick near -10 dB (0.93) and the treble near -45 dB (0.35).
+/// The level with height 1, in decibels. Music at -14 LUFS has a total level of about -13 dB (0 dB is a full-scale sine
+/// in both channels). If this level is spread evenly over 32 bands (pink), each band has -28 dB, a height of 0.63. In
+/// most music the bass is near -18 dB (0.8), a kick near -10 dB (0.93) and the treble near -45 dB (0.35).
 const HEIGHT_ONE_DB: f32 = -6.0;
 
-/// Returns the lower edge of band `index` in hertz; for `BAND_COUNT`, the upper edge of the last band. The edges
-/// divide 30 Hz to 16 kHz into equal ratios (1.217, a little over a quarter of an octave) at every sample rate.
+/// Returns the lower edge of band `index` in hertz. For `BAND_COUNT`, returns the upper edge of the last band. The
+/// edges divide 30 Hz to 16 kHz into equal ratios (1.217, a little over a quarter of an octave) at every sample rate.
 pub fn band_edge(index: usize) -> f64 {
     BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(index as f64 / BAND_COUNT as f64)
 }
 
-/// The weights of the bins in each band. Bin k covers [k - ½, k + ½] bins, and a band takes its fraction of it: no
-/// power is lost or counted twice. [`Resolution::fraction`] weights the windows.
+/// The weights of the bins in each band. Bin k covers the bins [k - ½, k + ½], and each band takes the fraction of the
+/// bin inside the band, so that no power is lost or counted twice. [`Resolution::fraction`] weights the windows.
 pub(super) struct Bands {
     bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
     weights: Vec<f32>,
 }
 
-/// The bins from `first_bin`, weighted by `weights[first_weight..first_weight + count]`.
+/// The bins of a band. They start at `first_bin`; their weights are `weights[first_weight..first_weight + count]`.
 #[derive(Clone, Copy, Default)]
 struct Bins {
     first_bin: usize,
@@ -32,7 +32,8 @@ struct Bins {
 }
 
 impl Bands {
-    /// Windows have [`Resolution::hops`] times `hop` frames. Bands are cut at half the sample rate, and silent above.
+    /// Creates the weights for windows of [`Resolution::hops`] times `hop` frames. Above half the sample rate they are
+    /// 0.
     pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
         let mut weights = Vec::new();
         let mut bands = [[Bins::default(); Resolution::ALL.len()]; BAND_COUNT];
@@ -68,12 +69,12 @@ impl Bands {
     }
 }
 
-/// Converts a power ratio to decibels, not below [`LEVEL_FLOOR_DB`].
+/// Converts a power ratio to decibels, at least [`LEVEL_FLOOR_DB`].
 pub(super) fn decibels(power: f32) -> f32 {
     (10.0 * power.log10()).max(LEVEL_FLOOR_DB)
 }
 
-/// Converts a level to a height: linear from -66 dB (0) to -6 dB (1), clamped.
+/// Converts a level to a height, linearly from -66 dB (0) to -6 dB (1), clamped.
 pub(super) fn height(level_db: f32) -> f32 {
     ((level_db - HEIGHT_ZERO_DB) / (HEIGHT_ONE_DB - HEIGHT_ZERO_DB)).clamp(0.0, 1.0)
 }
@@ -93,7 +94,7 @@ mod tests {
         }
     }
 
-    /// Power spread evenly over frequency gives each band its bandwidth, and each bin is counted once.
+    /// White noise gives each band a power in proportion to its bandwidth, and each bin is counted once.
     #[test]
     fn bins_are_divided_without_loss() {
         for (hop, rate) in [(512, 48_000.0), (512, 67_882.0), (8_192, 768_000.0)] {

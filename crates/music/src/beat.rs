@@ -1,13 +1,13 @@
 //! Tempo and beat tracking: estimates the phase within the beat and predicts the next beat.
 //!
-//! The tracker is a causal hidden Markov model of the spectral flux. A state is a period and a phase within it, both
-//! in whole hops (the bar pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer
-//! 2015). At each hop, every state advances by one; at the end of a beat it may change to a similar period. The model
-//! expects an onset at the start of a beat, possibly one at its half, and rather none at its quarters. All states of
+//! The tracker is a causal hidden Markov model of the spectral flux. A state is a period and a phase within the period,
+//! both in whole hops (the bar pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer
+//! 2015). At each hop, every state advances by one hop. At the end of a beat, a state may change to a similar period.
+//! The model expects an onset at the start of a beat and perhaps at its half, but hardly at its quarters. All states of
 //! a period move together, so their ring is rotated instead of copied.
 //!
-//! The reported tempo changes only to a much likelier one. The model keeps only windowed, held and leaky quantities,
-//! so a moment looks the same however it was reached: the analysis starts 13 s before a seek's target.
+//! The reported tempo changes only to a much likelier tempo. The model keeps only windowed, held and leaky quantities,
+//! which forget the distant past. So the analysis of a seek starts only 13 s before the target.
 
 use std::f32::consts::TAU;
 use std::ops::Range;
@@ -20,19 +20,21 @@ const START_SECONDS: f64 = 0.021;
 /// The time for which an onset strength is held, in seconds.
 const HELD_SECONDS: f64 = 0.032;
 
-/// Likelihood of an onset strength at the start of a beat, relative to the rest of the beat: a factor, and the power
-/// of the odds of the strength. Halves have more onsets, quarters fewer, which distinguishes a beat from half a beat.
+/// Likelihood of an onset strength at the start of a beat, its half or its quarters, relative to the rest of the beat:
+/// a factor, and an exponent for the odds of the strength. Halves have more onsets than quarters, which distinguishes a
+/// beat from half a beat.
 const BEAT: (f32, f32) = (1.1, 0.5);
 const HALF: (f32, f32) = (1.05, 0.05);
 const QUARTER: (f32, f32) = (1.0, -0.05);
 
 /// The most likely tempo in beats per minute, and the distance in octaves at which a tempo is less likely by exp(-1/2).
 const LIKELY: (f64, f64) = (108.0, 0.9);
-/// The power of that prior that counts again with each beat.
+/// The exponent with which the prior [`LIKELY`] is applied again at each beat.
 const LIKELY_EACH_BEAT: f64 = 0.7;
 
-/// The cost of a tempo change at the end of a beat: exp(-this · relative change of the period). A change by one hop
-/// costs only [`NEIGHBOUR`], because most tempos are between two periods, and their beats alternate between them.
+/// The cost of a tempo change at the end of a beat: the likelihood is exp(-`TEMPO_STIFFNESS` · relative change of the
+/// period). A change by one hop costs only [`NEIGHBOUR`]: most tempos are between two periods, so their beats alternate
+/// between both.
 const TEMPO_STIFFNESS: f32 = 90.0;
 const NEIGHBOUR: f32 = 1.2;
 /// The largest change of period between two beats, in hops.
@@ -42,10 +44,10 @@ const REACH: usize = 8;
 const DOUBT: f32 = 1e-6;
 
 /// Thresholds of the belief within a tenth of a beat and a twelfth of the tempo around the likeliest state. A tempo is
-/// reported from the first value on, until the belief falls below the second.
+/// reported once the belief reaches the first value, until the belief falls below the second value.
 const REPORTED: (f32, f32) = (0.6, 0.25);
 
-/// The reported tempo is replaced only by one that is this many times as likely.
+/// The factor by which another tempo must be likelier to replace the reported tempo.
 const INERTIA: f32 = 3.0;
 
 /// The number of onsets before a tempo is reported.
@@ -54,7 +56,7 @@ const ONSETS_MIN: u32 = 2;
 /// The time without an onset after which the tracker restarts, in seconds.
 const FORGET_SECONDS: f64 = 5.0;
 
-/// The fraction of its error by which the reported phase is corrected at each hop.
+/// The fraction of the phase error that is corrected at each hop.
 const PULL: f32 = 0.12;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

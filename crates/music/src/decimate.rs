@@ -2,13 +2,14 @@
 
 use super::StereoFrame;
 
-/// The number of frames per hop at the lower rate, if the hop has at least that many.
+/// The number of frames per hop at the lower rate. A shorter hop is not decimated.
 const KEPT_PER_HOP: usize = 64;
 
 const ORDER: usize = 4;
 
 /// A decimating low-pass filter that keeps one frame in `step`: the mean of `step` frames, applied four times
-/// (Hogenauer 1981). Its zeros are at all multiples of the lower rate: aliases below 500 Hz are attenuated by 80 dB.
+/// (Hogenauer 1981). The filter's zeros are at all multiples of the lower rate, so aliases below 500 Hz are attenuated
+/// by 80 dB.
 pub(super) struct Decimator {
     step: usize,
     taps: Vec<f32>,
@@ -46,7 +47,7 @@ impl Decimator {
         mean.powi(2 * ORDER as i32)
     }
 
-    /// Fills `kept` with the newest output frames. The last one ends with the last of `frames`.
+    /// Fills `kept` with the newest output frames. The last output frame ends with the last frame of `frames`.
     pub(super) fn keep(&self, frames: &[StereoFrame], kept: &mut [StereoFrame]) {
         for (back, frame) in kept.iter_mut().rev().enumerate() {
             let end = frames.len().saturating_sub(back * self.step);

@@ -6,9 +6,9 @@ use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, SPECTRUM_POINTS, WAVE_PER_HOP, sp
 
 macro_rules! features {
     ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $silence:expr, $between:ident;)+) => {
-        /// The audio features of one moment. Every number is finite, for any samples. Values in decibels and hertz
-        /// are measurements; the others are for drawing: levelled by [`Gain`](super::Gain) and smoothed with attack
-        /// and release.
+        /// The audio features of one moment. Every number is finite, whatever the samples are. Values in decibels and
+        /// hertz are measurements. All other values are for drawing: [`Gain`](super::Gain) levels them, and they are
+        /// smoothed with attack and release.
         #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
         pub struct Features {
             $($(#[doc = $doc])+ pub $name: $type,)+
@@ -35,15 +35,15 @@ macro_rules! features {
 // Each feature has a description, a type, a value in silence, and a rule for interpolation between two moments.
 features! {
     /// Loudness of the left and the right channel: the mean of |sample| over a sixtieth of a second (Abt 2022, section
-    /// 5, eq. 1), times the gain, smoothed with attack and release. 0 is silence; a full-scale sine reads 2/π = 0.637
-    /// at a gain of 0 dB, a full-scale square wave 1. Only samples beyond full scale read more than 1 (at most 8).
+    /// 5, eq. 1), times the gain, smoothed with attack and release. Silence has 0. At a gain of 0 dB, a full-scale sine
+    /// has 2/π = 0.637 and a full-scale square wave has 1. Only samples beyond full scale give more than 1 (at most 8).
     volume: [f32; 2] = [0.0; 2], mixed;
     /// Loudness of the mid channel, (left + right) / 2.
     volume_mid: f32 = 0.0, mixed;
-    /// Loudness of the side channel, (left - right) / 2: 0 for mono, large for wide stereo.
+    /// Loudness of the side channel, (left - right) / 2. It is 0 for mono and large for wide stereo.
     volume_side: f32 = 0.0, mixed;
-    /// Height of each band for drawing, 0..1: the band's level plus the gain, mapped linearly from -66..-6 dB and
-    /// smoothed with attack and release. Low frequencies first; [`band_edge`](super::band_edge) returns the edges.
+    /// Height of each band for drawing, 0..1, low frequencies first. The band's level plus the gain is mapped linearly
+    /// from -66..-6 dB and smoothed with attack and release. [`band_edge`](super::band_edge) returns the edges.
     bands: [f32; BAND_COUNT] = [0.0; BAND_COUNT], mixed;
     /// Mean height of the bands below 144 Hz, 0..1.
     bass: f32 = 0.0, mixed;
@@ -52,37 +52,38 @@ features! {
     /// Mean height of the bands from 1.85 kHz to 16 kHz, 0..1.
     treble: f32 = 0.0, mixed;
     /// The spectral centroid, from 0 at the lowest band to 1 at the highest: the mean of the band numbers, weighted by
-    /// power. Smoothed like the bands; it falls to 0 in silence.
+    /// power. It is smoothed like the bands, and falls to 0 in silence.
     brightness: f32 = 0.0, mixed;
     /// 1 at the onset of a sound, then falling by a factor of e in 0.15 s.
     beat: f32 = 0.0, mixed;
     /// Beats per minute; 0 while unknown.
     tempo: f32 = 0.0, known;
-    /// Phase between the last beat and the next, 0 up to 1; 0 while the tempo is unknown. The next beat is predicted 60
-    /// · (1 - phase) / tempo seconds later.
+    /// Phase between the last beat and the next beat, 0 up to 1; 0 while the tempo is unknown. The next beat is
+    /// predicted `60 · (1 - phase) / tempo` seconds later.
     phase: f32 = 0.0, held;
-    /// The number of the beat in its bar, from 1, for live input; 0 while uncertain, and for files, where the
-    /// [`SongStructure`](super::SongStructure) has the bars instead.
+    /// The number of the beat in its bar, from 1, for live input; 0 while uncertain. It is always 0 for files, because
+    /// the [`SongStructure`](super::SongStructure) has the bars of files.
     bar_beat: f32 = 0.0, held;
     /// The number of beats in the bar; 0 while uncertain.
     bar_beats: f32 = 0.0, held;
-    /// The leaky integral of `bass` over time in seconds, which keeps 1/e after 4 s: b' = bass - b / 4 s. Time plus
-    /// this value runs with the bass: faster with each low note, and as fast as time on average.
+    /// The leaky integral of `bass` over time in seconds, which keeps 1/e after 4 s: b' = bass - b / 4 s. A scene that
+    /// moves with time plus this value runs faster with each low note, and on average as fast as time.
     bass_drive: f32 = 0.0, mixed;
-    /// The gain applied to the values above, in decibels; 0 if it is off.
+    /// The gain that was applied to the values above, in decibels; 0 if automatic gain is off.
     gain_db: f32 = 0.0, mixed;
     /// The total level from 30 Hz to 16 kHz in decibels, measured like the band levels.
     level_db: f32 = LEVEL_FLOOR_DB, mixed;
-    /// Frequency of the strongest tone in hertz, to a hundredth of a bin of the long window (0.06 Hz); 0 below -80 dB.
+    /// Frequency of the strongest tone in hertz, precise to a hundredth of a bin of the long window (0.06 Hz); 0 below
+    /// -80 dB.
     peak_hz: f32 = 0.0, held;
-    /// The level of each band in decibels, both channels together, not smoothed. A sine of amplitude a in both channels
-    /// reads 20·log10(a) dB, summed over its bands; in one channel alone it reads 3.01 dB less. The phase between the
-    /// channels makes no difference. Never below [`LEVEL_FLOOR_DB`].
+    /// The level of each band in decibels, both channels together, not smoothed, at least [`LEVEL_FLOOR_DB`]. A sine of
+    /// amplitude a in both channels has 20·log10(a) dB, summed over its bands. A sine in only one channel has 3.01 dB
+    /// less. The phase between the channels makes no difference.
     band_levels_db: [f32; BAND_COUNT] = [LEVEL_FLOOR_DB; BAND_COUNT], mixed;
 }
 
 impl Features {
-    /// Returns the number that scenes read by this name: a feature, one of its channels (`volume.x`), or `pitch`.
+    /// Returns the number that scenes read by `name`: a feature, one of its channels (`volume.x`), or `pitch`.
     pub fn number(&self, name: &str) -> Option<f32> {
         match name {
             "volume.x" => Some(self.volume[0]),
@@ -93,11 +94,12 @@ impl Features {
     }
 
     /// Interpolates linearly from `self` (`amount` 0) to `other` (`amount` 1), number by number. The phase wraps from 1
-    /// to 0. A tempo or frequency that is unknown at one end keeps the value of the start.
+    /// to 0. If a tempo or frequency is unknown in `self` or `other`, the value of `self` is kept.
     pub fn lerp(&self, other: &Self, amount: f32) -> Self {
         let mut between = self.between(other, amount);
         if self.tempo > 0.0 && other.tempo > 0.0 {
-            // A tracker may step back a little to correct itself; a step back of more than half a beat is a new beat.
+            // A tracker may step back a little to correct itself. Only a step back of more than half a beat is a new
+            // beat.
             let ahead = if other.phase < self.phase - 0.5 { 1.0 } else { 0.0 };
             let phase = mixed(self.phase, other.phase + ahead, amount);
             between.phase = phase - phase.floor();
@@ -165,7 +167,8 @@ pub struct TimedFeatures {
     /// Heights of the spectrum, 0..1, at frequencies in equal ratios ([`spectrum_hz`](super::spectrum_hz)), smoothed
     /// like the bands.
     pub spectrum: [f32; SPECTRUM_POINTS],
-    /// One hop of the mean of both channels, -8..8. Four hops are a moment's waveform ([`Tables`](super::Tables)).
+    /// One hop of the mean of both channels, -8..8. A moment's waveform consists of four hops
+    /// ([`Tables`](super::Tables)).
     pub wave: [f32; WAVE_PER_HOP],
 }
 

@@ -1,6 +1,6 @@
-//! Automatic gain, so that quiet and loud sources move a scene alike. It applies to the values that scenes see, not
-//! to measurements in decibels, and depends only on the loudest moment of the last 1.2 s. It is 0 dB for room noise
-//! and within the range of published music, so that a song's quiet passages stay quiet.
+//! Automatic gain, so that quiet and loud sources move a scene in the same way. The gain applies to the values that
+//! scenes see, not to measurements in decibels, and depends only on the loudest moment of the last 1.2 s. The gain is 0
+//! dB for room noise and for levels of published music, so that a song's quiet passages stay quiet.
 
 use super::bands::decibels;
 use super::smoothing::Follower;
@@ -8,23 +8,25 @@ use super::smoothing::Follower;
 /// The gain control of the 0..1 values that scenes see. Values in decibels are never changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gain {
-    /// Raises quiet sound and lowers loud sound, both as little as needed.
+    /// Raises quiet sound and lowers loud sound. Both changes are as small as possible.
     #[default]
     Auto,
     /// No gain.
     Off,
 }
 
-/// The range of the loudest recent moment without gain, in decibels. Published music is in this range.
+/// The range in which the level of the loudest recent moment needs no gain, in decibels. Published music is in this
+/// range.
 const KEPT_DB: (f32, f32) = (-20.0, -4.0);
 
-/// From the first level down to the second, in decibels, the gain falls to 0: sound this quiet is room noise.
+/// Between these levels, in decibels, the gain falls to 0, because such quiet sound is room noise.
 const GATE_DB: (f32, f32) = (-40.0, -50.0);
 
-/// The time for which the loudest moment counts, in seconds. It is longer than a beat, so that the gain does not pump.
+/// The time for which the loudest moment counts, in seconds. The time is longer than a beat, so that the gain does not
+/// pump.
 const HELD_SECONDS: f64 = 1.2;
 
-/// Time constants in seconds: of the power, of a rising and of a falling gain.
+/// Time constants of the power, of a rising gain and of a falling gain, in seconds.
 const POWER_SECONDS: f64 = 0.04;
 const GAIN_RISE: f64 = 0.10;
 const GAIN_FALL: f64 = 0.03;
@@ -45,7 +47,7 @@ fn gain_at(level_db: f32) -> f32 {
     lift + (KEPT_DB.1 - level_db).min(0.0)
 }
 
-/// Computes the gain from the level. Its memory lasts only seconds, so it soon agrees again after a seek.
+/// Computes the gain from the level. The gain depends only on the last seconds, so a seek soon stops affecting it.
 pub(super) struct AutoGain {
     gain: Gain,
     power: f32,
@@ -69,7 +71,7 @@ impl AutoGain {
         }
     }
 
-    /// Turns the gain on or off. It changes smoothly within tenths of a second.
+    /// Turns the gain on or off. The gain then changes smoothly within tenths of a second.
     pub(super) fn set(&mut self, gain: Gain) {
         self.gain = gain;
     }

@@ -32,7 +32,8 @@ impl HopBuffer {
         self.filled = filled;
     }
 
-    /// Stores frames until the window is full; returns them and the rest. Clamps to ±8; not finite counts as 0.
+    /// Stores frames until the window is full; returns the stored frames and the rest. Samples are clamped to ±8, NaN
+    /// to 0.
     pub(super) fn take<'a>(&mut self, frames: &'a [StereoFrame]) -> (&[StereoFrame], &'a [StereoFrame]) {
         let free = &mut self.frames[self.filled..];
         let (now, later) = frames.split_at(frames.len().min(free.len()));

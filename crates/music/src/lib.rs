@@ -8,8 +8,8 @@
 //!                                       Sound: features and tables of a moment ◄─ FeatureTrack ◄┘
 //! ```
 //!
-//! Everything is computed on hops of samples counted from the start of the stream, independent of video frames and of
-//! the sizes of arriving blocks. The features of a moment are therefore the same live and offline.
+//! All features are computed on hops of samples, counted from the start of the stream. They do not depend on video
+//! frames or on the sizes of arriving blocks. The features of a moment are therefore the same live and offline.
 //!
 //! ```
 //! use mariana_music::{Alignment, Analyzer, StereoFrame};
@@ -72,5 +72,5 @@ pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVEFORM_POINTS
 pub use tap::TapTempo;
 pub use track::FeatureTrack;
 
-/// One sample frame: a sample of each channel, left then right; nominally -1..1.
+/// One sample frame: one sample of the left channel, then one of the right channel, nominally -1..1.
 pub type StereoFrame = [f32; 2];

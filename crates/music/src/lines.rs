@@ -6,10 +6,10 @@ use super::scale::{LEVEL_FLOOR_DB, SPECTRUM_POINTS, spectrum_hz};
 
 const HEIGHT_ZERO_DB: f32 = -84.0;
 
-/// The level with height 1, in decibels. Single lines of music are 10 to 20 dB below the level of their band.
+/// The level with height 1, in decibels. Single lines of music are 10 to 20 dB below the level of the band around them.
 const HEIGHT_ONE_DB: f32 = -12.0;
 
-/// The factor from Parseval's scale to Hann's coherent gain at a tone's bin: the noise bandwidth of 1.5 bins.
+/// The factor from Parseval's scale to Hann's coherent gain at a tone's bin. It is the noise bandwidth of 1.5 bins.
 const NOISE_BANDWIDTH: f32 = 1.5;
 
 pub(super) struct Lines {
@@ -27,7 +27,7 @@ struct Part {
     window: usize,
     fraction: f32,
     first_bin: usize,
-    /// The number of bins. The largest is taken, or with two, `between` interpolates between them.
+    /// The number of bins. The largest power among the bins is used, unless `between` interpolates between two bins.
     count: usize,
     between: Option<f32>,
 }
@@ -58,7 +58,7 @@ impl Lines {
                 let (low, high) = (bin(index as f64 - 0.5).ceil(), bin(index as f64 + 0.5).floor());
                 let here = bin(index as f64);
                 *part = if high > low {
-                    // Several bins are within the point's reach: take the largest.
+                    // Several bins are within the point's reach: use the largest power.
                     let count = (high - low) as usize + 1;
                     Part { window, fraction: fraction as f32, first_bin: low as usize, count, between: None }
                 } else {
@@ -71,9 +71,9 @@ impl Lines {
         Self { points: points.collect() }
     }
 
-    /// Writes the height of each point, 0..1, from the power per bin of each window: a tone's amplitude in decibels
-    /// (corrected for Hann's coherent gain) plus `gain_db`, mapped from -84..-12 dB. A tone between two bins reads up
-    /// to 1.4 dB less.
+    /// Writes the height of each point, 0..1, from the power per bin of each window. The height is a tone's amplitude
+    /// in decibels (corrected for Hann's coherent gain) plus `gain_db`, mapped from -84..-12 dB. A tone between two
+    /// bins is measured up to 1.4 dB too low.
     pub(super) fn heights(
         &self,
         spectra: [&[f32]; Resolution::ALL.len()],

@@ -1,9 +1,9 @@
-//! Bar tracking in live input: the number of the current beat in its bar, if it is certain enough.
+//! Bar tracking in live input: the number of the current beat in its bar, or 0 while the number is uncertain.
 //!
-//! Each completed beat gives the same evidence as the bars of a whole song ([`crate::song`]): low and high onsets,
-//! and the change of pitches and timbre (Goto 2001). A hidden Markov model over the positions in bars of four and
-//! three beats accumulates it. In 6/8, two dotted beats are reported as half of a bar of four. Live bars add 2 µs to
-//! the 29 µs of a moment.
+//! Each completed beat gives the same evidence as in the bars of a whole song ([`crate::song`]): low and high onsets,
+//! and the change of pitches and timbre (Goto 2001). A hidden Markov model over the positions in bars of four and three
+//! beats accumulates the evidence. In 6/8, two dotted beats are reported as half of a bar of four. Bar tracking adds 2
+//! µs to the 29 µs per moment.
 
 use super::rises::LowAndHigh;
 use super::scale::{SPECTRUM_POINTS, spectrum_place};
@@ -11,7 +11,7 @@ use super::scale::{SPECTRUM_POINTS, spectrum_place};
 const METERS: [usize; 2] = [4, 3];
 const STATES: usize = 7;
 
-/// Onsets belong to a beat from the first fraction of the previous beat to the second fraction of the beat itself.
+/// An onset belongs to a beat from the first phase (in the previous beat) to the second phase (in the beat itself).
 const STRUCK: (f32, f32) = (0.85, 0.3);
 
 /// The time constant of the statistics, in beats.
@@ -24,10 +24,10 @@ const EVIDENCE: f32 = 0.45;
 const BREAK: f32 = 0.004;
 /// The power to which the belief is raised at each beat, so that old evidence is forgotten.
 const REMEMBERED: f32 = 0.985;
-/// A position is reported from the first belief on, until it falls below the second.
+/// A position is reported once its belief reaches the first value, until the belief falls below the second value.
 const REPORTED: (f32, f32) = (0.9, 0.6);
 
-/// The range in which pitches are compared, in hertz. Frequencies above it show the timbre.
+/// The range in which pitches are compared, in hertz. Frequencies above the range show the timbre.
 const PITCHES_HZ: (f64, f64) = (60.0, 1_600.0);
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,7 +57,7 @@ impl Strokes {
     }
 }
 
-/// Running statistics of a number per beat, for standardising it.
+/// Running statistics of a quantity that is measured once per beat, for standardising the quantity.
 #[derive(Clone, Copy, Debug, Default)]
 struct Usual {
     mean: f32,
@@ -81,10 +81,11 @@ pub(super) struct LiveBars {
     sum: [f32; SPECTRUM_POINTS],
     count: f32,
     before: [f32; SPECTRUM_POINTS],
-    /// Statistics of the low, high and total onset strength, the harmony and the timbre.
+    /// Statistics of five quantities: the low, high and total onset strength, the harmony and the timbre.
     usual: [Usual; 5],
     beats: u32,
-    /// The belief in each position of the current beat: the first meter's positions, then the next meter's.
+    /// The belief in each position of the current beat: first the positions of the first meter, then those of the
+    /// second.
     belief: [f32; STATES],
     reported: LiveBar,
 }
@@ -111,7 +112,7 @@ impl LiveBars {
         *self = Self::new();
     }
 
-    /// Processes a moment: the beat's phase, 0..1, if there is a tempo, the onset strengths, and the spectrum.
+    /// Processes a moment: the beat's phase, 0..1 (`None` without a tempo), the onset strengths, and the spectrum.
     pub(super) fn follow(
         &mut self,
         phase: Option<f32>,
@@ -187,7 +188,7 @@ impl LiveBars {
         self.belief.iter_mut().for_each(|belief| *belief /= sum.max(f32::MIN_POSITIVE));
     }
 
-    /// Advances every position by a beat. With a small probability, a bar of any meter starts instead.
+    /// Advances every position by a beat. With a small probability, the bar ends early and a bar of any meter starts.
     fn move_on(&mut self) {
         let mut rest = self.belief.as_mut_slice();
         for meter in METERS {

@@ -1,6 +1,6 @@
 //! The energy of live input: its loudness relative to the loudest moment of the last minutes.
 
-/// The level with energy 0, in decibels below the loudest; the same as in a song's structure.
+/// The level with energy 0, in decibels below the loudest level. A song's structure uses the same range.
 const RANGE_DB: f32 = 36.0;
 /// Time constant of the level, in seconds.
 const FOLLOWS_IN: f64 = 0.7;
@@ -18,7 +18,8 @@ pub struct LiveEnergy {
 
 impl LiveEnergy {
     /// Returns the energy, 0..1, at `time` in seconds for the level `level_db`
-    /// ([`Features::level_db`](super::Features)). A step back in time changes only the time.
+    /// ([`Features::level_db`](super::Features)). If `time` is earlier than in the last call, the loudest level does
+    /// not decay.
     pub fn at(&mut self, time: f64, level_db: f32) -> f32 {
         let level_db = if level_db.is_finite() { level_db } else { super::LEVEL_FLOOR_DB };
         let time = if time.is_finite() { time } else { 0.0 };
