@@ -1,6 +1,6 @@
 //! Runs every fuzz target over all its seeds and many mutations of them. The mutations are the same in every run.
 //!
-//! `scripts/fuzz` lets libFuzzer search further; see fuzz/README.md.
+//! `scripts/fuzz` uses libFuzzer to search further; see fuzz/README.md.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -8,7 +8,6 @@
 #[allow(dead_code, reason = "only libFuzzer uses the rest")]
 mod fuzz;
 
-/// Runs a target over its seeds, mutations of them, and very short inputs.
 fn survives(target: &fuzz::Target) {
     let seeds = (target.seeds)();
     assert!(seeds.len() >= 6, "{} has {} seeds", target.name, seeds.len());

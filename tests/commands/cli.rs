@@ -48,7 +48,6 @@ fn a_still_shows_the_song() {
     assert!(still("quiet.wav") != still("loud.wav"), "silence and a loud tone gave the same image");
 }
 
-/// Parses the output of `analyze --json`: one JSON object per line.
 fn analyze(place: &Workplace, arguments: &[&str]) -> Vec<Value> {
     let text = place.run(&[&["analyze", "--json"], arguments].concat()).done();
     text.lines()
@@ -56,18 +55,16 @@ fn analyze(place: &Workplace, arguments: &[&str]) -> Vec<Value> {
         .collect()
 }
 
-/// The finite numbers of an array.
 fn numbers(value: &Value) -> Vec<f64> {
     let array = value.as_array().unwrap_or_else(|| panic!("{value} is not an array"));
     array.iter().map(|number| number.as_f64().unwrap_or_else(|| panic!("{number} is not a number"))).collect()
 }
 
-/// The index of the band that contains `hz`.
 fn band_of(hz: f64) -> usize {
     (0..BAND_COUNT).find(|&band| (band_edge(band)..band_edge(band + 1)).contains(&hz)).unwrap()
 }
 
-/// The index of an object's highest band.
+/// The index of the band with the largest value.
 fn tallest_band(line: &Value) -> usize {
     let bands = numbers(&line["bands"]);
     (0..bands.len()).max_by(|&a, &b| bands[a].total_cmp(&bands[b])).unwrap()
@@ -106,7 +103,7 @@ fn every_format_has_the_right_pitch_and_length() {
     for format in FORMATS {
         place.ffmpeg(&[&["-i", "tone.wav"], format.arguments].concat(), format.file);
         let lines = analyze(&place, &[format.file, "--fps", "20"]);
-        // Some containers round up to whole packets.
+        // Some containers round the duration up to whole packets.
         assert!((30..=32).contains(&lines.len()), "{}: {} lines", format.file, lines.len());
         assert_eq!(tallest_band(&lines[15]), band_of(1000.0), "{}", format.file);
         let volume = numbers(&lines[15]["volume"]);
@@ -198,7 +195,6 @@ fn bench_reports_times_and_evaluations() {
     }
 }
 
-/// Fails if a number in `value` is missing, negative or not finite.
 fn assert_measured(value: &Value, name: &str) {
     match value {
         Value::Object(fields) => fields.iter().for_each(|(name, value)| assert_measured(value, name)),
@@ -206,7 +202,7 @@ fn assert_measured(value: &Value, name: &str) {
         Value::Number(number) => {
             assert!(number.as_f64().is_some_and(|number| number >= 0.0), "{name}: {number}")
         }
-        // Numbers that are not finite appear as null as well.
+        // `null` also represents numbers that are not finite.
         Value::Null => assert!(["error", "gpu_p50_ms", "edges"].contains(&name), "{name} is missing"),
         Value::Bool(_) | Value::String(_) => {}
     }
@@ -245,7 +241,6 @@ fn bench_measures_all_scenes_and_continues_after_a_failure() {
     }
     assert_measured(&report, "the report");
 
-    // A shader that does not compile.
     let (folder, _) = changed_shaders(&[]);
     let scene = folder.path().join("scene.frag");
     let text = std::fs::read_to_string(&scene).unwrap();
@@ -355,7 +350,7 @@ fn gl_info_needs_no_display() {
 #[test]
 fn a_video_has_its_size_rate_length_and_the_song() {
     let place = Workplace::new();
-    // ffmpeg must not take this name for a protocol.
+    // ffmpeg must not read this name as a protocol.
     place.write_tone("take:one.wav", 440.0, 3.0, [0.5, 0.5]);
     let arguments = ["--start", "1", "--duration", "1", "--fps", "10", "--size", "64x36", "-o", "song.mp4"];
     let text = place.run(&[&["video", "take:one.wav"], &arguments[..]].concat()).done();

@@ -1,5 +1,5 @@
-//! Refusals of the command line: one sentence that says what is wrong, where, and what to do. Also the exit code, no
-//! panic, and unharmed files.
+//! Refusals of the command line: a one-sentence message with the mistake, its location and a remedy, and the exit code.
+//! The program neither panics nor damages files.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -18,10 +18,9 @@ use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 use serde_json::Value;
 
-/// A small, fast output.
 const SIZE: [&str; 2] = ["--size", "16x9"];
 
-/// The longest time for a damaged file of one second.
+/// The time limit for a damaged file of one second.
 const DAMAGED_LIMIT: Duration = Duration::from_secs(10);
 
 /// Pseudo-random numbers, the same in every run (SplitMix64).
@@ -62,7 +61,7 @@ fn files_without_audio_are_refused_by_name() {
     ] {
         place.run(&["analyze", song]).refused(&[song, what]);
         place.run(&[&["still", song, "-o", "frame.png"], &SIZE[..]].concat()).refused(&[song, what]);
-        // Played by itself, a folder of songs is a playlist.
+        // Without a command, a folder of songs is a playlist.
         if song != "music" {
             place.run(&[song]).refused(&[song, if song == "empty-folder" { "no tracks" } else { what }]);
         }
@@ -86,7 +85,7 @@ fn streams_beyond_the_limits_are_refused_with_their_values() {
     place.run(&["analyze", "nothing.wav"]).refused(&["nothing.wav"]);
 }
 
-/// Runs `analyze` on damaged bytes: it succeeds or refuses with one sentence.
+/// Runs `analyze` on damaged bytes. Fails unless `analyze` succeeds or refuses them with a one-sentence message.
 fn survive(place: &Workplace, name: &str, what: &str, bytes: &[u8]) {
     let name = format!("{what}-{name}");
     place.write(&name, bytes);
@@ -116,7 +115,7 @@ fn damaged_files_of_every_format_are_handled() {
             let end = whole.len() * percent / 100;
             survive(&place, format.file, &format!("first-{percent}-percent"), &whole[..end]);
         }
-        // Damage in the header reaches other code than damage in the audio data.
+        // Damage in the header reaches different code from damage in the audio data.
         for (index, (span, flips)) in
             [(64, 1), (64, 8), (400, 4), (whole.len(), 10), (whole.len(), 300)].into_iter().enumerate()
         {
@@ -368,7 +367,6 @@ fn existing_outputs_survive_every_failure() {
     place.write("good.png", "a good picture");
     place.write("good.mp4", "a good video");
     place.write("text.mp3", "no music");
-    // An encoder that fails in the middle.
     std::fs::create_dir(place.path("tools")).unwrap();
     let script =
         "#!/bin/sh\nfor last; do :; done\necho half > \"${last#file:}\"\necho 'disk on fire' >&2\nexit 1\n";

@@ -1,4 +1,4 @@
-//! `scripts/install`: the files that it installs, their validity by the desktop's own tools, and their removal.
+//! Checks `scripts/install`: the files that it installs, their validation by the desktop's tools, and their removal.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -14,7 +14,6 @@ use mariana::shell::identity::APP_ID;
 use mariana_player::playlist::AUDIO_EXTENSIONS;
 use mariana_testing::process::output_of;
 
-/// Runs `scripts/install`, which must succeed, and returns its messages.
 fn install(arguments: &[&str], variables: &[(&str, &Path)]) -> String {
     let mut command = Command::new("bash");
     command.arg(script()).args(arguments).env_remove("DESTDIR").envs(variables.iter().copied());
@@ -28,12 +27,11 @@ fn script() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/install")
 }
 
-/// Installs the program under test into `prefix`.
 fn install_into(prefix: &Path) -> String {
     install(&["--prefix", prefix.to_str().unwrap(), "--binary", PROGRAM], &[])
 }
 
-/// Every file below `folder` with its contents, and every folder, with a slash at its end.
+/// The contents of every file below `folder`, by path. Folders are listed with a trailing slash.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -63,7 +61,7 @@ fn text(prefix: &Path, file: &str) -> String {
 #[test]
 fn installed_files_are_in_the_standard_places() {
     let place = tempfile::tempdir().unwrap();
-    // A prefix with a space, because home folders may have one.
+    // Home folders may contain a space, so the prefix contains one.
     let prefix = place.path().join("a prefix");
     let reported = install_into(&prefix);
     assert!(reported.contains("Installed ") && reported.contains("is not in your PATH"), "{reported}");
@@ -92,11 +90,10 @@ fn installed_files_are_in_the_standard_places() {
     let release = format!("<release version=\"{}\"", env!("CARGO_PKG_VERSION"));
     assert!(text(&prefix, metainfo.to_str().unwrap()).contains(&release), "metainfo.xml has no {release}");
 
-    // The desktop's databases, built from the installed files.
+    // The desktop's tools have built these databases from the installed files.
     assert!(text(&prefix, "share/mime/globs2").contains("50:text/x-mariana-scene:*.scene"));
     assert!(text(&prefix, "share/applications/mimeinfo.cache").contains("text/x-mariana-scene"));
 
-    // Install again, over the existing files.
     install_into(&prefix);
     assert!(contents(&prefix) == first, "installing again changed a file");
 }
@@ -112,11 +109,11 @@ fn removal_keeps_only_files_of_others() {
     }
     let before: Vec<String> = contents(prefix).into_keys().collect();
     install_into(prefix);
-    // A file that an earlier version installed and this version does not.
+    // An earlier version installed this file; the current version does not.
     let old = "share/man/man1/mariana-old.1";
     std::fs::write(prefix.join(old), "").unwrap();
     let manifest = prefix.join("share/mariana/installed.txt");
-    // Paths outside of the prefix, which the list must never contain.
+    // These paths are outside of the prefix. The list must never contain them.
     let outside = place.path().with_extension("kept");
     std::fs::write(&outside, "").unwrap();
     let upward = format!("../{}", outside.file_name().unwrap().to_str().unwrap());
@@ -147,7 +144,7 @@ fn staged_and_default_installations_work() {
     install(&["--prefix", "/usr", "--binary", PROGRAM], &[("DESTDIR", &package)]);
     let entry = text(&package, &format!("usr/share/applications/{APP_ID}.desktop"));
     assert!(entry.contains("\nExec=/usr/bin/mariana %F\n"), "{entry}");
-    // The installation of the package updates the databases.
+    // A package manager updates the databases itself.
     assert!(!contents(&package).keys().any(|name| name.contains("cache") || name.contains("globs")));
     install(&["--remove", "--prefix", "/usr"], &[("DESTDIR", &package)]);
     assert_eq!(contents(&package).into_keys().collect::<Vec<_>>(), ["usr/"]);
@@ -186,7 +183,6 @@ fn completions_know_every_subcommand() {
     }
 }
 
-/// The MIME types of files with this extension in the system's database.
 fn types_of(extension: &str) -> Vec<String> {
     let globs = std::fs::read_to_string("/usr/share/mime/globs2").expect("install shared-mime-info");
     let rows = globs.lines().map(|line| line.splitn(4, ':').collect::<Vec<_>>());
@@ -204,7 +200,7 @@ fn the_desktop_entry_lists_all_playable_types() {
     for extension in AUDIO_EXTENSIONS.iter().chain(&["m3u", "m3u8", "pls", "cue"]) {
         let types = types_of(extension);
         known += usize::from(!types.is_empty());
-        // Skip other types with the same extension, such as videos, or object files that end in mod.
+        // Skip types of other files with the same extension, such as videos, or object files that end in mod.
         for of_sound in types.iter().filter(|name| name.starts_with("audio/")) {
             assert!(
                 named.contains(&of_sound.as_str()),

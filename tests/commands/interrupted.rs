@@ -1,4 +1,5 @@
-//! Interrupted jobs, by signals, by a full disk or by crashing drivers: the files that they leave and their messages.
+//! Jobs that are interrupted by signals, a full disk or crashing drivers: the files that they leave, and their
+//! messages.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -13,14 +14,12 @@ use std::process::{Command, Stdio};
 use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
 use mariana_testing::process::{Process, output_of, wait_until};
 
-/// A scene that is ready at once.
 const SCENE: [&str; 2] = ["--scene", "length(p) - 1"];
 
-/// A video of the demo track that takes minutes. One frame does not fit into a pipe.
+/// A video of the demo track that takes minutes. One frame does not fit into a pipe, so writing it can block.
 const LONG_VIDEO: [&str; 9] =
     ["video", SCENE[0], SCENE[1], "--size", "256x144", "--fps", "1000", "-o", "song.mp4"];
 
-/// A workplace with the folder `tmp` for temporary files, and an existing video.
 fn workplace() -> Workplace {
     let place = Workplace::new();
     std::fs::create_dir(place.path("tmp")).unwrap();
@@ -28,8 +27,8 @@ fn workplace() -> Workplace {
     place
 }
 
-/// The command with `arguments` and the temporary folder of `place`. Signals have their default effect, even if the
-/// test itself ignores some.
+/// A command with the temporary folder of `place`. It resets signals to their default effect, even if the test itself
+/// ignores some.
 fn command(place: &Workplace, arguments: &[&str]) -> Command {
     let program = place.command(arguments);
     let mut command = Command::new("env");
@@ -54,19 +53,16 @@ fn names_in(folder: &Path) -> Vec<String> {
     entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
 }
 
-/// The unfinished files in a folder.
 fn unfinished_in(folder: &Path) -> Vec<String> {
     names_in(folder).into_iter().filter(|name| name.starts_with(".mariana-")).collect()
 }
 
-/// The ids of a process's running child processes.
 fn children_of(process: &Process) -> Vec<u32> {
     let path = format!("/proc/{0}/task/{0}/children", process.id());
     let text = std::fs::read_to_string(path).unwrap_or_default();
     text.split_whitespace().map(|number| number.parse().unwrap()).collect()
 }
 
-/// True if the process exists and has not ended.
 fn lives(number: u32) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
     stat.rsplit_once(") ").is_some_and(|(_, state)| !state.starts_with('Z'))
@@ -77,7 +73,7 @@ fn send(signal: &str, number: u32) {
     output_of(kill.args([&format!("-{signal}"), &number.to_string()]), "procps").unwrap();
 }
 
-/// Starts a video and waits until it is being encoded. Returns ffmpeg's process id as well.
+/// Starts a video and waits until ffmpeg encodes it. Also returns ffmpeg's process id.
 fn start_video(place: &Workplace, command: &mut Command) -> (Process, u32) {
     let mut process = Process::start(command, "coreutils");
     let mut encoder = None;
@@ -119,7 +115,6 @@ fn an_interrupted_video_leaves_no_hidden_files() {
     }
 }
 
-/// Installs a script that replaces ffmpeg.
 fn with_encoder<'c>(place: &Workplace, command: &'c mut Command, script: &str) -> &'c mut Command {
     std::fs::create_dir_all(place.path("tools")).unwrap();
     place.write("tools/ffmpeg", script);
@@ -131,7 +126,7 @@ fn with_encoder<'c>(place: &Workplace, command: &'c mut Command, script: &str) -
 fn a_video_with_a_blocked_encoder_is_interrupted_cleanly() {
     let place = workplace();
     let mut command = command(&place, &LONG_VIDEO);
-    // The encoder ignores signals. It reads one byte, which shows that the program is writing the rest.
+    // The encoder ignores signals. It reads one byte: then the program is known to be writing the rest.
     let script =
         "#!/bin/sh\ntrap '' INT TERM HUP\ndd bs=1 count=1 of=\"${0%/*}/begun\" 2>&-\nexec sleep 1000\n";
     let (process, encoder) = start_video(&place, with_encoder(&place, &mut command, script));
@@ -159,7 +154,7 @@ fn files_of_a_killed_video_are_removed_later() {
     wait_until("the end of the killed video's ffmpeg", || !lives(encoder));
     assert!(!unfinished_in(&place.path("")).is_empty() && !unfinished_in(&place.path("tmp")).is_empty());
 
-    // The files of a running job must stay.
+    // The cleanup must not delete the files of a running job.
     let (living, _) = start_video(&place, &mut command(&place, &LONG_VIDEO));
     let written = unfinished_in(&place.path(""));
     assert_eq!(written.len(), 1, "{written:?}");
@@ -183,15 +178,15 @@ fn a_video_under_nohup_ignores_hangups() {
     ignoring.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let (process, _) = start_video(&place, &mut ignoring);
     send("HUP", process.id());
-    // Pending signals are handled in the order of their numbers, and TERM has a higher one than HUP.
+    // Pending signals are handled in the order of their numbers. TERM has a higher number than HUP.
     assert_ends_cleanly(&place, process, "TERM", 143);
 }
 
-/// Driver threads that still compile must not run during exit handlers, which free resources that they use.
+/// Exit handlers free resources that compiling driver threads still use, so the program must not run them.
 #[test]
 fn exit_handlers_do_not_run_while_drivers_have_threads() {
     let place = Workplace::new();
-    // A library whose destructor ends the process with code 77, which shows that `exit` was called.
+    // This library's destructor ends the process with code 77, which shows that `exit` was called.
     place.write(
         "late.c",
         "#include <unistd.h>\n__attribute__((destructor)) static void late(void) { _exit(77); }\n",
@@ -215,11 +210,11 @@ fn exit_handlers_do_not_run_while_drivers_have_threads() {
     run(&["analyze", "missing.wav"]).refused(&["missing.wav"]);
 }
 
-/// Runs the program with a limit on file sizes: a write fails in the middle, as on a full disk.
+/// Runs the program with a limit on file sizes, so that a write fails in the middle, as on a full disk.
 fn on_a_full_disk(place: &Workplace, arguments: &[&str]) -> Outcome {
     let program = place.command(arguments);
     let mut shell = Command::new("sh");
-    // The unit is 512 or 1024 bytes.
+    // The unit of the limit is 512 or 1024 bytes.
     shell.args(["-c", "ulimit -f 1; exec \"$0\" \"$@\""]).arg(program.get_program()).args(program.get_args());
     shell.envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))));
     shell.current_dir(place.path("")).stdin(Stdio::null()).env("MESA_SHADER_CACHE_DISABLE", "true");
@@ -247,7 +242,7 @@ fn a_video_on_a_full_disk_is_refused() {
     let video = ["video", "--duration", "1.5", "--fps", "10", "--size", "64x36", "-o"];
     let of_the_song = [&video[..], &["good.mp4", "song.wav"]].concat();
     on_a_full_disk(&place, &of_the_song).refused(&["good.mp4", "enough space"]);
-    // The demo track for ffmpeg does not fit into the temporary folder.
+    // ffmpeg reads the demo track from a temporary file, which does not fit into the temporary folder.
     let reported = on_a_full_disk(&place, &[&video[..], &["good.mp4"]].concat()).refused(&["TMPDIR"]);
     assert!(!reported.contains("good.mp4"), "{reported}");
     on_a_full_disk(&place, &[&video[..], &["stills/", "song.wav"]].concat()).refused(&["frame-00000.png"]);
@@ -286,7 +281,7 @@ fn special_names_for_ffmpeg_are_plain_file_names() {
     ];
     for (index, name) in names.into_iter().enumerate() {
         let name = OsStr::from_bytes(name);
-        // As the video, then as the song.
+        // Use the name first for the video, then for the song.
         let folder = place.path(&format!("folder %d {index}"));
         std::fs::create_dir(&folder).unwrap();
         place.write_tone(&format!("folder %d {index}/song.wav"), 440.0, 0.5, [0.5, 0.5]);

@@ -1,4 +1,4 @@
-//! Flags for outputs to screens and to other programs: accepted values, and refusals before a window opens.
+//! Flags for outputs to screens and to other programs: accepted values, and values refused before a window opens.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -25,7 +25,7 @@ fn invalid_targets_for_sending_are_refused() {
     {
         send(to).refused_arguments("--send", &[part]);
     }
-    // One more than the limit.
+    // Eight outputs are allowed.
     let many: Vec<String> = (0..9).map(|n| format!("y4m:{n}")).collect();
     let flags: Vec<&str> = many.iter().flat_map(|to| ["--send", to.as_str()]).collect();
     place.run(&flags).refused(&["at most 8 targets, not 9"]);

@@ -1,4 +1,4 @@
-//! Playing lists of files: features, loudness, and files that are damaged or change.
+//! Playing lists of files: features, loudness, and files that are damaged or change during playback.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
@@ -18,14 +18,13 @@ use mariana_player::track::Repeat;
 use mariana_player::{OutputChoice, Player, PlayerOptions};
 use mariana_testing::process::wait_until;
 
-/// Plays files in real time, without a device.
 fn play(paths: &[PathBuf], repeat: Repeat) -> Player {
     let opened = Playlist::open(paths, repeat, false).unwrap();
     let options = PlayerOptions { repeat, output: OutputChoice::Silent, ..PlayerOptions::default() };
     Player::start(opened.first, Box::new(opened.list), options).unwrap()
 }
 
-/// Writes a tone of `seconds` in each of the formats.
+/// Writes a tone of `seconds` in each supported format.
 fn write_songs(place: &Workplace, seconds: f64) -> Vec<PathBuf> {
     let source = format!("sine=frequency=300:sample_rate=44100:duration={seconds}");
     let write = |format: &crate::support::program::Format| {
@@ -41,7 +40,6 @@ fn every_tracks_features_equal_its_file_alone_bit_for_bit() {
     let place = Workplace::new();
     place.write_tone("1.wav", 440.0, 0.7, [0.6, 0.2]);
     place.write_tone("2.wav", 97.0, 0.9, [0.1, 0.5]);
-    // Another sample rate, and another loudness.
     let louder =
         ["-i", &*place.path("1.wav").to_string_lossy(), "-ar", "44100", "-metadata"].map(str::to_owned);
     let louder = [&louder[..], &["REPLAYGAIN_TRACK_GAIN=-9.5 dB".to_owned()]].concat();
@@ -55,8 +53,8 @@ fn every_tracks_features_equal_its_file_alone_bit_for_bit() {
         assert!(start.elapsed() < Duration::from_secs(20), "the playlist does not end");
         let moment = player.now(0.0);
         let track = player.status().track.entry;
-        // Another track may start between the two calls.
-        // At the start of the song, the analysis may still be behind the playback.
+        // Another track may start between the two calls of `now`. At the start of the song, the analysis may lag behind
+        // the playback.
         let begun = track > 0 || moment.song_time > 0.2;
         if begun && player.now(0.0).lap == moment.lap && moment.segment > 0 {
             let wanted = alone[track].at(moment.song_time).unwrap();
@@ -88,7 +86,7 @@ fn loudness_tags_of_every_kind_are_read() {
         let gain = Decoder::open(&place.path(file)).unwrap().info().scene_gain;
         assert!((20.0 * gain.log10() - db).abs() < 0.01, "{file}: {} dB", 20.0 * gain.log10());
     }
-    // The features have the loudness of the tag.
+    // The features have the loudness that the tag specifies.
     let volume = |name: &str| {
         let song = Song::File(place.path(name));
         let sound = SongFeatures::open_with(&song, 0.0, Gain::Off).unwrap().require(0.3).unwrap();
@@ -98,7 +96,7 @@ fn loudness_tags_of_every_kind_are_read() {
     assert!((20.0 * ratio.log10() + 6.0).abs() < 0.05, "{ratio}");
 }
 
-/// The next number of a linear congruential generator.
+/// Advances a linear congruential generator.
 fn random(state: &mut u64) -> usize {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 33) as usize
@@ -145,7 +143,7 @@ fn damaged_files_of_every_format_are_skipped() {
     for (index, path) in list.iter().enumerate().filter(|(_, path)| good.contains(path)) {
         assert!(heard.contains(&index), "{} was not played", path.display());
     }
-    // At least the empty files and the missing one.
+    // The errors include at least the empty files and the missing file.
     assert!(player.status().track_errors.count > good.len() as u64, "{:?}", player.status().track_errors);
 }
 
@@ -165,15 +163,15 @@ fn the_next_track_plays_after_a_file_that_changes() {
             1 => fs::write(song, (0..length).map(|_| random(&mut state) as u8).collect::<Vec<_>>()).unwrap(),
             _ => fs::File::options().write(true).open(song).unwrap().set_len(length as u64 / 3).unwrap(),
         }
-        // The next track must follow in any case.
+        // Whatever happened to the file, the next track must start.
         player.seek_to(25.0);
         player.seek_by(1000.0);
         let (mut looks, mut heard_at) = (0, f64::NAN);
         wait_until(&format!("what follows {}", song.display()), || {
             looks += 1;
             let status = player.status();
-            // Seek only while the song is playing: another seek would restart a slow machine's preparation of the last
-            // one.
+            // Seek only while the song is playing: on a slow machine, a seek during the preparation of the last seek
+            // would restart it.
             if looks % 50 == 0 && std::mem::replace(&mut heard_at, status.position) != status.position {
                 player.seek_by(10.0);
             }
@@ -187,7 +185,7 @@ fn endless_files_can_be_skipped() {
     let place = Workplace::new();
     place.write_tone("end.wav", 440.0, 1.0, [0.5; 2]);
     place.write_tone("endless.wav", 440.0, 1.0, [0.5; 2]);
-    // A header with a length of 4 GB, and an empty file of a terabyte.
+    // The header of endless.wav declares 4 GB, and the file is extended to a sparse terabyte.
     let mut bytes = place.read("endless.wav");
     for length in [4, 40] {
         bytes[length..length + 4].copy_from_slice(&u32::MAX.to_le_bytes());
@@ -235,7 +233,7 @@ fn playlists_are_refused_or_played() {
     place.run(&["a.flac", "b.flac", "--once"]).refused(&["do not exist", "a.flac, b.flac"]);
     place.run(&["a.flac", "--once", "--repeat", "all"]).refused_arguments("--once", &["--repeat"]);
     place.run(&["a.flac", "--repeat", "twice"]).refused_arguments("--repeat", &["twice"]);
-    // The files of a list may appear later, so the program tries to open a window.
+    // The files of a list may be created later, so the program tries to open a window.
     write("list.m3u", b"a.flac\nb.flac\n");
     place.run(&["list.m3u"]).refused(&["window"]);
 }

@@ -1,4 +1,4 @@
-//! The subcommands `check`, `tape` and `eval`: scenes as text, numbers, and mistakes.
+//! The subcommands `check`, `tape` and `eval`: printed scenes, printed values, and mistakes in scenes.
 
 #![cfg(target_os = "linux")]
 
@@ -53,7 +53,7 @@ fn the_shipped_scene_is_checked_and_its_cost_reported() {
     }
 }
 
-/// Rays can stop in front of a shape whose formula is not a distance, so `check` reports it.
+/// Rays can stop in front of a surface if its formula is not a distance, so `check` reports such formulas.
 #[test]
 fn check_reports_a_shape_that_is_no_distance() {
     let place = Workplace::new();

@@ -1,4 +1,5 @@
-//! Reloading a saved scene: once per save, whole, and only if it changed, however the editor saves.
+//! Reloading of saved scenes. The loader loads a scene once per save, as a whole, and only if its text changed. Tests
+//! imitate the ways in which editors save.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -20,10 +21,10 @@ use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use tempfile::TempDir;
 
 const WAIT_LIMIT: Duration = Duration::from_secs(60);
-/// The time for which nothing must be loaded: many times longer than the loader needs.
+/// While nothing changes, the loader must load nothing for this time. It is many times longer than a load takes.
 const STILLNESS: Duration = Duration::from_millis(200);
 
-/// The loaded scene in these tests: the distance at (0, 0, 0) and the widths of the textures, or the errors.
+/// A loaded scene in these tests: the distance at (0, 0, 0) and the widths of the textures, or the errors.
 type Seen = Result<(f32, Vec<u32>), String>;
 
 struct Place {
@@ -58,7 +59,7 @@ impl Place {
             count.fetch_add(1, Ordering::SeqCst);
             load(source, &mut cache)
         };
-        // The test may end before the thread.
+        // The receiver may be gone, because the test may end before the loader's thread.
         let loader = Loader::start(load, move || wake.send(()).unwrap_or_default()).unwrap();
         let place = Self { folder: tempfile::tempdir().unwrap(), loader, woken, loads };
         fs::create_dir(place.folder.path().join("scenes")).unwrap();
@@ -73,14 +74,13 @@ impl Place {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// Writes a file with an old modification time, so that it does not count as just modified.
+    /// Writes a file with an old modification time, so that the loader does not treat it as just modified.
     fn old(&self, name: &str, bytes: impl AsRef<[u8]>) {
         self.write(name, bytes);
         let file = fs::File::options().append(true).open(self.path(name)).unwrap();
         file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
     }
 
-    /// Loads main.scene with this text for the first time.
     #[track_caller]
     fn begin(&self, text: &str) -> Loaded<Seen> {
         self.write("main.scene", text);
@@ -94,14 +94,13 @@ impl Place {
         loop {
             let left = until.saturating_duration_since(Instant::now());
             self.woken.recv_timeout(left).expect("nothing was loaded");
-            // A wake-up may belong to a result that a newer one has replaced.
+            // The result of an earlier wake-up may have been replaced by a newer result.
             if let Some(loaded) = self.loader.poll() {
                 return loaded;
             }
         }
     }
 
-    /// Waits for a scene with this distance, ignoring other results.
     #[track_caller]
     fn comes_to(&self, distance: f32) {
         let until = Instant::now() + WAIT_LIMIT;
@@ -114,7 +113,7 @@ impl Place {
         }
     }
 
-    /// Fails unless the next result is a scene with this distance, after `loads` loads in total.
+    /// Fails unless the next result is a scene with this distance. `loads` is the expected total number of loads.
     #[track_caller]
     fn shows(&self, distance: f32, loads: usize) {
         assert_eq!(self.result().value, Ok((distance, vec![])));
@@ -130,7 +129,6 @@ impl Place {
     }
 }
 
-/// A formula with this distance at (0, 0, 0).
 fn at(distance: f32) -> String {
     format!("length(p) + {distance}\n")
 }
@@ -207,14 +205,14 @@ fn a_deleted_and_recreated_file_is_loaded_once() {
 fn a_file_written_in_two_halves_is_loaded_whole() {
     let place = Place::new();
     place.begin(&at(1.0));
-    // The file stays open in between.
+    // The file stays open between the two writes.
     let mut file = fs::File::create(place.path("main.scene")).unwrap();
     file.write_all(b"length(p) +").unwrap();
     sleep(Duration::from_millis(50));
     file.write_all(b" 2").unwrap();
     drop(file);
     place.comes_to(2.0);
-    // The file is closed in between, so the loader cannot know that more follows.
+    // The file is closed between the two writes, so the loader cannot know that a second write follows.
     place.write("main.scene", "length(p) +");
     sleep(Duration::from_millis(100));
     let mut file = fs::File::options().append(true).open(place.path("main.scene")).unwrap();
@@ -228,7 +226,7 @@ fn the_last_of_two_hundred_saves_is_loaded() {
     let place = Place::new();
     place.begin(&at(0.0));
     for save in 1..=200_u8 {
-        // Half of the saves by rename. All texts have the same length, so that they differ only in their bytes.
+        // Half of the saves rename a file. All texts have the same length, so only their bytes differ.
         let text = format!("length(p) + {save:03}\n");
         if save % 2 == 0 {
             place.write("main.scene", text);
@@ -250,7 +248,7 @@ fn saves_without_changes_load_nothing() {
     place.write("main.scene~", at(5.0));
     fs::create_dir(place.path("sub")).unwrap();
     place.stays_still();
-    // Saved without a change, touched, renamed and renamed back.
+    // Save the file without a change, touch it, and rename it and back.
     place.write("main.scene", at(1.0));
     let file = fs::File::options().append(true).open(place.path("main.scene")).unwrap();
     file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
@@ -291,7 +289,7 @@ fn a_changed_include_loads_the_scene_again() {
     place.shows(12.0, 2);
     place.write("deeper.scene", "let deeper = 20");
     place.shows(22.0, 3);
-    // A file is not watched any more once it is not included.
+    // Once a file is not included any more, changes to it have no effect.
     place.write("main.scene", at(1.0));
     place.shows(1.0, 4);
     place.write("deeper.scene", "let deeper = 30");
@@ -351,7 +349,7 @@ fn a_scene_behind_links_is_watched_at_its_target() {
     place.shows(1.0, 1);
     fs::write(&real, at(2.0)).unwrap();
     place.shows(2.0, 2);
-    // A link in the chain gets another target.
+    // Change the target of a link in the chain.
     fs::write(place.folder.path().join("dotfiles/other.scene"), at(3.0)).unwrap();
     symlink("../dotfiles/other.scene", place.path("next")).unwrap();
     fs::rename(place.path("next"), place.path("link.scene")).unwrap();
@@ -370,7 +368,7 @@ fn a_replaced_folder_is_watched_again() {
     place.shows(2.0, 2);
     place.write("main.scene", at(3.0));
     place.shows(3.0, 3);
-    // The new folder gets the inode number of the deleted one.
+    // The new folder may get the inode number of the deleted folder.
     fs::remove_dir_all(&scenes).unwrap();
     fs::create_dir(&scenes).unwrap();
     place.write("main.scene", at(4.0));
@@ -393,12 +391,11 @@ fn only_the_last_request_is_watched() {
     place.loader.request(SceneSource::Shipped("speakers".into()));
     let shipped = place.result();
     assert_eq!((shipped.value.unwrap().1.len(), shipped.files), (2, vec![]));
-    // The same request again, as if a key repeats it.
+    // Request the same scene again, as a repeating key does.
     place.loader.request(SceneSource::Shipped("speakers".into()));
     assert!(place.result().value.is_ok());
 }
 
-/// Holds the loader in its first load during further requests.
 #[test]
 fn a_waiting_request_is_replaced() {
     let (begun, begins) = channel();
@@ -427,7 +424,7 @@ fn a_waiting_request_is_replaced() {
     assert_eq!(loader.poll(), None);
 }
 
-/// The thread drops everything that its load function owns.
+/// The test checks that the thread drops all objects that its load function owns.
 #[test]
 fn dropping_the_loader_ends_its_thread() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The textures of a scene, from its own folder or from the shipped ones, and the errors for other files.
+//! The textures of a scene, from the scene's folder or from the shipped textures, and errors for unreadable files.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -32,7 +32,6 @@ impl Place {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// A compiled scene file that reads these textures.
     fn scene(&self, textures: &[&str]) -> (SceneSource, Compiled) {
         self.write("main.scene", text(textures));
         let source = SceneSource::File(self.path("main.scene"));
@@ -55,7 +54,7 @@ impl Place {
     }
 }
 
-/// A scene whose material is the sum of these textures, one per line from the second line on.
+/// A scene whose material is the sum of these textures. Line 2 reads the first texture, line 3 the second.
 fn text(textures: &[&str]) -> String {
     let reads: Vec<String> = textures.iter().map(|name| format!("texture(\"{name}\", p.xy).rgb")).collect();
     let color = reads.join("\n  + ");
@@ -101,12 +100,12 @@ fn png_and_jpeg_are_recognized_by_their_contents() {
     }
 }
 
-/// A photograph that was taken upright is stored rotated, with the rotation in its header.
+/// Cameras store upright photographs rotated, with the rotation in the header.
 #[test]
 fn a_photograph_is_rotated_as_its_header_says() {
     let place = Place::new();
     let plain = jpeg(16, 8);
-    // APP1 with an Exif block of one entry: orientation 6, a quarter turn.
+    // An APP1 segment with an Exif block of one entry: orientation 6, a quarter turn.
     let mut exif = b"Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0".to_vec();
     let length = u16::try_from(exif.len() + 2).unwrap().to_be_bytes();
     let mut bytes = plain[..2].to_vec();
@@ -140,7 +139,7 @@ fn files_in_the_folder_take_precedence_over_shipped_textures() {
     assert!(*place.textures(&["wood.png"]).unwrap()[0] == asset("wood.png"));
     place.write("wood.png", png(2, 2));
     assert_eq!(place.textures(&["wood.png"]).unwrap()[0].dimensions(), (2, 2));
-    // A broken file in the folder is reported, not skipped.
+    // A broken file in the scene's folder is an error. The shipped texture does not replace it.
     place.write("wood.png", "none");
     assert_eq!(place.refused("wood.png").1, "`wood.png` is not an image in a known format");
 }
@@ -205,7 +204,7 @@ fn a_too_large_texture_is_refused_by_its_header() {
     place.write("side.png", png(side, 1));
     assert_eq!(place.textures(&["side.png"]).unwrap()[0].dimensions(), (side, 1));
     let too_wide = png(side + 1, 1);
-    // The file ends after its header, so decoding it would report damage.
+    // The file ends after its header, so decoding would report a damaged file instead of the width.
     for bytes in [&too_wide[..], &too_wide[..45]] {
         place.write("wide.png", bytes);
         let (fault, message, hint) = place.refused("wide.png");
@@ -229,7 +228,7 @@ fn no_file_outside_of_the_folder_is_read() {
     symlink("../outside.png", place.path("link.png")).unwrap();
     symlink("..", place.path("up")).unwrap();
     symlink("own.png", place.path("alias.png")).unwrap();
-    // A link out of the folder is not replaced by a shipped texture.
+    // A link that leads out of the folder is an error. The shipped texture does not replace it.
     symlink("../outside.png", place.path("wood.png")).unwrap();
     for name in ["link.png", "up/outside.png", "wood.png"] {
         let (fault, message, hint) = place.refused(name);
@@ -281,10 +280,9 @@ fn the_cache_decodes_only_changed_textures_again() {
     let second = load(&["b.png", "a.png"]).unwrap();
     assert!(Arc::ptr_eq(&first[0], &second[1]));
     assert_eq!(second[0].dimensions(), (5, 5));
-    // Another texture's error does not clear the cache.
+    // An error of another texture does not clear the cache.
     assert!(load(&["a.png", "none.png"]).is_err());
     assert!(Arc::ptr_eq(&first[0], &load(&["a.png"]).unwrap()[0]));
-    // Unused textures are dropped.
     let weak = Arc::downgrade(&first[1]);
     drop((first, second));
     assert!(weak.upgrade().is_none());

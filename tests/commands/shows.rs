@@ -1,4 +1,4 @@
-//! Shows: writing, rendering, and their mistakes.
+//! Shows: writing them, rendering them, and mistakes in them.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -29,7 +29,6 @@ fn place_with_balls() -> Workplace {
     place
 }
 
-/// Renders a still and returns its bytes.
 fn still(place: &Workplace, arguments: &[&str]) -> Vec<u8> {
     place.run(&[&["still"], arguments, &LOOK[..], &["-o", "still.png"]].concat()).done();
     place.read("still.png")
@@ -47,7 +46,7 @@ fn a_video_of_a_show_equals_its_stills() {
     place.run(&[&video[..], &LOOK[..], &["-o", "out/"]].concat()).done();
     let frame = |time: f64| place.read(&format!("out/frame-{:05}.png", (2.0 * time) as usize));
     let at = |time: f64| still(&place, &["--show", "my.show", "--at", &time.to_string()]);
-    // A melt, a fade, a portal, a cut, and times between them.
+    // These times are in a melt, a fade, a portal and a cut, and between them.
     for time in [0.0, 2.0, 3.0, 3.5, 5.0, 6.5, 9.5, 10.5, 12.0] {
         assert!(frame(time) == at(time), "the moment {time}");
     }
@@ -58,7 +57,7 @@ fn a_video_of_a_show_equals_its_stills() {
     assert!(frame(2.0) == alone("red.scene", "2", &[]));
     assert!(frame(8.0) == alone("blue.scene", "8", &[]));
     assert!(frame(9.0) == alone("blue.scene", "9", &[]));
-    // In between, the frame equals neither scene, and a parameter moves.
+    // In between, the frame equals neither scene's frame, and a parameter moves.
     assert!(frame(3.0) != alone("red.scene", "3", &[]) && frame(3.0) != alone("green.scene", "3", &[]));
     let (moved, at_rest) = (frame(5.5), frame(6.0));
     assert!(moved != at_rest && frame(11.5) != alone("red.scene", "11.5", &[]), "another camera is used");
@@ -85,14 +84,14 @@ fn a_show_dims_and_freezes_frames_of_any_scene() {
         assert!(frame(time) == at(time), "the moment {time}");
     }
     let alone = |scene: &str, time: &str| still(&place, &["--scene", scene, "--at", time]);
-    // The frozen frame stays when another scene starts, and fades to the current scene at its end.
+    // The frozen frame stays when another scene starts. At the end of the freeze it fades to the current scene.
     let held = frame(1.0);
     assert!(frame(0.5) != held && [1.0, 2.5, 3.5].iter().all(|time| frame(*time) == held));
     assert!(frame(5.0) != held && frame(5.0) != alone("green.scene", "5"));
     assert!(frame(6.5) == alone("green.scene", "6.5"));
     video(&["--start", "2.5", "--duration", "1"], "late/");
     assert!(place.read("late/frame-00000.png") == held, "a video may begin during a freeze");
-    // Halfway, half of the light is left. Then the frame stays black until the brightness is set again.
+    // Halfway, half of the light remains. Later the frame stays black until the show sets the brightness again.
     let light = |picture: Vec<u8>| {
         let picture = image::load_from_memory(&picture).unwrap().to_rgb8();
         let sum =
@@ -137,12 +136,12 @@ fn a_show_without_a_matching_cue_is_refused() {
         place.run(&[&[job], &show[..], &["-o", output]].concat()).refused_with_details(&reported);
         assert!(!place.path(output).exists(), "{output}");
     }
-    // Cues that wait for keys are not enough.
+    // All cues of this show wait for keys, which a rendering does not have.
     place.write("cues.show", "at cue red.scene\nat cue green.scene\n");
     let outcome = place.run(&["video", "one.wav", "--show", "cues.show", "-o", "a.mp4"]);
     assert!(outcome.code == 1 && outcome.stderr.contains("only a window has"), "{outcome:?}");
     assert!(!place.path("a.mp4").exists());
-    // The director has no scene left.
+    // The folder's only scene is broken, so the director cannot choose any.
     place.write("bad.scene", "lngth(p)");
     let outcome = place.run(&["video", "one.wav", "--show", "auto", "--scene", "bad.scene", "-o", "a.mp4"]);
     assert!(outcome.code == 1 && outcome.stderr.contains("no scene to show"), "{outcome:?}");
@@ -190,11 +189,10 @@ fn mistakes_of_a_show_are_reported_with_their_positions() {
     );
     refused("at start red.scene camera far\n", &["`far`", "its cameras are near"]);
     place.run(&["video", "--show", "none.show", "-o", "a.mp4"]).refused(&["none.show"]);
-    // A cue that the song does not have is reported, and the rest is rendered.
+    // A cue that the song does not have is reported. The other cues are rendered.
     place.write("some.show", "at start red.scene\nat section Q green.scene\nat 0 s blue.scene cut\n");
     let outcome = place.run(&["still", "--show", "some.show", "-o", "a.png"]);
     assert!(outcome.code == 0 && outcome.stderr.contains("the song has no section Q"), "{outcome:?}");
-    // A silent song has a show as well.
     place.write_tone("silence.wav", 440.0, 3.0, [0.0; 2]);
     place.run(&["show", "silence.wav", "--scene", "red.scene", "-o", "silence.show"]).done();
     let text = String::from_utf8(place.read("silence.show")).unwrap();

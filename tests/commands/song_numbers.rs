@@ -1,4 +1,5 @@
-//! Values of the whole song in scenes: equal for stills, videos and text, and neutral if unknown.
+//! Values of the whole song in scenes. They are equal in stills, videos and text output, and neutral if they are
+//! unknown.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -8,7 +9,6 @@ use serde_json::Value;
 
 const LOOK: [&str; 4] = ["--size", "32x18", "--tone-map", "none"];
 
-/// A wall whose colour depends on three values.
 fn write_wall(place: &Workplace, name: &str, colour: &str) {
     let text = format!(
         "material paint {{ color = 0  roughness = 1  emission = {colour} }}\n\
@@ -19,7 +19,6 @@ fn write_wall(place: &Workplace, name: &str, colour: &str) {
     place.write(name, text);
 }
 
-/// The colour in the middle of an image.
 fn colour(place: &Workplace, name: &str) -> [u8; 3] {
     let picture = image::load_from_memory(&place.read(name)).unwrap().to_rgb8();
     picture.get_pixel(16, 9).0
@@ -38,7 +37,7 @@ fn stills_videos_and_text_have_the_same_song_values() {
     let run = |arguments: &[&str]| place.run(&[arguments, &LOOK[..]].concat()).done();
     run(&["still", "song.scene", "--at", "20.5", "-o", "first.png"]);
     let kept = colour(&place, "first.png");
-    // The analysis is cached now; the result stays the same.
+    // The analysis is cached now. The result must not change.
     run(&["still", "song.scene", "--at", "20.5", "-o", "again.png"]);
     assert_eq!(place.read("first.png"), place.read("again.png"));
     let video = ["--start", "20.4", "--duration", "0.2", "--fps", "10", "-o", "out/"];
@@ -74,10 +73,10 @@ fn a_song_without_structure_has_neutral_values() {
     };
     let [red, green, blue] = still("silence.wav", &[]);
     assert!(red == 0 && green > 150 && blue == 0);
-    // Each value can be set by hand.
+    // `--set` overrides each value.
     let [red, _, blue] = still("silence.wav", &["--set", "section=1", "--set", "chroma(0)=1"]);
     assert!(red > 250 && blue > 250);
-    // A truncated file is still a song.
+    // A truncated file can still be played.
     place.write_tone("tone.wav", 440.0, 6.0, [0.5; 2]);
     let bytes = place.read("tone.wav");
     place.write("tone.wav", &bytes[..bytes.len() / 2]);

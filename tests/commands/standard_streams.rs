@@ -10,7 +10,6 @@ use crate::support::program::{FORMATS, Outcome, RUN_LIMIT, Workplace};
 use mariana_testing::process::output_of;
 use serde_json::Value;
 
-/// Runs the program with a file as its standard input.
 fn fed(place: &Workplace, file: &str, arguments: &[&str]) -> Outcome {
     let mut command = place.command(arguments);
     Outcome::of(command.stdin(File::open(place.path(file)).unwrap()), RUN_LIMIT)
@@ -76,7 +75,7 @@ fn a_misspelt_command_gets_a_suggestion() {
     let place = Workplace::new();
     place.run(&["stil", "song.ogg", "--at", "3"]).refused_arguments("'stil'", &["did you mean 'still'"]);
     place.run(&["vidoe"]).refused_arguments("'vidoe'", &["did you mean 'video'"]);
-    // If a file has that name, the argument is a song.
+    // If a file with that name exists, the argument is a song.
     place.write("stil", "no music, but words".repeat(100));
     place.run(&["stil"]).refused(&["stil is not an audio file"]);
 }
@@ -105,7 +104,7 @@ fn scenes_and_songs_can_be_combined_as_arguments() {
     assert!(still(&["one.wav", "my.scene"], "b.png") == by_flag);
     assert!(still(&["my.scene", "one.wav"], "c.png") == by_flag);
     assert!(still(&["one.wav"], "d.png") != by_flag);
-    // The player takes them as well, but cannot open a window here.
+    // The player accepts the arguments as well, but cannot open a window here.
     place.run(&["my.scene"]).refused(&["window"]);
     place.run(&["one.wav", "my.scene"]).refused(&["window"]);
     let refused = |arguments: &[&str], parts: &[&str]| {

@@ -10,7 +10,7 @@ use image::{RgbImage, RgbaImage};
 use mariana_testing::process::output_of;
 use serde_json::Value;
 
-/// Writes scenes of one colour that are ready at once.
+/// Writes scenes of one colour, which compile quickly.
 fn write_colors(place: &Workplace) {
     for (name, color) in [("red", "vec3(0.8, 0, 0)"), ("blue", "vec3(0, 0, 0.8)")] {
         let text = format!(
@@ -24,7 +24,6 @@ fn write_colors(place: &Workplace) {
     }
 }
 
-/// Runs ffprobe on a video.
 fn probe(place: &Workplace, name: &str) -> Value {
     let mut probe = Command::new("ffprobe");
     probe.args(["-v", "error", "-of", "json", "-show_streams", "-show_format", "-count_frames"]);
@@ -41,7 +40,6 @@ fn still(place: &Workplace, name: &str) -> RgbImage {
     image::load_from_memory(&place.read(name)).unwrap().to_rgb8()
 }
 
-/// Red minus blue in the middle of an image.
 fn redness(picture: &RgbImage) -> i32 {
     let [red, _, blue] = picture.get_pixel(picture.width() / 2, picture.height() / 2).0;
     i32::from(red) - i32::from(blue)
@@ -118,7 +116,7 @@ fn a_video_has_the_songs_tags_and_cover() {
             assert_eq!(streams(&report, "audio").len(), 1);
         }
     }
-    // A damaged cover or one of many megapixels is left out.
+    // The video omits a cover that is damaged or has too many pixels.
     place.ffmpeg(&["-f", "lavfi", "-i", "color=red:s=4100x16", "-frames:v", "1"], "wide.jpg");
     let wide: Vec<&str> =
         cover.iter().map(|word| if *word == "cover.jpg" { "wide.jpg" } else { word }).collect();
@@ -136,8 +134,8 @@ fn a_video_has_the_songs_tags_and_cover() {
     assert_eq!(streams(&probe(&place, "v.mp4"), "video").len(), 1);
 }
 
-/// Writes a file that consists of an ID3 tag, an HLS playlist that names `other`, and an MP3. By default ffmpeg reads
-/// it as a playlist.
+/// Writes a file that consists of an ID3 tag, an HLS playlist that names `other`, and an MP3 stream. ffmpeg's default
+/// is to read such a file as a playlist.
 fn write_polyglot(place: &Workplace, song: &str, other: &str) {
     let tag = [b"ID3\x03\0\0\0\0\0\x0a".as_slice(), &[0; 10]].concat();
     let other = place.path(other);
@@ -296,7 +294,7 @@ fn images_go_to_standard_output_without_messages() {
     let header = b"YUV4MPEG2 W33 H17 F10:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
     assert!(stream.starts_with(header));
     assert_eq!(stream.len(), header.len() + 3 * ("FRAME\n".len() + 3 * 33 * 17));
-    // Red in BT.709: the blue difference is below the middle, the red difference above.
+    // In BT.709, the blue difference of red is below the middle, and its red difference is above.
     let plane = |index: usize| stream[header.len() + "FRAME\n".len() + index * 33 * 17 + 300];
     assert!(plane(1) < 120 && plane(2) > 170, "{} {}", plane(1), plane(2));
 }
@@ -329,7 +327,7 @@ fn quiet_hides_the_progress() {
     let video = [&["video", "one.wav", "red.scene", "-o", "v.mkv"], &LOOK[..]].concat();
     assert!(place.run(&video).done().contains("10 frames in v.mkv"));
     assert_eq!(place.run(&[&video[..], &["--quiet"]].concat()).done(), "");
-    // A terminal gets a progress bar.
+    // Progress bars appear only on a terminal.
     let command = place.command(&video);
     let words: Vec<String> = std::iter::once(command.get_program())
         .chain(command.get_args())
@@ -348,7 +346,6 @@ fn quiet_hides_the_progress() {
     assert!(shown.contains("100 %  frame 10 of 10") && shown.contains("0:00 left"), "{shown}");
 }
 
-/// Writes a scene with a glowing ball in front of `sky`.
 fn write_ball(place: &Workplace, name: &str, bloom: f64, sky: &str) {
     let text = format!(
         "material paint {{ color = 0  roughness = 1  emission = vec3(3, 0.6, 0.1) }}\n\
@@ -360,8 +357,8 @@ fn write_ball(place: &Workplace, name: &str, bloom: f64, sky: &str) {
     place.write(&format!("{name}.scene"), text);
 }
 
-/// The number of pixels with an alpha of 0, in between, and 255. Fails unless the image, composited on black, equals
-/// `opaque`.
+/// The numbers of pixels with an alpha of 0, between 0 and 255, and 255. Fails unless the image, composited on black,
+/// equals `opaque`.
 fn fractions_of(picture: &RgbaImage, opaque: &RgbImage) -> [usize; 3] {
     let mut fractions = [0; 3];
     for (pixel, wanted) in picture.pixels().zip(opaque.pixels()) {
@@ -417,7 +414,7 @@ fn videos_can_be_transparent() {
         run("ball.scene", video).done();
         let report = probe(&place, video);
         let picture = streams(&report, "video")[0];
-        // VP9's alpha is a second stream, marked by a tag.
+        // VP9 stores alpha in a second stream, which a tag announces.
         assert!(picture["pix_fmt"].as_str().unwrap().starts_with(format), "{report}");
         let tagged = picture["tags"].as_object().unwrap().iter();
         let tagged = tagged.filter(|(name, _)| name.eq_ignore_ascii_case("alpha_mode")).count();

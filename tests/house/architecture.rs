@@ -1,7 +1,7 @@
-//! Dependency rules that Cargo cannot express. Cargo enforces those between crates. The tables in `walls` add the
-//! packages that each crate may depend on, the modules of the program that each module may use, and the modules that
-//! may access the outside world. ARCHITECTURE.md explains the rules. Clippy checks `unwrap` and `unsafe` (see
-//! `[workspace.lints]`).
+//! Dependency rules that Cargo cannot express, in the tables of `walls`: the packages that each crate may depend on,
+//! the modules of the program that each module may use, and the modules that may access the outside world.
+//! ARCHITECTURE.md explains the rules. Cargo itself enforces the dependencies between crates. Clippy checks `unwrap`
+//! and `unsafe` (see `[workspace.lints]`).
 
 #![allow(clippy::unwrap_used)]
 
@@ -13,13 +13,11 @@ use std::process::Command;
 use crate::walls::{CRATES, EVERYTHING, IMPURE, OUTSIDE, PURE, ROOMS, UNSAFE};
 
 const LINES_MAX: usize = 600;
-/// Files that may be longer than [`LINES_MAX`], with the reason.
 const LONG_FILES: &[(&str, &str)] = &[(
     "crates/player/tests/decoding/decoding.rs",
     "measures every format and every kind of damage against one signal",
 )];
 
-/// All entries at the top of the repository.
 const TOP_LEVEL: &[&str] = &[
     ".cargo",
     ".ci",
@@ -54,7 +52,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Every file under `folder`, as sorted paths from the repository's root with `/` as separator.
+/// All files under `folder`, as sorted paths from the repository's root. The separator is `/`.
 fn files_under(folder: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut folders = vec![PathBuf::from(folder)];
@@ -83,18 +81,17 @@ pub(super) fn sources(folder: &str) -> Vec<(String, String)> {
     files.into_iter().map(|file| (file.clone(), read(&file))).collect()
 }
 
-/// Numbered lines of code, without comments.
 fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines().enumerate().map(|(number, line)| (number + 1, line.split("//").next().unwrap_or_default()))
 }
 
-/// The lines of code before the file's own test module, which is at its end.
+/// The lines of code before the file's unit tests, which are at its end.
 fn shipped_code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let tests = text.find("\n#[cfg(test)]\nmod tests {").unwrap_or(text.len());
     code(&text[..tests])
 }
 
-/// The module of the program (a folder or file under `src/`) that a file belongs to.
+/// The program's module (a folder or file under `src/`) that contains a file.
 fn room_of(file: &str) -> &str {
     let inner = file.strip_prefix("src/").unwrap();
     inner.split('/').next().unwrap().trim_end_matches(".rs")
@@ -142,7 +139,7 @@ fn broken_walls(file: &str, deeper: usize, line: &str) -> Vec<String> {
         let uses = line.match_indices(package).any(|(at, _)| {
             let (before, rest) = (&line[..at], &line[at + package.len()..]);
             let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-            // `glutin_winit` has its own row, so the row of `glutin` does not apply to it.
+            // `glutin_winit` has a row, so the row of `glutin` does not apply to it.
             let own_row = OUTSIDE.iter().any(|(other, _)| *other == format!("{package}{}", &rest[..end]));
             let is_path =
                 rest[end..].starts_with("::") || rest[end..].starts_with(" as ") || rest[end..] == *";";
@@ -215,7 +212,8 @@ fn pure_modules_have_no_side_effects() {
     assert_none(&found, "these modules do no I/O, read no clock and start no threads");
 }
 
-/// The clock itself, and files of the session that measure durations in real time even when time is simulated.
+/// These files may read the system's clock: the clock module, and files of the session that measure durations in real
+/// time even when time is simulated.
 const MEASURES: &[&str] =
     &["crates/ui/src/clock.rs", "src/session/offscreen.rs", "src/session/scene/region_builder.rs"];
 

@@ -16,8 +16,8 @@ fn texts(value: &toml::Value) -> BTreeSet<String> {
     value.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
 }
 
-/// Name and licence of each crate, from cargo: for all systems, or only for this one if the other crates are not
-/// available offline.
+/// The name and licence of each crate, from cargo. Includes crates for all systems if all are available offline,
+/// otherwise only the crates for this system.
 fn licences() -> Vec<(String, String)> {
     let ask = |more: &[&str]| {
         let run = Command::new(env!("CARGO"))
@@ -46,7 +46,7 @@ fn licences() -> Vec<(String, String)> {
     packages.iter().map(of).collect()
 }
 
-/// True if an SPDX expression can be satisfied with the allowed licences only. AND binds tighter than OR; old manifests
+/// True if an SPDX expression can be satisfied with the allowed licences. AND binds tighter than OR; old manifests
 /// write `/` for OR.
 fn fits(expression: &str, allowed: &BTreeSet<String>) -> bool {
     let spaced = expression.replace('/', " OR ").replace('(', " ( ").replace(')', " ) ");

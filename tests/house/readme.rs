@@ -12,23 +12,19 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// A page of the book, such as `osc.md`.
 fn page(name: &str) -> String {
     read(&root().join("docs").join(name))
 }
 
-/// The Markdown files in `docs/`.
 fn pages() -> Vec<PathBuf> {
     let files = fs::read_dir(root().join("docs")).into_iter().flatten().flatten().map(|entry| entry.path());
     files.filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect()
 }
 
-/// The targets of a text's links and images.
 fn links(text: &str) -> impl Iterator<Item = &str> {
     text.split("](").skip(1).filter_map(|rest| rest.split(')').next())
 }
 
-/// The anchors of a page's headings.
 fn anchors(text: &str) -> Vec<String> {
     let anchor = |heading: &str| {
         let kept = heading.chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
@@ -93,7 +89,7 @@ fn the_book_has_every_page() {
     }
 }
 
-/// Skipped where mdbook is not installed: not every distribution packages it.
+/// Skipped if mdbook is not installed, because not every distribution packages it.
 #[test]
 fn mdbook_builds_the_book() {
     let folder = tempfile::tempdir().unwrap();

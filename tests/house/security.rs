@@ -22,7 +22,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The sources of the crates that are shipped; `testing` and `xtask` are for developers.
+/// The sources of the shipped crates. `testing` and `xtask` are for developers only.
 fn of_crates(found: &mut Vec<PathBuf>) {
     for folder in fs::read_dir(root().join("crates")).unwrap() {
         let folder = folder.unwrap().path();
@@ -32,7 +32,7 @@ fn of_crates(found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The rows of the table: each file that contains `unsafe`, the number of uses, and the file's reason.
+/// The rows of the table. A row contains a file with `unsafe`, the number of uses, and the reason.
 fn rows() -> String {
     let mut files = Vec::new();
     sources(&root().join("src"), &mut files);
@@ -62,8 +62,8 @@ fn rows() -> String {
     rows
 }
 
-/// The number of times that the word `unsafe` occurs outside of comments and lints, and the lines without a SAFETY
-/// comment above or beside them.
+/// The number of occurrences of the word `unsafe` outside of comments and lints, and the numbers of those lines without
+/// a SAFETY comment above them or at their end.
 fn places(text: &str) -> (usize, Vec<usize>) {
     let lines: Vec<&str> = text.lines().collect();
     let (mut count, mut unexplained) = (0, Vec::new());
@@ -117,7 +117,6 @@ fn every_form_of_unsafe_is_found() {
     assert_eq!(places(text), (3, vec![5]));
 }
 
-/// The text of a source file without its unit tests.
 fn without_tests(path: &Path) -> String {
     let text = fs::read_to_string(path).unwrap();
     let of_tests = path.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with("tests"));

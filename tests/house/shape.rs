@@ -1,9 +1,9 @@
 //! Limits on the structure of crates: the number of modules in a dependency cycle, the size of types and the length of
 //! functions. [`OVER`] lists the current violations; its numbers may only shrink.
 //!
-//! A module is a file together with its inline modules. It depends on the modules that define the names in its paths;
-//! re-exports are followed. Declaring or re-exporting a module does not count as a dependency. Test code does not
-//! count, except for the length of functions.
+//! A module is a file with its inline modules. It depends on the modules that define the names in its paths; re-exports
+//! are followed. Declaring or re-exporting a module is no dependency. Test code counts only for the length of
+//! functions.
 
 mod measure;
 mod scope;
@@ -14,23 +14,24 @@ use super::architecture::{assert_none, sources};
 use measure::{Measure, Size, functions, knots};
 use scope::Krate;
 
-/// The largest number of modules in a dependency cycle.
+/// Maximum number of modules in a dependency cycle.
 const KNOT_MAX: usize = 5;
 const FIELDS_MAX: usize = 15;
-/// Methods in all inherent `impl` blocks of a type, in all files.
+/// Maximum number of methods in all inherent `impl` blocks of a type, in all files.
 const METHODS_MAX: usize = 60;
-/// Lines of a function, from its signature to its closing brace.
+/// Maximum number of lines of a function, from its signature to its closing brace.
 const FUNCTION_MAX: usize = 80;
 
-/// Current violations, one line each: the kind, the type, and the size. A cycle is named by the end of the path of one
-/// of its files. Lower a number when the size shrinks, and delete the line when it is within the limit.
+/// Current violations, one line each: the kind, the type, and the size. A cycle has the name of one of its files, given
+/// by the end of the file's path. Lower a number when the size shrinks. Delete the line when the size is within the
+/// limit.
 const OVER: &[(Kind, &str, usize)] = &[];
 
-/// The number of functions in the repository with more than [`FUNCTION_MAX`] lines. Lower it when one is split.
+/// The number of functions in the repository with more than [`FUNCTION_MAX`] lines. Lower the number when one is split.
 const LONG_FUNCTIONS: usize = 2;
 
-/// Types with more than [`FIELDS_MAX`] fields that are plain records, with a description. All their fields are
-/// readable, or they have no methods.
+/// Plain records with more than [`FIELDS_MAX`] fields, each with a description. All their fields are readable, or they
+/// have no methods.
 const RECORDS: &[(&str, &str)] = &[
     ("Limits", "the limits of a crate"),
     ("ModeReport", "the measurements of `bench` in one mode"),
@@ -42,7 +43,7 @@ const RECORDS: &[(&str, &str)] = &[
     ("VideoArguments", "the command line of `video`"),
     ("VideoRequest", "the settings of a video"),
 ];
-/// A record may have a few methods that read its fields.
+/// A record may have up to this many methods that read its fields.
 const RECORD_METHODS_MAX: usize = 5;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,15 +54,14 @@ enum Kind {
 }
 use Kind::{Fields, Methods, Modules};
 
-/// The sizes above a limit, by the keys of [`OVER`].
+/// The sizes above a limit. The keys are like those in [`OVER`].
 type Found = BTreeMap<(Kind, String), usize>;
 
-/// The sources of everything that Cargo builds here, by path.
 fn texts() -> BTreeMap<String, String> {
     ["src", "crates", "tests", "benches"].into_iter().flat_map(sources).collect()
 }
 
-/// The measures of the root crate and of each in `crates/`.
+/// The measurements of the root crate and of each crate in `crates/`.
 fn measures(texts: &BTreeMap<String, String>) -> Vec<Measure> {
     let is_root = |file: &str| {
         let inner =
@@ -73,7 +73,7 @@ fn measures(texts: &BTreeMap<String, String>) -> Vec<Measure> {
     roots.into_iter().map(|root| Krate::read(root, texts).measure()).collect()
 }
 
-/// The cycles that are too large. Each is named by the entry of `rows` that names one of its files, or by its first
+/// The cycles that are too large. A cycle's name is the entry of `rows` that names one of its files, or else its first
 /// file.
 fn large_knots(measure: &Measure, rows: &[(Kind, &str, usize)]) -> Found {
     let large = knots(&measure.edges).into_iter().filter(|knot| knot.len() > KNOT_MAX);
@@ -91,7 +91,7 @@ fn is_record(size: &Size) -> bool {
     size.methods.is_empty() || size.is_open && size.methods.len() <= RECORD_METHODS_MAX
 }
 
-/// The types that are too large. Of several types with the same name, the largest counts.
+/// The types that are too large. If several types have the same name, the largest counts.
 fn large_types(measure: &Measure) -> Found {
     let mut found = Found::new();
     for ((_, name), size) in &measure.types {
@@ -107,7 +107,6 @@ fn large_types(measure: &Measure) -> Found {
     found
 }
 
-/// Describes the differences between `found` and the table `rows`, one sentence each.
 fn differences(found: &Found, rows: &[(Kind, &str, usize)]) -> Vec<String> {
     let mut table = Found::new();
     for (kind, name, size) in rows {
@@ -174,7 +173,6 @@ fn functions_stay_short() {
     assert!(count == LONG_FUNCTIONS, "only {count} functions are too long now: lower LONG_FUNCTIONS to that");
 }
 
-/// Measures a crate with these files in `src/`.
 fn made_up(files: &[(&str, &str)]) -> Measure {
     let texts = files.iter().map(|(file, text)| (format!("src/{file}"), (*text).to_owned())).collect();
     Krate::read("src/lib.rs", &texts).measure()

@@ -122,7 +122,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// The row in [`ROOMS`] of a module that may use all others.
+/// The row in [`ROOMS`] of a module that may use all other modules.
 pub(super) const EVERYTHING: &[&str] = &["*"];
 
 /// Each module of the program (a folder or a file under `src/`) and the other modules that it may use.
@@ -220,10 +220,10 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("config", &["program_cache", "sending", "show"]),
 ];
 
-/// Packages that only some modules may use. A row applies to packages with that prefix as well: `egui` covers
-/// `egui_glow`.
+/// Packages that only some modules may use. A row also applies to all packages whose names begin with its name: `egui`
+/// covers `egui_glow`.
 pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
-    // Other modules use these crates under their names in lib.rs, which have rows above.
+    // Other modules use these crates by their names in lib.rs, to which the rows of [`ROOMS`] apply.
     ("mariana_commands", &["lib"]),
     ("mariana_files", &["lib", "config"]),
     ("mariana_render", &["lib"]),
@@ -238,11 +238,11 @@ pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
     ("x11rb", &["shell"]),
     ("egui", &["session", "shell"]),
     ("mpris_server", &["shell"]),
-    // Drawing code uses features of the sound, not its source.
+    // Drawing code may use features of the sound, but not the source of the sound.
     ("mariana_player", &["cli", "demo_track", "export", "session", "shell", "song_structures"]),
 ];
 
-/// Folders without I/O, clocks and threads: the same input gives the same output.
+/// Folders without I/O, clocks and threads, so that the same input always gives the same output.
 pub(super) const PURE: &[&str] = &[
     "crates/editing/src",
     "crates/field/src",

@@ -8,7 +8,8 @@ use syn::visit::{self, Visit};
 
 use super::scope::{Id, Krate, attributes, imports_of, is_for_tests};
 
-/// The size of a type: its fields (none for an enum) and its methods in all inherent `impl` blocks of the crate.
+/// The size of a type: the number of its fields (0 for an enum), and of its methods in all inherent `impl` blocks of
+/// the crate.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
 pub(super) struct Size {
     pub(super) fields: BTreeSet<String>,
@@ -17,17 +18,15 @@ pub(super) struct Size {
     pub(super) is_open: bool,
 }
 
-/// The measurements of a crate; see [`Krate::measure`].
 #[derive(Debug, Default)]
 pub(super) struct Measure {
-    /// The files that a file depends on, by the path of that file.
+    /// For each file, by path: the files that it depends on.
     pub(super) edges: BTreeMap<String, BTreeSet<String>>,
     /// The sizes of types, by file and name.
     pub(super) types: BTreeMap<(String, String), Size>,
 }
 
 impl Krate {
-    /// Measures all code of the crate.
     pub(super) fn measure(&self) -> Measure {
         let mut measure = Measure::default();
         for (id, module) in self.modules.iter().enumerate() {
@@ -54,7 +53,8 @@ impl Walk<'_> {
 
     fn name(&mut self, path: &[String]) {
         let Some(target) = self.krate.resolve(self.module, path) else { return };
-        // A single word that equals a module's name is a variable, because a module is neither a value nor a type.
+        // A single word that equals a module's name is a variable, because a module alone is neither a value nor a
+        // type.
         if path.len() == 1 && target.name.is_none() {
             return;
         }
@@ -86,7 +86,7 @@ impl Walk<'_> {
                 path.push(next);
                 at += 3;
             }
-            // A word after a single dot is a member. A word after `name:` or `0..` is a path.
+            // A word after a single dot is a field or a method. A word after `name:` or `0..` is a path.
             let is_range = before.is_some_and(|before| before > 0 && is(before, '.') && is(before - 1, '.'));
             let is_typed =
                 before.is_some_and(|before| is(before, ':') && (before == 0 || !is(before - 1, ':')));
@@ -114,7 +114,7 @@ impl<'ast> Visit<'ast> for Walk<'_> {
     fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
 
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
-        // A re-export adds no edge. The module that uses the name has it.
+        // A re-export adds no dependency. The module that uses the name gets one.
         if !matches!(item.vis, syn::Visibility::Inherited) {
             return;
         }
@@ -180,7 +180,7 @@ impl<'ast> Visit<'ast> for Walk<'_> {
     }
 }
 
-/// Cycles: sets of two or more files that reach each other, the largest first.
+/// Cycles: sets of two or more files that depend on each other, the largest first.
 pub(super) fn knots(edges: &BTreeMap<String, BTreeSet<String>>) -> Vec<BTreeSet<String>> {
     let reach: BTreeMap<&str, BTreeSet<&str>> =
         edges.keys().map(|from| (from.as_str(), reachable(edges, from))).collect();
@@ -207,8 +207,8 @@ fn reachable<'a>(edges: &'a BTreeMap<String, BTreeSet<String>>, from: &str) -> B
     reached
 }
 
-/// The functions of a file and of its tests: name, line of the signature, and number of lines from the signature to the
-/// closing brace.
+/// The functions of a file, including tests: the name, the line of the signature, and the number of lines from the
+/// signature to the closing brace.
 pub(super) fn functions(file: &str, text: &str) -> Vec<(String, usize, usize)> {
     let parsed = syn::parse_file(text).unwrap_or_else(|error| panic!("{file}: {error}"));
     let mut lengths = Lengths(Vec::new());

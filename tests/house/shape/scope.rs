@@ -1,5 +1,5 @@
-//! Reads the modules of a crate from its sources with `syn`: the names that each defines, imports and re-exports. Finds
-//! the module that defines the item of a path. Skips test code.
+//! Reads the modules of a crate from its sources with `syn`: the names that each module defines, imports and
+//! re-exports. Finds the module that defines the item of a path. Skips test code.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -11,21 +11,19 @@ const DEPTH_MAX: usize = 24;
 /// The index of a module in [`Krate::modules`].
 pub(super) type Id = usize;
 
-/// A file, or an inline module.
 pub(super) struct Module {
-    /// The path of the file, from the repository's root.
     pub(super) file: String,
     parent: Option<Id>,
     children: HashMap<String, Id>,
     items: HashSet<String>,
-    /// Imported names, with the path of each.
+    /// Imported names, each with its path.
     imports: HashMap<String, Vec<String>>,
     globs: Vec<Vec<String>>,
     /// The items of the module, without its submodules and its test code.
     pub(super) code: Vec<Item>,
 }
 
-/// All modules of a crate. The first one is the root.
+/// All modules of a crate. The root is the first.
 pub(super) struct Krate {
     pub(super) modules: Vec<Module>,
 }
@@ -47,7 +45,6 @@ impl Krate {
         krate
     }
 
-    /// Adds a module whose submodules are in `folder`.
     fn add(
         &mut self,
         file: &str,
@@ -124,7 +121,7 @@ impl Krate {
         Some(at)
     }
 
-    /// Finds `name` in `module`. Items are preferred to modules only at the end of a path.
+    /// Finds `name` in `module`. At the end of a path, an item takes precedence over a module with the same name.
     fn lookup(&self, module: Id, name: &str, is_last: bool, depth: usize) -> Option<Target> {
         let here = &self.modules[module];
         let item = here.items.contains(name).then(|| Target { module, name: Some(name.to_owned()) });
@@ -136,15 +133,15 @@ impl Krate {
             here.globs.iter().find_map(|path| {
                 let depth = depth.checked_sub(1)?;
                 let from = self.follow(module, path, depth)?;
-                // An enum's variants are in the same module as the enum, to which there is an edge already.
+                // An enum's variants are in the enum's module, to which there is a dependency already.
                 from.name.is_none().then(|| self.lookup(from.module, name, is_last, depth))?
             })
         };
         own.or_else(imported).or_else(from_globs)
     }
 
-    /// In a module without a submodule `error`, `use error::Error` and `use error` refer to a crate. Following them
-    /// would recurse.
+    /// In a module without a submodule `error`, both `use error::Error` and `use error` refer to a crate. Following
+    /// such imports would recurse endlessly.
     fn follow_import(&self, module: Id, name: &str, path: &[String], depth: usize) -> Option<Target> {
         let is_itself = path.first().is_some_and(|first| first == name);
         if is_itself && !self.modules[module].children.contains_key(name) {
@@ -154,7 +151,6 @@ impl Krate {
     }
 }
 
-/// Collects the names of a module, including imports within functions.
 struct Scope<'a> {
     module: &'a mut Module,
 }
@@ -198,7 +194,6 @@ pub(super) struct Import {
     pub(super) path: Vec<String>,
 }
 
-/// Splits a `use` into its single imports.
 pub(super) fn imports_of(tree: &UseTree) -> Vec<Import> {
     let mut found = Vec::new();
     collect_imports(tree, &mut Vec::new(), &mut found);
