@@ -189,7 +189,8 @@ impl Command {
         })
     }
 
-    /// Returns the command for a key press, or for a `repeated` one. Ctrl, Alt and Super are left to the desktop.
+    /// Returns the command for a key press. `repeated` is true for the repeats of a held key. Ctrl, Alt and Super are
+    /// left to the desktop.
     pub fn of_key(key: &Key, held: Modifiers, repeated: bool) -> Option<Self> {
         if held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER) {
             return None;

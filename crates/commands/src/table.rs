@@ -116,7 +116,7 @@ commands! {
         control: Some(Control::Press(|| C::NextTrack)),
         bindings: &[keys!(Key::Named(NamedKey::PageDown), Key::Named(NamedKey::MediaTrackNext) => C::NextTrack, "Page down", "next track")],
     }
-    /// Returns to the start of the track, or plays the previous one.
+    /// Returns to the start of the track, or plays the previous track.
     PreviousTrack {
         name: Some("previous_track"),
         control: Some(Control::Press(|| C::PreviousTrack)),
@@ -133,7 +133,7 @@ commands! {
             Key::Character("s") => C::Shuffle(Toggle), "S", "play tracks in random order or in list order"
         )],
     }
-    /// Switches between repeating all tracks, one, or none.
+    /// Switches between repeating all tracks, one track, or none.
     NextRepeat {
         bindings: &[keys!(Key::Character("l") => C::NextRepeat, "L", "repeat all tracks, one track, or none")],
     }
@@ -325,14 +325,14 @@ commands! {
     }
     /// Shows the previous diagnostic view.
     PreviousView {}
-    /// Increases (`true`) or decreases the number of the view.
+    /// Increases (`true`) or decreases the value of the view, such as its scale.
     StepView(bool) {
         bindings: &[
             keys!(
                 Key::Character(",") => C::StepView(false),
-                ",", "decrease the number of the view, such as its scale", repeats: true
+                ",", "decrease the value of the view, such as its scale", repeats: true
             ),
-            keys!(Key::Character(".") => C::StepView(true), ".", "increase the number of the view", repeats: true),
+            keys!(Key::Character(".") => C::StepView(true), ".", "increase the value of the view", repeats: true),
         ],
     }
     /// Shows or hides the parameter sliders.
@@ -465,7 +465,7 @@ pub struct Delay {
 /// A corner of the image and its new position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovedCorner {
-    /// The corner, clockwise from the upper left, from 0.
+    /// The index of the corner, from 0, clockwise from the upper left.
     pub corner: usize,
     /// The position as fractions of the screen, to the right and down.
     pub place: [f64; 2],

@@ -6,7 +6,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ChangedBy {
-    /// None: the parameter has the value in the scene's text.
+    /// No controller: the parameter has the value in the scene's text.
     #[default]
     Text,
     /// A slider in the window, or a stored slider value.

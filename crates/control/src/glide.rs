@@ -1,7 +1,7 @@
 //! Smoothing: a value that approaches a target.
 
-/// A value that approaches its target exponentially: 1/e of the distance is left after the smoothing time. It is a pure
-/// function of time and can be interrupted at any time without a jump.
+/// A value that approaches its target exponentially: 1/e of the distance is left after the smoothing time. The value
+/// is a pure function of time. A new target may be set at any time without a jump.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Glide {
     from: f32,
@@ -12,7 +12,7 @@ pub struct Glide {
     seconds: f32,
 }
 
-/// The number of smoothing times until arrival: e⁻⁷, less than a thousandth, of the distance is left.
+/// Smoothing times until arrival. Then e⁻⁷ of the distance is left, less than a thousandth.
 const TIMES: f64 = 7.0;
 
 impl Glide {
@@ -27,7 +27,7 @@ impl Glide {
         Self { from: self.value(now), to, since: now, seconds: seconds.max(0.0) }
     }
 
-    /// Returns the value at `now`, in seconds. Before the start it is the start value.
+    /// Returns the value at `now`, in seconds. Before the movement starts, returns the start value.
     pub fn value(&self, now: f64) -> f32 {
         if !self.moves(now) {
             return self.to;

@@ -53,7 +53,7 @@ pub struct ParamChange {
 pub struct Refusals {
     /// Malformed or oversized messages.
     pub rubbish: u64,
-    /// Valid messages that have no meaning here.
+    /// Valid messages without a matching parameter, action or query.
     pub unknown: u64,
     /// Values that are not numbers.
     pub not_numbers: u64,
@@ -77,7 +77,7 @@ pub struct InputBatch {
     pub actions: Vec<Action>,
     /// The newest value of each knob that moved, in the order of their first movement.
     pub knobs: Vec<KnobMove>,
-    /// The time at which the first of this input arrived.
+    /// The arrival time of the first input.
     pub since: Option<Instant>,
 }
 
@@ -188,7 +188,7 @@ impl InputQueue {
         !self.lock().batch.is_empty()
     }
 
-    /// Returns the number of messages since the start, and the rejected ones by kind.
+    /// Returns the number of messages since the start, and the counts of rejected input.
     pub fn counts(&self) -> (u64, Refusals) {
         let pending = self.lock();
         (pending.messages, pending.refusals)

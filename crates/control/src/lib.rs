@@ -8,9 +8,9 @@
 //! ```
 //!
 //! - **The newest value wins.** [`InputQueue`] keeps one value per parameter between two frames.
-//! - **The last controller wins.** [`Model`] stores for each parameter who changed it last ([`ChangedBy`]), its
-//!   target and its smoothing time. The same turns at the same seconds give the same values at any frame rate.
-//! - Devices and sockets run on their own threads and pass values on; this crate never waits for them.
+//! - **The last controller wins.** [`Model`] stores each parameter's target, its smoothing time, and the origin of
+//!   its last change ([`ChangedBy`]). The same changes at the same times give the same values at any frame rate.
+//! - Devices and sockets run on their own threads. The show never waits for them.
 
 pub mod action;
 mod changed_by;

@@ -75,8 +75,8 @@ struct Held {
 
 /// The changed parameters of all scenes, with their origins and targets.
 ///
-/// Scenes are identified by their titles, so that changes are kept when the show returns to a scene. A show controls
-/// the parameters that it moves until a user changes one; its next movement takes the parameter back.
+/// Scenes are identified by their titles, so that changes persist when the show returns to a scene. A show controls a
+/// parameter until a user changes the parameter. The show's next movement of the parameter takes it back.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Model {
     scenes: BTreeMap<String, BTreeMap<String, Held>>,
@@ -139,7 +139,7 @@ impl Model {
         }
     }
 
-    /// Returns the target of a parameter, which is the value at which a knob picks it up.
+    /// Returns the target of a parameter. A knob picks up the parameter at this value.
     pub fn target(&self, scene: &str, param: &Param<'_>, directed: Option<Directed>) -> f32 {
         self.read(scene, param, directed, f64::INFINITY).value
     }
@@ -256,7 +256,7 @@ mod tests {
         let directed = |part| Some(Directed { value: 2.0, part });
         model.turn("orb", &SIZE, slow, directed(1), 0.0);
         assert_eq!(read(&model, directed(1), 0.0), (2.0, ChangedBy::Midi));
-        // This also holds if the user changed the parameter before the show did.
+        // The smoothed movement ends at the user's target.
         assert!(read(&model, directed(1), 9.0).0 > 3.9);
         model.turn("orb", &SIZE, slow, directed(2), 9.0);
         assert_eq!(read(&model, directed(2), 9.0), (2.0, ChangedBy::Midi));

@@ -1,5 +1,5 @@
-//! Preview images of scenes, for phones. The show stores finished images here, in memory only. Titles of requested
-//! images that are missing are queued, and the show fetches the queue with [`Album::take_wanted`].
+//! Preview images of scenes, for phones. The show stores finished images here, in memory only. When a phone requests
+//! a missing image, the scene's title is queued. The show takes the queue with [`Album::take_wanted`].
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -49,7 +49,7 @@ impl Head {
     /// Parses the head at the start of `bytes`. Returns `None` if the head is incomplete.
     ///
     /// # Errors
-    /// The bytes are not HTTP, or the head has more than `fields_max` fields.
+    /// Fails if the bytes are not HTTP, or the head has more than `fields_max` fields.
     pub fn parse(bytes: &[u8], fields_max: usize) -> Result<Option<Self>, HeadError> {
         let mut fields = vec![httparse::EMPTY_HEADER; fields_max];
         let mut request = httparse::Request::new(&mut fields);
@@ -98,7 +98,7 @@ pub struct HeadBounds {
 /// Reads a head. Returns it with the bytes after it.
 ///
 /// # Errors
-/// The client is gone, the bytes are not HTTP, or the head exceeds `bounds`.
+/// Fails if the client is gone, the bytes are not HTTP, or the head exceeds `bounds`.
 pub fn read_head(mut stream: &TcpStream, bounds: &HeadBounds) -> Result<(Head, Vec<u8>), HeadError> {
     let end = Instant::now() + bounds.time_max;
     let mut bytes = Vec::new();

@@ -7,8 +7,8 @@
 //!                                       ◄─ board ◄─
 //! ```
 //!
-//! - **All access needs the token**, which is new at each start and part of the address in the window's QR code. It
-//!   has 130 random bits, too many to guess. A wrong `Origin` (another web page) or `Host` is rejected.
+//! - **All access needs the token**, which is part of the address in the window's QR code. The token has 130 random
+//!   bits, too many to guess, and is new at each start. A wrong `Origin` (another web page) or `Host` is rejected.
 //! - **No request reaches a file.** All answers are embedded in the program or come from the [`Album`], in memory.
 //! - **The show never waits for phones.** Each connection has a thread, bounded in number, bytes and time
 //!   ([`limits`]). Input goes into the [`InputQueue`](mariana_control::InputQueue), and the show's state comes from

@@ -23,7 +23,7 @@ pub struct Limits {
     pub messages_per_second_max: u32,
     /// The maximum burst of messages, for example after a network delay.
     pub messages_at_once_max: u32,
-    /// The time without any message after which a phone is disconnected. It is pinged before.
+    /// The time without any message after which a phone is disconnected. The server pings the phone first.
     pub silence_max: Duration,
     /// The time after which a phone that reads nothing is disconnected.
     pub unread_time_max: Duration,

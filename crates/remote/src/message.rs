@@ -66,7 +66,7 @@ enum With {
 /// Returns the request in a message, given the table of actions.
 ///
 /// # Errors
-/// The text is malformed, the action is unknown, or a value is too large.
+/// Fails if the text is malformed, the action is unknown, or a value is too large.
 pub fn understand(text: &str, actions: &[ActionRow]) -> Result<Asked, Refused> {
     match serde_json::from_str(text).map_err(|_| Refused::Rubbish)? {
         Message::Turn(Turn { turn: name, to }) => {

@@ -50,7 +50,7 @@ impl Refusal {
 fn behind_token<'a>(path: &'a str, token: &Token) -> Result<Option<&'a str>, Refusal> {
     let path = path.split('?').next().unwrap_or_default().trim_start_matches('/');
     let (guess, rest) = path.split_once('/').map_or((path, None), |(guess, rest)| (guess, Some(rest)));
-    // Browsers and users request these paths by themselves: they are not wrong tokens.
+    // Browsers request these paths by themselves, so these paths do not count as wrong tokens.
     if ["", "favicon.ico", "robots.txt"].contains(&guess) {
         return Err(Refusal::Nothing);
     }
@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(ask("orb"), is("orb"));
         assert_eq!(ask("first%5Fsteps?3"), is("first_steps"));
         assert_eq!(ask("gr%C3%B6%C3%9fe"), is("größe"));
-        // This is a title, not a path. No scene has this title.
+        // The decoded text is a title, not a path, and no scene has this title.
         assert_eq!(ask("..%2F..%2fetc/passwd"), is("../../etc/passwd"));
         for rest in ["%", "%4", "%zz", "%ff", "%+1"] {
             assert_eq!(ask(rest), Err(Refusal::Nothing), "{rest}");

@@ -23,7 +23,7 @@ use crate::phone_session::{self, PhoneSession};
 use crate::route::{Refusal, Route, admit, route};
 use crate::token::Token;
 
-/// The interval at which the pairing address is updated and the end is checked.
+/// The interval at which the thread updates the pairing address and checks if the server has been dropped.
 const LOOK: Duration = Duration::from_millis(500);
 /// The pause after the system fails to accept a connection.
 const AGAIN: Duration = Duration::from_millis(200);
@@ -77,7 +77,7 @@ impl Remote {
     /// a phone requests a new image.
     ///
     /// # Errors
-    /// The thread cannot be started, or the system has no random numbers.
+    /// Fails if the thread cannot be started, or the system has no random numbers.
     pub fn start(
         place: RemotePlace,
         actions: &'static [ActionRow],
@@ -91,7 +91,7 @@ impl Remote {
     /// Starts serving with custom limits; see [`Remote::start`].
     ///
     /// # Errors
-    /// The thread cannot be started, or the system has no random numbers.
+    /// Fails if the thread cannot be started, or the system has no random numbers.
     pub fn start_within(
         limits: Limits,
         RemotePlace(place): RemotePlace,
@@ -210,7 +210,7 @@ impl Shared {
                 continue;
             };
             let Ok(from) = stream.peer_addr() else { continue };
-            // Connections beyond the limit are closed without an answer, which would delay others.
+            // Close connections beyond the limit without an answer, because an answer would delay other connections.
             let Some(connection_slot) = self.connection_limit.take(from.ip(), &self.limits) else { continue };
             let shared = self.clone();
             if let Err(error) = thread(move || shared.serve(stream, from.ip(), &connection_slot)) {
@@ -277,7 +277,7 @@ impl Shared {
             }
             Err(refusal) => {
                 if refusal == Refusal::WrongToken {
-                    tracing::debug!("{from} asked with a wrong token");
+                    tracing::debug!("{from} sent a request with a wrong token");
                 }
                 refuse(refusal);
             }
@@ -301,7 +301,7 @@ impl Shared {
     }
 }
 
-/// The place of a connected phone. Dropping it frees the place.
+/// A connected phone, counted until this is dropped.
 struct PhonePlace<'a>(&'a Shared);
 
 impl Drop for PhonePlace<'_> {

@@ -335,7 +335,7 @@ fn a_flooding_phone_is_disconnected_and_others_are_served() {
     let place = Place::new();
     let (mut flood, mut phone) = (place.phone(), place.phone());
     for number in 0..100 * LIMITS.messages_per_second_max {
-        // The phone is disconnected meanwhile.
+        // Sending fails once the server has disconnected the phone.
         if flood.0.send(Message::text(format!(r#"{{"turn":"size","to":{number}}}"#))).is_err() {
             break;
         }
@@ -380,7 +380,7 @@ fn a_slow_phone_gets_the_newest_state_and_not_all_of_them() {
     };
     let place = Place::within(limits);
     let (mut late, mut phone) = (place.phone(), place.phone());
-    // Each state has half a megabyte. The network buffers about twenty of them for a client that does not read.
+    // Each state has half a megabyte. The network buffers about twenty states for a client that does not read.
     let states = 120;
     for number in 1..=states {
         let scenes = (0..20_000).map(|name| format!("scene {name} of {number}")).collect();
@@ -404,7 +404,7 @@ fn a_silent_phone_is_disconnected() {
         phone.state_delta_with("");
     }
     assert_eq!(place.remote.phones(), 1);
-    // Its late pings may reset the connection before the reason arrives.
+    // The phone's late pings may reset the connection before the reason arrives.
     assert!(matches!(deaf.end(), Some(CloseCode::Policy) | None));
     place.board.put(present(2.0));
     phone.state_delta_with(r#""size":[2.0"#);

@@ -40,7 +40,7 @@ type Kept = Result<MappingFile, KnobsError>;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum KnobsError {
     /// The file is damaged.
-    #[error("the knobs in {} cannot be understood ({reason}); no mapping is active. Correct the file, or learn new mappings: then the file is kept as {}", path.display(), aside.display())]
+    #[error("the knobs in {} cannot be understood ({reason}); no mapping is active. Correct the file, or learn new mappings, which renames this file to {}", path.display(), aside.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -99,7 +99,7 @@ impl KnobMemory {
     /// Returns the next result of a write, if any, and adopts the contents of the file.
     ///
     /// # Errors
-    /// The file cannot be read or written. The change then lasts until the program ends.
+    /// Fails if the file cannot be read or written. The change then lasts until the program ends.
     pub fn poll(&mut self) -> Option<Result<(), KnobsError>> {
         let kept = self.writer_thread.as_ref()?.poll()?;
         Some(self.take(kept))

@@ -41,8 +41,8 @@ pub(super) fn tracks_file(settings: &Path) -> PathBuf {
     settings.with_file_name("last tracks.m3u8")
 }
 
-/// Writes the track list next to the settings file `settings`, or removes it if it is empty or a path contains a line
-/// break or is not valid UTF-8, which M3U8 cannot hold.
+/// Writes the track list next to the settings file `settings`, or removes the old list if `tracks` is empty, or if
+/// M3U8 cannot hold a path because it contains a line break or is not valid UTF-8.
 pub(super) fn keep_tracks(settings: &Path, tracks: Option<&[PathBuf]>) -> Result<(), SettingsError> {
     let file = tracks_file(settings);
     let lines = tracks.filter(|tracks| !tracks.is_empty()).and_then(|tracks| {

@@ -19,7 +19,7 @@ pub struct PerformanceFiles {
     writer_thread: Option<WriterThread<Job, Kept>>,
 }
 
-/// A performance to write. A second one with the same number replaces the first.
+/// A performance to write. A later job with the same number replaces the file.
 struct Job {
     number: u64,
     title: String,

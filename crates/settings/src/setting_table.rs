@@ -34,10 +34,10 @@ macro_rules! with_settings {
                 tone_map: Option<ToneMap> = None, ToneMap
                     { "Tone map", "Converts light to screen colours" };
 
-                /// The gain control, which makes quiet and loud sound move the image alike.
+                /// The gain control, which makes quiet sound move the image as much as loud sound.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 gain: Gain = Gain::Auto, Gain
-                    { "Gain", "Auto makes quiet and loud music drive the image alike; the sound does not change" };
+                    { "Gain", "Auto makes quiet music move the image as much as loud; the sound does not change" };
 
                 /// The sources for which scenes change automatically.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
@@ -48,7 +48,7 @@ macro_rules! with_settings {
                 /// True to resume the last track list at the next start.
                 #[serde(with = "by_name", skip_serializing_if = "is_on")]
                 last_tracks: bool = true, LastTracks
-                    { "Go on with tracks", "The next start resumes these tracks where they stop; off forgets them" };
+                    { "Resume tracks", "The next start resumes these tracks where they stop; off forgets them" };
 
                 /// True to show hints over the image. Errors and requested panels always appear.
                 #[serde(with = "by_name", skip_serializing_if = "is_on")]

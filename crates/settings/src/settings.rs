@@ -64,9 +64,9 @@ fn is_untouched(choices: &Choices) -> bool {
     *choices == Choices::default()
 }
 
-/// The number of keys that a message lists at most.
+/// The maximum number of keys in a message.
 const NAMED_MAX: usize = 3;
-/// The number of characters of a key that a message shows at most.
+/// The maximum number of characters of a key in a message.
 const NAME_LETTERS_MAX: usize = 40;
 
 /// The error when settings cannot be read or written completely. The show continues with the settings it has.
@@ -150,7 +150,7 @@ impl SettingsFile {
     /// Stores the track list for the next start, or removes it if a path cannot be written in a list.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// Fails if the file cannot be written.
     pub fn keep_tracks(&self, tracks: Option<&[PathBuf]>) -> Result<(), SettingsError> {
         self.path.as_deref().map_or(Ok(()), |path| last_show::keep_tracks(path, tracks))
     }
@@ -158,7 +158,7 @@ impl SettingsFile {
     /// Changes the settings here and in the file's current contents, which other windows may have changed.
     ///
     /// # Errors
-    /// The file cannot be written. The change then lasts until the program ends.
+    /// Fails if the file cannot be written. The change then lasts until the program ends.
     pub fn change(&mut self, change: impl Fn(&mut Settings)) -> Result<(), SettingsError> {
         change(&mut self.settings);
         let Some(path) = &self.path else { return Ok(()) };

@@ -14,7 +14,8 @@ pub(super) fn understood<T: DeserializeOwned + Default>(table: &Table) -> (T, Ve
     (part.try_into().unwrap_or_default(), strange)
 }
 
-/// Returns the entries of `table` that fit, or the parts of them that do. `path` is the key prefix of the table.
+/// Returns the entries of `table` that fit. Of an inner table that does not fit, keeps the entries that do. `path` is
+/// the key prefix of the table.
 fn part_that(fits: &dyn Fn(Table) -> bool, path: &str, table: &Table, strange: &mut Vec<String>) -> Table {
     let mut part = Table::new();
     for (key, value) in table {

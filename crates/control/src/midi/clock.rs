@@ -13,7 +13,7 @@ const BEATS_IN_BAR: u64 = 4;
 const FITTED_MAX: usize = 48;
 /// The number of clock messages needed for a tempo.
 const FITTED_MIN: usize = 6;
-/// A pause after which the clock starts anew, in seconds. It corresponds to 5 beats a minute.
+/// A pause after which the clock starts anew, in seconds. It is the interval of clock messages at 5 beats a minute.
 const PAUSE: f64 = 0.5;
 /// A deviation from the fitted line, in seconds, above which a clock message may belong to a new tempo.
 const OFF: f64 = 0.006;
@@ -28,7 +28,7 @@ pub struct Clock {
     place: Option<(u64, u64)>,
     /// The song position in clocks while the song is stopped.
     stands_at: Option<u64>,
-    /// The number of consecutive clock messages that deviate from the line.
+    /// The number of consecutive clock messages that deviate from the fitted line.
     off: usize,
 }
 
@@ -135,7 +135,7 @@ impl Clock {
 }
 
 impl ClockReading {
-    /// Returns the song position at `time` in beats, or `None` if the clock has stopped arriving.
+    /// Returns the song position at `time` in beats, or `None` if clock messages no longer arrive.
     pub fn beat_at(&self, time: f64) -> Option<f64> {
         if time - self.last > PAUSE {
             return None;
@@ -144,7 +144,7 @@ impl ClockReading {
         Some((self.beat + since).max(0.0))
     }
 
-    /// Returns the phase between two beats, 0 up to 1, and the number of the beat in its bar, from 0.
+    /// Returns the phase between two beats, 0..1, and the index of the beat in its bar.
     pub fn phase_at(&self, time: f64) -> Option<(f32, u32)> {
         let beat = self.beat_at(time)?;
         let phase = beat.fract() as f32;

@@ -4,7 +4,7 @@ use super::message::{Message, Parser};
 use super::source::Source;
 
 const CHANNELS: usize = 16;
-/// The number of controllers that may have a second number with the low 7 bits.
+/// The number of 14-bit controllers: controller `n` below this may send its low 7 bits as controller `n + 32`.
 const FINE: usize = 32;
 
 /// The state of a device from byte to byte.
@@ -16,17 +16,17 @@ pub struct Device {
 
 #[derive(Debug, Clone, Copy)]
 struct Channel {
-    /// The last value of each number, for detecting presses and fine controllers.
+    /// The last value of each controller number, for detecting presses and 14-bit controllers.
     values: [u8; 128],
     last: Option<u8>,
-    /// True for controllers that have sent both of their numbers in a row.
+    /// True for controllers that have sent their coarse and fine numbers in succession.
     is_fine: [bool; FINE],
 }
 
 /// A parsed event of a device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Said {
-    /// A control moved to a value, 0..1. The flag is true if this is a press.
+    /// A control moved to a value, 0..1. The flag is true if the movement is a press.
     Moved(Source, f32, bool),
     /// A message of the device's clock.
     Time(Message),
@@ -154,7 +154,7 @@ mod tests {
         };
         assert_eq!(fine(&[0xb0, 7, 127, 39, 127]), [1.0]);
         assert_eq!(fine(&[0xb0, 39, 127, 7, 127]), [1.0]);
-        // Once the controller is known to be fine, each number moves it.
+        // Once a controller is known to have 14 bits, its coarse and its fine number both move it.
         let (up, down) = (f32::from(64_u16 << 7) / 16_383.0, f32::from(64_u16 << 7 | 1) / 16_383.0);
         assert_eq!(fine(&[0xb0, 7, 64, 39, 0, 39, 1])[..], [up, down]);
         // Two separate knobs, with another message in between.

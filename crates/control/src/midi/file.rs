@@ -85,7 +85,7 @@ impl MappingFile {
     /// Parses the bytes of a file.
     ///
     /// # Errors
-    /// The file is malformed, too large, or has too many mappings.
+    /// Fails if the file is malformed, too large, or has too many mappings.
     pub fn read(bytes: &[u8]) -> Result<Self, MappingsError> {
         if bytes.len() > LIMITS.mapping_bytes_max {
             return Err(MappingsError::TooLarge(bytes.len()));
@@ -111,7 +111,7 @@ impl MappingFile {
     /// Returns the text of the file.
     ///
     /// # Errors
-    /// A value cannot be serialized.
+    /// Fails if a value cannot be serialized.
     pub fn text(&self) -> Result<String, MappingsError> {
         let knob = self.mappings.list().iter().map(Row::of).collect();
         let text = toml::to_string(&Text { clock: self.clock, knob });

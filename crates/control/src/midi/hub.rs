@@ -38,7 +38,7 @@ pub struct MidiState {
 
 struct Shared {
     input_queue: InputQueue,
-    /// The origin of the clocks' time.
+    /// The zero point of all clock times.
     zero: Instant,
     state: Mutex<MidiState>,
     clock: Mutex<(Clock, Option<Arc<str>>, f64)>,
@@ -54,7 +54,7 @@ impl MidiHub {
     /// called when devices are connected or removed.
     ///
     /// # Errors
-    /// The thread cannot be started.
+    /// Fails if the thread cannot be started.
     pub fn start(
         ports: Box<dyn Ports>,
         input_queue: InputQueue,
@@ -120,7 +120,7 @@ fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared
     }
     let beyond = names.iter().skip(LIMITS.midi_devices_max);
     refused.extend(beyond.map(|name| {
-        (name.clone(), format!("at most {} devices can be open at a time", LIMITS.midi_devices_max))
+        (name.clone(), format!("only {} devices can be open at the same time", LIMITS.midi_devices_max))
     }));
     let clock_of = {
         let clock = lock(&shared.clock);

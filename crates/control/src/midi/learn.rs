@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::mapping::{Mapping, Target};
 use super::source::{KnobMove, Source};
 
-/// The wait before a coarse knob is accepted, in seconds: its fine number may still arrive.
+/// The time in seconds that a coarse knob waits for its fine number before it is accepted.
 const WAITS: f64 = 0.08;
 
 /// A learning in progress.

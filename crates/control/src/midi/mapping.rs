@@ -76,14 +76,14 @@ pub struct Mapping {
     pub source: Source,
     /// The target.
     pub target: Target,
-    /// The target's values at the two ends of the control: fractions of the parameter's range, 0..1, or numbers for an
-    /// action that takes a number. The first may be larger.
+    /// The target's values at the two ends of the control: fractions of the parameter's range, 0..1, or numbers for
+    /// an action that takes a number. If the first value is larger, the control is inverted.
     pub range: [f32; 2],
     /// The response curve.
     pub curve: Curve,
     /// The smoothing time in seconds.
     pub smoothing: f32,
-    /// True if the control takes hold only when it passes the parameter's value.
+    /// True if the control has no effect until it passes the parameter's value (pick-up).
     pub picks_up: bool,
 }
 
@@ -137,7 +137,7 @@ pub enum Outcome {
     Turn(ParamChange),
     /// An action runs.
     Act(Action),
-    /// The knob moved without taking hold of its parameter. The values are fractions, 0..1.
+    /// The knob moved but has not picked up its parameter yet. The values are fractions, 0..1.
     Waits {
         /// The parameter.
         name: String,
@@ -321,7 +321,7 @@ mod tests {
         let waits = |at| [Outcome::Waits { name: "size".to_owned(), leads_to: at, stands: 0.5 }];
         assert_eq!(apply(&mut mappings, &moved(KNOB, 0.1, 0)), waits(0.1));
         assert!(matches!(apply(&mut mappings, &moved(KNOB, 0.6, 0))[..], [Outcome::Turn(_)]));
-        // The knob may pass and return between two frames.
+        // The knob may pass the value and return between two frames.
         let mut mappings = Mappings::of(vec![Mapping::learned("desk", KNOB, param("size"))]);
         let swept = KnobMove { way: [0.0, 0.9], ..moved(KNOB, 0.1, 0) };
         assert!(matches!(apply(&mut mappings, &swept)[..], [Outcome::Turn(_)]));

@@ -56,15 +56,15 @@ pub enum Message {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Expects {
-    /// Nothing: data bytes are ignored.
+    /// No status byte is in force, so data bytes are ignored.
     #[default]
     Nothing,
     /// `count` data bytes for `status`. If `runs` is true, more data may follow without a new status byte.
     Data { status: u8, count: usize, runs: bool },
 }
 
-/// A parser for MIDI bytes in pieces of any size. It handles running status and real-time bytes inside other messages.
-/// System-exclusive messages are skipped and take no memory.
+/// A parser for MIDI bytes in pieces of any size. The parser handles running status and real-time bytes inside other
+/// messages. It skips system-exclusive messages without storing them.
 #[derive(Debug, Clone, Default)]
 pub struct Parser {
     expects: Expects,
@@ -175,7 +175,7 @@ mod tests {
     fn running_status_and_clocks_inside_messages_are_handled() {
         assert_eq!(parsed(&[0xb2, 7, 1, 7, 2, 10, 3]), [control(7, 1), control(7, 2), control(10, 3)]);
         assert_eq!(parsed(&[0xb2, 7, 0xf8, 1]), [Message::Clock, control(7, 1)]);
-        // A song position ends running status and does not start it.
+        // A song position ends running status. Data bytes after a song position are ignored.
         assert_eq!(parsed(&[0xb2, 7, 1, 0xf2, 0, 0, 7, 2]), [control(7, 1), Message::Position(0)]);
     }
 

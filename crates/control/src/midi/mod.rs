@@ -1,5 +1,5 @@
-//! MIDI input: bytes become messages, messages knob movements, and movements changes of parameters and actions. All
-//! but the ports is a function of bytes and times. Each port runs on its own thread.
+//! MIDI input. Bytes become messages, messages become knob movements, and knob movements change parameters and run
+//! actions. Everything except the ports is a function of bytes and times. Each port runs on its own thread.
 
 mod clock;
 mod device;

@@ -1,18 +1,19 @@
-//! Pick-up of knobs: a knob takes hold of its parameter when it passes the parameter's value, so that nothing jumps.
+//! Pick-up of knobs: a knob has no effect until it passes the parameter's value, so that the value never jumps.
 
-/// A knob this close to the value, as a fraction of the range, takes hold: slightly more than one 7-bit step.
+/// A knob within this distance of the value picks it up. A fraction of the range, slightly over one 7-bit step.
 const NEAR: f32 = 0.012;
 
 /// The state of one mapping. All values are fractions of the range, 0..1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct PickUp {
     last: Option<f32>,
-    /// The value that the knob set last; `None` while it has no hold.
+    /// The value that the knob set last; `None` until the knob picks up the parameter.
     put: Option<f32>,
 }
 
 impl PickUp {
-    /// Returns true if a knob that moved to `knob`, with the extremes `way`, sets a parameter whose value is `stands`.
+    /// Returns true if a knob that moved to `knob` sets a parameter whose value is `stands`. `way` has the extremes
+    /// of the movement.
     pub(super) fn takes(&mut self, knob: f32, way: [f32; 2], stands: f32) -> bool {
         let has_hold = self.put.is_some_and(|put| (put - stands).abs() <= NEAR);
         let ends = || way.into_iter().chain([knob]).chain(self.last);

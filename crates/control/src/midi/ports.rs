@@ -12,13 +12,13 @@ pub trait Ports: Send {
     /// Returns the names of the connected devices, without duplicates.
     ///
     /// # Errors
-    /// The reason why this machine has no MIDI, without a capital letter or a full stop.
+    /// Fails with the reason why this machine has no MIDI, without a capital letter or a full stop.
     fn names(&mut self) -> Result<Vec<String>, String>;
 
     /// Opens a device until the result is dropped.
     ///
     /// # Errors
-    /// The reason why the device cannot be opened.
+    /// Fails with the reason why the device cannot be opened.
     fn open(&mut self, name: &str, hear: Hear) -> Result<Box<dyn Any>, String>;
 }
 

@@ -24,7 +24,7 @@ pub enum Source {
         /// 0..=127.
         number: u8,
     },
-    /// A knob or fader with 16384 steps, sent as two numbers: this one and this one plus 32.
+    /// A knob or fader with 16384 steps, sent as two controllers: `number` and `number + 32`.
     FineControl {
         /// 0..=15.
         channel: u8,
@@ -69,7 +69,7 @@ impl Display for Source {
     }
 }
 
-/// The error for a text that names no control.
+/// The error for a text that is not the name of a control.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "'{0}' is not a MIDI control; write it as 'cc 7 on channel 1', 'fine cc 7 ...', 'note 36 ...', 'bend ...', 'program ...' or 'pressure ...'"
@@ -127,7 +127,7 @@ pub struct KnobMove {
     pub value: f32,
     /// The smallest and the largest value since the last frame.
     pub way: [f32; 2],
-    /// The number of presses: keys and pads pressed, and knobs and buttons that rose past the middle.
+    /// The number of presses. A key or pad counts when it is pressed, a knob or button when it rises past the middle.
     pub presses: u32,
 }
 

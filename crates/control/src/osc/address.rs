@@ -43,7 +43,7 @@ pub enum Query {
 /// The reason for rejecting a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
-    /// The address or the argument has no meaning here.
+    /// The address is unknown, or the argument does not fit.
     Unknown,
     /// A value is not a finite number.
     NotANumber,
@@ -74,7 +74,7 @@ pub fn fixed_addresses() -> &'static [FixedAddress] {
 /// Returns the request in a message, given the table of actions.
 ///
 /// # Errors
-/// The address is unknown or a value is not a number.
+/// [`Refused::Unknown`] if the address is unknown, or [`Refused::NotANumber`] if a value is not a number.
 pub fn understand(message: &OscMessage, actions: &[ActionRow]) -> Result<Asked, Refused> {
     let address = message.addr.strip_prefix('/').ok_or(Refused::Unknown)?;
     if address.len() > LIMITS.name_bytes_max {

@@ -12,8 +12,8 @@ const BUNDLE_HEAD: usize = 16;
 /// A message and the time tag of its bundle.
 pub type Timed = (OscMessage, Option<OscTime>);
 
-/// Returns the messages of a packet in order, and the number of rejected parts: malformed, nested too deeply, or too
-/// many. A message has the time of its innermost bundle.
+/// Returns the messages of a packet in order, and the number of rejected parts. A part is rejected if it is
+/// malformed, nested too deeply, or above the maximum number. A message has the time of its innermost bundle.
 pub fn messages(packet: &[u8]) -> (Vec<Timed>, u64) {
     let (mut found, mut rubbish) = (Vec::new(), 0);
     // A stack of parts still to be read; the last is next.
@@ -128,7 +128,7 @@ mod tests {
         let nested = |depth| (0..depth).fold(sent("/a"), |inner, _| bundle(vec![inner]));
         assert_eq!(addresses(&nested(LIMITS.osc_depth_max)).0.len(), 1);
         assert_eq!(addresses(&nested(LIMITS.osc_depth_max + 1)), (Vec::new(), 1));
-        // The deepest nesting that fits in a packet: headers and sizes only.
+        // The packet has only headers and sizes: the deepest nesting that fits.
         let deep: Vec<u8> = (0..3_000_u32)
             .rev()
             .flat_map(|left| [BUNDLE, &[0; 8], &(left * 20).to_be_bytes()].concat())
@@ -151,7 +151,7 @@ mod tests {
         };
         assert_eq!(of(LIMITS.osc_arguments_max).0.len(), 1);
         assert_eq!(of(LIMITS.osc_arguments_max + 1), (Vec::new(), 1));
-        // Nested arrays, whose destruction is recursive.
+        // Dropping nested arrays is recursive.
         for address in [&b"/a\0\0"[..], b"/,\0\0", b",\0\0\0"] {
             let tags = [address, b",", &b"[".repeat(30_000), &b"]".repeat(30_000), b"\0\0\0"].concat();
             assert_eq!(messages(&tags), (Vec::new(), 1));

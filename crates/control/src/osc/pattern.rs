@@ -1,6 +1,6 @@
 //! Address patterns of OSC 1.0: `?` matches one character, `*` any number, `[a-z]` one of a set, `[!a]` one outside a
-//! set, `{one,two}` one of several words. None of them matches a slash. Matching keeps a set of reachable positions
-//! and never backtracks: it takes at most parts times characters steps.
+//! set, `{one,two}` one of several words. No pattern character matches a slash. The matcher keeps a set of reachable
+//! positions and never backtracks: it takes at most (number of parts) x (number of characters) steps.
 
 use crate::limits::LIMITS;
 
@@ -62,7 +62,7 @@ impl Pattern {
     /// True if the pattern matches the whole address.
     pub fn matches(&self, address: &str) -> bool {
         let text: Vec<char> = address.chars().collect();
-        // The positions that the parts so far can end at.
+        // The positions at which the parts so far can end.
         let mut ends = vec![false; text.len() + 1];
         if let Some(first) = ends.first_mut() {
             *first = true;

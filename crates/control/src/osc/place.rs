@@ -31,7 +31,7 @@ const LOOPBACK: &str = "127.0.0.1";
 impl FromStr for Place {
     type Err = PlaceError;
 
-    /// Parses `9000`, a port of this computer that others cannot reach, or `ADDRESS:9000`.
+    /// Parses `9000`, a port that only this computer can reach, or `ADDRESS:9000`.
     fn from_str(text: &str) -> Result<Self, PlaceError> {
         match Self::parse(text, LOOPBACK) {
             Ok(Self { port: 0, .. }) | Err(PlaceError::NoPortNorAny) => Err(PlaceError::NoPort),
@@ -44,7 +44,7 @@ impl Place {
     /// Parses a port, or a host and a port. Without a host, `host` is used. Port 0 means any free port.
     ///
     /// # Errors
-    /// The text has a different form, or the port is out of range.
+    /// Fails if the text has a different form, or the port is out of range.
     pub fn parse(text: &str, host: &str) -> Result<Self, PlaceError> {
         let (host, port) = text.rsplit_once(':').unwrap_or((host, text));
         let host = host.strip_prefix('[').and_then(|host| host.strip_suffix(']')).unwrap_or(host);
@@ -63,10 +63,10 @@ impl Place {
         &self.host
     }
 
-    /// Resolves the address. Asks the system for host names, which may take long.
+    /// Resolves the address. For a host name, the call asks the system and may block.
     ///
     /// # Errors
-    /// The name cannot be resolved.
+    /// Fails if the name cannot be resolved.
     pub fn resolve(&self) -> io::Result<SocketAddr> {
         let nobody = || io::Error::new(io::ErrorKind::NotFound, "no computer has this name");
         (&*self.host, self.port).to_socket_addrs()?.next().ok_or_else(nobody)

@@ -46,7 +46,7 @@ impl OscReceiver {
     /// queue; queries are answered from the board. `wake` is called when the state changes.
     ///
     /// # Errors
-    /// The thread cannot be started.
+    /// Fails if the thread cannot be started.
     pub fn start(
         place: Place,
         actions: &'static [ActionRow],

@@ -29,7 +29,7 @@ impl OscSender {
     /// Starts sending to `place`, `rate` times a second. `wake` is called when there is a new problem.
     ///
     /// # Errors
-    /// The thread cannot be started.
+    /// Fails if the thread cannot be started.
     pub fn start(place: Place, rate: f64, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let sender = Self { sample: Arc::default(), problem: Arc::default(), is_over: Arc::default() };
         let (sample, problem, is_over) =

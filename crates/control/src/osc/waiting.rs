@@ -15,7 +15,7 @@ const PARTS: f64 = 4_294_967_296.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum When {
-    /// At once: requested so, or in the past.
+    /// Immediately: the sender requests this, or the time has passed.
     Now,
     In(Duration),
     TooLate,
