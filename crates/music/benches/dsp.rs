@@ -1,5 +1,5 @@
-//! Measures the speed of the analysis: 10 s of stereo at 48 kHz, in blocks of 512 sample frames as in playback. Time
-//! per iteration / 10 s is the fraction of one core that live analysis takes.
+//! Measures the speed of the analysis: 10 s of stereo at 48 kHz, in blocks of 512 sample frames as in playback. Live
+//! analysis takes the fraction (time per iteration) / 10 s of one core.
 
 use std::hint::black_box;
 

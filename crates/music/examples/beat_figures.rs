@@ -1,12 +1,12 @@
 //! Measures beat tracking on real songs: `cargo run --release -p mariana-music --example beat_figures -- SONGS BEATS`
-//! prints a table. `SONGS` is a folder of songs that `ffmpeg` can read; the folder `BEATS` has a file `NAME.beats`
-//! for each song `NAME.*`, with the time of one true beat in seconds on each line. Other songs are skipped.
+//! prints a table. `SONGS` is a folder of songs that `ffmpeg` can read. For each song `NAME.*`, the folder `BEATS` has
+//! a file `NAME.beats` with the time of one true beat in seconds on each line. Songs without such a file are skipped.
 //!
-//! `heard` is live input, `played` a file during playback, `whole` an analysis of the whole song. F allows ±70 ms.
-//! AMLt is the fraction of beats whose position and distance from the previous beat are right within 17.5 %, also at
-//! double or half tempo and off the beat (Davies, Degara and Plumbley 2009). The first 5 s do not count. `lock` is
-//! the time of the first of four consecutive right beats in live input; `jumps` counts tempo changes of more than 8 %
-//! per minute.
+//! The column `heard` is for live input, `played` for a file during playback, and `whole` for an analysis of the whole
+//! song. F allows ±70 ms. AMLt is the fraction of beats whose position and distance from the previous beat are right
+//! within 17.5 %, also at double or half tempo and off the beat (Davies, Degara and Plumbley 2009). The first 5 s do
+//! not count. `lock` is the time of the first of four consecutive right beats in live input. `jumps` counts tempo
+//! changes of more than 8 % per minute.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

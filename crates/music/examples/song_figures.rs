@@ -1,5 +1,5 @@
 //! Measures the analysis of generated songs: `cargo run --release -p mariana-music --example song_figures` prints a
-//! table of all styles, tempos, forms and keys. (The tests check a few of them.)
+//! table of all styles, tempos, forms and keys. (The tests check a few of these songs.)
 
 #[allow(dead_code)]
 #[path = "../tests/music/songs.rs"]
@@ -123,7 +123,7 @@ fn rhythm() {
     let mut rows = Vec::new();
     for (number, style) in Style::ALL.into_iter().enumerate() {
         for tempo in [60.0, 83.0, 104.0, 128.0, 160.0, 200.0] {
-            // Dotted quarters are not counted that fast, and half time would be counted in halves.
+            // At these tempos listeners would not count dotted quarters, and would count half time in halves.
             if matches!(style, Style::SixEight | Style::HalfTime) && tempo > 120.0 {
                 continue;
             }

@@ -43,8 +43,7 @@ const BASS: std::ops::Range<usize> = 0..8;
 const MID: std::ops::Range<usize> = 8..21;
 const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 
-/// Delay of the onset strength relative to the onset, in hops. The first value is for centred, the second for trailing
-/// windows.
+/// Delay of the onset strength relative to the onset, in hops: for centred and for trailing windows.
 const FLUX_LATE: (f32, f32) = (1.1, 2.1);
 
 /// The long window is not used above this frequency, in hertz.
@@ -53,8 +52,7 @@ const SLOW_HIGHEST_HZ: f64 = 600.0;
 /// The position of the windows relative to their moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alignment {
-    /// Centred on the moment, for files. Files provide the samples after the moment, so the image is not late by half a
-    /// window.
+    /// Centred on the moment, for files. Later samples are known, so the image is not late by half a window.
     Centred,
     /// Ending at the moment, for live input. A moment's features are emitted with the last sample frame of the window.
     Trailing,
@@ -161,8 +159,7 @@ impl Analyzer {
             // Bins at or above `SLOW_HIGHEST_HZ` are not used.
             if hz < SLOW_HIGHEST_HZ { decimator.power_gain(hz, rate) } else { 1.0 }
         };
-        // The waveform of a moment has four hops, but only the last hop is new: earlier moments emitted the other
-        // three.
+        // A moment adds one hop to the waveform of four hops: earlier moments emitted the other three hops.
         let wave_end = place(4 * hop).end;
         let short = hop * Resolution::Short.hops();
         let mut analyzer = Self {

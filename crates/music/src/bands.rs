@@ -32,8 +32,7 @@ struct Bins {
 }
 
 impl Bands {
-    /// Creates the weights for windows of [`Resolution::hops`] times `hop` frames. Above half the sample rate they are
-    /// 0.
+    /// Creates the weights for windows of [`Resolution::hops`] times `hop` frames; 0 above half the sample rate.
     pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
         let mut weights = Vec::new();
         let mut bands = [[Bins::default(); Resolution::ALL.len()]; BAND_COUNT];

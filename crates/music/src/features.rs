@@ -73,8 +73,7 @@ features! {
     gain_db: f32 = 0.0, mixed;
     /// The total level from 30 Hz to 16 kHz in decibels, measured like the band levels.
     level_db: f32 = LEVEL_FLOOR_DB, mixed;
-    /// Frequency of the strongest tone in hertz, precise to a hundredth of a bin of the long window (0.06 Hz); 0 below
-    /// -80 dB.
+    /// Frequency of the strongest tone in hertz, to 0.06 Hz (a hundredth of a bin of the long window); 0 below -80 dB.
     peak_hz: f32 = 0.0, held;
     /// The level of each band in decibels, both channels together, not smoothed, at least [`LEVEL_FLOOR_DB`]. A sine of
     /// amplitude a in both channels has 20·log10(a) dB, summed over its bands. A sine in only one channel has 3.01 dB
@@ -98,8 +97,7 @@ impl Features {
     pub fn lerp(&self, other: &Self, amount: f32) -> Self {
         let mut between = self.between(other, amount);
         if self.tempo > 0.0 && other.tempo > 0.0 {
-            // A tracker may step back a little to correct itself. Only a step back of more than half a beat is a new
-            // beat.
+            // A tracker may step back a little to correct itself. A step back of more than half a beat is a new beat.
             let ahead = if other.phase < self.phase - 0.5 { 1.0 } else { 0.0 };
             let phase = mixed(self.phase, other.phase + ahead, amount);
             between.phase = phase - phase.floor();
@@ -167,8 +165,7 @@ pub struct TimedFeatures {
     /// Heights of the spectrum, 0..1, at frequencies in equal ratios ([`spectrum_hz`](super::spectrum_hz)), smoothed
     /// like the bands.
     pub spectrum: [f32; SPECTRUM_POINTS],
-    /// One hop of the mean of both channels, -8..8. A moment's waveform consists of four hops
-    /// ([`Tables`](super::Tables)).
+    /// One hop of the mean of both channels, -8..8. A waveform consists of four such hops ([`Tables`](super::Tables)).
     pub wave: [f32; WAVE_PER_HOP],
 }
 

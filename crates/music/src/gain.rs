@@ -15,15 +15,13 @@ pub enum Gain {
     Off,
 }
 
-/// The range in which the level of the loudest recent moment needs no gain, in decibels. Published music is in this
-/// range.
+/// The levels of the loudest recent moment that need no gain, in decibels. Published music is in this range.
 const KEPT_DB: (f32, f32) = (-20.0, -4.0);
 
 /// Between these levels, in decibels, the gain falls to 0, because such quiet sound is room noise.
 const GATE_DB: (f32, f32) = (-40.0, -50.0);
 
-/// The time for which the loudest moment counts, in seconds. The time is longer than a beat, so that the gain does not
-/// pump.
+/// The time for which the loudest moment counts, in seconds: longer than a beat, so that the gain does not pump.
 const HELD_SECONDS: f64 = 1.2;
 
 /// Time constants of the power, of a rising gain and of a falling gain, in seconds.

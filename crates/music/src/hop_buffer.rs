@@ -32,8 +32,7 @@ impl HopBuffer {
         self.filled = filled;
     }
 
-    /// Stores frames until the window is full; returns the stored frames and the rest. Samples are clamped to ±8, NaN
-    /// to 0.
+    /// Stores frames until the window is full; returns these and the rest. Clamps samples to ±8; non-finite ones to 0.
     pub(super) fn take<'a>(&mut self, frames: &'a [StereoFrame]) -> (&[StereoFrame], &'a [StereoFrame]) {
         let free = &mut self.frames[self.filled..];
         let (now, later) = frames.split_at(frames.len().min(free.len()));

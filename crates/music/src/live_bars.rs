@@ -84,8 +84,7 @@ pub(super) struct LiveBars {
     /// Statistics of five quantities: the low, high and total onset strength, the harmony and the timbre.
     usual: [Usual; 5],
     beats: u32,
-    /// The belief in each position of the current beat: first the positions of the first meter, then those of the
-    /// second.
+    /// The belief in each position of the current beat: first the first meter's positions, then the second meter's.
     belief: [f32; STATES],
     reported: LiveBar,
 }

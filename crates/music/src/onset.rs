@@ -5,14 +5,14 @@ use super::scale::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
 /// The number of bin groups, in equal ratios from 30 Hz to 16 kHz.
 const GROUPS: usize = 30;
 
-/// Strength of the logarithmic compression of a group's level: log(1 + this · level).
+/// Strength of the logarithmic compression of a group's level: log(1 + `COMPRESSION` · level).
 const COMPRESSION: f32 = 20.0;
 
 /// Amplitudes below this (-70 dB) are too weak for an onset.
 const AMPLITUDE_MIN: f32 = 3e-4;
 
-/// The strength of the adaptive whitening (Stowell and Plumbley 2007): at 1 each group's loudest recent amplitude is
-/// 1, at 0 nothing changes. It lets changes count that are quieter than a loud chord in other groups.
+/// The strength of the adaptive whitening (Stowell and Plumbley 2007). At 1 each group is scaled by its loudest recent
+/// amplitude; at 0 nothing is scaled. Whitening detects quiet changes while other groups play a loud chord.
 const WHITENING: f32 = 0.4;
 
 /// Time constant of the decay of the loudest amplitudes, in seconds.
@@ -24,7 +24,7 @@ const GROUP_MIN: f32 = 3e-3;
 /// The distance of the two compared spectra, in hops: their windows of two hops do not overlap.
 const LAG: usize = 2;
 
-/// The power of the frequency that weights the groups: drums and basses carry the beat, hats fill it.
+/// The exponent of the frequency in the groups' weights. Low groups weigh more: drums and basses carry the beat.
 const WEIGHT_POWER: f64 = -0.2;
 
 /// Time constant of a group's mean rise, in seconds.
@@ -33,22 +33,23 @@ const USUAL_SECONDS: f64 = 2.0;
 /// The minimum of a group's mean rise.
 const USUAL_MIN: f32 = 0.05;
 
-/// The initial mean rise, about that of noise.
+/// The initial mean rise. Noise has about this mean rise.
 const USUAL_AT_FIRST: f32 = 0.2;
 
-/// The maximum rise of one group relative to its mean, so that a single group is no onset.
+/// The maximum rise of a group relative to its mean rise, so that a rise of one group alone is no onset.
 const SUDDEN_MOST: f32 = 8.0;
 
-/// The maximum rise that enters the mean, relative to it, so that onsets do not raise it much.
+/// The maximum rise that enters a group's mean, relative to the mean, so that onsets do not raise the mean much.
 const TEACHES_MOST: f32 = 3.0;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Rise {
     /// The spectral flux: the weighted mean over groups of the rise of log(1 + 20·level), 0 or more. A group's level is
-    /// relative to the loudest recent total amplitude and, in part, to the group's own. Falling groups count 0.
+    /// relative to the loudest recent total amplitude and, in part, to the group's own loudest amplitude. Falling
+    /// groups count as 0.
     pub(super) flux: f32,
     /// The weighted mean over groups of each rise relative to the group's mean rise, 0 to [`SUDDEN_MOST`]. In steady
-    /// noise groups rise independently, so the value stays near 1; at an onset they rise together.
+    /// noise groups rise independently, so the value stays near 1. At an onset the groups rise together.
     pub(super) sudden: f32,
 }
 
@@ -71,7 +72,7 @@ impl Flux {
         let mut edges = [0; GROUPS + 1];
         let mut least = 1;
         for (group, edge) in edges.iter_mut().enumerate() {
-            // Each group has at least one bin, so the low groups are higher than equal ratios would put them.
+            // Each group has at least one bin, so the low groups are shifted above equal ratios.
             *edge = ((hz(group as f64) / bin_hz).round() as usize).max(least).min(bins);
             least = *edge + 1;
         }
@@ -131,15 +132,15 @@ const SUDDEN_SECONDS: f64 = 2.4;
 /// The history for the largest flux, in seconds.
 const FLUX_SECONDS: f64 = 1.2;
 
-/// The minimum of the largest recent flux: weaker flux counts as weak even in silence.
+/// The minimum of the largest recent flux, so that weak flux counts as weak even in silence.
 pub(super) const FLUX_MIN: f32 = 0.05;
 
-/// An onset's [`Rise::sudden`] exceeds the recent median by this many times the distance from the median to the lower
-/// quartile. Noise does not reach it.
+/// The excess of an onset's [`Rise::sudden`] over the recent median, as a multiple of the distance from the median to
+/// the lower quartile. Noise does not reach this excess.
 const SUDDEN_SPREADS: f32 = 11.0;
-/// The range to which that excess is clamped, because noise spreads less than dense music.
+/// The range to which the excess is clamped, because noise spreads less than dense music.
 const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.45);
-/// The minimum of that excess, as a fraction of the distance from the median to the largest value.
+/// The minimum of the excess, as a fraction of the distance from the median to the largest value.
 const SUDDEN_FRACTION: f32 = 0.25;
 
 /// The number of silent moments assumed before the first moment.
@@ -203,8 +204,8 @@ impl Onsets {
     }
 
     fn threshold(&mut self) -> f32 {
-        // Until the ring is full, only its first entries count. Some silence before the first moment counts, so that a
-        // sound at the start of the stream is an onset.
+        // Until the ring is full, only its first entries are used. These include some silence before the first moment,
+        // so that a sound at the start of the stream is an onset.
         let count = self.taken.max(SILENT_BEFORE).min(self.sudden.len());
         let sorted = &mut self.sorted[..count];
         sorted.copy_from_slice(&self.sudden[..count]);

@@ -5,10 +5,10 @@ use super::resolution::Resolution;
 /// Peaks below this power (-80 dB) are not tones.
 const POWER_MIN: f32 = 1e-8;
 
-/// The crossover in hertz: the long window is searched below the second frequency, the middle one above the first.
+/// The crossover in hertz. The long window is searched up to its end, the middle window from its start.
 const BORDER_HZ: (f64, f64) = (400.0, 500.0);
 
-/// The largest loss of peak power of a tone between two bins, as a factor (Hann: 1.42 dB).
+/// The largest loss of peak power if a tone is between two bins, as a factor (Hann: 1.42 dB).
 const SCALLOPING: f32 = 1.387;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,8 +17,8 @@ struct Line {
     power: f32,
 }
 
-/// Returns the frequency of the strongest tone in hertz, or 0 if no tone is loud enough. The spectra are of the long
-/// and the middle window, each [`Resolution::hops`] times `hop` frames long.
+/// Returns the frequency of the strongest tone in hertz, or 0 if no tone is loud enough. The spectra belong to the long
+/// and the middle window, whose lengths are [`Resolution::hops`] times `hop` frames.
 pub(super) fn strongest_hz([long, middle]: [&[f32]; 2], sample_rate: f64, hop: usize) -> f32 {
     let bin_hz = |resolution: Resolution| sample_rate / (hop * resolution.hops()) as f64;
     let (long_hz, middle_hz) = (bin_hz(Resolution::Long), bin_hz(Resolution::Middle));
@@ -34,10 +34,10 @@ pub(super) fn strongest_hz([long, middle]: [&[f32]; 2], sample_rate: f64, hop: u
     }
 }
 
-/// Finds the strongest peak among the bins from `first` up to `end` of a Hann window's power spectrum. The ratio of
-/// the peak's magnitude to its larger neighbour, alpha = |X(k±1)| / |X(k)|, gives the offset of the tone towards that
-/// neighbour: (2·alpha - 1) / (alpha + 1) bins. For Hann this is exact except for leakage from other tones, including
-/// the mirrored one (Jain, Collins and Davis 1979; Grandke 1983).
+/// Finds the strongest peak among the bins from `first` up to `end` of a Hann window's power spectrum. Let alpha =
+/// |X(k±1)| / |X(k)| be the ratio of the larger neighbour's magnitude to the peak's magnitude. Then the tone is
+/// (2·alpha - 1) / (alpha + 1) bins from the peak towards this neighbour. For Hann this is exact except for leakage
+/// from other tones, including the tone's mirror image (Jain, Collins and Davis 1979; Grandke 1983).
 fn strongest_line(power: &[f32], first: usize, end: usize) -> Option<Line> {
     let end = end.min(power.len().saturating_sub(1));
     let inner = power.get(first..end)?;

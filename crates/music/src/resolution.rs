@@ -1,6 +1,6 @@
-//! Three window lengths: 16 hops separate the tones of the bass, 2 hops locate a high sound in time, 4 hops are in
-//! between. Adjacent windows are cross-faded over frequency. The long window is computed at an eighth of the rate,
-//! with a tenth of the work. For live input the windows end at the newest sample, so there is no delay.
+//! Three window lengths: 16 hops separate the tones of the bass, 2 hops locate a high sound in time, and 4 hops are in
+//! between. Adjacent windows are cross-faded over frequency. The long window is computed at an eighth of the sample
+//! rate, with a tenth of the work. For live input the windows end at the newest sample, so they add no delay.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Resolution {
@@ -27,9 +27,9 @@ impl Resolution {
         }
     }
 
-    /// Returns the fraction of the power at `hz` that is taken from this window, 0..1. The three fractions sum to 1.
-    /// The cross-fade is a raised cosine, many times wider than a main lobe, so a tone loses at most 0.04 dB. A sharp
-    /// border would cut off part of the lobes of a tone next to it.
+    /// Returns the fraction of the power at `hz` that is taken from this window, 0..1. The fractions of the three
+    /// windows sum to 1. The cross-fade is a raised cosine, many times wider than a main lobe, so a tone loses at most
+    /// 0.04 dB. A sharp border would cut off part of a nearby tone's lobes.
     pub(super) fn fraction(self, hz: f64) -> f64 {
         let passed = |(low, high): (f64, f64)| {
             let way = ((hz - low) / (high - low)).clamp(0.0, 1.0);

@@ -9,21 +9,21 @@ pub const BAND_HIGHEST_HZ: f64 = 16_000.0;
 /// Number of frequency bands.
 pub const BAND_COUNT: usize = 32;
 
-/// The lowest level, in decibels, which silence reads.
+/// The lowest level, in decibels. Silence has this level.
 pub const LEVEL_FLOOR_DB: f32 = -120.0;
 
 /// The number of points of the spectrum's curve.
 pub const SPECTRUM_POINTS: usize = 512;
 
-/// The number of waveform samples per hop (11.6 to 12.3 kHz at 44.1, 48 and their multiples).
+/// The number of waveform samples per hop (11.6 to 12.3 kHz at sample rates of 44.1 and 48 kHz and their multiples).
 pub const WAVE_PER_HOP: usize = 128;
 
-/// Returns the frequency at `u` in hertz: 30 Hz at 0, 16 kHz at 1, equal ratios in between.
+/// Returns the frequency at `u` in hertz: 30 Hz at 0, 16 kHz at 1, in equal ratios between.
 pub fn spectrum_hz(u: f64) -> f64 {
     BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(u)
 }
 
-/// Returns the position of a frequency on the spectrum's axis, 0..1. The inverse of [`spectrum_hz`], clamped.
+/// Returns the position of a frequency on the spectrum's axis, clamped to 0..1. This inverts [`spectrum_hz`].
 pub fn spectrum_place(hz: f64) -> f64 {
     let octaves = (hz.max(1e-9) / BAND_LOWEST_HZ).ln() / (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).ln();
     octaves.clamp(0.0, 1.0)

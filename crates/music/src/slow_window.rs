@@ -21,7 +21,7 @@ impl SlowWindow {
         self.kept.fill([0.0; 2]);
     }
 
-    /// Advances the window by a hop of `hop` frames. It ends at the newest of `frames`.
+    /// Advances the window by a hop of `hop` frames. Afterwards the window ends at the newest of `frames`.
     pub(super) fn follow(&mut self, frames: &[StereoFrame], hop: usize) {
         let new = hop / self.decimator.step();
         self.kept.copy_within(new.., 0);

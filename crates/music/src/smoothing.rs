@@ -1,10 +1,11 @@
 //! Smoothing with a fast attack and a slow release.
 
-/// A value closer to its target than this is set to it, so that silence becomes exactly 0 and never denormal.
+/// A value closer to its target than this distance is set to the target, so that silence becomes exactly 0.
 const ARRIVED: f32 = 1e-6;
 
 /// A one-pole smoother with different time constants for rising and falling. The distance to a constant target shrinks
-/// by exp(-time / time constant). This is exact for any step: many short steps and one long step give the same value.
+/// by exp(-time / time constant). The result is exact for any step: many short steps and one long step give the same
+/// value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Follower {
     keep_rising: f32,

@@ -8,7 +8,7 @@ use rustfft::{Fft, FftPlanner};
 use super::StereoFrame;
 use super::window::hann;
 
-/// Measures power spectra of stretches of samples. Allocates only in `new`.
+/// Measures power spectra of stretches of samples. Only `new` allocates memory.
 pub(super) struct Spectrum {
     fft: Arc<dyn Fft<f32>>,
     window: Vec<f32>,
@@ -35,13 +35,13 @@ impl Spectrum {
         }
     }
 
-    /// Returns the power in each bin from 0 Hz to just below half the sample rate; bin k is k · rate / length hertz.
+    /// Returns the power in each bin from 0 Hz to just below half the sample rate. Bin k has k · rate / length hertz.
     ///
-    /// Left and right are the real and the imaginary part of one signal z = l + i·r, so
-    /// |L(k)|² + |R(k)|² = (|Z(k)|² + |Z(N-k)|²) / 2: the powers add, and opposite phases do not cancel. (Bin 0
-    /// reads double; no band uses it.) The scale divides by N·Σw² (Parseval), so that powers sum correctly: a sine
-    /// of amplitude a in both channels gives a² at any frequency, and so does noise of the same power. For Hann this
-    /// is the squared coherent gain (½)² times the noise bandwidth of 1.5 bins.
+    /// Left and right are the real and the imaginary part of one signal z = l + i·r, so |L(k)|² + |R(k)|² = (|Z(k)|² +
+    /// |Z(N-k)|²) / 2: the powers add, and opposite phases do not cancel. (Bin 0 is doubled, but no band uses it.) The
+    /// scale divides by N·Σw² (Parseval), so that powers sum correctly: a sine of amplitude a in both channels gives a²
+    /// at any frequency, and noise of the same power also gives a². For Hann, the scale is the squared coherent gain
+    /// (½)² times the noise bandwidth of 1.5 bins.
     pub(super) fn power(&mut self, frames: &[StereoFrame]) -> &[f32] {
         for ((z, &[left, right]), &w) in self.buffer.iter_mut().zip(frames).zip(&self.window) {
             *z = Complex32::new(left * w, right * w);

@@ -20,20 +20,20 @@ pub(super) const MOMENTS_PER_ROW: u64 = 4;
 /// The time span of the history, in seconds.
 pub const HISTORY_SECONDS: f64 = 10.0;
 
-/// The tables of one moment. The default tables are empty and read 0.
+/// The tables of one moment. The default tables are empty; their values are 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tables {
     /// [`SPECTRUM_POINTS`] heights, 0..1, from 30 Hz to 16 kHz in equal ratios ([`spectrum_hz`](super::spectrum_hz)).
     pub spectrum: Option<Arc<[f32]>>,
     /// [`WAVEFORM_POINTS`] samples of the mean of both channels times the gain, -1..1, oldest first. The moment is in
-    /// the middle for files, and at the end for live input.
+    /// the middle for files and at the end for live input.
     pub waveform: Option<Arc<[f32]>>,
     /// Rows of [`HISTORY_POINTS`] heights, the newest first. The rows are at fixed moments of the stream, so that a
     /// scrolling history does not flicker.
     pub history: Option<Arc<[f32]>>,
-    /// The distance of the moment behind the first row, in rows, 1..2: a cubic needs two rows ahead.
+    /// The distance of the moment behind the first row, in rows, 1..2: a cubic needs two rows ahead of the moment.
     pub history_offset: f32,
-    /// The number of rows in [`HISTORY_SECONDS`]: age a, 0..1, is at row `history_offset` + a · `history_span`.
+    /// The number of rows in [`HISTORY_SECONDS`]. Age a, 0..1, is at row `history_offset + a · history_span`.
     pub history_span: f32,
 }
 

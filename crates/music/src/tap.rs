@@ -2,13 +2,13 @@
 
 use super::features::Features;
 
-/// The pause after which a tap starts anew, in seconds.
+/// The pause after which a tap starts a new series, in seconds.
 const PAUSE: f64 = 2.5;
 
 /// The maximum number of taps in the fit.
 const TAPS_MAX: usize = 8;
 
-/// A tap that deviates by more than this fraction of a beat starts a new tempo together with the previous tap.
+/// A tap that deviates by more than this fraction of a beat starts a new tempo, together with the tap before it.
 const OFF: f64 = 0.35;
 
 /// The shortest beat, in seconds. Closer taps count as one.
@@ -23,8 +23,8 @@ pub struct TapTempo {
 }
 
 impl TapTempo {
-    /// Adds a tap. The second tap sets a tempo, and further taps refine it. A single tap after a pause returns to the
-    /// detected tempo. Times that are not finite are ignored.
+    /// Adds a tap. The second tap sets a tempo, and further taps refine this tempo. A single tap after a pause returns
+    /// to the detected tempo. Times that are not finite are ignored.
     pub fn tap(&mut self, time: f64) {
         if !time.is_finite() {
             return;
@@ -49,8 +49,9 @@ impl TapTempo {
         }
     }
 
-    /// Sets the tempo in beats per minute at a time. The phase continues, or starts there. Afterwards a single tap sets
-    /// the phase, and two or more set another tempo. Tempos outside [`TapTempo::TEMPOS`] are ignored.
+    /// Sets the tempo in beats per minute at `time`. The phase continues, or starts at `time` if the phase is unknown.
+    /// Afterwards a single tap sets the phase, and two or more taps set another tempo. Tempos outside
+    /// [`TapTempo::TEMPOS`] are ignored.
     pub fn set(&mut self, tempo: f64, time: f64) {
         if !Self::TEMPOS.contains(&tempo) || !time.is_finite() {
             return;
@@ -63,22 +64,22 @@ impl TapTempo {
     /// The tempos that can be set, in beats per minute.
     pub const TEMPOS: std::ops::RangeInclusive<f64> = 10.0..=400.0;
 
-    /// Returns the tempo in beats per minute and the phase, 0 up to 1, at a time; `None` without two taps or a set
-    /// tempo.
+    /// Returns the tempo in beats per minute and the phase, 0 up to 1, at `time`. Returns `None` without two taps or a
+    /// set tempo.
     pub fn at(&self, time: f64) -> Option<(f32, f32)> {
         let (origin, period) = self.fit()?;
         let phase = ((time - origin) / period).rem_euclid(1.0) as f32;
         Some(((60.0 / period) as f32, if phase < 1.0 { phase } else { 0.0 }))
     }
 
-    /// Replaces the detected tempo and phase at a time by the tapped ones.
+    /// Replaces the detected tempo and phase at `time` by the tapped tempo and phase.
     pub fn apply(&self, time: f64, features: &mut Features) {
         if let Some(tapped) = self.at(time) {
             (features.tempo, features.phase) = tapped;
         }
     }
 
-    /// Returns the time and duration of a beat: the least-squares line through the taps.
+    /// Returns the time and duration of a beat, from the least-squares line through the taps.
     fn fit(&self) -> Option<(f64, f64)> {
         let count = self.taps.len();
         if count < 2 {
@@ -107,7 +108,7 @@ mod tests {
 
     #[test]
     fn unsteady_taps_give_the_tempo_and_the_phase_of_their_line() {
-        // 120 beats per minute from 10 s on, each tap 20 ms off.
+        // The taps are 120 beats per minute from 10 s on, and each tap is off by 20 ms.
         let times: Vec<f64> =
             (0..8).map(|n| 10.0 + 0.5 * f64::from(n) + if n % 2 == 0 { 0.02 } else { -0.02 }).collect();
         let (tempo, phase) = tapped(&times).at(14.25).unwrap();
@@ -121,7 +122,7 @@ mod tests {
         assert_eq!(tapped(&[1.0]).at(2.0), None);
         assert_eq!(tapped(&[1.0, 1.5]).at(2.25), Some((120.0, 0.5)));
         assert_eq!(tapped(&[1.0, 1.5, 9.0]).at(10.0), None);
-        // Also after a seek back.
+        // A seek back also starts a new series of taps.
         assert_eq!(tapped(&[5.0, 5.5, 1.0]).at(2.0), None);
         assert_eq!(tapped(&[1.0, f64::NAN, 1.05, 1.5]).at(1.5), Some((120.0, 0.0)));
     }

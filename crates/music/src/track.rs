@@ -17,7 +17,7 @@ const DEFAULT_SECONDS: f64 = 20.0;
 /// The shortest hop of any analyzer, in seconds.
 const SHORTEST_HOP: f64 = 0.0075;
 
-/// History rows beyond the time span: a cubic needs more at each end, and a moment is between two rows.
+/// History rows beyond the time span: a cubic needs further rows at each end, and a moment lies between two rows.
 const ROWS_BESIDES: usize = 4;
 
 const HISTORY_ROWS: usize =
@@ -26,13 +26,13 @@ const HISTORY_ROWS: usize =
 /// A row of the history: the number of its moment divided by [`MOMENTS_PER_ROW`], and its heights.
 type Row = (u64, [f32; HISTORY_POINTS]);
 
-/// A bounded record of features in order of time, interpolated linearly between moments, so that they are one
-/// function of time at any frame rate. After `new` only requested tables are allocated.
+/// A bounded record of features in order of time. Features are interpolated linearly between moments, so that they are
+/// one function of time at any frame rate. After `new`, memory is allocated only for requested tables.
 #[derive(Clone, Debug)]
 pub struct FeatureTrack {
     moments: VecDeque<TimedFeatures>,
     capacity: usize,
-    /// The history rows, which reach further back than the moments.
+    /// The history rows, which reach further back in time than the moments.
     rows: VecDeque<Row>,
     rows_capacity: usize,
 }
@@ -49,8 +49,8 @@ impl FeatureTrack {
         Self { moments, capacity, rows, rows_capacity }
     }
 
-    /// Adds a moment. Moments at or after its time are dropped first, so that the newest analysis applies after a step
-    /// back in time. Times that are not finite are ignored.
+    /// Adds a moment. Stored moments at or after the time of the new moment are dropped first, so that the newest
+    /// analysis applies after a step back in time. Times that are not finite are ignored.
     pub fn push(&mut self, moment: &TimedFeatures) {
         if !moment.time.is_finite() {
             return;
@@ -74,8 +74,8 @@ impl FeatureTrack {
         }
     }
 
-    /// Returns the features at `time` in seconds of stream time, clamped to the first and last moment. Silence if the
-    /// track is empty or `time` is NaN.
+    /// Returns the features at `time` in seconds of stream time, clamped to the first and last moment. Returns silence
+    /// if the track is empty or `time` is NaN.
     pub fn at(&self, time: f64) -> Features {
         match self.around(time) {
             Some((before, Some(after), amount)) => before.features.lerp(&after.features, amount),
@@ -84,7 +84,7 @@ impl FeatureTrack {
         }
     }
 
-    /// Returns the features and tables at `time`. In the tables, everything before the first moment is silence.
+    /// Returns the features and tables at `time`. In the tables, all sound before the first moment is silence.
     pub fn sound_at(&self, time: f64) -> Sound {
         let Some((before, after, amount)) = self.around(time) else { return Sound::default() };
         let features = self.at(time);
@@ -105,8 +105,8 @@ impl FeatureTrack {
         Sound { features, tables, ..Sound::default() }
     }
 
-    /// Returns the moment at or before `time`, the next moment, and the position between them, 0..1. Outside the track,
-    /// only the nearest moment.
+    /// Returns the moment at or before `time`, the next moment, and the position between the two moments, 0..1. Outside
+    /// the track, returns only the nearest moment.
     fn around(&self, time: f64) -> Option<(&TimedFeatures, Option<&TimedFeatures>, f32)> {
         if time.is_nan() {
             return None;
@@ -144,18 +144,18 @@ impl FeatureTrack {
             .collect()
     }
 
-    /// Returns the rows around the position `amount` of a hop after `moment`, the position within them, and the number
-    /// of rows in the time span.
+    /// Returns the rows around the position `amount` of a hop after `moment`, the position within these rows, and the
+    /// number of rows in the time span.
     fn history(&self, moment: &TimedFeatures, amount: f32) -> (Arc<[f32]>, f32, f32) {
         let newest = moment.number / MOMENTS_PER_ROW + 2;
         let offset = 2.0 - ((moment.number % MOMENTS_PER_ROW) as f32 + amount) / MOMENTS_PER_ROW as f32;
-        // The first moment's time is 0 and does not show the hop.
+        // The first moment's time is 0, from which the hop cannot be computed.
         let hop = moment.time / moment.number as f64;
         let hop = if hop.is_finite() { hop.max(SHORTEST_HOP) } else { SHORTEST_HOP };
         let span = HISTORY_SECONDS / (hop * MOMENTS_PER_ROW as f64);
         let mut values = vec![0.0; (span.ceil() as usize + ROWS_BESIDES).min(HISTORY_ROWS) * HISTORY_POINTS];
         let (lines, _) = values.as_chunks_mut::<HISTORY_POINTS>();
-        // Use the newest heights for the next two rows until they are known.
+        // Use the newest heights for the next two rows until the next rows are known.
         if let Some(ahead) = lines.get_mut(..2) {
             ahead.fill(column_means(&self.moments.back().unwrap_or(moment).spectrum));
         }

@@ -3,8 +3,8 @@
 use super::StereoFrame;
 
 /// The duration of the stretch for the volume, in seconds. The thesis (Abt 2022, section 5, eq. 1) uses the samples
-/// since the last frame, about 1/60 s, which ties the volume to the frame rate and to the sound card's blocks. Here
-/// the duration is fixed, and the stretch is centred on the moment of the features.
+/// since the last frame, about 1/60 s, which ties the volume to the frame rate and to the sound card's blocks. Here the
+/// duration is fixed, and the stretch is centred on the moment of the features.
 const SECONDS: f64 = 1.0 / 60.0;
 
 /// Returns the length of the stretch in sample frames: at least 2, and even, so that it has a centre.
@@ -12,7 +12,7 @@ pub(super) fn stretch_length(sample_rate: u32) -> usize {
     2 * ((f64::from(sample_rate) * SECONDS / 2.0).round() as usize).max(1)
 }
 
-/// V = (Σ |S_i|) / n (Abt 2022, section 5, eq. 1), for the left, right, mid and side channel.
+/// The volume V = (Σ |S_i|) / n (Abt 2022, section 5, eq. 1), for the left, right, mid and side channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Volumes {
     pub(super) left: f32,

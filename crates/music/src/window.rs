@@ -1,7 +1,7 @@
 //! The window function for Fourier transforms.
 
-/// Returns the periodic Hann window, `length` weights 0..1: w(n) = ½ - ½·cos(2πn / length). Its peak is at `length /
-/// 2`, and its equivalent noise bandwidth is 1.5 bins (Harris 1978, table 1).
+/// Returns the periodic Hann window, `length` weights 0..1: w(n) = ½ - ½·cos(2πn / length). The window's peak is at
+/// `length / 2`, and its equivalent noise bandwidth is 1.5 bins (Harris 1978, table 1).
 pub(super) fn hann(length: usize) -> Vec<f32> {
     let step = std::f64::consts::TAU / length as f64;
     (0..length).map(|n| (0.5 - 0.5 * (step * n as f64).cos()) as f32).collect()

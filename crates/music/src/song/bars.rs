@@ -1,7 +1,7 @@
-//! The bars of a song: the meter and the downbeats. For the meter, beats are similar at the distance of a bar (the
-//! beat spectrum of Foote and Uchihashi 2001; Gouyon and Herrera 2003 for meters). For the downbeats, low drums and
-//! changes of harmony and timbre are likelier at the start of a bar, snares in between (Goto 2001). The likeliest
-//! path is decoded over the whole song, so that one extra beat costs one bar and not the rest of the song.
+//! The bars of a song: the meter and the downbeats. The meter is found from the similarity of beats that are a bar
+//! apart (the beat spectrum of Foote and Uchihashi 2001; Gouyon and Herrera 2003 for meters). Downbeats are found from
+//! low drums and changes of harmony and timbre, which are likelier at the start of a bar, and from snares in between
+//! (Goto 2001). The likeliest path is decoded over the whole song, so that an extra beat disturbs only one bar.
 
 use serde::{Deserialize, Serialize};
 
@@ -44,11 +44,11 @@ impl Meter {
 
 /// The cost of leaving a bar before its end, in standard deviations of the evidence.
 const BREAK_COST: f32 = 12.0;
-/// The margin by which beats must be more similar at distances of three than of four.
+/// The margin by which beats three apart must be more similar than beats four apart, for a meter of three.
 const THREE_OVER_FOUR: f32 = 0.06;
-/// The number of hops around a beat in which its onset is searched.
+/// The number of hops before and after a beat in which the beat's onset is searched.
 const AROUND: usize = 3;
-/// The minimum strength at both thirds of a beat for a ternary meter, relative to the beat and to its half.
+/// The minimum onset strength at both thirds of a beat in a ternary meter, relative to the beat and to its half.
 const TERNARY: (f32, f32) = (0.12, 1.5);
 
 struct Evidence {
@@ -84,7 +84,7 @@ fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> 
         let next = beats.get(index + 1).copied().unwrap_or(here);
         (here + next) / 2.0
     };
-    // Two beats before and two after, so that a passing note counts less than a chord.
+    // Compare two beats before with two beats after, so that a passing note counts less than a chord.
     let mean = |from: usize, to: usize| {
         let mut sum = [0.0_f32; 12];
         for unit in units.get(from..to.min(units.len())).unwrap_or_default() {
@@ -158,7 +158,7 @@ fn meter(heard: &Heard, strengths: &[f32], beats: &[f64], evidence: &Evidence) -
     }
 }
 
-/// True if beats have three parts, with onsets at both the second and the third. (Swing has none at the second.)
+/// True if beats have three parts, with onsets at both the second and the third. Swing has onsets only at the third.
 fn has_thirds(heard: &Heard, strengths: &[f32], beats: &[f64]) -> bool {
     let mean_at = |fraction: f64| {
         let at = |pair: &[f64]| {
@@ -195,7 +195,7 @@ fn path(meter: Meter, evidence: &Evidence) -> Vec<usize> {
         let mut from = vec![0; beats];
         for position in 0..beats {
             let regular = (position + beats - 1) % beats;
-            // Only the start of a bar may come too early or too late.
+            // Only the start of a bar may be too early or too late.
             let broken = position == 0 && best[likeliest] - BREAK_COST > best[regular];
             from[position] = if broken { likeliest } else { regular };
             let before = if broken { best[likeliest] - BREAK_COST } else { best[regular] };

@@ -1,7 +1,7 @@
-//! The beats of a whole song. The model is the same as in the causal tracker ([`crate::beat`]), but the likeliest
-//! path through the whole song is decoded by dynamic programming (Viterbi 1967). Nothing is decided within a beat, so
-//! it is enough to know for every moment and period the best path with a beat there and the next beat a period later,
-//! including the reward of its half and quarters (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of
+//! The beats of a whole song. The model is the same as in the causal tracker ([`crate::beat`]), but the likeliest path
+//! through the whole song is decoded by dynamic programming (Viterbi 1967). A path branches only at beats. So for each
+//! moment and period, only the best path with a beat at this moment and the next beat a period later is stored,
+//! including the reward of the beat's half and quarters (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of
 //! rewards).
 
 use std::collections::VecDeque;
@@ -12,7 +12,7 @@ use crate::onset::FLUX_MIN;
 
 /// Range of tempos, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
-/// The likeliest tempo in beats per minute, and the cost per beat and squared octave of distance from it.
+/// The likeliest tempo in beats per minute, and the cost per beat and per squared octave of distance from this tempo.
 const LIKELY: (f64, f64) = (108.0, 0.6);
 
 /// The rewards of a beat, its half and its quarters: a constant, and a factor of the onset strength's log odds.
@@ -20,14 +20,14 @@ const BEAT: (f32, f32) = (0.0, 1.5);
 const HALF: (f32, f32) = (0.15, 0.15);
 const QUARTER: (f32, f32) = (0.0, -0.15);
 
-/// The cost of a change of period, per relative change beyond one hop.
+/// The cost of a change of period, per relative change of more than one hop.
 const TEMPO_STIFFNESS: f32 = 250.0;
-/// The cost of a change by one hop, which is small because most tempos are between two periods.
+/// The cost of a change of period by one hop. The cost is small because most tempos are between two periods.
 const NEIGHBOUR: f32 = 0.25;
 /// The largest change of period between two beats, in hops.
 const REACH: usize = 6;
 
-/// The range before and after a moment for the largest flux, to which onset strengths are relative, in seconds.
+/// Onset strengths are relative to the largest flux within this many seconds before and after the moment.
 const LARGEST_SECONDS: f64 = 1.5;
 /// The delay of onsets in the flux, in hops.
 const FLUX_LATE: f64 = 0.6;
@@ -37,21 +37,22 @@ const STRETCH: usize = 56_250;
 /// The overlap of the decoded stretches in moments: 20 seconds.
 const OVERLAP: usize = 1_875;
 
-/// The minimum fraction of beats with an onset. Noise and swelling chords have none.
+/// The minimum fraction of beats with an onset. Noise and swelling chords have no onsets.
 const STRUCK_MIN: f32 = 0.25;
-/// The minimum agreement of the onsets' positions within the beats, at one, two, three or four per beat: the length of
-/// their mean as points on a circle. Music has 0.3 and more, speech and rain less than 0.2.
+/// The minimum agreement of the onsets' positions within the beats, for one to four onsets per beat. The agreement is
+/// the length of the mean of the positions as points on a circle. Music has 0.3 and more, speech and rain less than
+/// 0.2.
 const AGREE_MIN: f64 = 0.25;
 const PARTS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
-/// The minimum standard deviation of the level, in decibels. A held note with vibrato has a steady level.
+/// The minimum standard deviation of the level, in decibels, because a held note with vibrato has a steady level.
 const LEVEL_DEVIATION_MIN: f32 = 1.0;
-/// The range of levels that count, in decibels below the loudest.
+/// The range of levels that count, in decibels below the loudest level.
 const LEVEL_RANGE: f32 = 60.0;
 /// The number of hops around a beat in which an onset belongs to it.
 const AROUND: usize = 2;
 const BEATS_MIN: usize = 8;
 
-/// Returns onset strengths 0..1, relative to the largest flux nearby.
+/// Returns onset strengths, 0..1, relative to the largest flux nearby ([`LARGEST_SECONDS`]).
 pub(super) fn onset_strengths(heard: &Heard) -> Vec<f32> {
     let reach = (LARGEST_SECONDS / heard.hop_seconds) as usize;
     let flux: Vec<f32> = heard.moments.iter().map(|moment| moment.flux).collect();
@@ -59,7 +60,7 @@ pub(super) fn onset_strengths(heard: &Heard) -> Vec<f32> {
     flux.iter().zip(largest).map(|(flux, largest)| flux / largest.max(FLUX_MIN)).collect()
 }
 
-/// Returns the largest value within `reach` of each. The queue holds candidates in decreasing order (Lemire 2006).
+/// Returns the largest value within `reach` of each index. The queue holds decreasing candidates (Lemire 2006).
 fn largest_around(values: &[f32], reach: usize) -> Vec<f32> {
     let mut queue = VecDeque::new();
     let mut ahead = values.iter().copied().enumerate();
@@ -138,7 +139,7 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
         let moments = from.abs_diff(to) as f32;
         -TEMPO_STIFFNESS * (moments - 1.0).max(0.0) / (shortest + from) as f32 - NEIGHBOUR * moments.min(1.0)
     };
-    // From `to - REACH + k` to `to`.
+    // The costs of the changes from the periods `to - REACH + k` to the period `to`.
     let costs: Vec<[f32; 2 * REACH + 1]> =
         (0..count).map(|to| std::array::from_fn(|k| changing((to + k).saturating_sub(REACH), to))).collect();
     // The best paths with a beat at each of the last `longest` moments, by the period of the next beat.
@@ -152,7 +153,7 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
         for (index, arrives) in arriving[REACH..REACH + count].iter_mut().enumerate() {
             let period = shortest + index;
             *arrives = match moment.checked_sub(period) {
-                // Before the first beat there is no cost.
+                // The first beat has no cost of a change.
                 None => 0.0,
                 Some(from) => {
                     let quarters = worth(QUARTER, from + period / 4) + worth(QUARTER, from + 3 * period / 4);
@@ -196,7 +197,7 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
     beats
 }
 
-/// Removes the beats before the first sound and after the last.
+/// Removes the beats before the first sound and after the last sound.
 fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
     let loudest = moments.iter().fold(0.0_f32, |loudest, moment| loudest.max(moment.power));
     let sounds = |moment: &Moment| moment.power > (loudest * 1e-5).max(1e-9);
@@ -209,7 +210,7 @@ fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
     beats.get(from..to).unwrap_or_default()
 }
 
-/// True if there are onsets at the beats and, between them, at whole parts of beats.
+/// True if onsets are at the beats and, between the beats, at whole parts of beats.
 fn is_steady(beats: &[usize], moments: &[Moment]) -> bool {
     let begins = |beat: usize| {
         let around = beat.saturating_sub(AROUND)..(beat + AROUND + 1).min(moments.len());
@@ -222,7 +223,7 @@ fn is_steady(beats: &[usize], moments: &[Moment]) -> bool {
         && agreement(beats, moments) >= AGREE_MIN
 }
 
-/// Returns the agreement described at [`AGREE_MIN`]; 0 without onsets.
+/// Returns the agreement that [`AGREE_MIN`] describes; 0 without onsets.
 fn agreement(beats: &[usize], moments: &[Moment]) -> f64 {
     let places: Vec<f64> = beats
         .windows(2)
@@ -252,7 +253,7 @@ fn level_deviation(beats: &[usize], moments: &[Moment]) -> f32 {
     (moments.iter().map(|moment| (level(moment) - mean).powi(2)).sum::<f32>() / count).sqrt()
 }
 
-/// Returns the beat's position in fractions of a hop, at the nearby onset.
+/// Returns the position of the nearby onset, in fractions of a hop.
 fn refined(beat: usize, strengths: &[f32]) -> f64 {
     let around = beat.saturating_sub(2)..(beat + 3).min(strengths.len());
     let (mut sum, mut weight) = (0.0, 0.0);

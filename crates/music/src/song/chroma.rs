@@ -3,12 +3,12 @@
 /// Thirds of semitones in an octave.
 pub(super) const FINE_BINS: usize = 36;
 
-/// The range in hertz. Below, the window cannot separate semitones; above, partials outweigh fundamentals.
+/// The range in hertz. Below it, the window cannot separate semitones; above it, partials outweigh fundamentals.
 const RANGE_HZ: (f64, f64) = (58.0, 1_600.0);
 
-/// The minimum power of a peak relative to the mean around it. The noise of drums has no such peaks.
+/// The minimum power of a peak relative to the mean power around it. The noise of drums has no such peaks.
 const PEAK_OVER_MEAN: f32 = 3.0;
-/// The number of bins on each side for that mean.
+/// The number of bins on each side of a peak that form this mean.
 const SURROUNDINGS: usize = 9;
 
 /// Peaks below this power (-80 dB) are not pitches.
@@ -57,8 +57,9 @@ impl FineChroma {
         Tuning { semitones: sine.atan2(cosine) / std::f64::consts::TAU }
     }
 
-    /// Returns the amplitudes of the peaks, folded into one octave in thirds of semitones, the middle third of C first.
-    /// A peak's frequency is the vertex of the parabola through the logarithms around it (Smith and Serra 1987).
+    /// Returns the amplitudes of the peaks, folded into one octave in thirds of semitones; the middle third of C is
+    /// first. A peak's frequency is the vertex of a parabola through the logarithms of three bins (Smith and Serra
+    /// 1987).
     pub(super) fn chroma(&mut self, power: &[f32]) -> [f32; FINE_BINS] {
         let mut chroma = [0.0; FINE_BINS];
         let mut bin = self.first;
@@ -102,7 +103,7 @@ mod tests {
     #[test]
     fn pitch_classes_follow_the_tuning() {
         let mut fine = [0.0; FINE_BINS];
-        // A, a third of a semitone sharp.
+        // This is A, a third of a semitone sharp.
         fine[28] = 1.0;
         let at = |semitones| Tuning { semitones }.pitch_classes(&fine)[9];
         assert_eq!((at(0.0), at(1.0 / 3.0), at(-0.4)), (1.0, 1.0, 0.0));

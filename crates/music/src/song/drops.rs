@@ -1,65 +1,66 @@
-//! Builds and drops of a song. A build is a stretch of bars that become brighter and denser in onsets (Solberg 2014
-//! on builds in club music). A drop is a bar in which, after a build or a pause, the missing low band returns, and
-//! which begins some of the song's loudest and densest bars (Yadati et al. 2014). No single one of these is enough: a
-//! crescendo has the rise, an entering band the low frequencies, and a pause before the last chorus the silence.
+//! Builds and drops of a song. A build is a stretch of bars that become brighter and denser in onsets (Solberg 2014 on
+//! builds in club music). A drop is a bar in which the missing low band returns after a build or a pause, and which
+//! begins some of the song's loudest and densest bars (Yadati et al. 2014). All these signs are needed together,
+//! because a crescendo has the rise, an entering band has the low frequencies, and a pause before the last chorus has
+//! the silence.
 
 use super::heard::{Heard, TIMBRE_BANDS};
 use super::units::{Unit, units};
 
 /// The lengths of builds, in bars.
 const BUILD_BARS: std::ops::RangeInclusive<usize> = 4..=16;
-/// The minimum rise of tension from the first bar of a build to its last, in decibels.
+/// The minimum rise of tension ([`tension`]) from the first bar of a build to its last bar, in decibels.
 const RISE_MIN: f32 = 7.0;
 /// The minimum correlation of tension and time in a build.
 const STRAIGHT_MIN: f32 = 0.8;
-/// The maximum step between two bars, as a fraction of the rise. A larger step is an entry, not a build.
+/// The maximum step between two bars of a build, as a fraction of the rise. A larger step is an entry of instruments.
 const STEP_FRACTION: f32 = 0.7;
-/// The minimum t statistic of that correlation before a drop.
+/// The minimum t statistic of the correlation of tension and time before a drop.
 const SURE_MIN: f32 = 5.0;
 
-/// The eve of a bar: this part of the previous bar, most of its last beat.
+/// The eve of a bar: this part of the previous bar. It covers most of the previous bar's last beat.
 const EVE: (f64, f64) = (0.75, 0.9375);
 
-/// The number of bars of a drop for its level.
+/// The number of bars from which a drop's level is measured.
 const LOUD_BARS: usize = 4;
-/// The minimum level of a drop: this quantile of the song's bar levels, minus this many decibels.
+/// The minimum level of a drop: the first value is a quantile of the song's bar levels, the second is subtracted in dB.
 const LOUD: (f32, f32) = (0.7, 1.0);
-/// The minimum difference of a drop's level to the bars before, in decibels.
+/// The minimum difference between a drop's level and the level of the bars before, in decibels.
 const JUMP_MIN: f32 = 3.0;
-/// The number of bars before a drop for that difference.
+/// The number of bars before a drop that are compared with it.
 const JUMP_BARS: usize = 8;
 /// The minimum onset density of a drop ([`Unit::onsets`]).
 const ONSETS_MIN: f32 = 0.033;
-/// The minimum difference of a drop's level to its eve, in decibels.
+/// The minimum difference between a drop's level and the level of its eve, in decibels.
 const LOUDER_THAN_EVE: f32 = 4.0;
-/// The minimum difference of a drop's low band to its eve, in decibels.
+/// The minimum difference between the low bands of a drop and of its eve, in decibels.
 const LOW_OVER_EVE: f32 = 8.0;
-/// The number of bars of a drop for its low band.
+/// The number of bars from which a drop's low band is measured.
 const LOW_BARS: usize = 2;
-/// The number of bars before the eve's bar for comparisons.
+/// The number of bars that are compared with the last bar before a drop.
 const BARS_BEFORE: usize = 4;
-/// The minimum difference of the low band, in decibels, from a drop to the bars before, or its eve to earlier eves.
+/// The minimum lead of the low band, in decibels: of a drop over earlier bars, or of earlier eves over the drop's eve.
 const LOW_AWAY: f32 = 4.0;
-/// The first of these if a pause precedes the drop: a band that pauses for one bar is no drop.
+/// The minimum lead over earlier bars if a pause precedes the drop: a band that pauses for one bar makes no drop.
 const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
-/// The minimum level differences of a pause to the bars after it and to earlier eves, in decibels.
+/// The minimum level differences between a pause and the bars after it, and between a pause and earlier eves, in dB.
 const PAUSE: (f32, f32) = (8.0, 4.0);
-/// The minimum distance of two drops in bars. Of closer drops only the strongest counts.
+/// The minimum distance between two drops, in bars. Of closer drops only the strongest is kept.
 const APART: usize = 8;
 
-/// Measures the eve of the next bar for each bar between these times.
+/// Measures the eve of the next bar, for each bar between two of these times.
 pub(super) fn eves(heard: &Heard, bar_times: &[f64]) -> Vec<Unit> {
     let eve = |bar: &[f64]| {
         let at = |fraction: f64| bar[0] + fraction * (bar[1] - bar[0]);
         [at(EVE.0), at(EVE.1)]
     };
     let times: Vec<f64> = bar_times.windows(2).flat_map(eve).collect();
-    // Every second unit is between two eves.
+    // Every second unit covers the time between two eves and is left out.
     units(heard, &times).into_iter().step_by(2).collect()
 }
 
-/// Returns the bars of builds, and the first bars of drops. A build leads to a drop or into another section: `borders`
-/// are the first bars of sections. `eves` has the last beat of each bar.
+/// Returns the bars of builds, and the first bars of drops. A build leads to a drop or into another section, whose
+/// first bar is in `borders`. `eves` contains the last beat of each bar.
 pub(super) fn builds_and_drops(
     bars: &[Unit],
     eves: &[Unit],
@@ -77,7 +78,7 @@ pub(super) fn builds_and_drops(
         let returns = returns(bars, eves, bar, loud, is_sure);
         if let Some(build) = build.filter(|_| returns.is_some() || borders.contains(&bar)) {
             match builds.last_mut() {
-                // The same build, which continues to its drop.
+                // This is the same build, which continues to its drop.
                 Some(last) if last.end > build.start => {
                     if returns.is_some() {
                         last.end = bar;
@@ -120,7 +121,7 @@ fn loud(bars: &[Unit]) -> f32 {
     levels.get((levels.len() as f32 * LOUD.0) as usize).map_or(f32::INFINITY, |level| level - LOUD.1)
 }
 
-/// Returns the rise of the low band, in decibels, if `bar` begins a drop: after a build, or after a pause.
+/// Returns the rise of the low band, in decibels, if `bar` begins a drop after a build or after a pause.
 fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: bool) -> Option<f32> {
     let last = bar.checked_sub(1)?;
     let eve = eves.get(last)?;
@@ -171,7 +172,7 @@ struct Build {
     sure: f32,
 }
 
-/// Returns the stretch before `end` in which tension rises most certainly.
+/// Returns the stretch before `end` in which the rise of tension is most certain.
 fn build(tension: &[f32], end: usize) -> Option<Build> {
     let rising = |start: usize| {
         let values = &tension[start..end];

@@ -34,13 +34,13 @@ pub(super) struct Heard {
     pub(super) hop_seconds: f64,
     pub(super) seconds: f64,
     pub(super) cut_short: bool,
-    /// The integrated loudness in LUFS; `None` if nothing is loud enough.
+    /// The integrated loudness in LUFS; `None` if the song is too quiet.
     pub(super) loudness: Option<f32>,
-    /// The moments; moment n is at n hops.
+    /// The moments. Moment n is at n hops.
     pub(super) moments: Vec<Moment>,
-    /// The slow moments; number n ends at (n + 1) · [`SLOW_HOPS`] hops, with late chroma.
+    /// The slow moments. Number n ends at (n + 1) · [`SLOW_HOPS`] hops; its chroma is late by `chroma_late`.
     pub(super) slow: Vec<SlowMoment>,
-    /// The delay of the chroma in slow moments.
+    /// The delay of the chroma, in slow moments.
     pub(super) chroma_late: usize,
     pub(super) tuning: Tuning,
 }

@@ -63,14 +63,14 @@ const PITCHED_MIN: f32 = 0.4;
 /// The minimum difference between the most and the least frequent pitch class, relative to the mean.
 const CONTRAST_MIN: f32 = 0.8;
 
-/// The minimum mean distance of a beat's pitch class fractions from the song's: a held note is no harmony.
+/// The minimum mean distance between a beat's and the song's pitch class fractions, because a held note is no harmony.
 const CHANGE_MIN: f32 = 0.05;
 
 const CHORD_MIN: f32 = 0.35;
 /// The cost of a chord change, in correlation.
 const CHANGE_COST: f32 = 0.45;
 
-/// Returns the song's pitch class weights; `None` without harmony: in noise they are equal, a held note is constant.
+/// Returns the song's pitch class weights; `None` for sound without harmony, such as noise or a held note.
 pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     let pitched = units.iter().filter(|unit| unit.chroma.iter().any(|fraction| *fraction > 0.0)).count();
     if (pitched as f32) < PITCHED_MIN * units.len().max(1) as f32 {
@@ -93,9 +93,9 @@ pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     (heard >= 4 && varied).then_some(sum)
 }
 
-/// Returns the key of a song, or `None` if no key fits. It has the largest correlation with the pitch classes
-/// (Krumhansl 1990). A key and its relative share their notes, so the fraction of the tonic's triad among all chords
-/// and among the first chords of sections also counts.
+/// Returns the key of a song, or `None` if no key fits. The returned key has the largest correlation with the pitch
+/// classes (Krumhansl 1990). A key and its relative share their notes. So the fraction of the tonic's triad also
+/// counts, among all chords and among the first chords of sections.
 pub(super) fn key(
     units: &[Unit],
     chords: &[Option<Tonality>],
@@ -120,7 +120,7 @@ pub(super) fn key(
 }
 
 /// Returns the chord of each unit: the likeliest sequence of triads (a hidden Markov model like Sheh and Ellis 2003,
-/// with correlations instead of probabilities). `None` where no triad fits or there are no pitches.
+/// with correlations instead of probabilities). A unit has `None` if no triad fits or if it has no pitches.
 pub(super) fn chords(units: &[Unit]) -> Vec<Option<Tonality>> {
     if pitches_of(units).is_none() {
         return vec![None; units.len()];
@@ -186,7 +186,7 @@ mod tests {
             let profile = if key.mode == Mode::Major { MAJOR } else { MINOR };
             let sum: f32 = profile.iter().sum();
             let fraction = |class: usize| profile[(class + 12 - usize::from(key.root)) % 12] / sum;
-            // Alternate between every second note, so that it is not a held chord.
+            // Alternate between even and odd pitch classes, because a constant chord would count as a held note.
             let units = [0, 1].map(|turn| {
                 let chroma =
                     std::array::from_fn(|class| if class % 2 == turn { fraction(class) } else { 0.0 });

@@ -14,7 +14,7 @@ use crate::slow_window::SlowWindow;
 use crate::spectrum::Spectrum;
 use ebur128::{EbuR128, Mode};
 
-/// The windows for onsets and for pitches (341 ms), in hops.
+/// The lengths of the windows for onsets and for pitches (341 ms), in hops.
 const SHORT_HOPS: usize = 2;
 const LONG_HOPS: usize = 32;
 /// Listens to a whole song and returns its structure at the end.
@@ -41,7 +41,7 @@ pub struct SongListener {
     timbre: Timbre,
     slow: SlowWindow,
     pitches: FineChroma,
-    /// Measures the integrated loudness; `None` after an error, then the song has no loudness.
+    /// Measures the integrated loudness. It is `None` after an error; the song then has no loudness.
     meter: Option<EbuR128>,
     hops: usize,
     frames: u64,
@@ -113,15 +113,15 @@ impl SongListener {
             frames_max: (LIMITS.song_seconds_max * rate) as u64,
             heard: Heard {
                 hop_seconds,
-                // Half of the window.
+                // The chroma is late by half of the long window.
                 chroma_late: LONG_HOPS / 2 / SLOW_HOPS,
                 ..Heard::default()
             },
         }
     }
 
-    /// Analyses the next sample frames, any number of them. Samples that are not finite count as 0; others are clamped
-    /// to ±8.
+    /// Analyses the next sample frames, any number of them. Samples that are not finite count as 0, and all others are
+    /// clamped to ±8.
     pub fn push(&mut self, frames: &[StereoFrame]) {
         let room = usize::try_from(self.frames_max - self.frames).unwrap_or(usize::MAX);
         self.heard.cut_short |= frames.len() > room;
@@ -133,7 +133,7 @@ impl SongListener {
     /// Ends the song and returns its structure.
     pub fn finish(mut self) -> SongStructure {
         self.heard.seconds = self.frames as f64 / self.rate;
-        // Measured before the following silence. Without loud enough parts the value is minus infinity.
+        // Measure the loudness before silence is pushed. It is minus infinity if all parts are too quiet.
         let loudness = self.meter.take().and_then(|meter| meter.loudness_global().ok());
         self.heard.loudness =
             loudness.filter(|loudness| loudness.is_finite()).map(|loudness| loudness as f32);

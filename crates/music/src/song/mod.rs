@@ -6,10 +6,10 @@
 //!                                                                         └──────────┴─► key, chords
 //! ```
 //!
-//! The analysis of the whole song runs at its end, on compact measurements.
+//! The analysis runs at the end of the song, on compact measurements.
 
-/// The version of the analysis. It increases when the same samples give another structure, so that cached structures
-/// are not reused.
+/// The version of the analysis. It increases when a change to the analysis gives the same samples another structure, so
+/// that outdated cached structures are not used.
 pub const STRUCTURE_VERSION: u32 = 3;
 
 mod bars;

@@ -1,4 +1,4 @@
-//! The values of a song's structure that a scene reads at a moment: a pure, fast function of structure and time.
+//! The values of a song's structure that a scene reads at a moment, as a fast, pure function of structure and time.
 
 use serde::Serialize;
 
@@ -6,10 +6,10 @@ use super::structure::{Section, SongStructure};
 use super::{Mode, PITCH_CLASSES};
 use crate::features::Features;
 
-/// The duration of a drop's fade in bars, or without bars in seconds.
+/// The duration of a drop's fade in bars, or in seconds if the song has no bars.
 const DROP_BARS: f64 = 2.0;
 const DROP_SECONDS: f64 = 4.0;
-/// The number of the letter Z. Later letters count as Z.
+/// The number of the letter Z. Letters after Z have the same number.
 const LETTERS: u8 = 26;
 
 /// The position of a moment in its song. Every number is finite; unknown numbers are 0.
@@ -23,7 +23,7 @@ pub struct SongMoment {
     pub section: f32,
     /// Position in the section, 0..1.
     pub section_phase: f32,
-    /// Loudness over about a second: 0 is 36 dB or more below the song's loudest second, 1 the loudest.
+    /// Loudness over about a second: 1 in the song's loudest second, 0 at 36 dB or more below the loudest second.
     pub energy: f32,
     /// Position in a build, 0..1; 0 outside builds.
     pub build: f32,
@@ -56,7 +56,7 @@ impl SongMoment {
         chroma: [0.0; PITCH_CLASSES.len()],
     };
 
-    /// Returns the number that scenes read by this name, such as `bar` or `chroma(3)`.
+    /// Returns the number that scenes read by `name`, such as `bar` or `chroma(3)`.
     pub fn number(&self, name: &str) -> Option<f32> {
         Some(match name {
             "bar" => self.bar,
@@ -78,7 +78,7 @@ impl SongMoment {
 }
 
 impl SongMoment {
-    /// Returns the moment of live input: its energy, 0..1, and its position in the bar while that is certain.
+    /// Returns the moment of live input: its energy, 0..1, and its position in the bar while the position is certain.
     pub fn of_live(energy: f32, features: &Features) -> Self {
         let Features { phase, bar_beat, bar_beats, .. } = *features;
         let is_sure = bar_beat >= 1.0 && bar_beats >= bar_beat;
@@ -130,7 +130,7 @@ impl At<'_> {
         let time = self.time;
         let in_bar = self.song.meter?.beats();
         let beats = &self.song.beats;
-        // The last beat at or before the time, or the first beat if the time is earlier.
+        // Use the last beat at or before the time, or the first beat if the time is earlier.
         let index = beats.partition_point(|beat| beat.time <= time).saturating_sub(1);
         let (beat, next) = (beats.get(index)?, beats.get(index + 1));
         let period = match next {
@@ -216,7 +216,7 @@ impl At<'_> {
     }
 }
 
-/// 1 for A, 2 for B and so on, up to [`LETTERS`].
+/// Returns 1 for A, 2 for B and so on, up to [`LETTERS`].
 fn number_of(section: &Section) -> f32 {
     let number = match section.letter.as_bytes() {
         [letter] if letter.is_ascii_uppercase() => letter - b'A' + 1,
@@ -230,7 +230,7 @@ fn fraction(time: f64, start: f64, end: f64) -> f32 {
     if length > 0.0 { unit(((time - start) / length) as f32) } else { 0.0 }
 }
 
-/// Interpolates from `a` to `b`. Rounding never leaves the range.
+/// Interpolates from `a` to `b`. Rounding never produces a value outside the range from `a` to `b`.
 fn mixed(a: f32, b: f32, amount: f32) -> f32 {
     (a * (1.0 - amount) + b * amount).clamp(a.min(b), a.max(b))
 }

@@ -6,7 +6,7 @@ use super::super::{Meter, Mode, PitchFractions, Section, SongBeat, SongStructure
 use super::SongMoment;
 use crate::features::Features;
 
-/// 4/4 at 120 beats per minute. The first bar begins at 1 s; section A is followed by B with a drop at 17 s.
+/// A song in 4/4 at 120 beats per minute. The first bar begins at 1 s. At 17 s section B begins with a drop.
 fn song() -> SongStructure {
     let section = |start, end, letter: &str| Section { start, end, letter: letter.into(), energy: 0.5 };
     let chroma = |index: usize| {
@@ -53,7 +53,7 @@ fn bars_continue_before_the_first_and_after_the_last_beat() {
         (1.5, 0.25, 2.0),
         (2.75, 0.875, 4.0),
         (3.0, 0.0, 1.0),
-        // The bar before the first beat.
+        // These times are in the bar before the first beat.
         (0.75, 0.875, 4.0),
         (0.0, 0.5, 3.0),
         (30.75, 0.875, 4.0),

@@ -1,22 +1,22 @@
 //! The sections of a song: borders and repeats. The borders are the cheapest segmentation into homogeneous stretches
-//! (Jensen 2007, the shortest path through a song; Foote 2000 finds the same borders as peaks of novelty). In a
+//! (Jensen 2007, the shortest path through a song; Foote 2000 finds the same borders as peaks of novelty). Within a
 //! stretch, timbre is constant, and harmony is constant or repeats every one, two, four or eight bars (Serrà et al.
-//! 2014). Whole phrases cost less than other lengths (Sargent, Bimbot and Vincent 2011). Stretches with similar
-//! timbre and harmony get the same letter (McFee and Ellis 2014 cluster likewise).
+//! 2014). Whole phrases cost less than other lengths (Sargent, Bimbot and Vincent 2011). Stretches with similar timbre
+//! and harmony get the same letter (McFee and Ellis 2014 cluster in the same way).
 
 use super::heard::TIMBRE_BANDS;
 use super::units::Unit;
 
-/// The cost of a section, in mean squared deviations of the whole song's bars.
+/// The cost of a section. One unit is the mean squared deviation of the song's bars.
 const SECTION_COST: f32 = 2.0;
 /// The cost of each bar of a repeating harmony.
 const LOOP_COST: f32 = 0.12;
 /// The periods of a repeating harmony, in bars.
 const LOOPS: [usize; 4] = [1, 2, 4, 8];
 const LONGEST: usize = 96;
-/// The cost of a length by its remainder modulo four bars.
+/// The cost of a section by its length in bars modulo four.
 const ODD_COST: [f32; 4] = [0.0, 1.2, 0.5, 1.2];
-/// The cost per bar that a section has less than four.
+/// The cost of each bar by which a section is shorter than four bars.
 const SHORT_COST: f32 = 1.0;
 
 /// The minimum timbre deviation for scaling: the root of the sum of squares over all bands, in decibels.
@@ -68,7 +68,7 @@ fn scaled(bars: &[Unit]) -> Scaled {
 /// Outliers are clamped to this many standard deviations, so that a pause does not become a section.
 const FARTHEST: f32 = 2.5;
 
-/// Subtracts the mean and divides by the deviation, or by `least` if that is larger. Outliers do not widen the scale.
+/// Subtracts the mean and divides by the deviation, but at least by `least`. Outliers do not widen the scale.
 fn with_unit_deviation<const N: usize>(rows: &[[f32; N]], least: f32) -> Vec<[f32; N]> {
     let count = rows.len().max(1) as f32;
     let mean: [f32; N] =
@@ -88,7 +88,7 @@ fn with_unit_deviation<const N: usize>(rows: &[[f32; N]], least: f32) -> Vec<[f3
         .collect()
 }
 
-/// Prefix sums of rows and of their squared lengths, of every row or of every `step`-th.
+/// Prefix sums of every row or of every `step`-th row, and of the squared lengths of these rows.
 struct Sums<const N: usize> {
     step: usize,
     /// `sums[n]` is the sum of rows n - step, n - 2·step and so on.
@@ -108,7 +108,7 @@ impl<const N: usize> Sums<N> {
         Self { step, sums, squares }
     }
 
-    /// Sums squared distances of the rows `start..end` from the mean of the rows a multiple of `step` away.
+    /// Sums the squared distances of the rows `start..end`, each from the mean of all rows a multiple of `step` away.
     fn deviation(&self, start: usize, end: usize) -> f32 {
         let of_phase = |phase: usize| {
             let first = start + phase;
@@ -161,8 +161,8 @@ fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
     stretches
 }
 
-/// Returns the letter of each stretch: clusters by mean distance (average linkage; Sokal and Michener 1958), in the
-/// order of their first stretch.
+/// Returns the letter of each stretch. The letters are clusters by mean distance (average linkage; Sokal and Michener
+/// 1958), in the order of their first stretch.
 fn letters(stretches: &[std::ops::Range<usize>], scaled: &Scaled) -> Vec<usize> {
     let count = stretches.len();
     let mut clusters: Vec<Vec<usize>> = (0..count).map(|index| vec![index]).collect();
@@ -190,8 +190,8 @@ fn letters(stretches: &[std::ops::Range<usize>], scaled: &Scaled) -> Vec<usize> 
     letters
 }
 
-/// Returns the squared distance of the mean timbres, plus half of that of the chroma bar by bar, over the shorter
-/// length.
+/// Returns the squared distance of the mean timbres, plus half the squared distance of the chromas. The chromas are
+/// compared bar by bar, over the length of the shorter stretch.
 fn dissimilarity(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>, scaled: &Scaled) -> f32 {
     let square = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
     let timbre = square(&mean(&scaled.timbre[a.clone()]), &mean(&scaled.timbre[b.clone()]));

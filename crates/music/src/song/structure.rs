@@ -23,7 +23,7 @@ pub struct SongBeat {
     pub time: f64,
     /// The number of the beat in its bar; 1 is the downbeat.
     pub of_bar: u8,
-    /// The tempo around it, in beats per minute.
+    /// The tempo around the beat, in beats per minute.
     pub tempo: f32,
 }
 
@@ -43,7 +43,7 @@ pub struct Section {
     pub start: f64,
     /// The end in seconds.
     pub end: f64,
-    /// A, B, C and so on by first appearance; after Z come AA, AB and so on. Similar sections have the same letter.
+    /// The letter: A, B, C and so on by first appearance, then AA, AB and so on. Similar sections have the same letter.
     pub letter: String,
     /// Mean energy, 0..1.
     pub energy: f32,
@@ -56,7 +56,7 @@ pub struct Chord {
     pub start: f64,
     /// The end in seconds.
     pub end: f64,
-    /// The triad; `None` if none fits.
+    /// The triad; `None` if no triad fits.
     pub triad: Option<Tonality>,
 }
 
@@ -65,7 +65,7 @@ pub struct Chord {
 pub struct PitchFractions {
     /// The start in seconds.
     pub start: f64,
-    /// The fraction of each pitch class, C first. The sum is 1, or 0 without pitches.
+    /// The fraction of each pitch class, C first. The fractions sum to 1, or to 0 without pitches.
     pub fractions: [f32; 12],
 }
 
@@ -74,12 +74,12 @@ pub struct PitchFractions {
 pub struct SongStructure {
     /// The length of the analysed part, in seconds.
     pub seconds: f64,
-    /// True if the song is longer than the limits' `song_seconds_max`; the rest is not analysed.
+    /// True if the song is longer than the limits' `song_seconds_max`. The part beyond this limit is not analysed.
     pub cut_short: bool,
     /// True if the song is silent.
     pub silent: bool,
-    /// The integrated loudness by EBU R128 in LUFS (-70 and more), of both channels as played, so that mono counts
-    /// twice. `None` if the song is shorter than 0.4 s or too quiet.
+    /// The integrated loudness by EBU R128 in LUFS (-70 and more). Both channels are measured as played, so that mono
+    /// counts twice. The loudness is `None` if the song is shorter than 0.4 s or too quiet.
     pub loudness: Option<f32>,
     /// The median tempo in beats per minute; `None` without a steady beat.
     pub tempo: Option<f32>,
@@ -87,11 +87,11 @@ pub struct SongStructure {
     pub meter: Option<Meter>,
     /// The beats; empty without a steady beat.
     pub beats: Vec<SongBeat>,
-    /// The sections. They cover the song unless it is silent, and begin with bars if there are any.
+    /// The sections. They cover the song unless it is silent. If the song has bars, sections begin with bars.
     pub sections: Vec<Section>,
     /// The interval of `energy` and `peaks`, in seconds.
     pub energy_step: f64,
-    /// The energy of each step: 0 is 36 dB or more below the song's loudest second, 1 the loudest.
+    /// The energy of each step: 1 in the song's loudest second, 0 at 36 dB or more below the loudest second.
     pub energy: Vec<f32>,
     /// The largest sample magnitude in each step.
     pub peaks: Vec<f32>,
@@ -101,7 +101,7 @@ pub struct SongStructure {
     pub drops: Vec<f64>,
     /// The key; `None` if no key fits.
     pub key: Option<Tonality>,
-    /// The frequency of the a' of the instruments, in hertz.
+    /// The frequency of the tone a' to which the instruments are tuned, in hertz.
     pub tuning_hz: f64,
     /// The chords, which change on beats and cover the song.
     pub chords: Vec<Chord>,
@@ -191,7 +191,7 @@ impl SongStructure {
         let (meter, positions) = bars(heard, &onset_strengths(heard), beats, &of_beats);
         self.meter = Some(meter);
         let tempo_at = |index: usize| {
-            // Over four beats, so that the rounding to hops does not show.
+            // Average the tempo over four beats, so that the rounding to hops does not show.
             let (from, to) = (index.saturating_sub(2), (index + 2).min(beats.len() - 1));
             (60.0 * (to - from) as f64 / (beats[to] - beats[from]).max(1e-3)) as f32
         };
@@ -225,8 +225,8 @@ fn period(times: &[f64]) -> f64 {
     if middle.is_empty() { 1.0 } else { middle.iter().sum::<f64>() / middle.len() as f64 }
 }
 
-/// Extends the times by `period` to both ends of the song, and adds the ends. No stretch is shorter than half a period,
-/// unless the song is.
+/// Extends the times in steps of `period` to both ends of the song, and adds both ends. No stretch is shorter than half
+/// a period, unless the song is shorter.
 fn grid(times: &[f64], period: f64, seconds: f64) -> Vec<f64> {
     let mut before = Vec::new();
     let mut first = times.first().copied().unwrap_or(0.0);

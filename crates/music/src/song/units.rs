@@ -12,7 +12,7 @@ const RANGE_DB: f32 = 60.0;
 pub(super) struct Unit {
     /// The level of each band, 0..60 decibels above the floor.
     pub(super) timbre: [f32; TIMBRE_BANDS],
-    /// The fraction of each pitch class, C first. The sum is 1, or 0 without pitches.
+    /// The fraction of each pitch class, C first. The fractions sum to 1, or to 0 without pitches.
     pub(super) chroma: [f32; 12],
     /// The levels of all bands and of the low band, in decibels above the floor.
     pub(super) level: f32,
@@ -33,7 +33,7 @@ impl Unit {
     }
 }
 
-/// Returns the units between consecutive `times` in seconds, one fewer than the times.
+/// Returns the unit between each two consecutive `times` in seconds, so there is one unit fewer than times.
 pub(super) fn units(heard: &Heard, times: &[f64]) -> Vec<Unit> {
     let loudest = heard.slow.iter().map(|slow| slow.timbre.iter().sum::<f32>()).fold(1e-7_f32, f32::max);
     times.windows(2).map(|pair| unit(heard, pair[0], pair[1], loudest)).collect()

@@ -1,6 +1,6 @@
 //! Tests of the analysis with signals whose features are known from theory.
 
-// A test ends by a panic, and `expect` is one way to it.
+// Tests fail by a panic, and `expect` panics.
 #![allow(clippy::expect_used)]
 
 use std::f64::consts::TAU;
@@ -44,7 +44,7 @@ fn sine_has_its_level_at_every_frequency() {
 
 #[test]
 fn sine_in_the_middle_of_a_band_fills_that_band() {
-    // From 500 Hz a band is wide enough for the window's main lobe.
+    // Above 500 Hz a band is wide enough for the window's main lobe.
     for band in (0..BAND_COUNT).filter(|&band| band_edge(band) > 500.0) {
         let hz = (band_edge(band) * band_edge(band + 1)).sqrt();
         let frames = signal(48_000, 0.5, |t| [(TAU * hz * t).sin(); 2]);
@@ -189,8 +189,8 @@ fn a_tone_has_its_frequency() {
 
 #[test]
 fn pink_noise_has_the_same_power_in_every_band() {
-    // Voss's algorithm: the sum of noises that each change half as often (McCartney's tree), -3 dB per octave within
-    // 0.5 dB.
+    // Voss's algorithm: the sum of noises, each of which changes half as often as the previous one (McCartney's tree).
+    // The spectrum falls by 3 dB per octave, within 0.5 dB.
     let (mut state, mut rows, mut number) = (5, [0.0; 18], 0_u32);
     let frames = signal(48_000, 40.0, |_| {
         number = number.wrapping_add(1);
@@ -302,7 +302,7 @@ fn a_trailing_window_ends_at_its_moment() {
     let mut frames = vec![[0.0; 2]; 5 * 512];
     frames.extend([[0.5; 2]; 512]);
     analyzer.push(&frames, &mut |moment| moments.push(moment.clone()));
-    // One moment per hop, including the one at 0. Only the last one includes the sound, without delay.
+    // There is one moment per hop, including a moment at 0. Only the last moment includes the sound, without delay.
     let times: Vec<f64> = (0..=6).map(|n| f64::from(n * 512) / 48_000.0).collect();
     assert_eq!(moments.iter().map(|moment| moment.time).collect::<Vec<_>>(), times);
     assert_eq!(moments[5].features, Features::SILENCE);
@@ -318,7 +318,7 @@ fn before_and_after_the_stream_there_is_silence() {
     let moments = analyze(48_000, &frames);
     assert_eq!(moments, analyze(48_000, &padded)[..moments.len()]);
 
-    // Neither the end nor a restart leaves any state behind.
+    // The analyzer keeps no state after the end or a restart.
     let mut analyzer = Analyzer::with_gain(48_000, Alignment::Centred, Gain::Off);
     analyzer.push(&padded, &mut |_| ());
     analyzer.finish(&mut |_| ());
@@ -386,7 +386,7 @@ fn features_are_one_function_of_time_at_every_frame_rate() {
     let frames = signal(48_000, 3.0, |t| [(TAU * 300.0 * t).sin() * (3.0 * t).sin().abs(), 0.2]);
     let mut track = FeatureTrack::default();
     analyze(48_000, &frames).iter().for_each(|moment| track.push(moment));
-    // At equal times, all frame rates read the same features.
+    // At the same time, all frame rates read the same features.
     for second_part in 0..90 {
         let time = f64::from(second_part) / 30.0;
         let expected = track.at(time);
@@ -421,7 +421,7 @@ fn analysis_allocates_nothing_after_setup() {
     assert!(shown.volume[0] > 0.5, "{:?}", shown.volume);
 }
 
-/// Samples that no decoder should produce, but might.
+/// Samples that a broken decoder might produce.
 fn any_sample() -> impl Strategy<Value = f32> {
     prop_oneof![
         4 => -1.0_f32..1.0,

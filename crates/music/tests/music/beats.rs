@@ -134,7 +134,7 @@ fn organ(t: f64, lowest_hz: f64) -> f64 {
 fn a_click_under_a_loud_chord_is_an_onset() {
     for lowest_hz in [110.0, 220.0] {
         let frames = signal(RATE, 12.0, |t| {
-            // 12 dB below the chord, which reaches 0.52.
+            // The click is 12 dB below the chord, whose level is 0.52.
             let click = if t < 2.0 { 0.0 } else { 0.13 * click_at(t, 0.5) };
             [0.4 * organ(t, lowest_hz) + click; 2]
         });
@@ -174,7 +174,7 @@ fn steady_noise_and_vibrato_have_no_onsets() {
         .map(|(number, name)| (name, signal(RATE, 20.0, |_| [colour(number); 2])))
         .collect();
     let vibrato = |t: f64| {
-        // 6 times a second by half a semitone.
+        // The pitch changes 6 times a second by half a semitone.
         let turns = 440.0 * t
             + 440.0 * 0.03 / (std::f64::consts::TAU * 6.0) * (std::f64::consts::TAU * 6.0 * t).sin();
         (1..=6).map(|n| (std::f64::consts::TAU * turns * f64::from(n)).sin() / f64::from(n)).sum::<f64>()

@@ -32,7 +32,7 @@ fn the_gain_has_settled_two_seconds_after_a_step_of_30_db() {
 
 #[test]
 fn the_gain_does_not_pump_or_raise_noise_and_can_be_off() {
-    // A kick each second on a quiet chord: the gain of the quiet passage alone would be 10 dB and more.
+    // A kick each second on a quiet chord. The gain of the quiet passage alone would be 10 dB or more.
     let beat = signal(48_000, 10.0, |t| chord(t, 0.02 + 0.05 * (-8.0 * t.fract()).exp()));
     let gains: Vec<f32> =
         leveled(&beat).iter().filter(|m| (3.0..9.5).contains(&m.time)).map(|m| m.features.gain_db).collect();
@@ -94,7 +94,7 @@ fn the_spectrum_shows_the_tone_and_the_history_its_past() {
     };
     assert_eq!(spectrum.len(), SPECTRUM_POINTS);
     assert!(cents(peak(&spectrum), hz(6.8)).abs() < 40.0, "{} Hz", peak(&spectrum));
-    // -6 dB on a scale from -84 to -12 dB.
+    // The tone has -6 dB, which is above the scale from -84 to -12 dB.
     assert!(spectrum.iter().all(|height| (0.0..=1.0).contains(height)) && spectrum.contains(&1.0));
     let (rows, rest) = history.as_chunks::<HISTORY_POINTS>();
     assert!(rest.is_empty());
@@ -106,7 +106,7 @@ fn the_spectrum_shows_the_tone_and_the_history_its_past() {
     // Before the song there is silence.
     let row = f64::from(history_offset) + 0.75 * f64::from(history_span);
     assert!(rows[row.round() as usize].iter().all(|height| *height == 0.0));
-    // At a row's moment age 0 is that row; a hop later it is a quarter of a row behind.
+    // At a row's moment, age 0 is at this row. A hop later, age 0 is a quarter of a row towards newer rows.
     let moment = |number: f64| number * 512.0 / 48_000.0;
     let on_row = track.sound_at(moment(560.0)).tables;
     let (groups, _) = on_row.spectrum.as_deref().expect("a spectrum").as_chunks::<4>();

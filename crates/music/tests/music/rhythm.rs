@@ -29,7 +29,8 @@ pub(crate) fn clicks() -> Pattern {
     Pattern { name: "clicks", beats: 1.0, strokes: vec![(0.0, Drum::Click, 0.8)] }
 }
 
-/// Drum patterns. `swing` is the position of the second eighth in its beat: 0.5 is straight, 0.667 triplets.
+/// Drum patterns. `swing` is the position of the second eighth in its beat: 0.5 for straight eighths, 0.667 for
+/// triplets.
 pub(crate) fn drums(swing: f64) -> Vec<Pattern> {
     let eighths = |drum, loud: f64| {
         (0..4).flat_map(move |beat| {
@@ -140,7 +141,7 @@ fn strike(frames: &mut [StereoFrame], drum: Drum, loud: f64, noise: &mut u32) {
     }
 }
 
-/// Returns the F-measure of beats between two times in seconds, each matched with a true beat within 70 ms.
+/// Returns the F-measure of beats between two times in seconds. Each beat is matched with a true beat within 70 ms.
 pub(crate) fn f_measure(found: &[f64], truth: &[f64], from: f64, to: f64) -> f64 {
     const TOLERANCE: f64 = 0.07;
     let inside = |time: &f64| (from..to).contains(time);
@@ -152,7 +153,7 @@ pub(crate) fn f_measure(found: &[f64], truth: &[f64], from: f64, to: f64) -> f64
         }
         if let Some(beat) = found.get(next).filter(|beat| **beat <= time + TOLERANCE) {
             next += 1;
-            // One beat of a pair may be outside the range.
+            // One beat of a matched pair may be outside the range.
             hits += usize::from(inside(time));
             false_beats -= usize::from(inside(beat));
         }

@@ -1,4 +1,4 @@
-//! Tests of the structure of generated songs, and of other sounds. The example `song_figures` measures more of them.
+//! Tests of the structure of generated songs and of other sounds. The example `song_figures` measures more songs.
 
 use crate::signals::noise;
 use crate::songs::{
@@ -123,7 +123,7 @@ fn ballads_have_no_drops() {
     }
 }
 
-/// Live bar tracking needs some bars to be certain, and is then nearly always right.
+/// Live bar tracking needs some bars before it is certain, and is then nearly always right.
 #[test]
 fn live_bars_are_right_once_reported() {
     for (style, tempo) in [(Style::Ballad, 83.0), (Style::FourOnTheFloor, 128.0), (Style::Waltz, 104.0)] {
@@ -198,7 +198,7 @@ fn other_sounds_have_a_sensible_structure_or_none() {
         (0..RATE * 120).map(|_| [0; 2].map(|_| 0.3 * noise(&mut state) as f32)).collect();
     let wide = structure(RATE, &stereo);
     assert_eq!((wide.key, wide.beats.len(), wide.sections.len()), (None, 0, 1), "{:?}", wide.sections);
-    // A tone with overtones, and one with vibrato: both hold one note.
+    // Both tones hold one note. The first has overtones, the second has vibrato.
     let rich = of(120.0, &mut |t| (1..8).map(|k| 0.1 / f64::from(k) * tone(110.0 * f64::from(k), t)).sum());
     assert!(rich.key.is_none() && rich.sections.len() == 1, "{:?}, {:?}", rich.key, rich.sections);
     let waver = of(120.0, &mut |t| 0.3 * (std::f64::consts::TAU * 330.0 * t + 3.0 * tone(5.5, t)).sin());

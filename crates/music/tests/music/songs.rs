@@ -38,7 +38,7 @@ impl Style {
         }
     }
 
-    /// Returns the strokes of a bar: position in beats, drum, loudness.
+    /// Returns the strokes of a bar: the position in beats, the drum and the loudness of each stroke.
     fn strokes(self, swing: f64) -> Vec<(f64, Drum, f64)> {
         use Drum::{Hat, Kick, Ride, Snare};
         let beats = self.meter().beats() as u32;
@@ -122,7 +122,7 @@ pub(crate) enum Kind {
 pub(crate) struct Part {
     pub letter: char,
     pub bars: usize,
-    /// The chords, one per bar, repeating: the root in semitones above the tonic, and true for a minor third.
+    /// The repeating chords, one per bar: the root in semitones above the tonic, and true for a minor third.
     pub chords: Vec<(u8, bool)>,
     pub drums: bool,
     pub bass: bool,
@@ -217,7 +217,7 @@ pub(crate) fn club(mode: Mode) -> Vec<Part> {
     vec![intro, build.clone(), drop.clone(), rest, build, drop, outro]
 }
 
-/// A club song whose first build has kicks and bass, and whose second drop follows a break that ends with silence.
+/// A club song whose first build has kicks and bass. Its second drop follows a break that ends with silence.
 pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
     let club = club(mode);
     let [intro, build, drop, rest, ..] = club.as_slice() else { return club };
@@ -228,7 +228,7 @@ pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
     vec![intro.clone(), build, drop.clone(), rest, drop.clone(), drop, intro]
 }
 
-/// Ballads with one property of music with drops.
+/// Ballads with one property that music with drops also has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Swell {
     None,
@@ -395,7 +395,8 @@ impl Song {
         (bars * self.style.meter().beats()) as f64
     }
 
-    /// Returns the time of a beat. The tempo changes evenly over the beats, after half a second of silence.
+    /// Returns the time of a beat. The song begins after half a second of silence, and its tempo changes linearly per
+    /// beat.
     fn time(&self, beat: f64) -> f64 {
         let (from, to) = self.tempo;
         let rise = (to - from) / self.beats();
@@ -526,7 +527,7 @@ pub(crate) fn beats_heard(rate: u32, frames: &[StereoFrame]) -> Vec<(f64, f32)> 
     beats
 }
 
-/// Returns the fractions of beats with a known bar position and of bars that start at a true downbeat.
+/// Returns the fraction of beats with a known bar position, and the fraction of bars that start at a true downbeat.
 pub(crate) fn bars_heard(beats: &[(f64, f32)], truth: &Truth) -> [f64; 2] {
     let reported = beats.iter().filter(|(_, beat)| *beat > 0.0).count();
     let firsts: Vec<f64> = beats.iter().filter(|(_, beat)| *beat == 1.0).map(|(time, _)| *time).collect();
@@ -535,7 +536,7 @@ pub(crate) fn bars_heard(beats: &[(f64, f32)], truth: &Truth) -> [f64; 2] {
     [reported as f64 / beats.len().max(1) as f64, right as f64 / firsts.len().max(1) as f64]
 }
 
-/// Returns the F-measure of times, each matched with a true time within a tolerance in seconds.
+/// Returns the F-measure of times. Each time is matched with a true time within `tolerance` seconds.
 pub(crate) fn f_measure(found: &[f64], truth: &[f64], tolerance: f64) -> f64 {
     let (mut hits, mut next) = (0, 0);
     for time in truth {
