@@ -17,7 +17,8 @@ impl Field {
     /// Compiles a formula, or a scene without includes, whose field is the distance to its nearest object.
     ///
     /// # Errors
-    /// Mistakes in the text, each with its location and a hint; or a text that exceeds the [`limits`](crate::limits).
+    /// Fails if the text has mistakes (each is reported with its location and a hint) or exceeds the
+    /// [`limits`](crate::limits).
     pub fn parse(text: &str) -> Result<Self, WorldError> {
         let world = World::parse("field", text)?;
         let scene = &world.scene;
@@ -41,7 +42,7 @@ impl Field {
         bounds.unwrap_or(Interval::ANY)
     }
 
-    /// The clauses that compute the field. The tape prints as a table.
+    /// The clauses that compute the field. `Display` prints the tape as a table.
     pub fn tape(&self) -> &Tape {
         &self.tape
     }
@@ -49,17 +50,17 @@ impl Field {
     /// Returns the field's functions in GLSL, validated by naga.
     ///
     /// # Errors
-    /// A limit is exceeded, or the generator has a fault.
+    /// Fails if a limit is exceeded, or if the generator has a bug.
     pub fn glsl(&self) -> Result<String, WorldError> {
         self.world.compiled_glsl()
     }
 
-    /// Builds the tree of cells over a frame's surfaces, with lower bounds of the distance and shortened tapes.
+    /// Builds the tree of cells for a frame: lower bounds of the distance, and shortened tapes.
     pub fn tree(&self, frame: &FrameInputs) -> Regions {
         RegionPlan::new(&self.world).build(frame, &RegionOptions::default())
     }
 
-    /// The compiled world of the field, for everything else.
+    /// The compiled world of the field, for everything that this type has no shortcut for.
     pub fn world(&self) -> &World {
         &self.world
     }

@@ -3,45 +3,45 @@
 /// Upper limits on the text of a scene and on everything built from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Deepest nesting of shader includes.
+    /// Maximum nesting of shader includes.
     pub include_depth_max: usize,
-    /// Most distinct nodes of an expression graph (32 bytes each).
+    /// Maximum number of distinct nodes in an expression graph (32 bytes each).
     pub graph_nodes_max: usize,
-    /// Most clauses of a tape (four bytes each, and 40 while it is built).
+    /// Maximum number of clauses in a tape (each takes four bytes, or 40 while the tape is built).
     pub tape_clauses_max: usize,
-    /// Most outputs of a tape. Each keeps its slot until the end of the tape.
+    /// Maximum number of outputs of a tape. Each keeps its slot until the end of the tape.
     pub tape_outputs_max: usize,
-    /// Most memory slots that the values of one tape are spilled to.
+    /// Maximum number of memory slots to which the values of one tape are spilled.
     pub tape_memory_max: usize,
-    /// Most bytes of a scene's text, including the files that it includes.
+    /// Maximum number of bytes in a scene's text and its included files.
     pub scene_bytes_max: usize,
-    /// Most tokens of a scene, including the files that it includes.
+    /// Maximum number of tokens in a scene's text and its included files.
     pub scene_tokens_max: usize,
-    /// Deepest nesting of expressions in a scene's text.
+    /// Maximum nesting of expressions in a scene's text.
     pub scene_nesting_max: usize,
-    /// Deepest nesting of expressions after function calls have been expanded.
+    /// Maximum nesting of expressions after function calls have been expanded.
     pub scene_depth_max: usize,
-    /// Most operations after functions and loops have been expanded, before equal operations are merged.
+    /// Maximum number of operations after functions and loops have been expanded, before equal operations are merged.
     pub scene_expansion_max: usize,
-    /// Most iterations of one loop.
+    /// Maximum number of iterations of one loop.
     pub scene_loop_max: usize,
-    /// Most mistakes reported at once.
+    /// Maximum number of mistakes reported at once.
     pub scene_diagnostics_max: usize,
-    /// Most files that a scene includes, each counted once; [`Limits::include_depth_max`] limits their depth.
+    /// Maximum number of files that a scene includes, each counted once. Their depth has its own limit.
     pub scene_includes_max: usize,
-    /// Most parameters of a scene.
+    /// Maximum number of parameters of a scene.
     pub scene_params_max: usize,
-    /// Most textures of a scene (OpenGL 3.3 guarantees a fragment shader 16).
+    /// Maximum number of textures of a scene. OpenGL 3.3 guarantees that a fragment shader can use 16.
     pub scene_textures_max: usize,
-    /// Most objects of a scene.
+    /// Maximum number of objects of a scene.
     pub scene_objects_max: usize,
-    /// Most materials of a scene.
+    /// Maximum number of materials of a scene.
     pub scene_materials_max: usize,
-    /// Most lights of a scene.
+    /// Maximum number of lights of a scene.
     pub scene_lights_max: usize,
-    /// Most named cameras of a scene.
+    /// Maximum number of named cameras of a scene.
     pub scene_cameras_max: usize,
-    /// Most values that are computed once per frame; further ones are computed at every point.
+    /// Maximum number of values that are computed once per frame. Further values are computed at every point.
     pub hoisted_max: usize,
 }
 

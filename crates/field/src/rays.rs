@@ -12,27 +12,27 @@ macro_rules! rays {
 }
 
 rays! {
-    /// Most evaluations along a ray through a distance field.
+    /// Maximum number of evaluations along a ray through a distance field.
     STEPS_MAX: u32 = 128;
     /// A ray hits when the distance is below this fraction of the pixel cone's radius.
     HIT_FRACTION: f32 = 0.25;
-    /// Growth of the hit fraction per step beyond [`STEPS_MANY`]: a ray that creeps along a surface ends there.
+    /// Growth of the hit fraction per step beyond [`STEPS_MANY`], so that a ray that creeps along a surface hits it.
     HIT_FRACTION_GROWTH: f32 = 0.03;
     /// Number of steps from which the hit fraction grows.
     STEPS_MANY: u32 = 32;
     /// Length of rays in a scene without bounds.
     FAR: f32 = 1000.0;
-    /// Most evaluations along a ray through a formula that is not a distance field, grazing rays included.
+    /// Maximum number of evaluations along a ray through a formula that is not a distance field, even if it grazes.
     NON_LIPSCHITZ_STEPS_MAX: u32 = 512;
-    /// Evaluations after which such a ray takes steps long enough to reach its end with the remaining evaluations.
+    /// After this many evaluations, such a ray takes steps that are long enough to reach its end.
     NON_LIPSCHITZ_STEPS_MANY: u32 = 64;
-    /// Pixel cones are at least as wide as at this distance from the eye. Smaller steps would use up a ray before it
-    /// has left the lens.
+    /// Pixel cones are at least as wide as they are at this distance from the eye. With thinner cones, a ray would take
+    /// so small steps near the eye that it would run out of evaluations.
     NON_LIPSCHITZ_NEAR: f32 = 0.1;
-    /// Most rounds that narrow down the point where such a formula changes its sign.
+    /// Maximum number of rounds that narrow down the point where such a formula changes its sign.
     CLOSINGS_MAX: u32 = 6;
-    /// The smallest step through such a formula, as a fraction of the pixel cone's radius: nothing visible is
-    /// thinner. Used by [`non_lipschitz_step`].
+    /// The smallest step through such a formula, as a fraction of the pixel cone's radius: thinner details are
+    /// invisible. Used by [`non_lipschitz_step`].
     NON_LIPSCHITZ_STEP_MIN: f32 = 0.5;
     /// Growth of the smallest step with each step, so that a ray that grazes a surface ends.
     NON_LIPSCHITZ_STEP_GROWTH: f32 = 0.04;
@@ -40,28 +40,29 @@ rays! {
     CLOSE_ENOUGH: f32 = 0.05;
     /// Cells of the tree's root along each axis.
     ROOT_SIDE: f32 = 16.0;
-    /// Texels read to find a cell: one in the root, one in a brick.
+    /// Number of texels that are read to find a cell: one in the root, one in a brick.
     REGION_LEVELS: u32 = 2;
     /// The object number of a cell that holds several objects.
     SEVERAL: u32 = 255;
-    /// Most cells that a ray passes through without an evaluation.
+    /// Maximum number of cells that a ray passes through without an evaluation.
     SKIPS_MAX: u32 = 1024;
-    /// The smallest step of a ray: this length plus this fraction of the distance travelled.
+    /// Used twice for the smallest step of a ray: as a length, and as a fraction of the distance travelled.
     PAST_FACE: f32 = 4e-7;
-    /// Rays look up the cell this far ahead, in root cells, so that none gets stuck at a face.
+    /// Rays look up the cell this far ahead, in root cells, so that no ray gets stuck at a cell's face.
     AHEAD: f32 = 1e-5;
     /// Added to [`AHEAD`], as a fraction of the largest coordinate of the ray's start.
     AHEAD_OF_FAR: f32 = 5e-7;
 }
 
-/// Returns the fraction of the pixel cone's radius below which a distance counts as a hit, at step `step`, from 0.
+/// Returns the fraction of the pixel cone's radius below which a distance is a hit. `step` starts at 0.
 pub fn hit_fraction(step: u32) -> f32 {
     HIT_FRACTION + HIT_FRACTION_GROWTH * step.saturating_sub(STEPS_MANY) as f32
 }
 
-/// Returns the step at `t` of a ray to `end`, after `step` steps through a formula that is no distance field.
-/// `value`, the formula's value at `t`, falls by at most `slope` per unit of length until the ray leaves its cell,
-/// `leaves` from `t`. `radius` is the radius of the pixel's cone at `t`, or at [`NON_LIPSCHITZ_NEAR`] if `t` is less.
+/// Returns the step of a ray at `t`. The ray ends at `end`, and has taken `step` steps through a formula that is no
+/// distance field.
+/// `value`, the formula's value at `t`, falls by at most `slope` per unit of length until the ray leaves its cell at
+/// `t + leaves`. `radius` is the radius of the pixel's cone at `t`, or at [`NON_LIPSCHITZ_NEAR`] if `t` is less.
 ///
 /// No step passes a surface, unless the smallest step is longer than the distance to it. From
 /// [`NON_LIPSCHITZ_STEPS_MANY`] steps on, the smallest step grows so that the remaining steps reach the end.

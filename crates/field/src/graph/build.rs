@@ -1,4 +1,4 @@
-//! Builders of expressions. The helpers combine operators; none of them is an operator itself.
+//! Builders of expressions. Helpers such as [`Graph::mix`] combine several operators.
 
 use super::{Graph, Input, Node, NodeId, Op};
 
@@ -31,7 +31,7 @@ impl Graph {
         if op.arity() == 2 { self.simplified_binary(op, a, b) } else { self.simplified_unary(op, a) }
     }
 
-    /// The node without any simplification, for tests of the rules.
+    /// The node without any simplification, for tests of the simplification rules.
     pub fn raw(&mut self, node: Node) -> NodeId {
         self.intern(node)
     }
@@ -101,8 +101,9 @@ impl Graph {
         self.simplified_unary(Op::Square, a)
     }
 
-    /// a to the power of b. A constant integer exponent up to ±[`PRODUCT_EXPONENT_MAX`] means a product, for any base
-    /// (`x^2` is x * x), or 1 over it (0 if it is 0). Any other means [`Op::Pow`], which is 0 for a negative base.
+    /// a to the power of b. A constant integer exponent up to ±[`PRODUCT_EXPONENT_MAX`] becomes a product, for any
+    /// base: `x^2` is x * x, and `x^-2` is 1 / (x * x), or 0 for x = 0. Other exponents use [`Op::Pow`], which is 0 for
+    /// a negative base.
     pub fn pow(&mut self, a: NodeId, b: NodeId) -> NodeId {
         match self.as_constant(b) {
             Some(n) if n.fract() == 0.0 && n.abs() <= PRODUCT_EXPONENT_MAX => {
@@ -144,7 +145,8 @@ impl Graph {
         self.simplified_unary(Op::Not, c)
     }
 
-    /// a where c is not 0, else b, exactly: MASK(c, a) + MASK(NOT c, b) turns the other side into +0, even a NaN.
+    /// a where c is not 0, else b. The sum MASK(c, a) + MASK(NOT c, b) is exact: the unselected term is +0, even if it
+    /// was a NaN.
     pub fn select(&mut self, c: NodeId, a: NodeId, b: NodeId) -> NodeId {
         if a == b {
             return a;

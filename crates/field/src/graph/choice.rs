@@ -1,17 +1,17 @@
-//! The choice of a minimum, maximum or mask between its operands over an interval. Pruning removes the other operand.
+//! The operand that a minimum, maximum or mask chooses over an interval. Pruning removes the unused operand.
 
 use super::interval::Interval;
 use super::op::{Op, Properties};
 use super::rules;
 
-/// The operand that is the value of an operator all over an interval.
+/// The operand that an operator chooses everywhere in an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Choice {
     /// Unknown: either operand may be the value.
     #[default]
     Both,
-    /// The value is operand a everywhere; for MASK: 0 everywhere.
+    /// The value is operand a everywhere. For MASK, the value is 0 everywhere.
     Left,
     /// The value is operand b everywhere.
     Right,
@@ -23,7 +23,8 @@ impl Op {
         self.properties().has(Properties::CHOOSES)
     }
 
-    /// The operand that is the value all over the intervals. One that may be a NaN never loses a comparison.
+    /// The operand that is chosen everywhere in the intervals. A minimum or maximum keeps both operands if one may be
+    /// a NaN.
     #[inline]
     pub fn choice(self, a: Interval, b: Interval) -> Choice {
         let (left, right) = match self {

@@ -1,12 +1,12 @@
-//! Compounds: several operators as one clause of the interpreter, whose time grows with the number of clauses. A
-//! clause has two registers and a number, but most operators use only two of these three.
+//! Compounds: several operators in one clause. The interpreter's time grows with the number of clauses. A clause has
+//! two registers and a number, but most operators use only two of these three.
 //!
-//! Their value and GLSL follow from their parts, each rounded separately. They have no rules for bounds and slopes:
-//! they are made when a tape is written for the interpreter, after pruning and all other analysis. A compound may
-//! therefore contain minima without hiding a choice from pruning.
+//! A compound's value and GLSL follow from its parts, each of which is rounded separately. Compounds have no rules for
+//! bounds and slopes, because they are made when a tape is written for the interpreter, after pruning and all other
+//! analysis. A compound may therefore contain minima without hiding a choice from pruning.
 //!
-//! Their numbers are 96..128, after the two-operand operators. They make the interpreter's code at most 7.3 % longer
-//! on Vega and 5 % on Xe, with the same registers.
+//! Compounds have the numbers 96..128, after the two-operand operators. They make the interpreter's code at most
+//! 7.3 % longer on Vega and 5 % on Xe, and take no more registers there.
 
 use std::fmt::Write as _;
 
@@ -78,7 +78,7 @@ macro_rules! compounds {
 }
 
 compounds! {
-    /// a * c + b; also b - a * c, with the opposite number.
+    /// a * c + b. With the opposite number c it also computes b - a * c.
     MulAdd = 96 "MUL_ADD" [two(Op::Mul, A, C), two(Op::Add, Earlier(0), B)];
     /// a * c - b.
     MulSub = 97 "MUL_SUB" [two(Op::Mul, A, C), two(Op::Sub, Earlier(0), B)];
@@ -241,11 +241,11 @@ impl Compounds {
         self.0 |= compound.bit();
     }
 
-    /// The compounds that save at least one clause in forty. Others do not pay: a renderer that does not skip
-    /// branches computes every operator of a variant for every clause.
+    /// The compounds that save at least one clause in forty. Compounds that save less are not worth their cost: a
+    /// renderer that does not skip branches computes every operator of a variant for every clause.
     pub(crate) fn that_pay(count: impl Fn(Self) -> Uses) -> Self {
         let mut kept = Self::ALL;
-        // A second round, because the uses of a removed compound may go to another one.
+        // Repeat, because the clauses of a removed compound may become uses of another compound.
         for _ in 0..2 {
             let uses = count(kept);
             let mut paying = Self::NONE;
@@ -297,7 +297,7 @@ pub(crate) struct Operation {
 }
 
 pub(crate) trait Values {
-    /// The operation that computes a value; `None` for inputs and everything else that is no operator.
+    /// The operation that computes a value; `None` for an input or any other value without an operator.
     fn operation(&self, value: u32) -> Option<Operation>;
     /// True if a value is read exactly once.
     fn is_own(&self, value: u32) -> bool;
@@ -306,7 +306,7 @@ pub(crate) trait Values {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Found {
     pub(crate) compound: Compound,
-    /// The values in its registers, which are equal if it reads only one.
+    /// The values in its registers. Both are the same value if the compound reads only one register.
     pub(crate) registers: [u32; 2],
     pub(crate) number: f32,
     absorbed: [u32; PARTS_MAX],
@@ -314,7 +314,7 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// The intermediate values, which nothing else reads.
+    /// The intermediate values, which only this compound reads.
     pub(crate) fn absorbed(&self) -> &[u32] {
         self.absorbed.get(..self.absorbed_count).unwrap_or(&[])
     }
@@ -343,7 +343,8 @@ const ROOTED: [u32; 128] = {
     rooted
 };
 
-/// The compounds in which an operator may be an operand of the last part, by number. Every compound has one.
+/// For each operator number, the compounds in which that operator may be an operand of the last part. Every compound
+/// has such an operand.
 const BEFORE_LAST: [u32; 128] = {
     let mut before = [0; 128];
     let mut place = 0;
@@ -363,7 +364,7 @@ const BEFORE_LAST: [u32; 128] = {
 
 const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
     table[op.number() as usize] |= compound.bit();
-    // A sum with a negative number or product is stored as a difference, and the other way round.
+    // A sum may be stored as a difference with the opposite number or product, and a difference as a sum.
     if matches!(op, Op::Add | Op::Sub) {
         table[Op::Add.number() as usize] |= compound.bit();
         table[Op::Sub.number() as usize] |= compound.bit();
@@ -371,7 +372,7 @@ const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
 }
 
 impl Compounds {
-    /// The compound of this set with the most parts that has this operation as its last part.
+    /// Among the compounds of this set that end with this operation, the one with the most parts.
     #[inline]
     pub(crate) fn find(self, values: &impl Values, last: Operation) -> Option<Found> {
         let by_op = |table: &[u32; 128], op: Op| table.get(usize::from(op.number())).copied().unwrap_or(0);

@@ -41,7 +41,7 @@ impl Graph {
         Ok(self.evaluate_in(&self.order(roots)?, roots, point, frame))
     }
 
-    /// Like [`Graph::evaluate`], in an order that [`Graph::order`] returned for this graph and these roots.
+    /// Like [`Graph::evaluate`], but takes the order that [`Graph::order`] returned for this graph and these roots.
     pub fn evaluate_in(
         &self,
         order: &Order,

@@ -9,11 +9,11 @@ use super::{BAND_COUNT, SoundInputs};
 
 /// Reads a scene's textures on the CPU.
 pub trait TextureReader: std::fmt::Debug + Send + Sync {
-    /// Returns a channel (0 red .. 3 alpha) of a texture at (u, v), in 0..1.
+    /// Returns a channel (0 red .. 3 alpha) of a texture at (u, v). The result is in 0..1.
     fn read(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32;
 }
 
-/// The frame that constant folding passes to operators. None of the folded operators reads it.
+/// The frame that constant folding passes to operators. The operators that it folds do not read the frame.
 pub(super) static SILENT: FrameInputs = FrameInputs {
     time: 0.0,
     sound: SoundInputs::SILENCE,
@@ -39,9 +39,9 @@ pub struct FrameInputs {
     pub bands: [f32; BAND_COUNT],
     /// Position of the eye.
     pub eye: [f32; 3],
-    /// The scene's parameters by number; missing ones are 0.
+    /// The scene's parameters by number; missing parameters are 0.
     pub params: Vec<f32>,
-    /// The values that were computed once for this frame, by number; missing ones are 0.
+    /// The values that were computed once for this frame, by number; missing values are 0.
     pub hoisted: Vec<f32>,
     /// The spectrum, from low to high frequencies.
     pub spectrum: TableData,
@@ -55,7 +55,7 @@ pub struct FrameInputs {
     pub ranges: Option<Arc<[Interval]>>,
 }
 
-/// Largest time, in seconds, for which bounds for every frame hold: a day.
+/// Largest time in seconds that [`FrameInputs::any`] covers: a day.
 const TIME_MAX: f32 = 86_400.0;
 
 impl FrameInputs {
@@ -87,7 +87,7 @@ impl FrameInputs {
         }
     }
 
-    /// Returns the value of an input that is the same all over the frame; 0 for inputs of a point.
+    /// Returns the value of an input that is the same at all points of the frame; 0 for inputs of a point.
     pub fn value(&self, input: Input) -> f32 {
         match input {
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => 0.0,
@@ -128,7 +128,7 @@ impl FrameInputs {
             .fold(Interval::point(self.bands[first]), |bounds, band| bounds.hull(band))
     }
 
-    /// One channel of a texture; 0 without a reader, and always in 0..1.
+    /// One channel of a texture, clamped to 0..1; 0 without a reader.
     pub fn texture(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32 {
         let value = self.textures.as_ref().map_or(0.0, |reader| reader.read(texture, channel, u, v));
         unit(value)

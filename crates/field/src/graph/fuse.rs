@@ -1,23 +1,23 @@
-//! Fused operators: a pair of operators becomes one operator if nothing else reads the value between them.
+//! Fused operators: a pair of operators becomes one operator if only the second one reads the result of the first.
 //!
 //! Most distances consist of lengths, boxes and balls, in which squares, sums, differences and roots follow each
-//! other. The time of an interpreter grows with the number of clauses, and a distance has a third fewer fused ones.
-//! Only the interpreter gets them. Later, after pruning, compounds (`compound.rs`) combine more operators. Fusing is
-//! bit-exact: the result is rounded as the two operators rounded it.
+//! other. The time of an interpreter grows with the number of clauses, and fusing saves a third of a distance's
+//! clauses. Only the interpreter's tapes contain fused operators. After pruning, compounds (`compound.rs`) combine
+//! more operators. Fusing is bit-exact: a fused operator rounds after each of its two steps.
 
 use super::node::{Node, NodeId};
 use super::op::Op;
 use super::{Graph, GraphError};
 
 impl Graph {
-    /// Returns what the roots need as a new graph with fused pairs of operators; they become nodes of it.
+    /// Returns a new graph with fused pairs of operators. The roots become nodes of the new graph.
     ///
     /// # Errors
     /// [`GraphError::TooManyNodes`] if a graph has reached its limit; the roots are then unchanged.
     pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph, GraphError> {
         let order = self.order(roots)?.nodes;
         let fusing = Fusing::new(self, &order, roots);
-        // From the roots down, find which nodes are still read, and as which operator.
+        // From the roots down, find the nodes that are still read, and the operator that each becomes.
         let mut tiles: Vec<Option<Node>> = vec![None; self.len()];
         let mut read = vec![false; self.len()];
         for root in roots.iter() {

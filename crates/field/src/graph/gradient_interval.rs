@@ -6,7 +6,8 @@ use super::interval::Interval;
 use super::op::Op;
 use super::rules;
 
-/// Bounds of a value and of its derivatives by x, y and z over a box. At a kink they hold the slopes of both sides.
+/// Bounds of a value and of its derivatives by x, y and z over a box. At a kink the bounds hold the slopes of both
+/// sides.
 /// Jumps have no slope (see `slope_rules.rs`).
 ///
 /// **Lengths.** The slope of a square root is unbounded at 0, but the slope of a length is not. With s = Σ aᵢ² and r
@@ -18,16 +19,16 @@ pub struct GradientInterval {
     pub value: Interval,
     /// The gradient.
     pub gradient: [Interval; 3],
-    /// Per axis an upper bound of Σ (∂aᵢ)² if the value is known to be Σ aᵢ² or a constant >= 0, else infinite.
+    /// For each axis, an upper bound of Σ (∂aᵢ)² if the value is known to be Σ aᵢ² or a constant >= 0; else infinite.
     squares: [f32; 3],
 }
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
-/// Exceeds all rounding errors of a sum of squares, its root and both slopes.
+/// A factor that exceeds the rounding errors of a sum of squares, its root and both slopes together.
 const LENGTH_ERROR: f32 = 1.0 + 1e-4;
 
 impl GradientInterval {
-    /// A value that is the same all over the box: a constant or an input of the frame.
+    /// A value that is the same everywhere in the box: a constant or an input of the frame.
     #[inline(always)]
     pub fn flat(value: Interval) -> Self {
         let squares = if value.lo >= 0.0 { [0.0; 3] } else { [f32::INFINITY; 3] };
@@ -81,7 +82,8 @@ impl GradientInterval {
         Self { value, gradient: [0, 1, 2].map(each), squares }
     }
 
-    /// Like [`GradientInterval::binary`], with fused operators split: only separate ones show sums of squares.
+    /// Like [`GradientInterval::binary`], but splits fused operators, because it recognizes sums of squares only in
+    /// separate operators.
     pub fn in_parts(op: Op, a: &Self, b: &Self, frame: &FrameInputs) -> Self {
         let one = |op: Op, a: &Self| Self::unary(op, a, frame);
         let two = |op: Op, a: &Self, b: &Self| Self::binary(op, a, b, frame);
@@ -100,7 +102,7 @@ impl GradientInterval {
         }
     }
 
-    /// The slopes of the chosen operand, or of both. (The chain rule would allow any weighted sum of both.)
+    /// The slopes of the chosen operand, or of both operands. (The chain rule would allow any weighted sum of both.)
     fn chosen(operands: [(&Self, Interval); 2], value: Interval) -> Self {
         let may_be = operands.iter().filter(|(_, fraction)| fraction.hi > 0.0).map(|(operand, _)| **operand);
         let surely = operands.iter().any(|(_, fraction)| fraction.lo > 0.0)
@@ -130,8 +132,8 @@ impl GradientInterval {
         Self { value: rules::sub(a.value, b.value), gradient, ..*a }.place_of(0.0, sides)
     }
 
-    /// Returns the axis and the coordinate inside the box at which the value is `wanted`, if the value changes
-    /// linearly along only one axis and stays below `wanted` + 1, so that the box contains no further jump.
+    /// Returns the axis and the coordinate inside the box at which the value is `wanted`. Returns `None` unless the
+    /// value changes linearly along only one axis and stays below `wanted` + 1, so that the box contains one jump.
     fn place_of(&self, wanted: f32, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let inside = self.value.lo < wanted && wanted < self.value.hi && self.value.hi < wanted + 1.0;
         let mut along = (0..3).filter(|axis| !rules::is_zero(self.gradient[*axis]));
@@ -145,7 +147,7 @@ impl GradientInterval {
         (sides[axis].lo < place && place < sides[axis].hi).then_some((axis, place))
     }
 
-    /// The smallest bounds that hold both.
+    /// The smallest bounds that hold both values and both gradients.
     pub fn hull(&self, other: &Self) -> Self {
         Self {
             value: self.value.hull(other.value),
@@ -156,14 +158,14 @@ impl GradientInterval {
 }
 
 /// A box that is cut where parts of a formula jump. In each piece the slopes belong to one side of the jump, so their
-/// bounds are much tighter than over the whole box. This is for noise: it is smooth, but its parts jump at its cells.
+/// bounds are much tighter than over the whole box. Noise needs this: it is smooth, but its parts jump at its cells.
 #[derive(Debug, Clone, Default)]
 pub struct Pieces {
     cuts: Vec<(usize, f32)>,
     boxes: Vec<[Interval; 3]>,
 }
 
-/// Most pieces of a box. Cuts beyond this number are ignored.
+/// Maximum number of pieces of a box. Further cuts are ignored.
 const PIECES_MAX: usize = 32;
 /// The gap on both sides of a jump, as a fraction of the coordinate, so that rounding cannot reach across it.
 const JUMP_WIDTH: f32 = 2e-6;
@@ -205,12 +207,13 @@ impl Pieces {
     }
 }
 
-/// True if a sum of squares stays one when multiplied by this.
+/// True if the product of this value and a sum of squares is also a sum of squares.
 fn is_factor(a: &GradientInterval) -> bool {
     a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
 }
 
-/// The chain rule. A constant operand contributes nothing, nor does a flat function, whatever the other slope is.
+/// The chain rule. If one slope is exactly 0 (a constant operand or a flat function), the product is 0, even if the
+/// other slope is infinite.
 #[inline(always)]
 fn along(slope: Interval, change: Interval) -> Interval {
     if rules::is_zero(slope) || rules::is_zero(change) {

@@ -1,9 +1,9 @@
 //! Intervals of f32.
 
-/// All f32 from `lo` to `hi`, infinities included but no NaN; or [`Interval::ANY`].
+/// All f32 from `lo` to `hi`, including infinities but no NaN; or [`Interval::ANY`], which includes NaN.
 ///
-/// An interval bounds the values that the CPU computes with rounding to nearest. The ends of plain arithmetic are
-/// rounded as the values are. The ends of library functions are widened by [`LIBRARY_ERROR`].
+/// An interval bounds the values that the CPU computes with rounding to nearest. In plain arithmetic, the ends are
+/// rounded in the same way as the values. In library functions, the ends are widened by [`LIBRARY_ERROR`].
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {
     /// Lower end.
@@ -23,7 +23,7 @@ impl Interval {
     /// From 0 to 1.
     pub const UNIT: Self = Self { lo: 0.0, hi: 1.0 };
 
-    /// From `lo` to `hi`; [`Interval::ANY`] unless `lo <= hi`.
+    /// The interval from `lo` to `hi`; [`Interval::ANY`] unless `lo <= hi`.
     #[inline(always)]
     pub fn new(lo: f32, hi: f32) -> Self {
         if lo <= hi { Self { lo, hi } } else { Self::ANY }
@@ -47,7 +47,7 @@ impl Interval {
         self.is_any() || (self.lo <= value && value <= self.hi)
     }
 
-    /// True if an end is infinite, or for [`Interval::ANY`].
+    /// True if an end is infinite, or if this is [`Interval::ANY`].
     #[inline(always)]
     pub fn is_unbounded(self) -> bool {
         !(self.lo > f32::NEG_INFINITY && self.hi < f32::INFINITY)
@@ -59,7 +59,7 @@ impl Interval {
         self.contains(0.0)
     }
 
-    /// The smallest interval that holds both.
+    /// The smallest interval that holds both intervals.
     #[inline(always)]
     pub fn hull(self, other: Self) -> Self {
         if self.is_any() || other.is_any() {
@@ -74,7 +74,7 @@ impl Interval {
         Self { lo: f(self.lo), hi: f(self.hi) }
     }
 
-    /// Widened by [`LIBRARY_ERROR`] on both sides.
+    /// This interval, widened by [`LIBRARY_ERROR`] on both sides.
     #[inline(always)]
     pub(super) fn widened(self) -> Self {
         if self.is_any() {
@@ -94,7 +94,7 @@ impl Interval {
 }
 
 impl PartialEq for Interval {
-    /// Equal ends; [`Interval::ANY`] equals itself.
+    /// Compares the ends. [`Interval::ANY`] equals itself.
     fn eq(&self, other: &Self) -> bool {
         (self.is_any() && other.is_any()) || (self.lo == other.lo && self.hi == other.hi)
     }

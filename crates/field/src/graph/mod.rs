@@ -1,10 +1,10 @@
-//! The expression graph: scalar nodes, each distinct one stored once.
+//! The expression graph: scalar nodes. Equal nodes are stored once.
 //!
 //! A [`Graph`] is an arena in which operands precede the nodes that use them. Building a node that already exists
 //! returns the existing one (hash-consing), so that a common subexpression is computed once. Builders also fold
 //! constants and apply algebra that is exact in floating point (`simplify.rs`). They never fail: a graph that has
-//! reached its limit returns arbitrary nodes and remembers the error, which [`Graph::check`] and everything that
-//! reads the graph then return. All traversals are iterative.
+//! reached its limit returns arbitrary nodes and remembers the error. [`Graph::check`] and all functions that read
+//! the graph then return this error. All traversals are iterative.
 
 mod build;
 mod choice;
@@ -95,7 +95,7 @@ impl Graph {
         }
     }
 
-    /// True if the other graph has the same nodes in the same order.
+    /// True if `other` has the same nodes in the same order.
     pub fn is_same(&self, other: &Self) -> bool {
         self.nodes == other.nodes
     }
@@ -126,8 +126,8 @@ impl Graph {
         self.nodes.iter().copied()
     }
 
-    /// True if any node, used or not, reads the time, a number of the song or a table of the sound. All of them may
-    /// change while the sound's features stay the same.
+    /// True if any node, used or not, reads the time, a number of the song or a table of the sound. These inputs may
+    /// change even while the sound's features stay the same.
     pub fn moves_by_itself(&self) -> bool {
         self.nodes.iter().any(|node| match node {
             Node::Input(input) => *input == Input::T || input.is_of_song(),
@@ -157,7 +157,8 @@ impl Graph {
     /// Checks that every requested node has been built.
     ///
     /// # Errors
-    /// [`GraphError::TooManyNodes`] once a builder has reached the limit: nodes returned since are meaningless.
+    /// [`GraphError::TooManyNodes`] if a builder has reached the limit. Nodes that were returned after that are
+    /// meaningless.
     pub fn check(&self) -> Result<(), GraphError> {
         if self.full { Err(GraphError::TooManyNodes { max: self.nodes_max }) } else { Ok(()) }
     }
@@ -225,5 +226,5 @@ fn hash([head, a, b]: [u32; 3]) -> u32 {
     folded as u32 ^ (folded >> 32) as u32
 }
 
-/// Keeps the hash of small keys (most keys are small) from being 0.
+/// Prevents a hash of 0 for small keys. Most keys are small.
 const SEED: u64 = 0xA076_1D64_78BD_642F;

@@ -13,7 +13,7 @@ impl NodeId {
         self.0 as usize
     }
 
-    /// The node at a position; the last possible one if the position exceeds 32 bits.
+    /// The node at a position. Positions above 32 bits give the last possible node.
     pub(crate) fn at(position: usize) -> Self {
         Self(u32::try_from(position).unwrap_or(u32::MAX))
     }
@@ -22,7 +22,7 @@ impl NodeId {
 /// Number of frequency bands that scenes can read.
 pub const BAND_COUNT: usize = 32;
 
-/// A number that an expression reads from outside.
+/// A number that an expression reads from outside the graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Input {
     /// Position, x.
@@ -59,7 +59,7 @@ impl Input {
     /// The inputs that differ from point to point, in the order in which a tape reads them.
     pub const OF_POINT: [Input; 6] = [Input::X, Input::Y, Input::Z, Input::NX, Input::NY, Input::NZ];
 
-    /// Index in [`Input::OF_POINT`]; `None` for inputs that are the same all over a frame.
+    /// Index in [`Input::OF_POINT`]; `None` for inputs that are the same at all points of a frame.
     pub const fn of_point(self) -> Option<usize> {
         match self {
             Input::X => Some(0),
@@ -122,7 +122,7 @@ impl std::fmt::Display for Input {
 /// A node: a number, or an operator on earlier nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Node {
-    /// A constant; never -0, and always the same NaN.
+    /// A constant. It is never -0, and all NaNs have the same bits.
     Constant(f32),
     /// An input.
     Input(Input),

@@ -1,7 +1,8 @@
-//! Scalar functions with which `op.rs` defines the operators on the CPU. They are defined for all operands, unlike
-//! GLSL's.
+//! Scalar functions with which `op.rs` defines the operators on the CPU. Unlike GLSL's functions, they are defined for
+//! all operands.
 
-/// Smallest operand of a logarithm and base of a power: the smallest normal f32. GPUs flush smaller numbers to 0.
+/// Smallest operand of a logarithm, and smallest base of a power: the smallest normal f32. GPUs flush smaller numbers
+/// to 0.
 pub const SMALLEST: f32 = f32::MIN_POSITIVE;
 /// TANH clamps its operand to this magnitude, where its value is 1 in f32. Drivers overflow for much larger operands.
 pub const TANH_MAX: f32 = 10.0;
@@ -68,8 +69,8 @@ pub(super) fn atan2(a: f32, b: f32) -> f32 {
 
 /// A pseudo-random number in 0..1, a multiple of 2^-24, for the cell (floor(a), floor(b)).
 ///
-/// The cell's numbers become 32-bit integers (clamped to ±[`CELL_MAX`]; 0 for a NaN), which are mixed by operations
-/// with the same bits on every machine. The upper 24 bits are the result. For more dimensions, chain calls:
+/// The cell's numbers become 32-bit integers (clamped to ±[`CELL_MAX`]; 0 for a NaN). Integer operations mix them, so
+/// every machine computes the same bits. The upper 24 bits are the result. For more dimensions, chain calls:
 /// `cell_hash(cell_hash(x, y) * 16777216, z)` loses no bits.
 #[inline(always)]
 pub fn cell_hash(a: f32, b: f32) -> f32 {

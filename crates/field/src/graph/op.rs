@@ -2,14 +2,14 @@
 //!
 //! A row gives the number, the printed name, the properties, the value on the CPU, the interval rule (`rules.rs`),
 //! the partial derivatives, their interval rule (`slope_rules.rs`) and the GLSL expression. CPU evaluators, the
-//! interpreter's switch and compiled source all follow from it, so they cannot differ.
+//! interpreter's switch and compiled source are all generated from the row, so they cannot differ.
 //!
 //! **Numbers.** One-operand operators have numbers 16..64, two-operand operators 64..128; the tape adds the form of
-//! the operands. Encoded words depend on these numbers.
+//! the operands to the number. Encoded words depend on these numbers.
 //!
 //! **Total.** Every operator is defined for all operands, including those for which GLSL leaves the result undefined:
-//! square roots of negative numbers are 0, logarithms are taken of at least [`SMALLEST`], operands of arcs are
-//! clamped, x / 0 is 0, mod(x, 0) is x, and pow of a negative base is 0. For finite operands an operator never
+//! square roots of negative numbers are 0, logarithms clamp their operand to at least [`SMALLEST`], operands of arcs
+//! are clamped, x / 0 is 0, mod(x, 0) is x, and pow of a negative base is 0. For finite operands an operator never
 //! returns a NaN. An overflow gives an infinity, and infinities may combine to a NaN as in IEEE 754. MIN and MAX of a
 //! NaN and a number return the number.
 //!
@@ -28,7 +28,7 @@ use super::numbers::{
 use super::rules;
 use super::slope_rules as slopes;
 
-/// A set of properties of an operator that its functions do not state.
+/// A set of properties of an operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Properties(u8);
 
@@ -43,9 +43,9 @@ impl Properties {
     pub const WHOLE: Self = Self(4);
     /// The result depends on the frame's tables; it cannot be folded.
     pub const READS_FRAME: Self = Self(8);
-    /// Costs several times as much as an addition. The interpreter's clauses of it come second in a texel.
+    /// The operator costs several times as much as an addition. Its clause is always the second one in a texel.
     pub const EXPENSIVE: Self = Self(32);
-    /// Over a box one operand alone may be the value, so that the other is not needed ([`Op::choice`]).
+    /// In some boxes the value is always the same operand, so the other operand is not needed ([`Op::choice`]).
     pub const CHOOSES: Self = Self(64);
     /// The result is 0 or 1.
     pub const TRUTH: Self = Self(16 | 2 | 4);
@@ -62,13 +62,13 @@ impl Properties {
 
 /// A computation that is instantiated for each operator's function, which is then inlined into a loop over points.
 pub trait Kernel {
-    /// Runs with the operator's function of the operands a and b and the frame. One-operand operators ignore b.
+    /// Runs with the operator's function. It takes a, b and the frame; one-operand operators ignore b.
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
 }
 
 /// A [`Kernel`] for interval rules instead of values.
 pub trait BoundsKernel {
-    /// Runs with the operator's interval rule for the operands a and b and the frame. One-operand operators ignore b.
+    /// Runs with the operator's interval rule. It takes a, b and the frame; one-operand operators ignore b.
     fn run(&mut self, rule: impl Fn(Interval, Interval, &FrameInputs) -> Interval + Copy);
 }
 
@@ -143,8 +143,8 @@ macro_rules! operators {
                 match self { $( Op::$id => kernel.run($bounds), )+ }
             }
 
-            /// Returns the partial derivatives by a and by b, where `r` is the value. At a jump or a kink this is the
-            /// derivative of one side. It is 0 where the operator is defined only because it is total.
+            /// Returns the partial derivatives by a and by b, where `r` is the value. At a jump or a kink, returns the
+            /// derivative of one side. Returns 0 for operands that GLSL leaves undefined (see **Total** above).
             #[inline(always)]
             pub fn slopes(self, a: f32, b: f32, r: f32, frame: &FrameInputs) -> (f32, f32) {
                 #[inline(always)]
@@ -158,7 +158,7 @@ macro_rules! operators {
             }
 
             /// Returns intervals that hold the partial derivatives by a and by b over the given intervals, where `r`
-            /// bounds the value; at kinks the slopes of both sides. Jumps have no slope (`slope_rules.rs`).
+            /// bounds the value. At kinks they hold the slopes of both sides. Jumps have no slope (`slope_rules.rs`).
             #[inline(always)]
             pub fn slope_bounds(
                 self, a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
@@ -357,19 +357,19 @@ operators! {
         slopes |_, b, r, _| if b == 0.0 { (0.0, 0.0) } else { (b.recip(), -r / b) },
         slope_bounds |a, b, r, _| slopes::div(a, b, r),
         glsl "($b == 0.0 ? 0.0 : $a / $b)";
-    /// The smaller of both.
+    /// The smaller operand.
     Min = 68 "MIN" COMMUTATIVE.and(CHOOSES),
         value |a, b, _| a.min(b), bounds |a, b, _| rules::min(a, b),
         slopes |a, b, _, _| if b < a { (0.0, 1.0) } else { (1.0, 0.0) },
         slope_bounds |a, b, _, _| slopes::chosen(Op::Min, a, b),
         glsl "min($a, $b)";
-    /// The larger of both.
+    /// The larger operand.
     Max = 69 "MAX" COMMUTATIVE.and(CHOOSES),
         value |a, b, _| a.max(b), bounds |a, b, _| rules::max(a, b),
         slopes |a, b, _, _| if b > a { (0.0, 1.0) } else { (1.0, 0.0) },
         slope_bounds |a, b, _, _| slopes::chosen(Op::Max, a, b),
         glsl "max($a, $b)";
-    /// a - b * floor(a / b), GLSL's mod: it has the sign of b; a where b is 0.
+    /// GLSL's mod: a - b * floor(a / b), or a where b is 0. The result has the sign of b.
     Mod = 70 "MOD" NONE,
         value |a, b, _| modulo(a, b), bounds |a, b, _| rules::modulo(a, b),
         slopes |a, b, _, _| (1.0, -div(a, b).floor()),
@@ -426,7 +426,7 @@ operators! {
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),
         glsl "table_history($a, $b)";
 
-    // Two operators fused into one. Only `fuse.rs` makes these. Each rounds as the two operators do.
+    // Two operators fused into one. Only `fuse.rs` makes these. They round after each of the two operations.
 
     /// a * a + b.
     SquareAdd = 80 "SQUARE_ADD" NONE,
@@ -434,7 +434,7 @@ operators! {
         slopes |a, _, _, _| (2.0 * a, 1.0),
         slope_bounds |a, _, _, _| (slopes::square(a).0, slopes::ONE),
         glsl "($a * $a + $b)";
-    /// max(a, 0)^2 + b: the part of one axis in the distance to a box's corner.
+    /// max(a, 0)^2 + b: one axis's part of the distance to a box's corner.
     OutsideAdd = 81 "OUTSIDE_ADD" NONE,
         value |a, b, _| { let a = a.max(0.0); a * a + b },
         bounds |a, b, _| rules::add(rules::square(rules::max(a, Interval::point(0.0))), b),
@@ -490,7 +490,7 @@ impl Op {
         if self.number() < FIRST_BINARY { 1 } else { 2 }
     }
 
-    /// GLSL expression for a constant second operand that is not 0, without the guard against 0.
+    /// GLSL expression without the guard against 0, for a second operand that is a constant other than 0.
     pub const fn glsl_by_constant(self) -> &'static str {
         match self {
             Op::Div => "($a / $b)",

@@ -6,11 +6,11 @@ use super::node::{Input, Node, NodeId};
 use super::op::{Op, Properties};
 use super::{Graph, GraphError};
 
-/// Nodes in an order in which operands precede their users, each once.
+/// Nodes in an order in which operands precede their users. Each node occurs once.
 ///
 /// The inputs of the point come first. Then the tree is walked from the first root to the last, operands before users.
-/// Of two operands, the one that needs more values at once comes first (Sethi and Ullman 1970, treating the graph as if
-/// it were a tree); the left one if both need equally many.
+/// The operand that needs more values at once comes first (Sethi and Ullman 1970, treating the graph as if it were a
+/// tree). If both operands need the same number, the left one comes first.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Order {
     /// The nodes.
@@ -20,7 +20,7 @@ pub struct Order {
 /// The inputs, tables and textures that an expression reads.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct InputsUsed {
-    /// Inputs, each once.
+    /// The inputs.
     pub inputs: BTreeSet<Input>,
     /// Operators that read the frame's tables.
     pub tables: BTreeSet<Op>,

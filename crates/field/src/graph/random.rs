@@ -38,7 +38,7 @@ pub(crate) const SPECIALS: [f32; 24] = [
 pub(crate) enum Step {
     Constant(f32),
     Input(u8),
-    /// An operator by number, on earlier steps counted backwards from this one.
+    /// The number of an operator, and its operands: earlier steps, counted backwards from this step.
     Operator(u8, u16, u16),
     Texture(u16, u16),
 }

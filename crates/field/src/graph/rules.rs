@@ -11,7 +11,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use super::interval::{Interval, LIBRARY_ERROR};
 use super::numbers::{self, SMALLEST};
 
-/// Largest angle in radians for which f64 finds the position in the period. Sines of larger ones are in -1..1.
+/// Largest angle in radians for which f64 finds the position in the period. For larger angles the bounds are -1..1.
 const ANGLE_MAX: f32 = 1e5;
 /// MOD may overflow if an operand or the quotient exceeds this magnitude.
 const MODULO_MAX: f32 = 1e30;
@@ -169,7 +169,7 @@ pub(super) fn tanh(a: Interval) -> Interval {
     a.map_rising(numbers::tanh).widened().clamped(-1.0, 1.0)
 }
 
-/// 0, 1 or both, if the condition is surely true, never true, or unknown.
+/// 1 if the condition is always true, 0 if it is never true, else 0..1.
 #[inline(always)]
 fn truth(surely: bool, never: bool) -> Interval {
     if surely {
@@ -335,7 +335,7 @@ pub(super) fn pow(a: Interval, b: Interval) -> Interval {
     hull.unwrap_or(Interval::ANY)
 }
 
-/// a is the sine's coordinate, b the cosine's. The jump is at a = 0, b < 0, where the value is π.
+/// a is proportional to the sine and b to the cosine. The jump is at a = 0, b < 0, where the value is π.
 pub(super) fn atan2(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() {
         return Interval::ANY;

@@ -1,7 +1,7 @@
 //! Simplification while nodes are built: constant folding, and algebra that is exact in floating point.
 //!
-//! Exact means that for all operands, infinities and NaNs included, the value is the same number, or both values are
-//! NaN. (The sign of a zero is not part of a value, see [`super::Op`].) Identities that hold for real numbers but not
+//! A rule is exact if both sides have the same value or are both NaN, for all operands including infinities and NaNs.
+//! (The sign of a zero is not part of a value, see [`super::Op`].) Identities that hold for real numbers but not
 //! for rounded ones, such as reassociation, x - x = 0 or sqrt(x²) = |x|, are not applied. Each rule is stated in a
 //! comment.
 
@@ -34,7 +34,7 @@ impl Graph {
         let node = self.node(a);
         if let Node::Constant(value) = node {
             if op == Op::Band {
-                // band(3) is an input like any other.
+                // A band with a constant number, such as band(3), is an input.
                 return self.input(Input::Band(FrameInputs::band_number(value) as u8));
             }
             if let Some(folded) = fold(op, value, 0.0) {
@@ -52,7 +52,7 @@ impl Graph {
             (Op::Abs | Op::Square, Node::Unary(Op::Neg, x)) => return self.simplified_unary(op, x),
             // |x|² = x²
             (Op::Square, Node::Unary(Op::Abs, x)) => return self.simplified_unary(Op::Square, x),
-            // floor, ceil and trunc of a whole number are that number. (Not ROUND: x + 0.5 is rounded above 2^23.)
+            // floor, ceil and trunc of a whole number are that number. (ROUND is not: it rounds x + 0.5 above 2^23.)
             (Op::Floor | Op::Ceil | Op::Trunc, _) if self.has(a, Properties::WHOLE) => return a,
             // sign(sign x) = sign x
             (Op::Sign, Node::Unary(Op::Sign, _)) => return a,
@@ -70,7 +70,7 @@ impl Graph {
         {
             return self.constant(folded);
         }
-        // Put the operands in a canonical order: constants last, the rest by age.
+        // Put the operands in a canonical order: constants last, other operands by age.
         if op.properties().has(Properties::COMMUTATIVE) && (first.is_some() || (second.is_none() && b < a)) {
             std::mem::swap(&mut a, &mut b);
             std::mem::swap(&mut first, &mut second);

@@ -2,12 +2,12 @@
 //! that [`super::Op::slopes`] returns, and at a kink the slopes of both sides.
 //!
 //! **Jumps.** FLOOR, LESS, HASH and similar operators have slope 0 here, although nothing bounds the change across a
-//! jump. Formulas use them for parts that jump but whose combination does not: noise, repeated shapes. Such a value
-//! changes by no more than the slopes on all pieces allow (the mean value theorem). A value that does jump is bounded
-//! only from one jump to the next.
+//! jump. In noise and repeated shapes, parts of a formula jump but their combination does not. The change of such a
+//! combination is limited by the slopes on all pieces (the mean value theorem). The change of a value that jumps is
+//! limited only between two jumps.
 //!
-//! **Rounding.** Slopes are computed by the same operations as in [`super::Op::slopes`], in the same order and
-//! rounded to nearest, which never reverses an order. Library functions are widened.
+//! **Rounding.** The ends of slopes are computed by the operations of [`super::Op::slopes`], in the same order.
+//! Rounding to nearest never reverses an order. Library functions are widened.
 
 use super::choice::Choice;
 use super::interval::Interval;
@@ -17,7 +17,7 @@ use super::rules;
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
 pub(super) const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
-/// From 0 to infinity: the slopes near a vertical tangent.
+/// The slopes near a vertical tangent: from 0 to infinity.
 const NON_LIPSCHITZ: Interval = Interval { lo: 0.0, hi: f32::INFINITY };
 
 #[inline(always)]
@@ -30,7 +30,7 @@ pub(super) const fn first(by_a: Interval) -> (Interval, Interval) {
     (by_a, ZERO)
 }
 
-/// The intersection of two intervals; the first one if rounding leaves it empty.
+/// The intersection of two intervals; `a` if rounding makes the intersection empty.
 fn meet(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() {
         return if a.is_any() { b } else { a };
@@ -100,7 +100,7 @@ pub(super) fn tanh(r: Interval) -> (Interval, Interval) {
     first(rules::sub(ONE, rules::square(r)))
 }
 
-/// The slope of the arc sine: 0 beyond -1..1, vertical at the ends.
+/// The slope of the arc sine: 0 beyond -1..1, infinite at both ends.
 pub(super) fn arc(a: Interval) -> Interval {
     let size = rules::abs(a);
     if size.lo >= 1.0 {
@@ -142,7 +142,8 @@ pub(super) fn modulo(a: Interval, b: Interval) -> (Interval, Interval) {
     (ONE, rules::neg(rules::div(a, b).map_rising(f32::floor)))
 }
 
-/// The slopes of an operator that chooses an operand: unknown if either may be chosen or if they touch.
+/// The slopes of an operator that chooses an operand. They are unknown if either operand may be chosen or if the
+/// operands' intervals touch.
 #[inline(always)]
 pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
     match op.choice(a, b) {
@@ -155,9 +156,10 @@ pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
     }
 }
 
-/// Largest exponent for which slopes are also computed from a separate power, not only from a quotient of the power.
+/// Largest exponent for which slopes are computed in two ways: from a quotient of the power, and from a power with
+/// exponent b - 1.
 const OWN_POWER_MAX: f32 = 64.0;
-/// Values below this may come from denormal numbers, whose rounding is too coarse for the second bound.
+/// Values below this limit may come from denormal numbers, whose rounding is too coarse for the second bound.
 const ROUNDED_BADLY: f32 = 1e-3;
 
 pub(super) fn pow(a: Interval, b: Interval, r: Interval) -> (Interval, Interval) {
@@ -189,7 +191,7 @@ pub(super) fn atan2(a: Interval, b: Interval) -> (Interval, Interval) {
     if !positive {
         return (Interval::ALL, Interval::ALL);
     }
-    // The slope is at most 1 divided by the distance from the origin.
+    // The magnitude of the slope is at most 1 divided by the distance from the origin.
     let most = if d.lo > SMALLEST / f32::EPSILON { d.lo.sqrt().recip() * 1.001 } else { f32::INFINITY };
     let most = Interval { lo: -most, hi: most };
     (meet(rules::div(b, d), most), meet(rules::neg(rules::div(a, d)), most))

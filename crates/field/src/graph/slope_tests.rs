@@ -65,7 +65,7 @@ fn bounds_hold_slopes_at_specials() {
         SPECIALS.into_iter().flat_map(pairs).filter(|interval| !interval.is_any()).collect();
     for &op in Op::ALL {
         for (count, &a) in intervals.iter().enumerate() {
-            // One-operand operators ignore b. For two operands, every seventh b, with a different start each time.
+            // One-operand operators ignore b. For two operands, try every seventh b, with a different start each time.
             let step = if op.arity() == 1 { intervals.len() } else { 7 };
             for &b in intervals.iter().skip(count % 7).step_by(step) {
                 let within = |i: Interval| SPECIALS.into_iter().filter(move |&v| i.contains(v));
@@ -106,7 +106,7 @@ fn sweep(first: usize) {
     }
 }
 
-// Two tests, so that they run in parallel. A single one would take longer than all others together.
+// Two tests, so that they run in parallel: a single test would take longer than all other tests together.
 #[test]
 fn bounds_hold_slopes_densely_for_one_operand() {
     sweep(0);
@@ -120,7 +120,7 @@ fn bounds_hold_slopes_densely_for_every_other_operator() {
 #[test]
 fn bounds_of_slopes_are_close() {
     let frame = frame();
-    // A table's slope is constant on one piece, or 0 beyond its ends.
+    // Skip tables: their slope may be constant on one piece, or 0 beyond the ends.
     for &op in Op::ALL.iter().filter(|op| !op.properties().has(Properties::READS_FRAME)) {
         for (x, y) in [(0.3f32, 0.7f32), (0.61, 1.7), (0.23, 2.3), (-0.4, 0.6)] {
             let around = |v: f32| Interval::new(v - 1e-3, v + 1e-3);

@@ -1,9 +1,9 @@
-//! The numbers of the sound that scenes read by name, one row each. Everything else about them follows from the rows:
-//! names and documentation in the language, tapes, GLSL, the uniform block, bounds, `mariana eval --set`.
+//! The numbers of the sound that scenes read by name, one row each. The rows determine their names and documentation in
+//! the language, tapes, GLSL, the uniform block, bounds, and `mariana eval --set`.
 //!
 //! The numbers from `bar` on describe the whole song. Bands and tables (`band(i)`, `spectrum(u)`) are in
-//! [`FrameInputs`](super::FrameInputs). The twelve numbers of the function `chroma(i)` are rows here: they need no
-//! operator.
+//! [`FrameInputs`](super::FrameInputs). The twelve numbers of the function `chroma(i)` are rows here, because
+//! they need no operator.
 
 use std::ops::{Index, IndexMut};
 
@@ -38,7 +38,7 @@ sound_inputs! {
     /// High frequencies.
     Treble, "treble", 0.0..1.0, "high frequencies, from 1.85 kHz, 0..1";
     /// 1 on an onset, then decaying.
-    Beat, "beat", 0.0..1.0, "1 where a sound begins, then falling by a factor of e in 0.15 s";
+    Beat, "beat", 0.0..1.0, "1 where a sound begins; then falls by a factor of e every 0.15 s";
     /// Beats per minute.
     Tempo, "tempo", 0.0..1000.0, "beats per minute; 0 while unknown";
     /// Position in the beat.
@@ -59,18 +59,18 @@ sound_inputs! {
     Bar, "bar", 0.0..1.0, "position in the bar, 0..1";
     /// Number of the beat in its bar.
     BeatInBar, "beat_in_bar", 0.0..4.0, "number of the beat in its bar, 1 to 4; 0 while unknown";
-    /// Number of the section's letter, 1 for A.
+    /// Number of the section's letter: 1 for A.
     Section, "section", 0.0..26.0,
         "section of the song: 1 for A, 2 for B, ..; a repeated section has the same number; 0 while unknown";
     /// Position in the section.
     SectionPhase, "section_phase", 0.0..1.0, "position in the section, 0..1";
     /// Loudness of a second of the song, relative to its loudest second.
     Energy, "energy", 0.0..1.0,
-        "loudness of the current second: 1 is the loudest of the song, 0 is 36 dB below that or less";
+        "loudness of the current second: 1 for the loudest second of the song, 0 at 36 dB below it and less";
     /// Progress of a build-up.
     Build, "build", 0.0..1.0, "rises from 0 to 1 during a build-up; 0 elsewhere";
-    /// Decay after a drop.
-    Drop, "drop", 0.0..1.0, "1 where a drop begins, then falling to 0 over two bars";
+    /// 1 at a drop, then falling to 0.
+    Drop, "drop", 0.0..1.0, "1 where a drop begins; then falls to 0 over two bars";
     /// Root of the key.
     Key, "key", 0.0..11.0, "root of the song's key in semitones above C, 0..11; 0 while unknown";
     /// 1 if the key is minor.
@@ -135,7 +135,8 @@ impl SoundInput {
         Self::ChromaB,
     ];
 
-    /// True for a number of the whole song: 0 until it is analysed. A scene's value of the same name hides it.
+    /// True for a number of the whole song. It is 0 until the song is analysed. A scene's value of the same name hides
+    /// it.
     pub const fn is_of_song(self) -> bool {
         self as usize >= Self::Bar as usize
     }
@@ -145,7 +146,7 @@ impl SoundInput {
         Self::ALL.into_iter().find(|input| input.name() == name)
     }
 
-    /// Clamps a value to the range. A value that is not finite becomes the least.
+    /// Clamps a value to the range. A value that is not finite becomes the least value.
     pub fn clamp(self, value: f32) -> f32 {
         let (least, most) = self.range();
         if value.is_finite() { value.clamp(least, most) } else { least }

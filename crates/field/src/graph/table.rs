@@ -2,11 +2,12 @@
 //!
 //! A row of entries c is the uniform cubic B-spline Σ cᵢ B(x - i) (de Boor 1978). Its slope and curvature are
 //! continuous, and every value is in the range of the four entries around it. Rows are blended by the same spline.
-//! Entries beyond an end are mirrored, so the curve is level there and meets the constant beyond without a kink.
+//! At its ends a row is continued by its mirror image, so the curve is level there and meets the constant value
+//! beyond the end without a kink.
 //!
-//! The curve between two entries, a piece, is stored as its four Bézier points. A shader reads it with one fetch;
-//! values are in their hull and slopes in the hull of their differences (Farin 2002). With straight lines terrain
-//! took 64.2 evaluations per pixel; the spline takes 59.6, because its slopes have no jumps.
+//! The curve between two entries, a piece, is stored as its four Bézier points. A shader reads a piece with one fetch.
+//! Values are in the hull of the points, slopes in the hull of the points' differences (Farin 2002). With straight
+//! lines terrain took 64.2 evaluations per pixel; the spline takes 59.6, because its slopes have no jumps.
 
 use std::array;
 use std::sync::{Arc, OnceLock};
@@ -36,7 +37,7 @@ struct Derived {
     extremes: OnceLock<Extremes>,
 }
 
-/// The extremes of each patch's Bézier points (a patch: a piece between two rows) and of their differences.
+/// The extremes of each patch's Bézier points and of their differences. A patch is a piece between two rows.
 #[derive(Debug)]
 struct Extremes {
     values: TableExtremes,
@@ -82,7 +83,7 @@ fn dot(a: Points, b: Points) -> f32 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
-/// The index of the entry for `index`, mirrored at the ends. `index` is in -1..=`count` + 1.
+/// The entry to read at `index`, mirrored at the ends. `index` is in -1..=`count` + 1.
 fn mirrored(index: isize, count: usize) -> usize {
     let last = count.saturating_sub(1);
     let index = index.unsigned_abs();
@@ -124,7 +125,7 @@ impl TableData {
         Self { scroll: Some((first.max(0.0), span.max(0.0))), ..Self::rows(values, columns) }
     }
 
-    /// A table with bounds of its entries, but unknown entries. Reading it returns 0.
+    /// A table with known bounds but unknown entries. Reading it returns 0.
     pub(super) fn within(low: f32, high: f32) -> Self {
         Self { unknown: Some((low, high)), ..Self::EMPTY }
     }
@@ -139,8 +140,8 @@ impl TableData {
         self.scroll.unwrap_or((0.0, self.rows.saturating_sub(1) as f32))
     }
 
-    /// Returns the Bézier points of each row's pieces, for shaders: a mirrored row before the first, every row, two
-    /// mirrored rows after the last. Empty without entries.
+    /// Returns the Bézier points of each row's pieces, for shaders: a mirrored row before the first row, all
+    /// rows, and two mirrored rows after the last row. Empty if the table has no entries.
     pub fn rows_of_pieces(&self) -> impl Iterator<Item = &[[f32; 4]]> {
         let width = pieces_between(self.columns);
         let rows = if self.values.is_some() { -1..self.rows as isize + 2 } else { 0..0 };
@@ -227,7 +228,7 @@ impl TableData {
         if self.rows > 1 { 3.0 * self.scroll().1 } else { 0.0 }
     }
 
-    /// Returns bounds of [`TableData::slopes`] over intervals, with 0 if an interval reaches beyond an end.
+    /// Returns bounds of [`TableData::slopes`] over intervals. They include 0 if an interval extends beyond an end.
     pub fn slope_bounds(&self, u: Interval, v: Interval) -> (Interval, Interval) {
         if self.unknown.is_some() {
             return (Interval::ALL, Interval::ALL);
@@ -275,7 +276,7 @@ impl TableData {
         Interval { lo, hi: bounds.hi + error }
     }
 
-    /// The extremes, and the first and last column and row of the patches to read; `None` without entries.
+    /// The extremes, and the first and last column and row of the patches to read; `None` if the table is empty.
     fn touched(&self, u: Interval, v: Interval) -> Option<Touched<'_>> {
         let derived = self.derived.as_ref()?;
         let touched = |coordinate: Interval, count: usize, place: &dyn Fn(f32) -> (usize, f32)| {
@@ -296,7 +297,7 @@ impl TableData {
         Extremes { values: of(0), across: of(1), down: of(2) }
     }
 
-    /// The ranges of a patch's Bézier points and of their differences (widened); NaN if an entry is not finite.
+    /// The ranges of a patch's Bézier points and of their differences, widened; NaN if an entry is not finite.
     fn patch(&self, row: usize, piece: usize) -> [(f32, f32); 3] {
         let strips = self.strips(row, piece);
         let points: [Points; 4] = array::from_fn(|k| match self.rows {
@@ -317,7 +318,7 @@ fn blended(strips: [Points; 4], weights: Points) -> Points {
     array::from_fn(|k| dot(weights, strips.map(|points| points[k])))
 }
 
-/// The least and the greatest number; NaN if one is not finite.
+/// The least and the greatest number; NaN if a number is not finite.
 fn range(numbers: impl Iterator<Item = f32>) -> (f32, f32) {
     numbers.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), number| match number.is_finite() {
         true if low.is_nan() => (low, high),

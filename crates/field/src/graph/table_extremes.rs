@@ -1,5 +1,6 @@
-//! Finds the least and the greatest number in any rectangle of a table without visiting every entry, by a segment
-//! tree over the columns whose nodes are segment trees over the rows: at most 4 log2(rows) log2(columns) nodes.
+//! Finds the least and the greatest number in any rectangle of a table without visiting every entry. A segment tree
+//! over the columns has a segment tree over the rows in each node. A search visits at most 4 log2(rows) log2(columns)
+//! nodes.
 //! Building a tree of cells asks for rectangles of thousands of entries, thousands of times per frame. Visiting every
 //! entry took 15 % of the build time of terrain's tree.
 
@@ -9,8 +10,9 @@ use super::interval::Interval;
 pub(super) struct TableExtremes {
     columns: usize,
     rows: usize,
-    /// Node `column * 2 * rows + row`. Both indices count as in a segment tree: root 1, leaves from the number of
-    /// entries on. A column's nodes are adjacent, because consecutive cells often ask for the same column.
+    /// A node is at `column * 2 * rows + row`. Both indices are those of a segment tree: the root is 1, and the leaves
+    /// begin at the number of entries. A column's nodes are adjacent, because consecutive cells often ask for the same
+    /// column.
     nodes: Vec<(f32, f32)>,
 }
 
@@ -47,7 +49,8 @@ impl TableExtremes {
         Self { columns, rows, nodes }
     }
 
-    /// The extremes there, ends included: [`Interval::ANY`] with entries that are not finite, `lo > hi` if empty.
+    /// The extremes in a rectangle, including both ends. [`Interval::ANY`] if an entry is not finite; `lo > hi` if the
+    /// rectangle is empty.
     pub(super) fn within(&self, columns: (usize, usize), rows: (usize, usize)) -> Interval {
         let mut found = NONE;
         each_node(self.columns, columns, |column| {

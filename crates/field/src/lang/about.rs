@@ -1,4 +1,4 @@
-//! The block `about`: a scene's title and author, and what a show needs to know to choose scenes.
+//! The block `about`: a scene's title and author, and the facts by which a show chooses scenes.
 
 use super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::fields::{DefaultValue, Field, Holds};
@@ -11,7 +11,7 @@ macro_rules! define_ways {
         pub enum Way { $( $(#[$documentation])* $way, )* }
 
         impl Way {
-            /// All ways, in the order of their numbers.
+            /// All ways in the order of their numbers.
             pub const ALL: [Self; [$($name),*].len()] = [$( Self::$way, )*];
 
             /// The name in scenes and shows.
@@ -25,13 +25,13 @@ macro_rules! define_ways {
 // A new way needs four changes: its row here, its kind and names in `world::blend`, the blending itself
 // (`World::blend`), and its kind of transition in shows (`mariana_show::TransitionKind`).
 define_ways! {
-    /// The next frame shows the other scene.
+    /// The next frame shows the new scene.
     Cut, "cut";
     /// The images are mixed in linear light.
     Fade, "fade";
     /// The worlds are mixed: surfaces flow into each other.
     Melt, "melt";
-    /// The other world appears inside a growing shape.
+    /// The new scene appears inside a growing shape.
     Portal, "portal";
 }
 
@@ -53,18 +53,18 @@ pub struct About {
     pub title: Option<String>,
     /// The author.
     pub author: Option<String>,
-    /// The licence under which it may be used.
+    /// The licence of the scene.
     pub license: Option<String>,
-    /// The least and greatest energy of music for which the scene is made; a song's loudest moments have 1.
+    /// The minimum and maximum energy of the music for which the scene is made. A song's loudest moments have energy 1.
     pub energy: (f32, f32),
-    /// Words that describe its mood. Scenes that follow each other should have few in common.
+    /// Words that describe the mood. Successive scenes should have few of these words in common.
     pub moods: Vec<String>,
     /// The preferred transition to this scene.
     pub enter: Option<Way>,
     /// The preferred transition from this scene.
     pub leave: Option<Way>,
-    /// The distance to the shape in which the scene may appear, as seen from its front: x right, y up, z towards the
-    /// eye. In the middle of the transition, 1 is the distance from the eye to the camera's target.
+    /// The distance to the shape in which the scene may appear. The shape is seen from its front: x right, y up, z
+    /// towards the eye. Halfway through the transition, 1 is the distance from the eye to the camera's target.
     pub portal: Option<NodeId>,
 }
 
@@ -89,13 +89,13 @@ impl About {
     pub const FIELDS: &'static [Field] = &[
         of_about("title", Holds::Text, "The title for people, in quotes."),
         of_about("author", Holds::Text, "The author, in quotes."),
-        of_about("license", Holds::Text, "The licence under which it may be used, in quotes."),
+        of_about("license", Holds::Text, "The licence of the scene, in quotes."),
         of_about(
             "energy",
             Holds::Range,
-            "The energy of the music that the scene is made for, as in `0.2 .. 0.6`; 1 is a song's loudest moment.",
+            "The energy of the music for which the scene is made, as in `0.2 .. 0.6`. A song's loudest moment has 1.",
         ),
-        of_about("moods", Holds::Text, "Words that describe its mood, in quotes, separated by commas."),
+        of_about("moods", Holds::Text, "Words that describe the scene's mood, in quotes, separated by commas."),
         of_about(
             "enter",
             Holds::Way,
@@ -108,8 +108,8 @@ impl About {
                 "portal",
                 Holds::Shape,
                 "The distance to the shape in which a `portal shape` opens this scene: `p.x` to the right, `p.y` up, \
-                 `p.z` towards the eye. The shape grows during the transition; in its middle, 1 is the distance to \
-                 the camera's target.",
+                 `p.z` towards the eye. The shape grows during the transition; halfway through, 1 is the distance from \
+                 the eye to the camera's target.",
             )
         },
     ];

@@ -1,7 +1,7 @@
 //! The parser's result: expressions in one arena, and the items of a scene.
 //!
-//! Children precede their parents. No walk over the expressions recurses deeper than the parser did: a chain of a
-//! million additions is deep only to the left, and walks follow the left side in a loop.
+//! Children precede their parents. Code that visits the expressions recurses no deeper than the parser did: a chain
+//! of a million additions is deep only to the left, and visitors follow the left side in a loop.
 
 use super::source::Span;
 use super::symbol::Symbol;
@@ -63,7 +63,8 @@ pub(super) enum Expr {
     /// A function's name and its arguments: the index in `extra` of the first one, and their number.
     Call(Symbol, u32, u32),
     If(ExprId, ExprId, ExprId),
-    /// Pairs of name and value: the index in `extra` of the first one, and their number; then the result.
+    /// Pairs of name and value, then the result. The pairs are given by the index in `extra` of the first pair and
+    /// their number.
     Block(u32, u32, ExprId),
     /// Four entries in `extra`: variable, first, end, body.
     For(u32),
@@ -191,7 +192,8 @@ pub(super) enum Item {
         name: Name,
         value: ExprId,
     },
-    /// Sky, picture and about have no name, a camera may. `broken` if a missing field was already reported.
+    /// Sky, picture and about have no name; a camera may have one. `broken` is true if a missing field was already
+    /// reported.
     Section {
         section: Section,
         name: Option<Name>,
@@ -203,6 +205,6 @@ pub(super) enum Item {
     Include {
         path: Name,
     },
-    /// An item of this name that was already reported. Using it causes no further mistake.
+    /// An item of this name that was already reported. Uses of the name are not reported again.
     Broken(Name),
 }

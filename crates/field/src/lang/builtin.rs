@@ -40,7 +40,7 @@ const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str)
 use InputValue::{Constant, Many, One};
 use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, POINT};
 
-/// All inputs except numbers of the sound. The direction shares the normal's slots: no expression has both.
+/// All inputs except numbers of the sound. The direction uses the normal's slots, because no expression reads both.
 const OTHERS: &[InputRow] = &[
     row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
     row("x", One(Input::X), POINT, "p.x, to the right"),
@@ -94,7 +94,7 @@ pub(super) const INPUTS: &[InputRow] = &{
     rows
 };
 
-/// True if the number is read as a component of a vector, or by a function.
+/// True if scenes read the number as a component of a vector or by a function, not by a name.
 const fn is_component(input: SoundInput) -> bool {
     let name = input.name().as_bytes();
     name.len() > 2 && (name[name.len() - 2] == b'.' || name[name.len() - 1] == b')')
@@ -123,7 +123,7 @@ pub(super) enum Builtin {
     /// An operator on the components of two vectors.
     Pair(Op),
     Atan,
-    /// Rounding of a number, or of a shape's edges.
+    /// Rounding of a number or of a shape's edges.
     Round,
     Pow,
     Three(Three),
@@ -137,7 +137,8 @@ pub(super) enum Builtin {
     Texture,
 }
 
-/// A function: name, parameters on the language's page, meaning, least and most arguments, and description.
+/// A function: name, parameters on the language's page, meaning, minimum and maximum number of arguments, and
+/// description.
 pub(super) struct BuiltinRow {
     pub name: &'static str,
     pub parameters: &'static str,
@@ -236,7 +237,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         "i",
         Chroma,
         (1, 1),
-        "the level of a pitch class of the song, 0..1, from 0 for C to 11 for B; the strongest of a beat has level 1",
+        "the level of pitch class i of the song, 0..1 (i is 0 for C to 11 for B); in each beat the strongest has level 1",
     ),
     function(
         "spectrum",
@@ -250,7 +251,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         "u",
         Table(Op::Waveform),
         (1, 1),
-        "the waveform at u in 0..1, from old to new: -1..1, 512 points, 43 ms around the current moment",
+        "the waveform at u in 0..1, from old to new: values -1..1, 512 points, 43 ms around the current moment",
     ),
     function(
         "history",
@@ -268,7 +269,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     ),
 ];
 
-/// Functions of any number of values: name, and the number of last arguments that are not among the values.
+/// Functions of any number of values: the name, and the number of arguments at the end that are not values.
 pub(super) const FOLDS: &[(&str, usize)] = &[
     ("min", 0),
     ("max", 0),

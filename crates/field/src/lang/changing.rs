@@ -1,9 +1,9 @@
-//! Numbers of a text that are being edited: they become inputs of a frame, so that the program compiled for the text
-//! can also draw it with other numbers.
+//! Numbers of a text that are being edited. They become inputs of a frame, so that the program compiled for the text
+//! can also draw the text with other numbers.
 //!
 //! A number is identified by its index among the numbers of the scene's own text. If two versions of a text differ
-//! only in numbers, the same index means the same number. Numbers that determine the scene's structure stay
-//! constants: exponents, the bounds of loops, the defaults and ranges of parameters.
+//! only in numbers, an index identifies the same number in both. Some numbers stay constants because they determine
+//! the scene's structure: exponents, the bounds of loops, the defaults and ranges of parameters.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -16,19 +16,19 @@ use super::token::{Kind, Token};
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Point};
 use crate::limits::LIMITS;
 
-/// A number of a text that the user drags, with the range in which it may change before the text is read again.
+/// A number of a text that the user drags, with its range. If the number leaves the range, the text is read again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turning {
-    /// Its index among the numbers of the text, from 0.
+    /// The index among the numbers of the text, starting at 0.
     pub place: usize,
-    /// The least value, finite.
+    /// The minimum, finite.
     pub least: f32,
-    /// The greatest value, finite.
+    /// The maximum, finite.
     pub most: f32,
 }
 
-/// Returns the indices, from 0, of the numbers that differ between two versions of a text; `None` if more differs
-/// than numbers, blanks and comments.
+/// Returns the indices, starting at 0, of the numbers that differ between two versions of a text. Returns `None` if
+/// the versions differ in anything except numbers, blanks and comments.
 pub fn changed_numbers(before: &str, now: &str) -> Option<BTreeSet<usize>> {
     let mut names = library::library().names.clone();
     let (before, now) = (tokens(before, &mut names), tokens(now, &mut names));
@@ -53,14 +53,14 @@ pub fn changed_numbers(before: &str, now: &str) -> Option<BTreeSet<usize>> {
     Some(changed)
 }
 
-/// Returns the index, from 0, of the number that begins at a byte of a text.
+/// Returns the index, starting at 0, of the number that begins at a byte of a text.
 pub fn number_place(text: &str, offset: usize) -> Option<usize> {
     let tokens = tokens(text, &mut library::library().names.clone());
     let mut numbers = tokens.iter().filter(|token| token.kind == Kind::Number);
     numbers.position(|token| token.span.start as usize == offset)
 }
 
-/// The tokens of a text. Mistakes are ignored: they are found when it is compiled.
+/// The tokens of a text. Mistakes are ignored here: compiling the text reports them.
 fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
     let mut tokens = Vec::new();
     let mut mistakes = Diagnostics::new(1);
@@ -72,20 +72,20 @@ fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
 pub(super) struct ChangingNumbers {
     /// Offsets of the numbers in the text, sorted.
     offsets: Vec<u32>,
-    /// The numbers that occurred in an expression: their offsets, and the numbers of their inputs.
+    /// The numbers that occurred in an expression, each with its offset and the index of its input.
     inputs: Vec<(u32, u16)>,
     /// The first input that is a number of the text. The inputs before it are parameters.
     first: usize,
     values: Vec<f32>,
     turning: Vec<(u32, Turning)>,
-    /// Inputs on whose value the scene's structure depends: if they change, the text has to be read again.
+    /// Inputs whose values determine the scene's structure. If such an input changes, the text has to be read again.
     depended_on: RefCell<BTreeSet<u16>>,
 }
 
 pub(super) struct ChangingNumber {
     pub offset: u32,
     pub value: f32,
-    /// The range in which a frame may set it.
+    /// The range in which a frame may set the input.
     pub range: (f32, f32),
 }
 
@@ -109,7 +109,7 @@ impl ChangingNumbers {
     }
 
     /// Returns the input for the number that begins at `offset`, if it is being edited. The first `declared` inputs
-    /// are parameters. There may be `max` inputs in all; further numbers stay constants.
+    /// are parameters. There are at most `max` inputs; further numbers stay constants.
     pub(super) fn input(&mut self, offset: u32, value: f32, declared: usize, max: usize) -> Option<Input> {
         self.offsets.binary_search(&offset).ok()?;
         if let Some((_, input)) = self.inputs.iter().find(|(known, _)| *known == offset) {
@@ -256,7 +256,7 @@ mod tests {
 
     #[test]
     fn structural_numbers_stay_constants() {
-        // An odd exponent keeps the sign, a power with an unknown exponent does not.
+        // An odd exponent keeps the sign of the base; a power with an unknown exponent does not.
         for text in ["x^3 + y", "fn f(k) = x^(k + 1) + y\nf(2)", "pow(x, 3) + y"] {
             let number = changed_numbers(text, &text.replace(['3', '2'], "5")).unwrap();
             let scene = changing(text, &number.into_iter().collect::<Vec<_>>());

@@ -1,8 +1,8 @@
 //! Mistakes in a scene, and their rendering as text.
 //!
-//! They look as in terminal compilers: message, location, source line, underline, hint. Tabs become four columns,
-//! wide characters take two, control characters are replaced by a placeholder, and a very long line is cut around its
-//! mistake.
+//! A mistake looks like an error of a terminal compiler: message, location, source line, underline, hint. Tabs become
+//! four columns, wide characters take two columns, control characters are replaced by a placeholder, and a very long
+//! line is cut around its mistake.
 
 use std::fmt::Write;
 
@@ -22,7 +22,7 @@ pub enum Fault {
 /// One mistake in a scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Malformed, unsupported or over a limit.
+    /// The kind: malformed, unsupported or over a limit.
     pub fault: Fault,
     /// The message, one sentence without its full stop.
     pub message: String,
@@ -30,9 +30,9 @@ pub struct Diagnostic {
     pub span: Span,
     /// The words after the underline; may be empty.
     pub label: String,
-    /// The advice on how to fix it.
+    /// The advice on how to fix the mistake.
     pub hint: Option<String>,
-    /// Related locations, each with a note that explains it.
+    /// Related locations, each with an explanation.
     pub notes: Vec<(Span, String)>,
 }
 
@@ -65,7 +65,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds `hint` below.
+    /// Adds `hint` below the source line.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
@@ -77,7 +77,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds the hint that `similar` may have been meant, if it is given.
+    /// Adds the hint "did you mean `similar`?" if `similar` is `Some`.
     pub fn did_you_mean(self, similar: Option<&str>) -> Self {
         match similar {
             Some(name) => self.hint(format!("did you mean `{name}`?")),
@@ -113,7 +113,7 @@ pub fn render_all(diagnostics: &[Diagnostic], sources: &Sources, color: bool) ->
     texts.join("\n")
 }
 
-/// Width of a source line in columns, above which it is cut.
+/// Maximum width of a source line in columns. Longer lines are cut.
 const WIDTH_SHOWN: usize = 120;
 /// Columns that remain visible before the mistake in a line that is cut.
 const WIDTH_BEFORE: usize = 40;
@@ -134,7 +134,7 @@ fn excerpt(
     let _ = writeln!(out, "{:gutter$}{arrow} {}:{}:{}", "", place.file.name, place.line, place.column);
     let _ = writeln!(out, "{:gutter$} {bar}", "");
 
-    // For each character, the text that is printed for it and its width in columns.
+    // For each character, the printed text and its width in columns.
     let length = (span.end - span.start) as usize;
     let (mut shown, mut before, mut under) = (String::new(), 0, 0);
     let (first, last) = (place.byte, place.byte + length.max(1));
@@ -233,7 +233,7 @@ impl Diagnostics {
         Self { list: Vec::new(), max: max.max(1), dropped: 0 }
     }
 
-    /// Adds `diagnostic`, unless an equal message was already reported at the same location, or the list is full.
+    /// Adds `diagnostic`, unless the list is full or has an equal message at the same location.
     pub(super) fn push(&mut self, diagnostic: Diagnostic) {
         let known = |one: &Diagnostic| one.span == diagnostic.span && one.message == diagnostic.message;
         if self.list.iter().any(known) {

@@ -2,7 +2,7 @@
 //!
 //! `section!` defines a section from its rows: the documented struct, the block in the language with its diagnostics,
 //! the default values, and the order of the section's numbers on a tape. Code that computes with a value uses the
-//! struct's field; everything else follows from the rows.
+//! struct's field.
 
 use std::fmt;
 
@@ -36,7 +36,7 @@ pub enum Holds {
     Material,
     /// A text in quotes.
     Text,
-    /// Two numbers, `0.2 .. 0.6`.
+    /// A range of two numbers, such as `0.2 .. 0.6`.
     Range,
     /// The name of a [`Way`](super::Way) from scene to scene.
     Way,
@@ -45,7 +45,7 @@ pub enum Holds {
 }
 
 impl Field {
-    /// True if its three numbers are a colour, of light or of a surface.
+    /// True if the field's three numbers are the colour of light or of a surface.
     pub fn is_color(&self) -> bool {
         let of_material = matches!(self.range, Some(MaterialRange::Reflectance | MaterialRange::Light));
         self.holds == Holds::Vector && (of_material || matches!(self.name, "color" | "ambient"))
@@ -73,11 +73,11 @@ pub(super) mod of {
 /// The value of a field that a scene does not set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DefaultValue {
-    /// This number, or a vector of three of it.
+    /// This number. A vector has it three times.
     Each(f32),
     /// This vector.
     Parts([f32; 3]),
-    /// The value of this function of the library for the direction.
+    /// The result of this library function for the direction.
     Library(&'static str),
 }
 
@@ -91,7 +91,7 @@ impl fmt::Display for DefaultValue {
     }
 }
 
-/// The range to which a field's values are clamped before lighting; a NaN becomes 0.
+/// The range to which a field's values are clamped before lighting. A NaN becomes 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MaterialRange {
     /// A fraction, 0..1.
@@ -127,8 +127,8 @@ impl<N: Default> Parts<N> for [N; 3] {
     }
 }
 
-/// Defines a section. The braces contain its members that are not fields. A row is `name: type = default, inputs that
-/// it may use, range of a material's field, "description";`.
+/// Defines a section. The braces contain the members of its struct that are not fields. A row is `name: type = default,
+/// allowed inputs, range of a material's field, "description";`.
 macro_rules! section {
     (
         $(#[$about:meta])*

@@ -1,12 +1,12 @@
-//! Splits a text into tokens. Never fails: other text is reported and becomes a token of kind `Unknown`.
+//! Splits a text into tokens. It never fails: unknown text is reported and becomes a token of kind `Unknown`.
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::{BYTE_ORDER_MARK, Span};
 use super::symbol::{Interner, Key, Symbol};
 use super::token::{Kind, Token};
 
-/// Appends the tokens of `text`, whose first byte has the offset `base`, and a final `End`. More than `tokens_max`
-/// tokens are reported and ignored.
+/// Appends the tokens of `text`, whose first byte has the offset `base`, and a final `End`. If there are more than
+/// `tokens_max` tokens, this is reported and the rest is ignored.
 pub(super) fn tokenize(
     text: &str,
     base: u32,
@@ -79,7 +79,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// The token for a byte that does not determine it alone; `None` for a comment.
+    /// Reads a token whose first byte does not determine its kind; `None` for a comment.
     fn other(&mut self, byte: u8) -> Option<(Kind, Symbol)> {
         match (byte, self.peek(1)) {
             (b'#', _) | (b'/', b'/') => self.skip_line(),
@@ -220,7 +220,7 @@ impl Lexer<'_> {
         (Kind::Text, self.names.intern(text))
     }
 
-    /// Reads a sign that is distinguished by its second byte.
+    /// Reads a sign that may have a second byte, such as `<=`.
     fn sign(&mut self, byte: u8) -> Option<Kind> {
         let (kind, length) = match (byte, self.peek(1)) {
             (b'.', b'.') => (Kind::Range, 2),
@@ -342,10 +342,11 @@ const IN_WORD: [bool; 256] = {
     table
 };
 
-/// Any number with this many decimal digits fits a u64.
+/// Every number with this many decimal digits fits into a u64.
 const DIGITS_MAX: usize = 19;
 
-/// The nearest f32 to `digits` with `decimals` of them after the point, if a single division can compute it.
+/// The f32 nearest to the number with these digits, `decimals` of which are after the point. `None` if a single
+/// division cannot compute it.
 #[inline]
 fn exact_value(digits: u64, decimals: usize) -> Option<f32> {
     // Both parts are exact in f32, so one division rounds correctly.

@@ -50,7 +50,7 @@ impl Loader<'_, '_> {
         let max = self.limits.scene_bytes_max;
         let base = if self.bytes > max { None } else { self.sources.add(name, text) };
         let Some(base) = base else {
-            // A text that is too long is not kept: report it at its include, or at the start of an empty scene.
+            // The text is too long to be kept. Report this at its include, or at the start of an empty scene.
             let span = included.unwrap_or_else(|| {
                 self.sources.add(name, "");
                 Span::default()
@@ -92,7 +92,7 @@ impl Loader<'_, '_> {
             let message = format!("files include each other in a circle: {}", circle.join(" includes "));
             return self.diagnostics.push(Diagnostic::new(span, message).hint("remove this `include`"));
         }
-        // Request no more files with a full list of mistakes: failing includes then cost no more than other text.
+        // If the list of mistakes is full, request no more files, so that failing includes cost no time.
         if self.loaded.includes.contains(&name) || self.diagnostics.full() {
             return;
         }

@@ -1,5 +1,5 @@
-//! The material of a surface, one row for each field (see `fields`). The struct in the shaders and the code that fills
-//! it in each mode also follow from the rows.
+//! The material of a surface, one row for each field (see `fields`). The struct in the shaders, and the code that
+//! fills the struct in each mode, are generated from the rows.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 section! {
     /// The material of a surface: functions of point, normal and frame (R⁶ → R³ in Abt 2022, section 3.2).
     Material {
-        /// The name; `default` for the material of objects without one.
+        /// The name; `default` for the material of objects that set no material.
         name: String,
     }
     color: Vector = Each(0.8), SURFACE, Reflectance, "diffuse reflectance, or the metal's colour, 0..1";
@@ -41,8 +41,8 @@ const _: () = {
     }
 };
 
-/// Returns GLSL for the fields: the struct, the function that clamps its members to their ranges, and the macro that
-/// reads them from the result of an interpreted program (each component of `head` holds four numbers).
+/// Returns GLSL for the fields: the struct, a function that clamps its members to their ranges, and a macro that reads
+/// the members from the result of an interpreted program. In the macro, each component of `head` holds four numbers.
 pub fn material_glsl() -> String {
     let (mut members, mut ranges, mut read) = (String::new(), Vec::new(), Vec::new());
     let mut number = 0;

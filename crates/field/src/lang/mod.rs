@@ -4,13 +4,12 @@
 //! text → lexer → tokens → parser → tree → lower → Scene (one expression graph, and the meaning of its nodes)
 //! ```
 //!
-//! [`compile`] never fails: it returns a [`Scene`] if there was no mistake, and otherwise every mistake that it
-//! found, up to a limit, as [`Diagnostic`]s. No text makes it panic, recurse without bound or take more memory than
-//! [`crate::limits`] allow.
+//! [`compile`] accepts every text. If there is no mistake, it returns a [`Scene`]; otherwise it returns the mistakes
+//! as [`Diagnostic`]s, up to a limit. It never panics. Recursion and memory are limited by [`crate::limits`].
 //!
 //! **Meaning.** The language follows GLSL: vectors of two to four numbers with swizzles, functions that apply to each
 //! component, scalars that combine with every vector. Types are inferred for each use. Functions are expanded and
-//! loops unrolled, so a scene is one expression, and recursion is a mistake. For integer exponents `x^2` is a
+//! loops are unrolled: a scene is one expression, and recursion is a mistake. For integer exponents `x^2` is a
 //! product, defined for negative x; `^` groups from the right and binds tighter than a preceding minus. `a % b` is
 //! GLSL's mod. Division by zero gives 0 (see [`crate::graph`]).
 //!
@@ -73,9 +72,9 @@ pub type Resolver<'a> = dyn FnMut(&str) -> Result<String, String> + 'a;
 /// A resolver for scenes that are not files: nothing can be included.
 ///
 /// # Errors
-/// Always.
+/// Always returns an error message.
 pub fn no_includes(_path: &str) -> Result<String, String> {
-    Err("only a scene that is a file can include others".to_owned())
+    Err("only a scene that is a file can include other files".to_owned())
 }
 
 /// The result of compiling a text.
@@ -87,7 +86,7 @@ pub struct Compiled {
     pub diagnostics: Vec<Diagnostic>,
     /// The texts that spans refer to.
     pub sources: Sources,
-    /// Paths that were requested from the [`Resolver`], each once, in order, including refused ones.
+    /// Paths that were requested from the [`Resolver`], including refused paths: in order, without duplicates.
     pub includes_asked: Vec<String>,
 }
 
@@ -103,9 +102,9 @@ pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
     compile_with_limits(name, text, resolve, &LIMITS)
 }
 
-/// Compiles a text in which some numbers are being edited. Expressions read the numbers with the indices `changing`
-/// ([`changed_numbers`]) as inputs of a frame, after the scene's parameters. The numbers in `turning` are being
-/// dragged: they get a range in which a frame may set them without the text being read again.
+/// Compiles a text in which some numbers are being edited. The numbers with the indices `changing`
+/// ([`changed_numbers`]) become inputs of a frame, numbered after the scene's parameters. The numbers in `turning` are
+/// being dragged: within its range, a frame may set such a number without the text being read again.
 pub fn compile_while_changing(
     name: &str,
     text: &str,
@@ -120,7 +119,7 @@ pub fn compile_while_changing(
             return compiled;
         }
     }
-    // The mistake may be that a number has to be constant.
+    // The mistake may be that an edited number has to be constant, so compile again with constants.
     compile(name, text, resolve)
 }
 
@@ -152,7 +151,7 @@ fn compile_all(
     Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
 }
 
-/// Returns the mistakes in a text's tokens and grammar, and its sources. Reads no includes and resolves no names.
+/// Returns the mistakes in a text's tokens and grammar, and its sources. It reads no includes and resolves no names.
 pub fn check_syntax(name: &str, text: &str) -> (Vec<Diagnostic>, Sources) {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);

@@ -1,8 +1,8 @@
 //! Maps the values of a scene's expressions back to its text.
 //!
-//! Lowering records the start of each expression in a list of notes, in the order of the visits. The text behind a
-//! value is the range of notes recorded while the value was computed. The use of a named value records a reference to
-//! that value's range. The library's texts record no notes: their values belong to the call.
+//! Lowering records the start of each expression in a list of notes, in the order in which it visits them. The origin
+//! of a value is the range of notes that were recorded while the value was computed. The use of a named value records
+//! a reference to that value's range. The library's texts record no notes, because their values belong to the call.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use super::source::{Sources, Span};
 use crate::graph::NodeId;
 
-/// Most notes, and most values with a range: 4 MiB. For later values only the object is known.
+/// Maximum number of notes, and of values with a range: 4 MiB. For further values only the object is known.
 const NOTES_MAX: usize = 1 << 18;
 
 /// A location in the text: the number of the file among the scene's files, and the byte.
@@ -28,7 +28,7 @@ pub(super) struct Stretch {
 enum Note {
     /// An expression or a block begins at this offset.
     Begins(u32),
-    /// The text behind these notes also takes part.
+    /// The text of these notes also belongs to the value.
     Uses(Stretch),
 }
 
@@ -39,8 +39,8 @@ struct Made {
     by: Stretch,
 }
 
-/// The values sorted by node; equal nodes in the order in which they were made. Few edits need this index, so it is
-/// built on first use: building it always took a tenth of the time from a text to its tape.
+/// The values sorted by node. Values of the same node keep the order in which they were recorded. The index is built
+/// on first use, because few edits need it and building it takes a tenth of the time from a text to its tape.
 #[derive(Debug, Clone, Default)]
 struct ByNode(OnceLock<Vec<Made>>);
 
@@ -57,7 +57,7 @@ pub struct Origins {
     notes: Vec<Note>,
     made: Vec<Made>,
     by_node: ByNode,
-    /// The blocks of each object: the text apart from its shape, and the whole text.
+    /// For each block of each object: the text without the shape, and the whole text.
     objects: Vec<Vec<(Stretch, Stretch)>>,
     materials: Vec<Vec<Stretch>>,
     files: Vec<(u32, u32)>,
@@ -86,7 +86,7 @@ impl Origins {
         }
     }
 
-    /// Records the head of a block: its field names and the values it uses. Not limited by [`NOTES_MAX`].
+    /// Records the head of a block: its field names and the values that it uses. [`NOTES_MAX`] does not apply here.
     pub(super) fn head(&mut self, begins: impl Iterator<Item = Span>, uses: &[Stretch]) -> Stretch {
         let from = self.mark();
         self.notes.extend(begins.map(|span| Note::Begins(span.start)));
@@ -94,7 +94,7 @@ impl Origins {
         self.since(from)
     }
 
-    /// Records that a node is the value of an expression, computed since a mark.
+    /// Records that a node is the value of an expression. The expression's notes begin at a mark.
     #[inline]
     pub(super) fn makes(&mut self, node: NodeId, span: Span, from: u32) {
         if self.made.len() < NOTES_MAX {
@@ -157,8 +157,8 @@ impl Origins {
     }
 
     /// Returns the locations in the text that contribute to a surface, sorted and without duplicates. The surface
-    /// belongs to an object with a material; `path` leads from the object's shape to the node that is the value
-    /// there. If no node of the path is known, the whole text of the object contributes.
+    /// belongs to an object with a material. `path` leads from the object's shape to the node that is the shape's value
+    /// at the surface. If no node of the path is known, the result is the whole text of the object.
     pub fn places(&self, object: usize, material: usize, path: &[NodeId]) -> Vec<TextPlace> {
         let mut open: Vec<Stretch> = Vec::new();
         let mut starts = BTreeSet::new();

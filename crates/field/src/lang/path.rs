@@ -1,6 +1,6 @@
-//! Checks paths in a scene: relative, with `/` between folders, and inside the scene's folder.
+//! Checks paths in a scene: a path must be relative, have `/` between folders, and stay inside the scene's folder.
 
-/// Returns the path without `.` and doubled `/`; or a message and a hint.
+/// Returns the path without `.` and doubled `/`. For an invalid path, returns a message and a hint.
 pub(super) fn checked(path: &str) -> Result<String, (&'static str, &'static str)> {
     if path.trim().is_empty() {
         return Err(("this file has no name", "write the file's name in the quotes"));

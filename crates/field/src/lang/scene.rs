@@ -1,9 +1,10 @@
 //! A checked scene: one graph, and the meaning of its nodes.
 //!
-//! **Bounds and estimates.** A shape may leave out parts: of 32 bars only two are measured. An object's `bound` is
-//! then a lower bound of the distance to everything left out, and rays step by the lesser of bound and shape.
-//! Penumbras and occlusion use only the shape because a bound would cast shadows of objects that do not exist (Abt
-//! 2022, figure 12). Beyond the bound the estimate grows until it casts none.
+//! **Bounds and estimates.** A shape may leave out parts. For example, it may measure only the nearest two of 32 bars.
+//! An object's `bound` is then a lower bound of the distance to the parts that are left out, and rays step by the
+//! lesser of bound and shape. Penumbras and occlusion use only the shape (the estimate), because a bound would cast
+//! shadows of objects that do not exist (Abt 2022, figure 12). Beyond the bound, the estimate grows until it casts no
+//! shadow.
 
 use std::sync::Arc;
 
@@ -23,7 +24,7 @@ pub struct Scene {
     pub graph: Graph,
     /// The objects; at least one.
     pub objects: Vec<Object>,
-    /// The union of all objects: the least of their shapes. Depends on the point and the frame.
+    /// The union of all objects: the minimum of their shapes. Depends on the point and the frame.
     pub distance: NodeId,
     /// The materials of the objects.
     pub materials: Vec<Material>,
@@ -33,7 +34,7 @@ pub struct Scene {
     pub camera: Camera,
     /// The named cameras.
     pub cameras: Vec<(String, Camera)>,
-    /// The background, where rays hit nothing.
+    /// The background, which rays without a hit show.
     pub sky: Sky,
     /// True if the text sets the sky's colour.
     pub has_own_sky: bool,
@@ -43,7 +44,7 @@ pub struct Scene {
     pub about: About,
     /// The parameters, shown as sliders; `Input::Param(i)` is the i-th.
     pub params: Vec<Param>,
-    /// The textures; texture i of the graph is the i-th.
+    /// The textures. Their indices are the texture numbers in the graph.
     pub textures: Vec<TextureRef>,
     /// Paths of the files that were included, in the order in which they were read.
     pub includes: Vec<String>,
@@ -60,8 +61,8 @@ pub struct Object {
     pub span: Span,
     /// The distance function. Depends on the point and the frame.
     pub shape: NodeId,
-    /// A lower bound of the distance to everything that the shape leaves out. Rays step by the lesser of both.
-    /// Shadows and occlusion, which need actual surfaces, use only the shape.
+    /// A lower bound of the distance to everything that the shape leaves out. Rays step by the lesser of bound and
+    /// shape. Shadows and occlusion, which need actual surfaces, use only the shape.
     pub bound: Option<NodeId>,
     /// Index into [`Scene::materials`].
     pub material: usize,
@@ -111,8 +112,8 @@ section! {
         "The strength in red, green and blue: the light that arrives at distance 1 or, for a sun, everywhere. For a \
          panel, its brightness in the units of `emission`.";
     radius: Number = Each(0.0), FRAME,
-        "Radius of the shining ball (for a sun: the tangent of its half angle); softens shadows.";
-    range: Number = Each(0.0), FRAME, "Distance at which the light has faded to 0; 0 for no limit.";
+        "Radius of the shining ball; for a sun, the tangent of its half angle. A larger radius makes shadows softer.";
+    range: Number = Each(0.0), FRAME, "Distance at which the light has faded to 0. A range of 0 means no limit.";
     shadow: Number = Each(1.0), FRAME, "Fraction of the light that shadows remove, 0..1.";
     right: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its right side; else 0.";
     up: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its upper side; else 0.";
@@ -123,24 +124,24 @@ section! {
     /// ball of the thesis at (1, 1, 6).
     Camera {}
     position: Vector = Parts([0.0, 2.0, -5.0]), FRAME, "The eye.";
-    target: Vector = Parts([0.0, 0.5, 0.0]), FRAME, "The point it looks at.";
+    target: Vector = Parts([0.0, 0.5, 0.0]), FRAME, "The point at which the camera looks.";
     fov: Number = Each(45.0), FRAME, "Vertical field of view in degrees.";
     roll: Number = Each(0.0), FRAME,
         "Roll around the line of sight in radians; positive values turn the image clockwise.";
-    aperture: Number = Each(0.0), FRAME, "Radius of the lens; 0 is sharp everywhere.";
+    aperture: Number = Each(0.0), FRAME, "Radius of the lens. With 0 the image is sharp everywhere.";
     focus: Number = Each(f32::INFINITY), FRAME,
-        "Distance in focus; if it is not finite, the distance of the target.";
+        "Distance in focus. If it is not finite, the target is in focus.";
     keep: Number = Each(0.0), FRAME,
         "Width at the target that always stays visible: in a narrow window the camera moves back to show it. 0 for no \
          such width.";
 }
 
 section! {
-    /// The background. The default is a dusk, brightest at the horizon, so that no ray ends in black.
+    /// The background. The default is a dusk that is brightest at the horizon, so that no ray ends in black.
     Sky {}
-    color: Vector = Library("default_sky"), DIRECTION | TEXTURE | FRAME | EYE, "Light from a direction.";
+    color: Vector = Library("default_sky"), DIRECTION | TEXTURE | FRAME | EYE, "Light from the given direction.";
     ambient: Vector = Library("default_ambient"), DIRECTION | FRAME | EYE,
-        "Ambient light on a surface whose normal has this direction.";
+        "Ambient light on a surface whose normal has the given direction.";
     reach: Number = Each(1.1), FRAME,
         "Distance from a surface within which other objects block ambient light and replace it by their own light.";
 }
@@ -163,7 +164,7 @@ pub enum ToneMap {
     /// AgX (Troy Sobotka): a film-like curve in which bright colours fade to white.
     #[default]
     Agx,
-    /// ACES, fitted (Stephen Hill): more contrast; the hue shifts as colours get brighter.
+    /// ACES, fitted (Stephen Hill). It has more contrast, and the hue shifts as colours get brighter.
     Aces,
     /// Extended Reinhard on luminance (Abt 2022, section 3.2): hues stay the same until they are clipped.
     Reinhard,
@@ -175,12 +176,12 @@ impl ToneMap {
     /// All tone maps, in the order of their numbers in `shaders/tone_map.glsl`.
     pub const ALL: [ToneMap; 4] = [ToneMap::Agx, ToneMap::Aces, ToneMap::Reinhard, ToneMap::None];
 
-    /// The number that represents it in [`Picture`].
+    /// The number that represents the tone map in [`Picture`].
     pub const fn number(self) -> f32 {
         self as u8 as f32
     }
 
-    /// The tone map with this number; the default if there is none.
+    /// The tone map with this number; the default for an unknown number.
     pub fn numbered(number: f32) -> Self {
         Self::ALL.into_iter().find(|map| map.number() == number).unwrap_or_default()
     }
@@ -203,12 +204,12 @@ pub struct Param {
     pub name: String,
     /// The initial value; `min <= default <= max`, all finite.
     pub default: f32,
-    /// Least value.
+    /// Minimum.
     pub min: f32,
-    /// Largest value.
+    /// Maximum.
     pub max: f32,
-    /// True for a number of the text that is being edited. Such a parameter has no name and comes after all others.
-    /// Its range is a single value, except while the number is being dragged.
+    /// True for a number of the text that is being edited. Such a parameter has no name, and follows all named
+    /// parameters. Its range is a single value, except while the number is being dragged.
     pub is_number: bool,
     /// The location of the declaration, or of the number in the text.
     pub span: Span,

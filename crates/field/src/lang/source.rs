@@ -1,7 +1,7 @@
 //! Source texts and locations in them.
 //!
-//! All files of a scene share one sequence of byte offsets: a file begins one after the end of the previous file. Two
-//! numbers are therefore enough for a [`Span`] to identify its file.
+//! All files of a scene share one sequence of byte offsets: a file begins one byte after the end of the previous
+//! file. Two numbers are therefore enough for a [`Span`] to identify its file.
 
 /// A range of source text: byte offsets over all files of a [`Sources`], `start <= end`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
@@ -13,12 +13,12 @@ pub struct Span {
 }
 
 impl Span {
-    /// From `start` up to `end`, exclusive.
+    /// The span from `start` up to `end`, exclusive.
     pub fn new(start: u32, end: u32) -> Self {
         Self { start, end: end.max(start) }
     }
 
-    /// From the start of `self` to the end of `other`.
+    /// The span from the start of `self` to the end of `other`.
     pub fn to(self, other: Self) -> Self {
         Self::new(self.start, other.end.max(self.end))
     }
@@ -76,14 +76,14 @@ impl Sources {
         &self.files
     }
 
-    /// Returns the text of `span`; empty if it is in no file.
+    /// Returns the text of `span`; empty for a span outside all files.
     pub fn text(&self, span: Span) -> &str {
         let Some(file) = self.file_at(span.start) else { return "" };
         let (start, end) = ((span.start - file.base) as usize, span.end.saturating_sub(file.base) as usize);
         file.text.get(start..end.min(file.text.len())).unwrap_or("")
     }
 
-    /// Returns the location of `offset`; `None` if it is in no file.
+    /// Returns the location of `offset`; `None` for an offset outside all files.
     pub fn place(&self, offset: u32) -> Option<Place<'_>> {
         let file = self.file_at(offset)?;
         let mut at = ((offset - file.base) as usize).min(file.text.len());
@@ -101,7 +101,7 @@ impl Sources {
         Some(Place { file, line, column, text, byte })
     }
 
-    /// Returns the index of a span's file, and the span's bytes in it; `None` if it is in no file.
+    /// Returns the index of a span's file, and the span's bytes in that file; `None` for a span outside all files.
     pub fn place_in_file(&self, span: Span) -> Option<(usize, std::ops::Range<usize>)> {
         let index = self.files.partition_point(|file| file.base <= span.start).checked_sub(1)?;
         let file = self.files.get(index)?;

@@ -1,7 +1,7 @@
 //! Suggestions for misspelt names.
 
-/// Returns the name that is nearest to `typed` by edits (insert, delete, replace, swap neighbours); `None` if no name
-/// is near enough to have been meant.
+/// Returns the name that needs the fewest edits from `typed` (insert, delete, replace, swap neighbours). Returns `None`
+/// if even that name needs too many edits.
 pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = typed.chars().count();
     if length > LONGEST {
@@ -21,7 +21,7 @@ pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Opt
     best.map(|(_, name)| name)
 }
 
-/// Longest name that gets a suggestion. Comparing longer names takes time, and nobody types them.
+/// Maximum length of a name that gets a suggestion. Longer names are rare and take long to compare.
 const LONGEST: usize = 40;
 
 /// Returns the optimal string alignment distance.

@@ -14,7 +14,7 @@ impl Symbol {
 pub(super) struct Interner {
     text: String,
     ends: Vec<u32>,
-    /// Open addressing with linear probing. The number of slots is a power of two; at most half are taken.
+    /// Open addressing with linear probing. The number of slots is a power of two. At most half of the slots are taken.
     table: Vec<Place>,
 }
 
@@ -98,7 +98,7 @@ impl Interner {
     }
 }
 
-/// The key of a name in the hash table: the name itself up to [`Key::WHOLE_MAX`] bytes, a digest of longer names.
+/// The key of a name in the hash table: the name itself if it has at most [`Key::WHOLE_MAX`] bytes, else a digest.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Key(u64);
 
@@ -111,7 +111,7 @@ impl Key {
         Self::of_first(name, name.len())
     }
 
-    /// The key of the first `length` bytes of `text`, which must be at least that long.
+    /// The key of the first `length` bytes of `text`. The text must have at least that many bytes.
     #[inline]
     pub(super) fn of_first(text: &[u8], length: usize) -> Self {
         if length > Self::WHOLE_MAX {

@@ -8,7 +8,7 @@ pub(super) enum Kind {
     Number,
     /// A name or a word of [`RESERVED`].
     Name,
-    /// A text in quotes. The symbol is the text between them.
+    /// A text in quotes. The symbol is the text between the quotes.
     Text,
     OpenParen,
     CloseParen,
@@ -43,7 +43,7 @@ pub(super) enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Token {
     pub kind: Kind,
-    /// True if a line ends between the previous token and this one.
+    /// True if a line ends between the previous token and this token.
     pub newline: bool,
     /// The symbol of a name or text; for a number the bits of its value (see [`Token::value`]).
     pub symbol: Symbol,
@@ -53,7 +53,7 @@ pub(super) struct Token {
 /// Words that cannot be names, in the order of their symbols.
 pub(super) const RESERVED: &[&str] = &["let", "fn", "for", "in", "if", "then", "else", "true", "false"];
 
-/// The symbols of [`RESERVED`], which are the first ones of every interner.
+/// The symbols of [`RESERVED`], which are the first symbols of every interner.
 pub(super) mod word {
     use super::Symbol;
     pub(crate) const LET: Symbol = Symbol(0);
@@ -72,7 +72,7 @@ impl Token {
         self.kind == Kind::Name && self.symbol.index() < RESERVED.len()
     }
 
-    /// The value of a number; infinite if it is too large.
+    /// The value of a number; infinite if the number is too large.
     pub(super) fn value(self) -> f32 {
         f32::from_bits(self.symbol.0)
     }

@@ -7,7 +7,7 @@ use crate::graph::NodeId;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Vector {
     len: u8,
-    /// The parts from `len` on are copies of the first.
+    /// The parts from `len` on are copies of the first part.
     parts: [NodeId; 4],
 }
 
@@ -58,7 +58,7 @@ impl Vector {
         Self { len: self.len, parts }
     }
 
-    /// Returns the vector with `len` parts, where a scalar is repeated; `None` if the sizes do not fit.
+    /// Returns the vector with `len` parts. A scalar is repeated. `None` if the sizes do not fit.
     pub(super) fn widened(self, len: usize) -> Option<Self> {
         match self.len() {
             own if own == len => Some(self),

@@ -1,7 +1,7 @@
 //! Splits a line of a scene's text into words for syntax highlighting.
 //!
-//! The words come from the compiler's lexer, one line at a time, so that an editor processes only the lines that it
-//! shows. Only a comment between `/*` and `*/` extends over the end of a line.
+//! The words come from the compiler's lexer. It processes single lines, so that an editor needs only the visible lines.
+//! Only a comment between `/*` and `*/` can continue on the next line.
 
 use super::diagnostic::Diagnostics;
 use super::lexer;
@@ -45,7 +45,7 @@ pub struct Word {
 }
 
 /// Returns the words of `line` in order, without blanks, and true if a comment is open at the end of the line.
-/// `in_comment` is true if a comment is open at its start.
+/// `in_comment` is true if a comment is open at the start of the line.
 pub fn words(line: &str, in_comment: bool) -> (Vec<Word>, bool) {
     let mut found = Vec::new();
     let mut begin = 0;
@@ -74,7 +74,7 @@ pub fn words(line: &str, in_comment: bool) -> (Vec<Word>, bool) {
     (found, open)
 }
 
-/// Adds the comments between two tokens, and returns true if the last one is open.
+/// Adds the comments between two tokens, and returns true if the last comment is open.
 fn comments(text: &str, from: usize, to: usize, begin: usize, found: &mut Vec<Word>) -> bool {
     let mut at = from;
     while let Some(gap) = text.get(at..to) {

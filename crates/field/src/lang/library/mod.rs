@@ -1,8 +1,8 @@
-//! The library: shapes, operators and the GLSL functions that are not built in, written in the scene language.
+//! The library: shapes, operators and the GLSL functions that are not built in. It is written in the scene language.
 //!
 //! The texts are parsed once, at the first use. Lines that begin with `##` document the function below them. The last
-//! of these lines ends with `[exact; source]`, `[bound; source]` or `[source]`. *Exact*: the function returns the
-//! distance to the surface. *Bound*: it returns at most that distance, so a ray may still step by it.
+//! of these lines ends with `[exact; source]`, `[bound; source]` or `[source]`. *Exact* functions return the
+//! distance to the surface. *Bound* functions return at most that distance, so rays may still step by the result.
 
 mod pictures;
 
@@ -33,9 +33,9 @@ pub(super) const TEXTS: &[(&str, &str)] = &[
 /// The accuracy of a shape's distance function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Accuracy {
-    /// Returns the distance.
+    /// The function returns the distance.
     Exact,
-    /// Returns at most the distance.
+    /// The function returns at most the distance.
     Bound,
 }
 
@@ -92,7 +92,7 @@ fn build() -> Library {
     for name in brought {
         names.intern(name);
     }
-    // Ignored here: a test checks that these texts have no mistakes.
+    // Ignore the diagnostics: a test checks that these texts have no mistakes.
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
     let (mut ast, mut functions) = (Ast::default(), Vec::new());
     for (_, text) in TEXTS {

@@ -97,7 +97,8 @@ impl Lowering<'_> {
         zip(&mut self.graph, a, b, |graph, a, b| graph.binary(op, a, b))
     }
 
-    /// From one number, the first components of a longer vector, or parts with `len` components in total.
+    /// Builds a vector of `len` components: from one number, from the first components of a longer vector, or from
+    /// parts that have `len` components in total.
     fn construct(&mut self, name: &str, len: u8, vectors: &[Option<Vector>; 4], span: Span) -> Value {
         let len = usize::from(len);
         let Some(first) = vectors[0] else { return Value::Unknown };
@@ -131,7 +132,8 @@ impl Lowering<'_> {
     }
 
     /// Reads a pitch class. A computed index is clamped and rounded down, as for bands, and compared with each class.
-    /// The maximum of the terms (0 for other classes) bounds several possible classes tighter than their sum.
+    /// The terms of the other classes are 0. If several classes are possible, the maximum of the terms has tighter
+    /// bounds than their sum.
     fn chroma(&mut self, index: Vector, span: Span) -> Value {
         let classes = SoundInput::CHROMA;
         let hint = "there are 12 pitch classes, 0 for C to 11 for B";
@@ -159,7 +161,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// The index in a call of `name`, which reads one of `count` numbers; `None`, reported, if out of range.
+    /// The index in a call of `name`, which reads one of `count` numbers. An index out of range is reported and gives
+    /// `None`.
     fn number_among(
         &mut self,
         name: &'static str,

@@ -125,7 +125,7 @@ impl Lowering<'_> {
         Some(value as i64)
     }
 
-    /// Combines the arguments from `mark` on, two at a time from the left; each step gets the last `tail` ones.
+    /// Combines the arguments from `mark` on in pairs, from the left. Each step also gets the last `tail` arguments.
     fn fold(&mut self, callee: Callee, name: Symbol, mark: usize, tail: usize, span: Span) -> Value {
         let count = self.arguments.len() - mark;
         if self.arguments.iter().skip(mark).any(|value| *value == Value::Unknown) {
@@ -166,8 +166,8 @@ impl Lowering<'_> {
         result
     }
 
-    /// Calls a function with the arguments from `mark` on. `first` is the index of their expressions in the tree's
-    /// `extra`, for the locations in messages; `u32::MAX` if the arguments have no expressions.
+    /// Calls a function with the arguments from `mark` on. For the locations in messages, `first` is the index of the
+    /// arguments' expressions in the tree's `extra`; `u32::MAX` if the arguments have no expressions.
     fn apply(&mut self, callee: Callee, name: Symbol, mark: usize, first: u32, span: Span) -> Value {
         match callee {
             Callee::Builtin(index) => match BUILTINS.get(index) {
@@ -264,7 +264,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// Reports arguments whose count or types do not fit. A number that is passed as a vector is widened.
+    /// Reports arguments whose count or types do not fit. Widens a number that is passed as a vector.
     fn arguments_fit(
         &mut self,
         function: &Function,

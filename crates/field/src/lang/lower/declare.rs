@@ -55,7 +55,8 @@ impl<'a> SceneBuilder<'a> {
                     self.lowering.declared.globals[index].function =
                         self.lowering.declared.functions.len() as u32;
                 }
-                // More names than all limits together exceed some limit, which is reported later: compare no more.
+                // Compare no more names than all limits together: a larger number exceeds a limit and is reported
+                // later.
                 Item::Section { section, name: Some(name), .. } if taken.len() < named_max => {
                     let first = taken.iter().find(|(of, one)| of == section && one.symbol == name.symbol);
                     if let Some((_, first)) = first {
@@ -79,8 +80,8 @@ impl<'a> SceneBuilder<'a> {
         self.lowering.reports.add(wrong.hint("give one of them another name"));
     }
 
-    /// True if a value of the scene may have this name; otherwise reports the conflict. A value may have the name of
-    /// a number of the song: some scenes used these names before the numbers existed.
+    /// True if a value of the scene may have this name; otherwise reports the conflict. Names of the song's numbers are
+    /// allowed, because some scenes used these names before the numbers existed.
     fn may_declare(&mut self, name: Name) -> bool {
         let input = library::input_index(name.symbol).and_then(|index| INPUTS.get(index));
         let may_hide = |row: &InputRow| matches!(row.value, InputValue::One(input) if input.is_of_song());

@@ -22,7 +22,7 @@ impl Declared<'_> {
         Self { globals, lets: Vec::new(), functions: Vec::new(), params: Vec::new(), textures: Vec::new() }
     }
 
-    /// The declarations of a name; all empty for an undeclared name.
+    /// The declarations of a name; empty for an undeclared name.
     pub(super) fn global(&self, symbol: Symbol) -> Global {
         self.globals.get(symbol.index()).copied().unwrap_or_default()
     }
@@ -47,7 +47,8 @@ pub(super) enum GlobalValue {
     Param(u32),
 }
 
-/// A `let` of the scene. Lets are lowered in the order of the text, or earlier if they are used earlier.
+/// A `let` of the scene. Lets are lowered in the order of the text. A let that is used before its declaration is
+/// lowered at the use.
 pub(super) struct GlobalLet {
     pub name: Symbol,
     pub span: Span,

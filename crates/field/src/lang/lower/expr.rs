@@ -61,7 +61,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// If the value is a number, records that this expression computes it, with the notes since the mark `from`.
+    /// If the value is a number, records this expression and the notes since the mark `from` as its origin.
     #[inline]
     fn note_made(&mut self, value: Value, id: ExprId, from: u32) {
         if self.reports.library_call.is_none()
@@ -204,7 +204,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// The vector in a value. Reports other values, with the message that `what` works on numbers and vectors.
+    /// The vector in a value. Reports values that are not numbers or vectors; `what` names the operation in the
+    /// message.
     pub(super) fn number(
         &mut self,
         value: Value,
@@ -377,7 +378,7 @@ impl Lowering<'_> {
     }
 }
 
-/// The set of four letters that a component's letter belongs to, and its index in the set.
+/// The set (`xyzw` or `rgba`) that contains a component's letter, and the letter's index in the set.
 fn component(letter: u8) -> Option<(u8, usize)> {
     Some(match letter {
         b'x' => (0, 0),

@@ -30,14 +30,14 @@ pub(super) struct Lowering<'a> {
     pub inputs: Inputs,
     pub changing: ChangingNumbers,
     pub budget: Budget,
-    /// A stack of operators and swizzles whose first operand is still being lowered.
+    /// A stack of operators and swizzles whose first operand is being lowered.
     pub spine: Vec<ExprId>,
     /// A stack of the arguments of all calls that are being lowered.
     pub arguments: Vec<Value>,
     pub origins: Origins,
 }
 
-/// The inputs that the current section or let may use and does use, as bits of [`uses`].
+/// The allowed inputs and the used inputs of the current section or let, as bits of [`uses`].
 pub(super) struct Inputs {
     pub allowed: u8,
     pub place: &'static str,
@@ -87,7 +87,7 @@ impl Inputs {
     }
 }
 
-/// The current depth and the steps so far; both have limits.
+/// The current depth and the number of steps so far. Both have limits.
 #[derive(Default)]
 pub(super) struct Budget {
     pub depth: usize,
@@ -103,7 +103,7 @@ impl<'a> Lowering<'a> {
         diagnostics: &'a mut Diagnostics,
     ) -> Self {
         let mut graph = Graph::with_limits(limits);
-        // An expression needs one to two nodes if the scene repeats few of them.
+        // Most expressions need one to two nodes.
         graph.reserve(2 * ast.len());
         Self {
             graph,
@@ -128,7 +128,7 @@ impl<'a> Lowering<'a> {
         self.names.name(symbol)
     }
 
-    /// Counts a step. Returns false once a limit is reached: the caller must stop.
+    /// Counts a step. Returns false once a limit is reached; then the caller must stop.
     #[inline]
     pub(super) fn step(&mut self, span: Span) -> bool {
         self.budget.steps += 1;
@@ -141,8 +141,8 @@ impl<'a> Lowering<'a> {
     }
 
     pub(super) fn written_number(&mut self, value: f32, id: ExprId) -> Value {
-        // A number becomes an input only where inputs of a frame are allowed, and only in the scene: offsets in the
-        // library's texts are counted separately.
+        // A number becomes an input only where inputs of a frame are allowed, and only in the scene's text. The
+        // library's texts have their own offsets.
         let may_change = self.inputs.allowed & uses::FRAME != 0 && std::ptr::eq(self.ast, self.scene_ast);
         if self.reports.library_call.is_none() {
             self.origins.begins(self.ast.span(id));
@@ -179,7 +179,7 @@ impl<'a> Lowering<'a> {
         values.map(|value| self.graph.constant(value))
     }
 
-    /// The value of a name: a local name, a parameter or `let` of the scene, or an input, in this order.
+    /// The value of a name. It is searched among local names, then parameters and lets of the scene, then inputs.
     #[inline]
     pub(super) fn lookup(&mut self, symbol: Symbol, span: Span) -> Value {
         let is_noted = self.reports.library_call.is_none();

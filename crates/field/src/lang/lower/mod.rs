@@ -3,7 +3,7 @@
 //!
 //! [`Lowering`] handles expressions and [`SceneBuilder`] the items of a scene. Recursion follows the nesting of
 //! expressions and calls, up to `scene_depth_max`; a chain of operators is a loop. Each visited node counts towards
-//! `scene_expansion_max`.
+//! the limit `scene_expansion_max`.
 
 mod builtins;
 mod call;
@@ -29,7 +29,8 @@ use crate::limits::Limits;
 use lowering::Lowering;
 use scene::SceneBuilder;
 
-/// Builds a scene from its tree. Returns `None` if it has no shape or exceeds a limit. The caller must also check
+/// Builds a scene from its tree. Returns `None` if the scene has no shape or exceeds a limit. The caller must also
+/// check
 /// `diagnostics`: a scene with mistakes may still be returned.
 pub(super) fn lower(
     loaded: Loaded,

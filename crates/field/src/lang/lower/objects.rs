@@ -53,7 +53,8 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// Blends shapes and mixes materials within `radius`, half and half where both are equally near.
+    /// Blends the shapes and mixes the materials within `radius`. Where both shapes are equally near, half of each
+    /// material is used.
     fn melted(&mut self, a: Object, b: Object, radius: NodeId) -> Option<Object> {
         let tiny = self.lowering.constant(1e-4);
         let radius = self.lowering.graph.max(radius, tiny);
@@ -89,7 +90,7 @@ impl SceneBuilder<'_> {
     }
 }
 
-/// A mixture of two materials; at fraction 0 it is the first.
+/// A mixture of two materials; at fraction 0, the first material.
 fn mixed(graph: &mut Graph, a: &Material, b: &Material, fraction: NodeId) -> Material {
     let both: Vec<_> = a.numbers().into_iter().zip(b.numbers()).collect();
     let mixed = both.into_iter().map(|(a, b)| graph.mix(a, b, fraction));

@@ -7,7 +7,7 @@ use super::super::value::Value;
 
 const CALLS_SHOWN: usize = 3;
 
-/// The list of diagnostics, and the calls that enclose the expression being lowered.
+/// The list of diagnostics, and the calls around the expression that is being lowered.
 pub(super) struct Reports<'a> {
     pub diagnostics: &'a mut Diagnostics,
     pub names: &'a Interner,
@@ -19,7 +19,8 @@ pub(super) struct Reports<'a> {
 }
 
 impl Reports<'_> {
-    /// Reports a mistake, at the scene's call if it is in a library function. Returns [`Value::Unknown`].
+    /// Reports a mistake. A mistake in a library function is reported at the scene's call of that function. Returns
+    /// [`Value::Unknown`].
     #[cold]
     pub(super) fn add(&mut self, mut diagnostic: Diagnostic) -> Value {
         if let Some((_, span)) = self.library_call {

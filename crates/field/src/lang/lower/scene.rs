@@ -25,7 +25,7 @@ pub(super) struct Parts {
     pub has_own_sky: bool,
     pub picture: Option<Picture>,
     pub about: Option<About>,
-    /// Index of the material of objects that set no material; created when it is first needed.
+    /// Index of the material for objects that set no material. The material is created when it is first needed.
     pub default_material: Option<usize>,
 }
 
@@ -42,7 +42,7 @@ impl<'a> SceneBuilder<'a> {
         Self { lowering, parts: Parts::default() }
     }
 
-    /// Builds the scene. Returns `None` if it has no shape or a limit is reached.
+    /// Builds the scene. Returns `None` if the scene has no shape or a limit is reached.
     pub(super) fn scene(
         mut self,
         items: &'a [Item],
@@ -159,7 +159,7 @@ impl<'a> SceneBuilder<'a> {
         }));
     }
 
-    /// Records the text that makes up an object or a material. Its fields have the notes since the mark `from`.
+    /// Records the text of an object or a material. The notes since the mark `from` belong to its fields.
     fn note_block(
         &mut self,
         (section, span): (Section, Span),

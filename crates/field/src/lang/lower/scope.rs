@@ -9,7 +9,7 @@ pub(super) struct Binding {
     /// Index of the binding of the same name that it hides, or [`NO_BINDING`].
     hidden: u32,
     value: Value,
-    /// For a `let`, the notes of the text that computes the value (see `lang::origins`); otherwise empty.
+    /// For a `let`, the notes of the text that computes the value (see `lang::origins`); empty for other names.
     by: Stretch,
 }
 

@@ -34,7 +34,7 @@ const OBJECT: &[Field] = &[
         "melt",
         Holds::Number,
         FRAME,
-        "how far it flows into the previous object; their materials mix there",
+        "the radius within which the object flows into the previous object; both materials mix there",
     ),
 ];
 
@@ -101,7 +101,7 @@ fn place(section: Section) -> &'static str {
 pub(super) struct Values {
     given: Vec<(&'static str, Value, Span)>,
     pub(super) material: Option<usize>,
-    /// The notes of the values (see `lang::origins`), except of an object's shape.
+    /// The notes of all values except an object's shape (see `lang::origins`).
     pub(super) beside_the_shape: Vec<Stretch>,
     pub(super) broken: bool,
 }
@@ -286,7 +286,7 @@ impl SceneBuilder<'_> {
         self.lowering.reports.add(wrong);
     }
 
-    /// Evaluates an expression that must be one of the names in `known`, to the number of that name.
+    /// Evaluates an expression that must be one of the names in `known`. The result is the number of that name.
     fn one_of(&mut self, what: &str, known: &[(&'static str, f32)], value: ExprId) -> Value {
         let span = self.lowering.ast.span(value);
         let names = || known.iter().map(|(name, _)| *name);
@@ -413,7 +413,7 @@ impl SceneBuilder<'_> {
 }
 
 impl Lowering<'_> {
-    /// The numbers of a section in the order of its fields, with defaults for missing ones.
+    /// The numbers of a section in the order of its fields. Missing fields have their defaults.
     pub(super) fn numbers(&mut self, fields: &[Field], values: &Values) -> Vec<NodeId> {
         let mut numbers = Vec::new();
         for field in fields {
@@ -453,7 +453,7 @@ fn place_of_field(section: Section) -> &'static str {
     }
 }
 
-/// Stores a section that a scene may have only once, or reports a second one.
+/// Stores a section that a scene may have only once. Reports a second such section.
 fn only<T>(reports: &mut Reports, place: &mut Option<T>, made: T, section: Section, span: Span) {
     if place.replace(made).is_some() {
         let message = format!("the scene has a second block `{}`", word(section));

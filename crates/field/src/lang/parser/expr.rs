@@ -72,7 +72,7 @@ impl Parser<'_> {
         left
     }
 
-    /// Skips unknown characters with the expression after them: both are one mistake, already reported by the lexer.
+    /// Skips unknown characters and the expression after them. The lexer has already reported them as one mistake.
     #[cold]
     fn behind_unknown(&mut self) -> ExprId {
         self.advance();
@@ -84,7 +84,7 @@ impl Parser<'_> {
         self.error_node()
     }
 
-    /// True at a `-` on a new line without a space after it, which begins an expression.
+    /// True at a `-` that begins a new line and has no space after it. Such a `-` begins an expression.
     fn begins_negation(&self) -> bool {
         let token = self.token();
         token.kind == Kind::Minus
@@ -219,13 +219,13 @@ impl Parser<'_> {
         if self.close_paren(open, "`)`") { inner } else { self.error_node() }
     }
 
-    /// Consumes the `)` that matches `open`. If it is missing, reports this, skips to it and returns false.
+    /// Consumes the `)` that matches `open`. If another token is there, reports it, skips to the `)` and returns false.
     fn close_paren(&mut self, open: Span, what: &str) -> bool {
         if self.eat(Kind::CloseParen) {
             return true;
         }
         let wrong = self.expected(what).note(open, "for this `(`");
-        // An unclosed text contains the bracket. The lexer already reported it.
+        // An unclosed text contains the bracket. The lexer has already reported the text.
         let unknown =
             self.at > 0 && self.tokens.get(self.at - 1).is_some_and(|token| token.kind == Kind::Unknown);
         if !unknown {
@@ -273,7 +273,7 @@ impl Parser<'_> {
             let wrong = self.expected("`then` after the condition");
             self.report(wrong.hint("write a choice as `if a then b else c`"));
             if self.kind() == Kind::OpenBrace {
-                // Braces as in GLSL: parse them as a block.
+                // The choice has braces, as in GLSL: parse them as a block.
             } else if !self.token().is_word(word::ELSE) {
                 return self.ast.push(Expr::Error, start);
             }

@@ -52,9 +52,9 @@ pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Habit {
-    /// The text is not as in GLSL, or only `return` was skipped.
+    /// The text does not look like GLSL, or only `return` was skipped.
     None,
-    /// The rest is parsed as if it followed a `let`.
+    /// The rest of the declaration is parsed as if it followed a `let`.
     Let,
     Skipped,
 }
@@ -188,7 +188,7 @@ impl Parser<'_> {
         self.skip_until(|parser| parser.token().newline || parser.kind() == Kind::Semicolon);
     }
 
-    /// Recognizes declarations and `return` as in GLSL, and reports how to write them here.
+    /// Recognizes GLSL's declarations and `return`, and reports how to write them in this language.
     pub(super) fn glsl_habit(&mut self) -> Habit {
         let (token, next) = (self.token(), self.ahead(1));
         if !token.is_name() {

@@ -1,7 +1,7 @@
-//! The parser: builds the syntax tree from tokens. It never fails: each mistake is reported once and becomes
-//! [`Expr::Error`](super::ast::Expr::Error), and parsing continues after it.
+//! The parser: builds the syntax tree from tokens. It never fails: a mistake is reported once and becomes
+//! [`Expr::Error`](super::ast::Expr::Error), and parsing continues after the mistake.
 //!
-//! In the grammar, `?` marks an optional part and `*` a repeated one. `;` is allowed between any two items, fields or
+//! In the grammar, `?` marks an optional part and `*` a repeated part. `;` is allowed between any two items, fields or
 //! lets.
 //!
 //! ```text
@@ -23,8 +23,8 @@
 //!         | number | text | name | name "(" exprs ")" | "(" expr ")" | block
 //! ```
 //!
-//! A line end matters only if the next line could either continue an expression or begin one. There, `(…)` begins an
-//! expression and is not a call, and `-x` without a space begins an expression; `- x` continues the previous one.
+//! A line end matters only if the next line could either continue the expression or begin a new one. If the next line
+//! begins with `(…)` or with `-x` without a space, it begins a new expression; `- x` continues the previous expression.
 //! Inside parentheses line ends have no meaning. The words `param include object material light camera sky picture
 //! about` are reserved only at the start of an item.
 
@@ -79,7 +79,7 @@ struct Parser<'a> {
     nesting: usize,
     nesting_max: usize,
     in_parens: bool,
-    /// Index of the last reported token. A second report about the same token would only repeat the mistake.
+    /// Index of the last reported token. Each token is reported at most once.
     reported: Option<usize>,
     /// A stack of the children of all calls and blocks that are being parsed.
     lists: Vec<u32>,
@@ -136,7 +136,7 @@ impl Parser<'_> {
         Span::new(start.start, self.end_before.max(start.end))
     }
 
-    /// Reports `diagnostic`, unless the current token was already reported, here or by the lexer.
+    /// Reports `diagnostic`, unless the parser or the lexer has already reported the current token.
     fn report(&mut self, diagnostic: Diagnostic) {
         if self.reported != Some(self.at) && self.kind() != Kind::Unknown {
             self.reported = Some(self.at);
@@ -177,8 +177,8 @@ impl Parser<'_> {
         found
     }
 
-    /// Skips tokens until `stop` returns true, outside of brackets that open in the skipped text. Also stops before
-    /// an unmatched closing bracket, a `let`, a field on a new line, an item on a new line, and the end of the text.
+    /// Skips tokens until `stop` returns true. Ignores tokens in brackets that open in the skipped text. Also stops
+    /// before an unmatched closing bracket, a `let`, a field or item on a new line, and the end of the text.
     fn skip_until(&mut self, stop: impl Fn(&Self) -> bool) {
         let mut open = 0_usize;
         loop {

@@ -1,5 +1,5 @@
-//! Random edits of a shipped scene, and random texts: each compiles to a scene or to messages. `PROPTEST_CASES` sets
-//! the number of cases.
+//! Random edits of a shipped scene, and random texts. Each text must compile to a scene or to messages.
+//! `PROPTEST_CASES` sets the number of cases.
 
 use proptest::prelude::*;
 

@@ -53,7 +53,7 @@ fn expressions_mean_what_they_mean_in_glsl() {
         ("band(3)", 0.03),
         ("band(z)", 0.03),
         ("chroma(3)", 0.3),
-        // Computed indices: clamped and rounded down.
+        // Computed indices are clamped and rounded down.
         ("chroma(z) + chroma(z + 0.9)", 0.6),
         ("chroma(z - 50) + chroma(z + 50) + chroma(z + 1)", 1.1),
         ("energy + section", 0.75),
@@ -172,7 +172,8 @@ fn the_speakers_are_the_thesis_scene() {
     let text = include_str!("../../../../../tests/oracle/speakers.scene");
     let scene = scene(text);
     assert_eq!(scene.objects.len(), 3);
-    // The side and the top of a cabinet, the floor, the middle of the bridge, and the side of the other cabinet.
+    // Points on the side and the top of a cabinet, the floor, the middle of the bridge, and the side of the second
+    // cabinet.
     let loud = 1.0 - (-5.0_f32 * 0.375).exp();
     let radius = 0.2 + 0.22 * loud + 0.09 * loud * 4.0_f32.cos();
     for (at, expected) in [

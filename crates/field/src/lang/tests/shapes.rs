@@ -121,7 +121,7 @@ fn no_shape_overestimates_and_exact_ones_have_slope_one() {
             total += 1;
             exact += usize::from((slope - 1.0).abs() < 0.01);
         }
-        // Some differences are taken across creases, where the slope differs from 1.
+        // Differences across creases are not 1.
         let fraction = exact as f32 / total as f32;
         match accuracy(call) {
             Some(Accuracy::Exact) => {
@@ -198,7 +198,7 @@ fn noise_is_smooth_and_keeps_its_bounds() {
 #[test]
 fn the_library_has_no_mistakes_and_documents_every_function() {
     let text: String = TEXTS.iter().map(|(_, text)| *text).collect();
-    // As a scene, so that each function is checked even if nothing calls it.
+    // Compile the library as a scene, so that functions without calls are checked as well.
     let compiled = compile("library", &format!("{text}\nlength(p)"), &mut no_includes);
     assert!(compiled.scene.is_some(), "{}", compiled.render(false));
     let library = library::library();
