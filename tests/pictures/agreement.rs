@@ -24,10 +24,9 @@ uniform samplerBuffer programs;
 uniform usamplerBuffer regions;
 ";
 
-/// The most registers of a region's tape.
+/// Maximum number of registers of a region's tape.
 const REGION_REGISTERS: usize = 128;
 
-/// Runs shaders on points and reads the results back.
 struct PointReader {
     context: Context,
 }
@@ -40,13 +39,12 @@ fn floats(values: &[f32]) -> Vec<u8> {
     bytes(values, f32::to_le_bytes)
 }
 
-/// Tapes in the buffer that the interpreter reads.
+/// Tapes in the form of the interpreter's buffer.
 #[derive(Clone)]
 struct Programs {
     texels: Vec<[u32; 4]>,
-    /// The first texel of each tape. A float represents it exactly below 2^24.
+    /// The first texel of each tape, as a float: floats represent integers exactly below 2^24.
     starts: Vec<f32>,
-    /// True for each tape that can be used in a region.
     regional: Vec<bool>,
     variant: Variant,
 }
@@ -61,7 +59,7 @@ impl Programs {
             tape.append_texels(&values, Compounds::ALL, &mut texels);
         }
         let regional = tapes.iter().map(|tape| {
-            // A region's inputs are x, y, z and one further number, at fixed registers.
+            // A region's inputs are x, y, z and one more number, in fixed registers.
             let reads = |instruction| match instruction {
                 Instruction::Input { output, place } => place >= 4 || output != place,
                 _ => false,
@@ -71,7 +69,6 @@ impl Programs {
         Self { texels, starts, regional: regional.collect(), variant }
     }
 
-    /// The interpreter's shader text with its operators, followed by `main`.
     fn text(&self, main: &str) -> String {
         let interpreter = include_str!("../../shaders/interpreter.glsl").replace(
             "#include \"operators.glsl\"",
@@ -86,7 +83,8 @@ impl Programs {
 }
 
 impl PointReader {
-    /// Draws an image with a column for each point and a row for each normal. Returns its pixels, the first row first.
+    /// Draws a pixel for each point (columns) and each normal (rows). Returns the pixels row by row, the first normal
+    /// first.
     fn draw(
         &self,
         text: &str,
@@ -111,24 +109,23 @@ impl PointReader {
         self.context.gl().check("drawing a probe").unwrap();
         let pixels = probe.read(0);
         let (pixels, _) = pixels.as_chunks::<4>();
-        // The lowest row comes first in the pixels.
+        // Probes return the top row first, but row 0 is the lowest.
         pixels.chunks(points.len()).rev().flatten().copied().collect()
     }
 }
 
-/// The required accuracy of an operator.
 struct Row {
     op: Op,
-    /// The largest relative error.
+    /// Maximum relative error.
     relative: f32,
-    /// The largest absolute error, added to the relative one.
+    /// Maximum absolute error, added to the relative error.
     absolute: f32,
-    /// The operands to which the bounds apply. The comment at each row gives the reason for exceptions.
+    /// True for operands to which the bounds apply. The comments at the rows give the reasons for exceptions.
     trusted: fn(f32, f32) -> bool,
 }
 
-/// Operators that are not exact for all operands. GLSL does not define min, max and clamp of NaN, and gives almost no
-/// bounds for transcendental functions. These bounds are from Mesa's llvmpipe, with some room.
+/// Operators whose result is not exact for all operands. GLSL neither defines min, max and clamp of NaN nor bounds most
+/// errors of transcendental functions. These bounds are a little larger than the errors of Mesa's llvmpipe.
 const ROWS: &[Row] = &[
     Row { op: Op::Exp, relative: 3e-6, absolute: 0.0, trusted: any },
     Row { op: Op::Exp2, relative: 3e-6, absolute: 0.0, trusted: any },
@@ -138,26 +135,26 @@ const ROWS: &[Row] = &[
     Row { op: Op::Sin, relative: 1e-6, absolute: 1e-6, trusted: angle },
     Row { op: Op::Cos, relative: 1e-6, absolute: 1e-6, trusted: angle },
     Row { op: Op::Tan, relative: 1e-5, absolute: 1e-6, trusted: angle },
-    // Polynomials. llvmpipe clamps NaN to -1, unlike [`Op`].
+    // llvmpipe uses polynomials. It clamps NaN to -1, unlike [`Op`].
     Row { op: Op::Asin, relative: 3e-5, absolute: 0.0, trusted: number },
     Row { op: Op::Acos, relative: 3e-5, absolute: 0.0, trusted: number },
     // llvmpipe returns 0 for NaN.
     Row { op: Op::Atan, relative: 3e-5, absolute: 0.0, trusted: number },
     Row { op: Op::Atan2, relative: 3e-5, absolute: 0.0, trusted: numbers },
-    // Computed from exponentials, with an absolute error near 0.
+    // llvmpipe computes these from exponentials, with an absolute error near 0.
     Row { op: Op::Sinh, relative: 3e-6, absolute: 1e-7, trusted: any },
     Row { op: Op::Cosh, relative: 3e-6, absolute: 0.0, trusted: any },
     Row { op: Op::Tanh, relative: 3e-6, absolute: 1e-7, trusted: number },
-    // The weights of a cubic are summed in another order here.
+    // The CPU sums the weights of a cubic in a different order.
     Row { op: Op::Spectrum, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::Waveform, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::History, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::Div, relative: 3e-7, absolute: 0.0, trusted: any },
-    // A driver flushes a subnormal quotient to 0, for which floor differs from a negative number.
+    // A driver flushes a subnormal quotient to 0, so the floor of a negative quotient is 0 instead of -1.
     Row { op: Op::Mod, relative: 3e-7, absolute: 0.0, trusted: quotient },
-    // Computed from the logarithm, whose error the exponent scales. llvmpipe returns NaN for infinities.
+    // llvmpipe computes this from the logarithm, so the exponent multiplies the error. It returns NaN for infinities.
     Row { op: Op::Pow, relative: 1e-5, absolute: 0.0, trusted: finite },
-    // llvmpipe clamps NaN to the least cell.
+    // llvmpipe clamps NaN to the smallest cell.
     Row { op: Op::Hash, relative: 0.0, absolute: 0.0, trusted: numbers },
     // A driver flushes a subnormal square to 0.
     Row { op: Op::SquareAdd, relative: 0.0, absolute: 0.0, trusted: square },
@@ -197,7 +194,7 @@ fn tolerance(op: Op) -> (f32, f32) {
     ROWS.iter().find(|row| row.op == op).map_or((0.0, 0.0), |row| (row.relative, row.absolute))
 }
 
-/// Runs a tape as for materials and light, and as for a region.
+/// Runs a tape in both ways: as for materials and light, and as for a region.
 const RUN: &str = "
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -220,7 +217,7 @@ fn compiled_text(graph: &Graph, roots: &[NodeId]) -> String {
     text + &main + "    color = vec4(r, 0.0, 0.0, 0.0);\n}\n"
 }
 
-/// The interpreter's results for expressions of one graph: a row for each expression, a column for each point.
+/// The interpreter's results for expressions of one graph. Rows are expressions, columns are points.
 struct Interpreted {
     values: Vec<[f32; 4]>,
     regional: Vec<bool>,
@@ -228,7 +225,7 @@ struct Interpreted {
 }
 
 impl Interpreted {
-    /// The results for a row and a column, each with the name of its function.
+    /// The results at a row and a column, each with the name of the GLSL function that computed it.
     fn at(&self, row: usize, column: usize) -> impl Iterator<Item = (&'static str, f32)> {
         let [tape, _, region, _] = self.values[row * self.columns + column];
         let region = self.regional[row].then_some(("run_region", region));
@@ -266,7 +263,7 @@ fn close(got: f32, right: f32, relative: f32, absolute: f32) -> bool {
 fn operands() -> Vec<f32> {
     let mut numbers =
         vec![0.0, 1.0, 0.5, 2.0, 3.0, 31.5, 100.0, 1e4, 1e20, 1e-20, 3e38, 1.2e-38, f32::INFINITY];
-    // Numbers that are critical for rounding to integers.
+    // These numbers are critical for rounding to integers.
     numbers.extend([0.49999997, 8_388_609.0, 16_777_216.0]);
     let mut random = Random(7);
     numbers.extend((0..16).map(|_| random.between(0.0, 1.0)));
@@ -339,7 +336,7 @@ fn every_compound_agrees() {
         for (row, compound) in Compound::ALL.iter().enumerate() {
             for (column, &[a, b, _]) in points.iter().enumerate() {
                 let right = flushed(compound.value(a, b, C, &frame()));
-                // The subtrahend may be as large as the square of an operand.
+                // The subtracted number may be as large as the square of an operand.
                 let rounding = 4e-7 * (1.0 + a * a * (1.0 + a.abs()) + b * b);
                 let mut kinds = 0;
                 for (kind, got) in found.at(row, column) {
@@ -355,8 +352,8 @@ fn every_compound_agrees() {
     }
 }
 
-/// The change of an operator's result that models rounding errors: the bounds of [`ROWS`], and two units in the last
-/// place for arithmetic, which drivers may fuse and reorder.
+/// The change of a result that models an operator's rounding error. It is the bound in [`ROWS`], or two units in the
+/// last place for arithmetic, which drivers may fuse and reorder.
 fn disturbance(op: Op, a: f32, result: f32) -> f32 {
     const ULPS: f32 = 2.4e-7;
     match op {
@@ -366,7 +363,7 @@ fn disturbance(op: Op, a: f32, result: f32) -> f32 {
         Op::SquareDifference | Op::Length => 2.0 * ULPS * result.abs(),
         Op::SquareAdd | Op::OutsideAdd => ULPS * (a * a + result.abs()),
         Op::SqrtSub => ULPS * (a.max(0.0).sqrt() + result.abs()),
-        // Small differences of possibly large numbers.
+        // The result may be a small difference of large numbers.
         Op::Fract | Op::Mod => ULPS * a.abs(),
         Op::Spectrum | Op::Waveform | Op::History => ULPS,
         op => {
@@ -441,8 +438,8 @@ fn random_expressions_agree() {
     assert!(occurrences.values().all(|count| *count >= 100), "{occurrences:?}");
 }
 
-/// A sum of many products of distinct constants, each kept to the end, with operations that are exact everywhere. It
-/// spills registers, and its table has several pages.
+/// A sum of many products of distinct constants. The products are needed until the end, so they do not fit into the
+/// registers, and the tape's table has several pages. All operations are exact.
 fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
     let inputs = [Input::X, Input::Y, Input::Z, Input::NX].map(|input| graph.input(input));
     let products: Vec<NodeId> = (0..terms)
@@ -452,7 +449,7 @@ fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
             graph.max(product, inputs[(i + 1) % 4])
         })
         .collect();
-    // Forwards once and backwards once, so that the first products are needed last.
+    // Sum the products forwards, then subtract them backwards, so that the first products are needed last.
     let first = products.iter().copied().reduce(|a, b| graph.add(a, b)).unwrap();
     products.iter().rev().copied().fold(first, |a, b| graph.sub(b, a))
 }

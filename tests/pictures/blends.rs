@@ -1,7 +1,7 @@
-//! Blends of two scenes: no surface is missing between them, and both modes show the same image.
+//! Blends of two scenes: they have no holes, and both modes draw the same image.
 //!
-//! Tests draw a few pairs of the shipped scenes. `MARIANA_PAIRS=all` draws every pair at three fractions and prints a
-//! table; `MARIANA_PAIRS=orb,city` draws only pairs with one of these names. `MARIANA_BLEND` sets the kind of blend.
+//! The test draws a few pairs of the shipped scenes. `MARIANA_PAIRS=all` draws every pair at three fractions and prints
+//! a table. `MARIANA_PAIRS=orb,city` draws only pairs with one of these names. `MARIANA_BLEND` sets the kind of blend.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -21,9 +21,9 @@ use mariana_field::world::{Alignment, BlendKind, PortalShape, World, blended_par
 const SIZE: (u32, u32) = (96, 54);
 const TIME: f64 = 20.0;
 
-/// The pairs that are always drawn. The melts cover planes on both sides, a non-Lipschitz scene into a distance, a
-/// closed space, a bounded scene into an unbounded one, a pair that needs many interpreter registers, and an endless
-/// wall into a single object. The others are portals.
+/// The pairs that are always drawn. In order, the melts test planes in both scenes, a non-Lipschitz scene with a distance,
+/// a closed space, a bounded scene with an unbounded one, many interpreter registers, and an endless wall with a single
+/// object. The other pairs are portals.
 const SLICE: [(&str, &str, BlendKind, f32); 9] = [
     ("speakers", "first_steps", BlendKind::Melt, 0.5),
     ("heart", "terrain", BlendKind::Melt, 0.25),
@@ -36,18 +36,16 @@ const SLICE: [(&str, &str, BlendKind, f32); 9] = [
     ("speakers", "heart", BlendKind::Portal(PortalShape::Own), 0.4),
 ];
 
-/// The largest fraction of pixels whose rays reach their step cap.
+/// Maximum fraction of pixels whose rays reach their step cap.
 const CAPPED_MAX: f64 = 0.001;
-/// The same for portals. Where floors differ, rays take many steps along the floor's edge.
+/// The same limit for portals. Where the floors of the scenes differ, rays take many steps along the floor's edge.
 const CAPPED_BY_PORTALS_MAX: f64 = 0.005;
 
-/// An image with its statistics.
 struct Drawn {
     picture: RgbaImage,
     evaluations: Evaluations,
     /// The number of light values that are not finite.
     not_finite: usize,
-    /// CPU time, in milliseconds.
     cpu_ms: f64,
 }
 
@@ -66,7 +64,7 @@ fn draw(test_renderer: &mut TestRenderer, program: &Program, params: &[f32]) -> 
     }
 }
 
-/// Describes the faults of a blend's image; empty if there are none.
+/// Describes the faults of a blend's image. Returns an empty list if the image has no faults.
 fn faults(kind: BlendKind, compiled: &Drawn, interpreted: &Drawn) -> Vec<String> {
     let mut faults = Vec::new();
     let pixels = f64::from(SIZE.0 * SIZE.1);
@@ -91,8 +89,7 @@ fn shipped(name: &str) -> ReadyScene {
     ready(&SceneSource::Shipped(name.to_owned()))
 }
 
-/// A blend, ready to be drawn in both modes. Returns the compile time in milliseconds and the number of clauses as
-/// well.
+/// A blend and its programs for both modes. Also returns the compile time in milliseconds and the number of clauses.
 fn test_renderer_of(
     from: &ReadyScene,
     to: &ReadyScene,
@@ -167,7 +164,7 @@ fn all_pairs() {
             for fraction in [0.25, 0.5, 0.75] {
                 let params = params(&a.world, &b.world, fraction);
                 let [compiled, interpreted] = [0, 1].map(|mode| {
-                    // The first frame builds the tree.
+                    // The first frame builds the region tree, which the measurement excludes.
                     draw(&mut test_renderer, &programs[mode], &params);
                     draw(&mut test_renderer, &programs[mode], &params)
                 });

@@ -1,5 +1,5 @@
-//! Fades between scenes: their start, their end and the frames between. Also rehearsals, which must not change the
-//! image.
+//! Fades between scenes: the first frame, the last frame and the frames between. Rehearsals (invisible frames that warm
+//! up a scene) must not change the image.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -25,7 +25,7 @@ fn wall(light: f64) -> SceneSource {
     ))
 }
 
-/// Another scene in the renderer's context.
+/// A second scene in the renderer's context.
 struct Other {
     resources: SceneResources,
     program: Program,

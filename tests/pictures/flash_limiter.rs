@@ -1,5 +1,6 @@
-//! Tests of the flash limiter on the GPU with sequences made to defeat it. The results are judged by the analyser,
-//! which shares only the definition of a flash with it, and compared with the limiter on the CPU.
+//! Tests the flash limiter on the GPU with sequences that are made to defeat it. The analyser judges the results; it
+//! shares only the definition of a flash with the limiter. The limiter on the CPU computes the same frames for
+//! comparison.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
@@ -10,7 +11,7 @@ use mariana::gpu::flash_pass::{FlashPass, PASSES};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::gpu::target::{Target, Texel};
 
-/// Two by two pixels for each cell.
+/// Each cell has two by two pixels.
 const SIZE: (u32, u32) = (2 * COLUMNS as u32, 2 * ROWS as u32);
 
 type Color = [u8; 3];
@@ -19,7 +20,7 @@ const BLACK: Color = [0; 3];
 const WHITE: Color = [255; 3];
 const RED: Color = [255, 0, 0];
 
-/// The limiter's pass, the CPU limiter for comparison, and an analyser of the shown frames.
+/// The limiter on the GPU, the limiter on the CPU, and an analyser of the shown frames.
 struct Bench {
     pass: FlashPass,
     finished: Target,
@@ -27,12 +28,11 @@ struct Bench {
     limiter: Limiter,
     analyser: Analyser,
     time: f64,
-    /// The number of changed frames.
     changed: usize,
-    /// The number of cells in all frames, and of those in which the two limiters differ.
+    /// The number of cells in all frames. `differing` counts the cells in which the two limiters differ.
     cells: usize,
     differing: usize,
-    // Declared last, so that it is dropped after the objects in it.
+    // The last field, because it is dropped after the objects in the context.
     _context: Context,
 }
 
@@ -55,14 +55,13 @@ impl Bench {
         }
     }
 
-    /// Starts another sequence.
     fn begin(&mut self) {
         self.pass.forget();
         (self.limiter, self.analyser, self.time) = Default::default();
         (self.changed, self.cells, self.differing) = Default::default();
     }
 
-    /// Shows a frame with the colours of these cells (top row first), `seconds` after the last frame.
+    /// Shows a frame with the colours of these cells (top row first), `seconds` after the previous frame.
     fn show(&mut self, seconds: f64, color: impl Fn(usize) -> Color) {
         let pixel = |at: usize| {
             let (x, y) = (at % (2 * COLUMNS) / 2, at / (2 * COLUMNS) / 2);
@@ -92,17 +91,16 @@ impl Bench {
         }
     }
 
-    /// Fails if a second contains more than three flashes, or if the limiters differ.
+    /// Fails if any second contains more than three flashes, or if the two limiters differ.
     fn judge(&self, what: &str) {
         let Flashes { general, red } = self.analyser.worst();
         assert!(general <= 3 && red <= 3, "{what}: {general} flashes, {red} red ones");
         let fraction = self.differing as f64 / self.cells.max(1) as f64;
-        // Different rounding of a sum can change a decision.
+        // The limiters round a sum differently, which can change a decision.
         assert!(fraction < 0.01, "{what}: the limiters differ in {fraction:.4} of the cells");
     }
 }
 
-/// Pseudo-random numbers, the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -131,7 +129,6 @@ impl Random {
     }
 }
 
-/// A blinking rectangle.
 struct Lamp {
     columns: std::ops::Range<usize>,
     rows: std::ops::Range<usize>,
@@ -202,14 +199,14 @@ fn lamps_of_any_size_at_uneven_times_keep_three_flashes_a_second() {
 #[test]
 fn arbitrary_levels_held_for_arbitrary_times_keep_three_flashes_a_second() {
     let mut bench = Bench::new();
-    // The last seed contains a rise by 0.1002, which is measured as 0.0998.
+    // The last seed's sequence contains a rise by 0.1002, which is measured as 0.0998.
     for seed in (100..112).chain([283]) {
         let mut random = Random(seed);
         bench.begin();
         let mut levels = [BLACK; 12];
         while bench.time < 4.0 {
             for level in &mut levels {
-                // Bursts and pauses.
+                // Bursts alternate with pauses.
                 if random.fraction() < if bench.time % 2.0 < 1.2 { 0.6 } else { 0.02 } {
                     *level = random.color();
                 }
@@ -231,8 +228,8 @@ fn a_flash_that_ends_before_it_is_shown_does_not_count() {
         for frame in 0..7 {
             bench.show(0.04, |_| colors[frame % 2]);
         }
-        // 0.2 s have passed since the first change. The fourth rise comes after 0.99 s, while frames are long. It ends
-        // 4 ms later, or stays.
+        // 0.2 s have passed since the first change. The fourth rise follows after 0.99 s, while frames are long. The
+        // rise ends 4 ms later, or it stays.
         for _ in 0..15 {
             bench.show(0.05, |_| colors[0]);
         }
@@ -251,7 +248,7 @@ fn calm_frames_stay_bit_for_bit() {
     let mut bench = Bench::new();
     for frame in 0..180_usize {
         let time = frame as f64 / 60.0;
-        // A strobe of three flashes per second, a small lamp, a faint flicker, and a slow swell.
+        // Show a strobe of three flashes per second, a small lamp, a faint flicker, and a slow swell.
         bench.show(1.0 / 60.0, |cell| {
             let (x, y) = (cell % COLUMNS, cell / COLUMNS);
             match (x < 24, y < 18) {
@@ -266,7 +263,7 @@ fn calm_frames_stay_bit_for_bit() {
     bench.judge("a calm sequence");
 }
 
-/// The window shows its first frame before the limiter has processed it.
+/// The limiter must not dim the first frame, because the window shows it before the limiter has processed it.
 #[test]
 fn a_first_frame_is_not_dimmed_and_a_warm_up_has_no_effect() {
     let mut bench = Bench::new();
@@ -277,12 +274,11 @@ fn a_first_frame_is_not_dimmed_and_a_warm_up_has_no_effect() {
         |cell| if cell % 3 == 0 { RED } else { BLACK },
     ];
     for color in first {
-        // The warm-up forgets these flashes.
+        // The warm-up resets the limiter, so these flashes have no effect later.
         for frame in 0..24 {
             bench.show(0.05, |_| if frame % 2 == 0 { WHITE } else { BLACK });
         }
         assert!(bench.changed > 0);
-        // Without a window there are no cells to draw.
         let mut left = PASSES;
         bench.pass.warm_up(&bench.finished, &mut || {
             left = left.saturating_sub(1);

@@ -1,4 +1,4 @@
-//! Strobing scenes with and without the flash limiter. Flashes are counted in the images by WCAG's definition.
+//! Strobing scenes with and without the flash limiter. The tests count flashes in the images by WCAG's definition.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -14,11 +14,10 @@ use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::SceneSource;
 use mariana_music::Features;
 
-/// Small, because there is no graphics card, and not a multiple of the limiter's cells.
+/// The size is small, because the tests run without a graphics card. It is not a multiple of the limiter's cells.
 const SIZE: (u32, u32) = (100, 75);
 const FPS: f64 = 60.0;
 
-/// A wall that emits light and fills the frame.
 fn wall(emission: &str) -> String {
     format!(
         "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
@@ -29,10 +28,9 @@ fn wall(emission: &str) -> String {
     )
 }
 
-/// On for half of each second of the scene's time.
+/// The light is on for half of each second of the scene's time.
 const BLINKS: &str = "step(0.5, fract(t))";
 
-/// A scene with the flash limiter.
 struct Strobe {
     _place: Workplace,
     test_renderer: TestRenderer,
@@ -49,8 +47,8 @@ impl Strobe {
         Self { _place: place, test_renderer, size: SIZE }
     }
 
-    /// Shows the scene for some seconds, with `sound` at each time. The scene's time runs `speed` times as fast. Passes
-    /// each frame to `see` as drawn and as shown.
+    /// Shows the scene for some seconds, with the features `sound(time)`. The scene's time runs `speed` times as fast.
+    /// Passes each frame to `see` twice: as drawn, and as shown after the limiter.
     fn show(
         &mut self,
         seconds: f64,
@@ -60,7 +58,7 @@ impl Strobe {
     ) {
         for frame in 0..(seconds * FPS) as usize {
             let time = frame as f64 / FPS;
-            // Avoid the exact time of a change.
+            // The small offset avoids the exact time of a change.
             let drawn = self.test_renderer.picture((time + 1e-4) * speed, sound(time), self.size);
             self.test_renderer.renderer.limit_flashes(1.0 / FPS).unwrap();
             let shown =
@@ -69,7 +67,8 @@ impl Strobe {
         }
     }
 
-    /// The flashes of two and a half seconds without and with the limiter, and the number of frames that it changed.
+    /// Counts the flashes in two and a half seconds without and with the limiter. Also returns the number of frames
+    /// that the limiter changed.
     fn count(&mut self, speed: f64, sound: impl Fn(f64) -> Features) -> (Flashes, Flashes, usize) {
         let (mut without, mut with, mut changed) = (Analyser::default(), Analyser::default(), 0);
         let size = self.size;
@@ -108,7 +107,7 @@ fn red_strobes_keep_three_flashes_a_second_of_either_kind() {
 
 #[test]
 fn a_beat_that_strobes_is_limited_and_a_usual_one_is_not() {
-    // Frames with bright and dark parts side by side, which flash together.
+    // In these frames, bright and dark parts side by side flash together.
     let mut strobe = Strobe::of(
         "(0.05 + 4 * beat) * (0.3 + 0.7 * step(0.5, fract(0.8 * p.x + 0.1))) * (0.6 + 0.4 * sin(2 * p.y))",
     );
@@ -123,7 +122,7 @@ fn a_beat_that_strobes_is_limited_and_a_usual_one_is_not() {
         assert!(without.general > 3, "{hz} Hz: {without:?}");
         assert!(with.general <= 3, "{hz} Hz: {with:?}");
     }
-    // A new scene, because the limiter's old state would still dim its first frames.
+    // Start a new scene, because the limiter's old state would still dim the first frames.
     let (mut strobe, mut changed) = (Strobe::of("0.05 + 4 * beat"), 0);
     strobe.show(3.0, 1.0, beats(174.0 / 60.0), |_, drawn, shown| changed += usize::from(drawn != shown));
     assert_eq!(changed, 0, "a beat of 174 per minute is limited");
@@ -144,7 +143,8 @@ fn steady_parts_stay_steady_near_flashes_and_unchanged_far_away() {
     let mut strobe = Strobe::of(&format!("if p.x < 0 then 6 * {BLINKS} else 0.5 + 0.3 * sin(9 * p.y)"));
     let (mut limited, mut with) = (0, Analyser::default());
     let mut last: Option<(RgbaImage, RgbaImage)> = None;
-    // The columns right of the cells that both parts share, and beyond the reach of ceilings.
+    // Columns from `near` on are right of the cells that contain both parts. Columns beyond `far` are out of the
+    // flashes' reach.
     let (near, far) = (SIZE.0 / 2 + 2, SIZE.0 / 2 + 9 * SIZE.0 / COLUMNS as u32);
     strobe.show(2.0, 10.0, silence, |time, drawn, shown| {
         with.note(time, &Grid::of_picture(&shown, SIZE));
@@ -152,7 +152,7 @@ fn steady_parts_stay_steady_near_flashes_and_unchanged_far_away() {
         for (x, y, pixel) in shown.enumerate_pixels().filter(|(x, ..)| *x > far) {
             assert_eq!(pixel, drawn.get_pixel(x, y), "at {x}, {y}, {time} s");
         }
-        // Once flashes are limited, the steady part changes no more than in the scene.
+        // Once the limiter dims flashes, the steady part changes no more than in the scene.
         let Some((drawn_last, last)) = last.replace((drawn.clone(), shown.clone())).filter(|_| time > 1.3)
         else {
             return;
@@ -176,7 +176,6 @@ fn frames_of_any_shape_are_limited() {
     }
 }
 
-/// The flashes in a folder of numbered stills.
 fn flashes_in(place: &Workplace, folder: &str, fps: f64) -> Flashes {
     let mut names: Vec<_> =
         std::fs::read_dir(place.path(folder)).unwrap().map(|entry| entry.unwrap().path()).collect();

@@ -1,4 +1,4 @@
-//! The renderer's finished images: properties of the passes, visible music, cost, and golden images.
+//! The renderer's finished images: properties of the passes, reactions to music, cost, and golden images.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -17,7 +17,7 @@ use mariana::gpu::shader_source::ShaderLibrary;
 use mariana_field::world::{SceneFeatures, ToneMap};
 use mariana_music::{BAND_COUNT, Features};
 
-/// Differences above this many steps of 0..255 count as visible.
+/// A difference of more steps of 0..255 than this counts as visible.
 const VISIBLE: u8 = 8;
 
 #[test]
@@ -37,7 +37,7 @@ fn a_frame_has_the_same_bytes_every_time() {
     assert!(first.as_raw() == &second.read(), "another renderer draws a different image");
 }
 
-/// Sets a program that shows the colour that `body` computes: statements that set `vec3 color`.
+/// Sets a program that shows a computed colour: `body` contains statements that set `vec3 color`.
 fn show(test_renderer: &mut TestRenderer, body: &str) {
     let scene = format!(
         "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n#include \"sample_light.glsl\"\nlayout(location = 0) out vec4 sample_color;\n\
@@ -48,7 +48,6 @@ fn show(test_renderer: &mut TestRenderer, body: &str) {
         test_renderer.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
 }
 
-/// Draws the current program in silence.
 fn drawn(test_renderer: &mut TestRenderer, size: (u32, u32)) -> RgbaImage {
     test_renderer.picture(0.0, silence(), size)
 }
@@ -68,7 +67,6 @@ fn light_is_encoded_once_and_stays_finite() {
     }
 }
 
-/// The settings without bloom and grain.
 fn plain(picture: &Picture, tone_map: ToneMap) -> Picture {
     Picture { bloom: 0.0, grain: 0.0, tone_map, ..*picture }
 }
@@ -80,7 +78,7 @@ fn srgb_steps(linear: f64) -> f64 {
 }
 
 fn linear_light_becomes_srgb_once(test_renderer: &mut TestRenderer) {
-    // Half floats between the passes represent these binary fractions exactly.
+    // The half floats between the passes represent these fractions exactly.
     for linear in [0.0, 1.0 / 512.0, 1.0 / 16.0, 0.25, 0.5, 1.0] {
         show(test_renderer, &format!("color = vec3({linear:?});"));
         let picture = drawn(test_renderer, (64, 64));
@@ -122,7 +120,7 @@ fn tone_mapping_is_monotonic_and_removes_invalid_light(test_renderer: &mut TestR
     .into();
     let bright = ["1e-6", "0.001", "0.01", "0.1", "0.5", "1.0", "3.0", "10.0", "100.0", "1e4", "1e8"];
     let all: Vec<String> = black.iter().cloned().chain(bright.map(grey)).collect();
-    // One value for each column. It is read from an array, so that no driver folds it as a constant.
+    // Each column has a value. The shader reads it from an array, so that no driver folds it as a constant.
     let body = format!(
         "vec3 lights[{count}] = vec3[{count}]({lights});\n    \
          color = lights[int(sample_place().x) % {count}];",
@@ -132,7 +130,7 @@ fn tone_mapping_is_monotonic_and_removes_invalid_light(test_renderer: &mut TestR
     let width = all.len() as u32;
     show(test_renderer, &body);
     let picture = drawn(test_renderer, (width, 8));
-    // The brightest channel of a column. Dithering moves it by half a step.
+    // The brightest channel of a column. Dithering changes it by half a step.
     let steps = |column: u32| {
         (0..8).map(|y| picture.get_pixel(column, y).0[..3].iter().max().copied()).max().flatten()
     };
@@ -175,7 +173,7 @@ fn no_frame_is_mostly_black_or_clipped() {
     }
 }
 
-/// The position of a point of the scene in the image, in pixels from the upper left corner.
+/// Projects a point of the scene to pixels from the upper left corner of the image.
 fn pixel_of(frame: &Frame, point: DVec3) -> (f64, f64) {
     let (x, y) = frame.camera.project(point).expect("the point is in front of the camera");
     (0.5 * (x + 1.0) * f64::from(frame.size.0), 0.5 * (1.0 - y) * f64::from(frame.size.1))
@@ -215,7 +213,7 @@ fn music_is_visible_and_each_channel_moves_its_own_woofer() {
             let picture = test_renderer.picture(time, features, size);
             let changed = |side: f64| {
                 let woofer = pixel_of(&frame, DVec3::new(side * centre.x, woofer_y, front));
-                // The radius of the loudest woofer, 1.7 units.
+                // The loudest woofer has a radius of 1.7 units.
                 let rim = pixel_of(&frame, DVec3::new(side * centre.x, woofer_y + 1.7, front));
                 changed_around(&silent, &picture, woofer, (rim.1 - woofer.1).abs())
             };
@@ -242,7 +240,7 @@ fn each_band_moves_its_own_bar() {
         let mut features = silence();
         features.bands[band] = level as f32;
         let picture = test_renderer.picture(0.0, features, size);
-        // The mean change at positions where a bar would be, from a third to nine tenths of its height.
+        // The mean change along a bar, from a third to nine tenths of its maximum height.
         let change = |bar: usize| {
             let probes = (0..12).map(|i| {
                 let y = height * (0.33 + 0.57 * f64::from(i) / 11.0);
@@ -254,7 +252,7 @@ fn each_band_moves_its_own_bar() {
         };
         let changes: Vec<f64> = (0..BAND_COUNT).map(change).collect();
         assert!(changes[band] > 40.0, "band {band} changes its bar by only {:.1} steps", changes[band]);
-        // The bar's shadow falls on distant bars and is weaker.
+        // The bar's shadow also changes distant bars, but less.
         for (bar, other) in changes.iter().enumerate().filter(|(bar, _)| *bar != band) {
             let allowed = if bar.abs_diff(band) <= 3 { 0.25 } else { 0.9 };
             assert!(*other < allowed * changes[band], "band {band} moves bar {bar} as well: {changes:.0?}");

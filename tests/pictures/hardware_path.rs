@@ -1,4 +1,4 @@
-//! Tests the code that otherwise only GPUs run: the interpreter's loop over single clauses, the edge stencil and the
+//! Tests the code that usually only GPUs run: the interpreter's loop over single clauses, the edge stencil and the
 //! uniform block without copies. Mesa's option `force_gl_renderer` lets its software renderer pass for a GPU.
 
 #![allow(clippy::unwrap_used)]
@@ -13,11 +13,11 @@ use mariana::gpu::scene_program::{Interpreter, Mode};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 
-/// A non-Lipschitz formula, mirrors, and a scene with bands. None has textures, whose GPU filtering takes minutes on a
-/// CPU.
+/// A non-Lipschitz formula, mirrors, and a scene with bands. These scenes have no textures, because a CPU needs minutes
+/// to filter textures as GPUs do.
 const SCENES: [&str; 3] = ["gyroid", "kaleidoscope", "first_steps"];
 
-/// Runs the program on the software path or as on a GPU, and returns its output.
+/// Runs the program as on a GPU (`hardware`) or on the software path, and returns its output.
 fn run(place: &Workplace, hardware: bool, arguments: &[&str]) -> String {
     let mut command = place.command(arguments);
     if hardware {
@@ -27,7 +27,7 @@ fn run(place: &Workplace, hardware: bool, arguments: &[&str]) -> String {
     Outcome::of(&mut command, RUN_LIMIT).done()
 }
 
-/// Writes shaders without beams, so that further samples start at the eye on a software renderer as well, as on a GPU.
+/// Writes shaders without beams. Then a software renderer also starts further samples at the eye, as a GPU does.
 fn shaders_without_beams(place: &Workplace) -> String {
     let folder = place.path("shaders");
     std::fs::create_dir(&folder).unwrap();
@@ -59,15 +59,15 @@ fn the_gpu_path_draws_the_same_images() {
             let actual = still(true, mode, &[]);
             let expected = still(false, mode, &["--shaders", &without_beams]);
             assert_alike(&format!("hardware-{scene}-{mode}"), &actual, &expected, TIGHT);
-            // Rays from another start end elsewhere within the last quarter of a pixel.
+            // With beams, rays start elsewhere and end at another point within the last quarter of a pixel.
             let with_beams = still(false, mode, &[]);
             assert_alike(&format!("hardware-{scene}-{mode}-beams"), &actual, &with_beams, LOOSE);
         }
     }
 }
 
-/// Rods of a fifth of a pixel in front of a ball, and a block that fills its bounds. Further samples miss them if their
-/// rays start too far from the eye.
+/// The first scene has rods of a fifth of a pixel in front of a ball. The second has a pin on a block that fills its
+/// bounds. Further samples miss the rods and the pin if the samples' rays start too far from the eye.
 const THIN: [&str; 2] = [
     "material white { color = vec3(1) }\n\
      material red { color = vec3(0.8, 0.1, 0.1) }\n\
@@ -99,17 +99,17 @@ fn further_samples_find_details_thinner_than_a_pixel() {
             run(&place, hardware, &arguments);
             image::open(place.path("still.png")).unwrap().to_rgba8()
         });
-        // On a GPU, samples start at the eye.
+        // On a GPU, samples start at the eye, so `all` contains every detail.
         assert_alike(&format!("beams-{number}"), &beams, &all, TIGHT);
     }
 }
 
-/// A lens, and edges that get further samples.
+/// A scene with a lens, and with edges that need further samples.
 const LENS: &str = "object ball { shape = sphere(p - vec3(0, 1, 0), 1) }\n\
                     object floor { shape = p.y }\n\
                     camera { position = vec3(0, 1, -4)  target = vec3(0, 1, 0)  aperture = 0.05 }";
 
-/// The most pixels in one draw call: 0.12 s at 0.1 ms each, and some room for the overhead.
+/// Maximum number of pixels in one draw call: 0.12 s at 0.1 ms each, and some room for the overhead.
 const PART_PIXELS: u64 = 1_300;
 
 #[test]
@@ -154,7 +154,7 @@ fn expensive_pixels_are_drawn_in_small_parts() {
     }
 }
 
-/// Reads the log's line for each frame: the number of draw calls, and the pixels of the largest.
+/// Reads the log's lines about frames: the number of draw calls, and the number of pixels in the largest draw call.
 fn draws(log: &str) -> Vec<(u64, u64)> {
     let number = |text: &str| text.split_whitespace().next_back()?.parse().ok();
     let of_line = |line: &str| {
@@ -176,7 +176,6 @@ fn the_universal_interpreter_covers_every_shipped_scene() {
 
 #[test]
 fn the_universal_interpreter_draws_the_same_as_a_scenes_own() {
-    // A scene with textures and panels, one with a lens, and a non-Lipschitz formula.
     for name in ["speakers", "orb", "quadric"] {
         let scene = SceneSource::Shipped(name.to_owned());
         let mut test_renderer = TestRenderer::of(&scene, Mode::Interpreted, Counting::Off);

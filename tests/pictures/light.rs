@@ -30,7 +30,7 @@ fn on_floor(lights: &str) -> RgbaImage {
     picture(&format!("{FLOOR}{lights}"))
 }
 
-/// The sum of red, green and blue at a position, 0..1 from the left and from the top.
+/// The sum of red, green and blue at a position, given in fractions of the image's size.
 fn brightness(picture: &RgbaImage, x: f64, y: f64) -> i32 {
     colour(picture, x, y).into_iter().sum()
 }
@@ -43,7 +43,8 @@ fn colour(picture: &RgbaImage, x: f64, y: f64) -> [i32; 3] {
 
 #[test]
 fn a_small_panel_lights_like_a_lamp_to_one_side() {
-    // In front of it, a small panel of area A and radiance L lights like a lamp of strength A * L.
+    // At points in front of a small panel, its light equals a lamp's. The lamp's strength is the panel's area times its
+    // radiance.
     let lamp = on_floor("light a { position = vec3(0, 3, 0)  color = 4 }");
     let panel = "position = vec3(0, 3, 0)  right = vec3(0.05, 0, 0)  color = 400";
     let below = on_floor(&format!("light a {{ {panel}  up = vec3(0, 0, 0.05) }}"));
@@ -52,7 +53,7 @@ fn a_small_panel_lights_like_a_lamp_to_one_side() {
     assert!(expected > 100, "the lamp is too dark for this test: {expected}");
     assert!((expected - found).abs() <= 6, "a panel gives {found}, a lamp {expected}");
     assert_eq!(brightness(&above, 0.5, 0.5).max(6), 6, "a panel lights its back");
-    // A panel gives less light to the side.
+    // To the side, a panel gives less light than a lamp.
     assert!(brightness(&below, 0.05, 0.5) < brightness(&lamp, 0.05, 0.5) - 10);
 }
 
@@ -98,8 +99,7 @@ fn emissive_objects_light_nearby_surfaces() {
 
 #[test]
 fn mirrors_show_mirrors() {
-    // Two mirrors facing each other, with a red ball behind the camera: it appears once directly and repeatedly in the
-    // mirrors.
+    // A red ball is between two mirrors that face each other. It appears once directly and repeatedly in the mirrors.
     let scene = |reflect: &str| {
         format!(
             "object near {{ shape = 1.5 + p.z  material = glass }}
@@ -117,7 +117,7 @@ fn mirrors_show_mirrors() {
                 .map(move |x| picture.get_pixel(x, row).0)
                 .map(|[r, g, b, _]| r > 90 && r > 2 * g.max(b))
         };
-        // The number of times that a row of pixels turns red.
+        // The number of separate red runs in a row of pixels.
         let runs = |row: u32| {
             let row: Vec<bool> = reds(row).collect();
             row.windows(2).filter(|two| !two[0] && two[1]).count()
@@ -141,11 +141,11 @@ fn a_rough_mirror_blurs_and_a_metal_colours() {
              camera {{ position = vec3(0, 2, -4)  target = vec3(0, 0, 1)  fov = 40 }}"
         )
     };
-    // The difference of the brightest and the darkest part of a row of the floor.
+    // The difference between the brightest and the darkest part of a row of the floor.
     let contrast = |picture: &RgbaImage| -> i32 {
         let column = |x: u32| (36..48).map(|y| i32::from(picture.get_pixel(x, y).0[1])).sum::<i32>() / 12;
         let row: Vec<i32> = (0..SIZE.0).map(column).collect();
-        // Averaging three pixels, because noise is not a stripe.
+        // Average three pixels, so that noise does not count as a stripe.
         let means: Vec<i32> = row.windows(3).map(|three| three.iter().sum::<i32>() / 3).collect();
         means.iter().max().unwrap() - means.iter().min().unwrap()
     };
@@ -178,7 +178,7 @@ fn materials_mix_where_objects_melt() {
     assert!((seam[0] - seam[2]).abs() < 40 && seam[0] > 40, "{seam:?}");
 }
 
-/// Invalid values, as mistakes, sliders or loud notes may produce.
+/// Invalid values that mistakes, sliders or loud notes may produce.
 const RUBBISH: [&str; 8] = [
     "object a { shape = sphere(p, 0) } light l { position = vec3(0, 0, 0)  color = 1000 }",
     "object a { shape = sphere(p, -1) } object b { shape = box(p, vec3(-1, 2, 0)) }",

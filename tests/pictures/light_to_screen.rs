@@ -1,4 +1,4 @@
-//! From light to the screen: tone maps, bloom, grain, depth of field and antialiased edges, judged by their images.
+//! The way from light to the screen: tone maps, bloom, grain, depth of field and antialiased edges, tested on images.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -13,7 +13,7 @@ use mariana::gpu::scene_program::{Mode, compiled_variant};
 use mariana::scenes::SceneSource;
 use mariana_field::world::{SceneFeatures, ToneMap};
 
-/// Sets a program that shows the colour that `body` computes: statements that set `vec3 color`.
+/// Sets a program that shows a computed colour: `body` contains statements that set `vec3 color`.
 fn show(test_renderer: &mut TestRenderer, body: &str) {
     let scene = format!(
         "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n#include \"sample_light.glsl\"\n\
@@ -25,7 +25,6 @@ fn show(test_renderer: &mut TestRenderer, body: &str) {
         test_renderer.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
 }
 
-/// Unchanged light: no bloom, no grain, no tone map.
 fn plain(picture: &mut Picture) {
     (picture.bloom, picture.grain, picture.tone_map) = (0.0, 0.0, ToneMap::None);
 }
@@ -44,7 +43,6 @@ fn steps(linear: f64) -> f64 {
     255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The sum of the linear light over all pixels and channels.
 fn energy(picture: &RgbaImage) -> f64 {
     picture.pixels().flat_map(|pixel| pixel.0[..3].iter().map(|&byte| linear(byte)).collect::<Vec<_>>()).sum()
 }
@@ -55,7 +53,8 @@ fn times(rows: [Rgb; 3], v: Rgb) -> Rgb {
     rows.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
 }
 
-/// The tone maps as in their sources. AgX uses the original sigmoid, which the shader approximates by a polynomial.
+/// The tone maps as in their sources. For AgX this is the original sigmoid; the shader approximates the sigmoid by a
+/// polynomial.
 fn witness(map: ToneMap, color: Rgb) -> Rgb {
     match map {
         ToneMap::Agx => {
@@ -147,13 +146,14 @@ fn tone_maps_match_their_definitions_and_keep_hues() {
         for ((pixel, light), number) in picture.pixels().zip(&lights).zip(0..) {
             let expected = witness(map, *light).map(steps);
             let seen = [0, 1, 2].map(|channel| f64::from(pixel.0[channel]));
-            // The polynomial is within 0.003 of the curve; saturation and matrices enlarge the error.
+            // The polynomial is within 0.003 of the curve. Saturation and matrices enlarge that error.
             let off = if map == ToneMap::Agx { 4.0 } else { 1.6 };
             assert!(
                 seen.iter().zip(expected).all(|(a, b)| (a - b).abs() <= off),
                 "{map:?} of {light:?} is {seen:?}, not {expected:?}"
             );
-            // The strongest channel remains the strongest (ACES shifts bright colours), and grey remains grey.
+            // The strongest channel stays the strongest, and grey stays grey. ACES shifts bright colours, so its limit
+            // is larger.
             let turned = if map == ToneMap::Aces { 8.0 } else { 1.0 };
             let strongest = (0..3).max_by(|&a, &b| light[a].total_cmp(&light[b])).unwrap();
             let most = seen.iter().fold(0.0_f64, |most, &part| most.max(part));
@@ -167,7 +167,7 @@ fn tone_maps_match_their_definitions_and_keep_hues() {
             }
         }
         assert!(greys.is_sorted(), "{map:?}: {greys:?}");
-        // Blacks are not crushed: seven stops below 1 remain distinct from eight.
+        // The tone map does not crush blacks: light seven stops below 1 is brighter than light eight stops below 1.
         assert!(greys[1] > greys[0] && greys[0] >= 0.0, "{map:?}: {greys:?}");
     }
 }
@@ -175,7 +175,7 @@ fn tone_maps_match_their_definitions_and_keep_hues() {
 #[test]
 fn bloom_scatters_light_and_adds_none() {
     let mut test_renderer = TestRenderer::new();
-    // Dark, so that no pixel's weight is reduced much for its brightness.
+    // The square is dark, because bright pixels get a reduced weight.
     show(
         &mut test_renderer,
         "vec2 off = abs(sample_place() - vec2(96.0, 54.0));\n    \
@@ -198,7 +198,7 @@ fn bloom_scatters_light_and_adds_none() {
         plain(picture);
         picture.bloom = 0.04;
     };
-    // A single pixel of maximal brightness, or of an invalid value, must not glow.
+    // A single pixel must not glow, even with maximal brightness or an invalid value.
     for one in ["1e30", "uintBitsToFloat(0x7f800000u)", "uintBitsToFloat(0x7fc00000u)"] {
         show(
             &mut test_renderer,
@@ -261,7 +261,7 @@ fn wall(camera: &str) -> TestRenderer {
     test_renderer
 }
 
-/// The pixels from a tenth to nine tenths of the brighter side, along the middle row.
+/// The width of the edge in pixels, along the middle row: from a tenth to nine tenths of the brighter side's light.
 fn edge_width(picture: &RgbaImage) -> f64 {
     let row: Vec<f64> =
         (0..picture.width()).map(|x| linear(picture.get_pixel(x, picture.height() / 2).0[0])).collect();
@@ -289,7 +289,7 @@ fn a_lens_blurs_like_a_thin_lens() {
         let radius = aperture * (1.0 / focus - 1.0 / 6.0_f64).abs() / (2.0 * half_pixel);
         assert!(radius < f64::from(BLUR_MAX) * f64::from(size.1), "the blur exceeds its limit");
         let picture = wall(&format!("aperture = {aperture} focus = {focus}")).picture(0.0, silence(), size);
-        // An edge at 0.687 of a disc's radius leaves 0.9 of its area.
+        // A line at 0.687 of a disc's radius from its centre leaves 0.9 of the disc's area on one side.
         let (expected, found) = (2.0 * 0.687 * radius, edge_width(&picture));
         assert!(
             (found - expected).abs() < 0.15 * expected + 0.8,

@@ -1,23 +1,23 @@
-//! The mallard texture from afar. Its mip levels average colour and alpha separately, and the shader combines them
-//! afterwards. That is right only if the transparent texels continue the bird's colours far enough; otherwise a halo
-//! around the bird grows with every level.
+//! The mallard texture, seen from afar. Mip levels average colour and alpha separately, and the shader combines the
+//! averages. The result is right only if the transparent texels continue the bird's colours far enough. Otherwise a
+//! halo around the bird grows with every level.
 
 #![allow(clippy::unwrap_used)]
 
 use std::path::PathBuf;
 
-/// The linear light of an encoded channel, 0..1 (IEC 61966-2-1).
+/// Decodes a channel to linear light, 0..1 (IEC 61966-2-1).
 fn linear(step: u8) -> f64 {
     let encoded = f64::from(step) / 255.0;
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// The encoding of linear light, in steps of 0..255.
+/// Encodes linear light in steps of 0..255.
 fn encoded(light: f64) -> f64 {
     255.0 * if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// One texel of a level: the averages of colour and alpha, and the average of colour times alpha.
+/// A texel of a level: the averages of colour and of alpha, and the average of colour times alpha.
 #[derive(Debug, Clone, Copy, Default)]
 struct Texel {
     color: [f64; 3],
@@ -25,7 +25,7 @@ struct Texel {
     covered: [f64; 3],
 }
 
-/// The next smaller level: averages of two by two texels.
+/// The next smaller level. Each texel is the average of two by two texels.
 fn half(level: &[Texel], side: usize) -> Vec<Texel> {
     let mut smaller = vec![Texel::default(); side * side / 4];
     for (index, texel) in level.iter().enumerate() {
@@ -41,7 +41,7 @@ fn half(level: &[Texel], side: usize) -> Vec<Texel> {
 
 #[test]
 fn the_mallard_has_no_halo_at_any_distance() {
-    // The linear light of wood of medium brightness.
+    // Linear light of wood of medium brightness.
     const WOOD: [f64; 3] = [0.30, 0.14, 0.06];
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/textures/mallard.png");
     let picture = image::open(path).unwrap().to_rgba8();

@@ -1,5 +1,5 @@
-//! The placement of finished images on screens and in other programs: brightness, crop, mirroring and corners. Without
-//! any of them the image stays the same.
+//! The placement of finished images on screens and in other programs: brightness, crop, mirroring and corners. The
+//! default placement does not change the image.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -15,7 +15,7 @@ use mariana::srgb::linear;
 
 const SIZE: (u32, u32) = (64, 36);
 
-/// A renderer set up as for a window, with a finished image.
+/// A renderer set up as for a window. It has drawn an image.
 struct Hall(TestRenderer);
 
 impl Hall {
@@ -31,7 +31,7 @@ impl Hall {
         Self(test_renderer)
     }
 
-    /// The image as it is shown and sent, in a window of `size` pixels.
+    /// The image with its placement, as the program shows and sends it to a window of `size` pixels.
     fn sent(&mut self, placement: &Placement, size: (u32, u32)) -> RgbaImage {
         let mut reader = PictureReader::new(self.0.context.gl(), size).unwrap();
         let map = within(fitted(placement.rest_of(SIZE), size), &placement.map());
@@ -47,7 +47,8 @@ impl Hall {
         RgbaImage::from_raw(SIZE.0, SIZE.1, self.0.renderer.read()).unwrap()
     }
 
-    /// Dims the image to a fraction of its light, and shows it a sixtieth of a second after the last one.
+    /// Dims the image to a fraction of its light. The flash limiter takes it for a frame a sixtieth of a second after
+    /// the previous one.
     fn dim(&mut self, gain: f32) {
         self.0.renderer.dim(gain).unwrap();
         self.0.renderer.limit_flashes(1.0 / 60.0).unwrap();
@@ -116,11 +117,11 @@ fn mirroring_crop_and_corners_are_exact() {
     assert!(hall.sent(&flipped(Flip::Horizontal), SIZE) == image::imageops::flip_horizontal(&plain));
     assert!(hall.sent(&flipped(Flip::Vertical), SIZE) == image::imageops::flip_vertical(&plain));
     assert!(hall.sent(&flipped(Flip::Both), SIZE) == image::imageops::rotate180(&plain));
-    // A quarter of the image, pixel for pixel.
+    // Each pixel of the window shows one pixel of the crop, which is a quarter of the image.
     let crop = Crop::try_from([50.0, 0.0, 0.0, 50.0]).unwrap();
     let part = hall.sent(&Placement { crop, ..Placement::default() }, (SIZE.0 / 2, SIZE.1 / 2));
     assert!(part == image::imageops::crop_imm(&plain, SIZE.0 / 2, 0, SIZE.0 / 2, SIZE.1 / 2).to_image());
-    // The image fills the left half of the window; the right half is black.
+    // The image fills the left half of the window, and the right half is black.
     let corners = Corners::try_from([[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0]]).unwrap();
     let wide = (2 * SIZE.0, SIZE.1);
     let map = Placement { corners, ..Placement::default() };

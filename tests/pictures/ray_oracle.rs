@@ -1,5 +1,6 @@
-//! Traces rays through the shipped scenes by their region trees, and compares them with an oracle. The oracle uses
-//! 64-bit interval arithmetic with outward rounding along the whole ray, which proves a hit or a miss.
+//! Traces rays through the shipped scenes with the scenes' region trees, and compares hits and misses with an oracle.
+//! The oracle evaluates the whole ray in 64-bit interval arithmetic with outward rounding, which proves a hit or a
+//! miss.
 //!
 //! `MARIANA_RAYS` sets the number of rays for each scene; use 10,000 for a long run.
 
@@ -15,14 +16,14 @@ use mariana_field::region::{Cell, RegionOptions, RegionPlan, Regions, gradient};
 use mariana_field::tape::{Instruction, Operand, Tape, TapeOptions};
 use mariana_field::world::{Alignment, BlendKind, World};
 
-/// The growth of a pixel's cone, for 360 rows and 40 degrees.
+/// The growth of a pixel's cone per unit of distance, for 360 rows and 40 degrees.
 const SPREAD: f64 = 0.002;
 
 // --- the oracle -----------------------------------------------------------------------------------------------------
 
-/// Formulas as modellers write them: neither Lipschitz nor clipped. The first blends rotated parts by the sum of their
-/// exponentials, which is 0 far away, so that the value is constant there. The second is a polynomial, whose terms
-/// cancel each other in any large box.
+/// Formulas that modellers write. They are neither Lipschitz nor clipped. The first blends rotated parts by the sum of
+/// their exponentials. Far away that sum is 0, so the formula is constant there. The second is a polynomial, whose
+/// terms cancel each other in any large box.
 const OF_MODELLERS: [(&str, &str); 2] = [
     (
         "blend",
@@ -34,10 +35,9 @@ const OF_MODELLERS: [(&str, &str); 2] = [
     ("polynomial", "(1.5*x)^4-5*(1.5*x)^2 + (1.5*y)^4-5*(1.5*y)^2 + (1.5*z)^4-5*(1.5*z)^2 + 11.8"),
 ];
 
-/// Scenes that repeat their shapes endlessly.
 const REPEATING: [&str; 2] = ["city", "lattice"];
 
-/// A closed interval, from the first number to the second.
+/// A closed interval: its lower and its upper bound.
 type Span = (f64, f64);
 
 const ALL: Span = (f64::NEG_INFINITY, f64::INFINITY);
@@ -107,7 +107,7 @@ fn truth(surely: bool, never: bool) -> Span {
     }
 }
 
-/// Interval versions of the operators in the shapes of the shipped scenes. Others return [`ALL`].
+/// Interval versions of the operators that the shipped scenes use. For other operators it returns [`ALL`].
 fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
     let less = |a: Span, b: Span| truth(a.1 < b.0, a.0 >= b.1);
     match name {
@@ -149,7 +149,7 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
             let heard = frame.bands[number(a.0)..=number(a.1)].iter().map(|band| f64::from(*band));
             heard.fold((f64::INFINITY, f64::NEG_INFINITY), |all, band| (all.0.min(band), all.1.max(band)))
         }
-        // Exact if the interval contains no multiple of b.
+        // The result is exact if the interval contains no multiple of b.
         "MOD" if b.0 == b.1 && b.0 > 0.0 => {
             let rounds = (a.0 / b.0).floor();
             if rounds == (a.1 / b.0).floor() {
@@ -161,13 +161,12 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
         "FRACT" if a.0.floor() == a.1.floor() => out((a.0 - a.0.floor(), a.1 - a.0.floor())),
         "FRACT" => (0.0, 1.0),
         "ATAN2" => (-3.2, 3.2),
-        // The frames of this test have no curves.
+        // The frames of this test have no sound curves.
         "SPECTRUM" | "WAVEFORM" | "HISTORY" => (0.0, 0.0),
         _ => ALL,
     }
 }
 
-/// Evaluates a tape over boxes.
 struct Oracle<'a> {
     tape: &'a Tape,
     table: Vec<f32>,
@@ -214,7 +213,8 @@ impl Oracle<'_> {
         registers[usize::from(self.tape.outputs()[0])]
     }
 
-    /// The interval of values along a part of a ray, minus `margin` times the distance from the ray's start.
+    /// The interval of the formula's values along a part of a ray, minus `margin` times the distance from the ray's
+    /// start.
     fn along(&self, ray: &Ray, part: Span, margin: f64) -> Span {
         let place = |axis: usize| {
             let ends =
@@ -226,9 +226,9 @@ impl Oracle<'_> {
         (lo - margin.0.max(margin.1), hi - margin.0.min(margin.1))
     }
 
-    /// Decides if the ray hits a surface. `Some(false)` proves a miss, `Some(true)` a hit on a part that is at least a
-    /// pixel long. `None` means that the result depends on less than a pixel, or would take too much work. `margin` is
-    /// subtracted per unit of distance, for a pixel's cone.
+    /// Decides if the ray hits a surface. `Some(false)` proves a miss. `Some(true)` proves a hit: the values are
+    /// negative on at least half of a pixel. `None` means that the result depends on less than a pixel, or would take
+    /// too much work. `margin` is subtracted per unit of distance, for a pixel's cone.
     fn decides(&self, ray: &Ray, span: Span, margin: f64) -> Option<bool> {
         let mut parts = vec![span];
         let (mut sure, mut work) = (true, 0);
@@ -251,7 +251,7 @@ impl Oracle<'_> {
                 continue;
             }
             let middle = 0.5 * (part.0 + part.1);
-            // The nearer half is processed first.
+            // The nearer half is pushed last, so it is processed first.
             parts.push((middle, part.1));
             parts.push((part.0, middle));
         }
@@ -271,7 +271,7 @@ impl Ray {
         [0, 1, 2].map(|axis| self.origin[axis] + t * self.direction[axis])
     }
 
-    /// The distance at which the ray leaves a cell, slightly behind the face.
+    /// The distance at which the ray leaves a cell, slightly behind the cell's face.
     fn exit_of(&self, cell: &Cell) -> f32 {
         let exits = (0..3).map(|axis| {
             let face = if self.direction[axis] >= 0.0 { cell.high[axis] } else { cell.low[axis] };
@@ -282,7 +282,7 @@ impl Ray {
     }
 }
 
-/// Traces a ray: true if it hits a surface, `None` if it reaches the step cap.
+/// Traces a ray. Returns true if the ray hits a surface, and `None` if it reaches the step cap.
 fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, span: Span) -> Option<bool> {
     let (mut t, end) = (span.0 as f32, span.1 as f32);
     let steps = if world.non_lipschitz { rays::NON_LIPSCHITZ_STEPS_MAX } else { rays::STEPS_MAX };
@@ -320,7 +320,6 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
     None
 }
 
-/// Inputs of a frame with some sound.
 fn inputs_of(world: &World, time: f32) -> FrameInputs {
     let mut inputs = FrameInputs {
         time,
@@ -343,7 +342,7 @@ fn inputs_of(world: &World, time: f32) -> FrameInputs {
     inputs
 }
 
-/// A ray of the image, and the part of it on which surfaces may be.
+/// A ray of the image, and the part of the ray that may contain surfaces.
 fn ray_of(
     world: &World,
     regions: &Regions,
@@ -351,7 +350,7 @@ fn ray_of(
     random: &mut Random,
 ) -> Option<(Ray, Span)> {
     let eye = world.frame_tape.values(inputs).camera.position;
-    // From the eye to a random point in the middle of the tree, as for pixels and mirrors.
+    // Aim from the eye at a random point in the middle of the tree, as rays of pixels do.
     let box_of = world.bounds.map_or((regions.low, regions.size), |bounds| {
         (bounds.low, [0, 1, 2].map(|axis| bounds.high[axis] - bounds.low[axis]))
     });
@@ -373,13 +372,13 @@ fn rays_wanted() -> usize {
     std::env::var("MARIANA_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(40)
 }
 
-/// Fails if a ray through the world hits a surface that does not exist, or misses one. Returns the number of rays that
-/// the oracle decided, and of those that reached the step cap.
+/// Fails if a traced ray hits a surface that does not exist, or misses a surface. Returns the number of rays that the
+/// oracle decided, and the number of rays that reached the step cap.
 fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
     let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
     let plan = RegionPlan::new(world);
     let mut random = Random(11);
-    // One tree for each time, and fewer times if there are few rays.
+    // Each time needs a region tree, so a test with few rays uses a single time.
     let moments = if rays < 1_000 { 1 } else { 4 };
     let (mut hits, mut misses, mut open, mut capped) = (0, 0, 0, 0);
     for moment in 0..moments {
@@ -428,7 +427,7 @@ fn hits_and_misses_match_the_oracle() {
         let compiled = source.compile().unwrap();
         let world = World::new(&name, compiled.scene.unwrap(), Vec::new()).unwrap();
         let (decided, capped) = check_rays(&name, &world, rays);
-        // In repeating space, long parts of a ray have wide intervals, so fewer rays are decided.
+        // If space repeats, long parts of a ray have wide intervals, so the oracle decides fewer rays.
         let least = if REPEATING.contains(&name.as_str()) { rays / 4 } else { rays / 2 };
         assert!(decided > least, "{name}: {decided}");
         let most = if matches!(source, SceneSource::Shipped(_)) { rays / 20 } else { 0 };
@@ -450,7 +449,7 @@ fn hits_and_misses_in_blends_match_the_oracle() {
     let mut wrong = Vec::new();
     for (i, from) in worlds.iter().enumerate() {
         for (k, to) in worlds.iter().enumerate() {
-            // Each scene is the first one of a pair once, and the second one once.
+            // Each scene is the first scene of one pair and the second scene of another pair.
             if i == k || !(all || k == (i + 5) % worlds.len()) {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! The look of the shipped scenes: each has a golden image, reacts to music, and is neither too dark nor clipped.
+//! The look of the shipped scenes: each scene has a golden image, reacts to music, and is neither too dark nor clipped.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -14,13 +14,13 @@ use mariana::scenes::{SceneSource, shipped_names};
 use mariana::thumbnails::{self, jpeg_of};
 
 const SIZE: (u32, u32) = (192, 108);
-/// The time of the frame, in seconds.
+/// In seconds.
 const TIME: f64 = 62.0;
 /// The smallest visible difference, in steps of 0..255.
 const VISIBLE: u8 = 12;
-/// The least fraction of the pixels that music must change.
+/// Minimum fraction of the pixels that music must change.
 const MOVED_MIN: f64 = 0.15;
-/// The largest fractions of black and of white pixels.
+/// Maximum fractions of black and of white pixels.
 const BLACK_MAX: f64 = 0.30;
 const WHITE_MAX: f64 = 0.02;
 
@@ -31,7 +31,6 @@ fn fraction(picture: &RgbaImage, range: std::ops::RangeInclusive<u8>) -> f64 {
     within as f64 / picture.pixels().len() as f64
 }
 
-/// The thumbnail of a scene as the program renders it now.
 fn drawn_thumbnail(name: &str, folder: &Path) -> RgbaImage {
     let file = folder.join(format!("{name}.png"));
     let size = format!("{}x{}", thumbnails::SIZE.0, thumbnails::SIZE.1);
@@ -42,7 +41,6 @@ fn drawn_thumbnail(name: &str, folder: &Path) -> RgbaImage {
     image::open(file).unwrap().into_rgba8()
 }
 
-/// Compares the shipped thumbnail of a scene with a new one.
 fn check_thumbnail(name: &str, drawn: &RgbaImage) -> Result<(), String> {
     let read = |jpeg: &[u8]| {
         let image = image::load_from_memory_with_format(jpeg, image::ImageFormat::Jpeg);
@@ -50,7 +48,7 @@ fn check_thumbnail(name: &str, drawn: &RgbaImage) -> Result<(), String> {
     };
     let advice = format!("run cargo xtask thumbnails {name}");
     let shipped = thumbnails::shipped(name).ok_or_else(|| format!("{name} has no thumbnail: {advice}"))?;
-    // Both images were JPEG-encoded, so only the rendering can make a difference.
+    // Both images were JPEG-encoded, so a difference shows that the rendering has changed.
     compare(&format!("thumbnail-{name}"), &read(&jpeg_of(drawn))?, &read(shipped)?, LOOSE)
         .map_err(|reason| format!("the thumbnail of {name} is out of date: {advice}; {reason}"))
 }

@@ -1,4 +1,4 @@
-//! A scene looks the same in all modes: interpreted, compiled, or written in GLSL by hand.
+//! A scene looks the same in all modes: interpreted, compiled, or written by hand in GLSL.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -26,11 +26,10 @@ const SIZE: (u32, u32) = (240, 135);
 /// Two planes, one of which turns with time, and a ball between them.
 const PLANES: &str = "min(min(y, 0.6*x + 0.8*(9 + sin(t) - z)), sqrt(x*x + (y-1)*(y-1) + (z-4)*(z-4)) - 1)";
 
-/// An endless surface without bounds.
 const UNBOUNDED: &str = "y + 0.2*sin(x)*sin(z)";
 
-/// Most features of a scene: objects with a bound and planes, two ways of texturing, every material property, both
-/// kinds of light, parameters, a sky, and a camera that rolls.
+/// Many features of scenes: objects with a bound and planes, two ways of texturing, all material properties, both kinds
+/// of light, parameters, a sky, and a camera that rolls.
 const MANY: &str = r#"
 param size = 1.1 in 0.5 .. 2
 param glow = 0.4 in 0 .. 1
@@ -68,7 +67,7 @@ sky {
 camera { position = vec3(0, 2.5, -2)  target = vec3(0, 1.2, 6)  fov = 55  roll = 0.05 * sin(t) }
 "#;
 
-/// Hills from the history of the spectrum, a floor that shows the waveform, and a ball that reads every sound value.
+/// A scene that reads every sound value: hills from the history of the spectrum, a floor with the waveform, and a ball.
 const HEARS_ALL: &str = r#"
 fn hills(p) = 0.25 * (p.y - 1.6 * history(0.5 + p.x / 12, p.z / 20))
 fn ball_at() = vec3(6 * pitch - 2 + 0.2 * bass_drive, 2.6 + volume_mid, 6 + phase)
@@ -83,7 +82,7 @@ light sun { direction = vec3(0.4, -1, 0.7)  color = vec3(2, 1.8, 1.5)  radius = 
 camera { position = vec3(0.3 * sin(t), 4, -3)  target = vec3(0, 1, 7)  fov = 60 }
 "#;
 
-/// A forest by repetition: at each point the nearest trees, in some 350 clauses that are not Lipschitz. Interval
+/// A forest by repetition. Each point computes the nearest trees in some 350 clauses that are not Lipschitz. Interval
 /// arithmetic gives the ellipsoids slopes of thousands.
 const FOREST: &str = r#"
 fn tree(p, height) = union(
@@ -107,7 +106,6 @@ light sun { direction = vec3(1, -1, 0.4)  color = vec3(3, 2.6, 2) }
 camera { position = vec3(8, 2.5, -6)  target = vec3(10, 1, 4) }
 "#;
 
-/// Draws a frame with a program. Returns the image and the evaluations.
 fn drawn(
     test_renderer: &mut TestRenderer,
     program: &Program,
@@ -121,13 +119,12 @@ fn drawn(
     (picture, test_renderer.renderer.evaluations())
 }
 
-/// Evaluations by kind of ray.
 fn kinds(all: &Evaluations) -> [f64; 5] {
     [all.primary, all.reflection, all.normal, all.shadow, all.occlusion]
 }
 
 /// Compares both modes, with and without regions, in loud music at each of the `times`. Fails unless the images match
-/// and the evaluations without regions are about equal. No ray of a shipped scene may reach its step cap.
+/// and the numbers of evaluations without regions are about equal. No ray of a shipped scene may reach its step cap.
 fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
     assert_modes_agree_at(name, scene, times, (SIZE, TIGHT));
 }
@@ -161,7 +158,7 @@ fn assert_modes_agree_at(
             assert_eq!([&skipping, &short].map(|drawn| drawn.1.capped_rays), [0.0; 2], "{name} at {time} s");
         }
         let (fewer, all) = (short.1, interpreted.1);
-        // Non-Lipschitz scenes always use cells, whatever is requested.
+        // Non-Lipschitz scenes use cells even if the test requests no regions.
         assert!(
             non_lipschitz || (fewer.total() <= all.total() && fewer.clauses < all.clauses),
             "{name}: {fewer:?}, but {all:?}"
@@ -184,7 +181,7 @@ fn assert_modes_agree_at(
             {b:?}"
         );
         for (a_kind, b_kind) in kinds(&a).into_iter().zip(kinds(&b)) {
-            // Cells of non-Lipschitz scenes save the interpreter some occlusion probes.
+            // The cells of non-Lipschitz scenes save the interpreter some occlusion probes.
             let fewer = non_lipschitz && a_kind < b_kind;
             assert!(
                 fewer || (a_kind - b_kind).abs() <= 0.02 * b_kind,
@@ -193,7 +190,7 @@ fn assert_modes_agree_at(
         }
         assert_eq!(b.clauses, 0.0, "{name}: a compiled scene counted clauses");
         assert!(a.clauses > a.total(), "{name}: an evaluation has more than one clause: {a:?}");
-        // Two black images would match, too.
+        // Two black images would also match, so the frame must differ from the previous one.
         let seen = first.get_or_insert_with(|| RgbaImage::new(size.0, size.1));
         let fraction = difference(seen, &compiled.0, TIGHT.visible).fraction;
         assert!(fraction > 0.05, "{name}: nothing is visible or moves at {time} s: {fraction}");
@@ -204,7 +201,7 @@ fn assert_modes_agree_at(
 #[test]
 fn both_modes_show_the_same_shipped_scenes() {
     let differs = |name: &String| {
-        // Small images, in which many details are finer than a pixel. There, rounding at the end of a ray can decide on
+        // In these small images, many details are finer than a pixel, so rounding at the end of a ray can decide on
         // which side of a line it is.
         let scene = SceneSource::Shipped(name.clone());
         std::panic::catch_unwind(|| assert_modes_agree_at(name, &scene, &[40.0], ((160, 90), LOOSE))).is_err()
@@ -228,7 +225,7 @@ fn both_modes_show_the_same_scene_with_every_sound_value() {
     let scene = SceneSource::Formula(HEARS_ALL.into());
     assert_modes_agree("hears-all", &scene, &[3.0]);
 
-    // Each table has an effect.
+    // Removing a table must change the image.
     let mut test_renderer = TestRenderer::of(&scene, Mode::Compiled, Counting::Off);
     let whole = test_renderer.picture(3.0, loud_sound(), SIZE);
     let sounds: [fn(&mut Tables); 3] = [|t| t.spectrum = None, |t| t.waveform = None, |t| t.history = None];
@@ -260,7 +257,7 @@ fn an_interpreted_forest_matches_the_compiled_one() {
     assert_alike("forest", &interpreted, &compiled, LOOSE);
 }
 
-/// Rays once reached their step cap in front of the trees: more pixels mean shorter steps.
+/// Rays once reached their step cap in front of the trees in large images, where steps are shorter.
 #[test]
 fn the_trees_of_a_forest_are_complete_in_larger_images() {
     let mut test_renderer =

@@ -1,7 +1,8 @@
-//! Checks every shader variant with naga, glslang and the driver, and each of them with broken shaders.
+//! Checks every shader variant with naga, glslang and the driver. Also checks their reports of errors in broken
+//! shaders.
 //!
-//! naga's GLSL front end does not support texture buffers (`usamplerBuffer`, `samplerBuffer`). The region lookups are
-//! replaced by a function there, and only glslang and the driver check the interpreter's variants.
+//! naga's GLSL front end does not support texture buffers (`usamplerBuffer`, `samplerBuffer`). The text for naga
+//! replaces the region lookups by a function. Only glslang and the driver check the interpreter's variants.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -21,19 +22,18 @@ use mariana::gpu::scene_program::{
 use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
 use mariana::scenes::{ReadyScene, SceneSource};
 
-/// A plane and a traced part, without textures: the shader omits the code that only other features need.
+/// A plane and a traced part, without textures. The shader omits the code for all other features.
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 
-/// A non-Lipschitz scene: rays use bounds of its gradient.
+/// A non-Lipschitz scene, for which the shader uses bounds of the gradient.
 const NON_LIPSCHITZ: &str = "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
 
-/// Rough mirrors, an emissive material, a panel light and a lens.
 const EVERYTHING: &str = "material m { color = 0.5  reflect = 0.5  blur = 0.3  emission = vec3(0.1) }\n\
                           object ball { shape = sphere(p, 1)  material = m }\n\
                           light panel { position = vec3(0, 3, 0)  right = vec3(1, 0, 0)  up = vec3(0, 0, 1) }\n\
                           camera { aperture = 0.05 }";
 
-/// Defines of the scene shader's variants. Each must occur in some case.
+/// Defines of the scene shader's variants. At least one case must use each define.
 const DEFINES: [&str; 10] = [
     "NON_LIPSCHITZ",
     "BLUR",
@@ -47,34 +47,29 @@ const DEFINES: [&str; 10] = [
     "COVERAGE",
 ];
 
-/// A shader as it is passed to some driver.
+/// A shader for a kind of driver.
 struct Case {
-    /// The name in messages.
     name: String,
-    /// The main file.
     file: &'static str,
     variant: Variant,
-    /// True if it reads texture buffers other than the regions.
+    /// True if the shader reads texture buffers other than the region tree.
     interpreted: bool,
     /// True for a software renderer.
     software: bool,
 }
 
 impl Case {
-    /// The shader text for the driver.
     fn text(&self, library: &ShaderLibrary) -> Result<String, ShaderSourceError> {
         library.assemble(self.file, driver_preamble(&driver(self.software)), &self.variant)
     }
 }
 
-/// The case with a changed variant.
 fn changed_case(mut case: Case, change: fn(Variant) -> Variant) -> Case {
     case.variant = change(case.variant);
     case.name.push_str(&format!(", {:?}", case.variant.defines.last()));
     case
 }
 
-/// The scene shader in a mode.
 fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Counting) -> Case {
     let ReadyScene { world, buffers, plan, .. } = ready(scene);
     let variant = variant_of(&world, &buffers, &plan, mode, &driver(software), counting).unwrap();
@@ -83,7 +78,7 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
     Case { name, file: SCENE_SHADER, variant, interpreted: mode == Mode::Interpreted, software }
 }
 
-/// All shaders of the program, the vertex shaders first.
+/// All shaders of the program. Vertex shaders are first.
 fn cases() -> Vec<Case> {
     let plain = [VERTEX_SHADER, FLASH_VERTEX_SHADER, EDGE_SHADER, UPSCALE_SHADER, SAMPLERS_SHADER];
     let plain = plain.into_iter().chain(PLACING_SHADERS).map(|file| (file, &[][..]));
@@ -121,7 +116,7 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// Fails with all errors of `judge` in the shipped shaders that it can read.
+/// Checks the shipped shaders for which `can_read` is true. Fails with all errors of `judge`.
 fn judge_cases(judge: fn(Stage, &str) -> Result<(), String>, can_read: fn(&Case) -> bool) {
     let library = ShaderLibrary::embedded();
     let mut refused = String::new();
@@ -140,7 +135,7 @@ fn every_define_is_in_some_case_in_both_modes() {
     for interpreted in [false, true] {
         let of_mode = cases().into_iter().filter(|case| case.interpreted == interpreted);
         let given: Vec<String> = of_mode.flat_map(|case| case.variant.defines).collect();
-        // Interpreted scenes always have code for cells.
+        // `NO_CELLS` applies to compiled scenes only, because interpreted scenes always have code for cells.
         let of_compiled = (!interpreted).then_some("NO_CELLS");
         for define in DEFINES.into_iter().chain(of_compiled) {
             assert!(
@@ -172,7 +167,7 @@ fn the_driver_links_every_variant() {
     context.gl().check("linking the shaders").unwrap();
 }
 
-/// A shader file with an error inserted before its last line that is a lone `}`, and the line number of the error.
+/// Inserts an error before the last line of a shader file that is a lone `}`. Also returns the error's line number.
 fn broken(file: &str) -> (String, usize) {
     let text = shader_text(file);
     let end = text.lines().enumerate().filter(|(_, line)| *line == "}").last();
@@ -182,7 +177,6 @@ fn broken(file: &str) -> (String, usize) {
     (lines.join("\n"), end + 1)
 }
 
-/// True if `log` names `line` of `file`.
 fn names_line(log: &str, file: &str, line: usize) -> bool {
     let place = format!("{file}:{line}");
     log.match_indices(&place)

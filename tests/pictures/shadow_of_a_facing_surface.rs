@@ -1,14 +1,14 @@
-//! Regression test: single pixels of a surface that directly faces the lamp were in shadow, because the closest
-//! approach of the shadow ray was assumed behind the ray's start.
+//! Regression test: single pixels of a surface that directly faces the lamp were in shadow. The shader had assumed that
+//! the closest approach of the shadow ray was behind the ray's start.
 
 use crate::support::test_renderer::TestRenderer;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::song_features::SongFeatures;
 
-/// The time and the window size at which the error was visible.
+/// The error was visible at this time and size.
 const TIME: f64 = 62.0;
 const SIZE: (u32, u32) = (1280, 720);
-/// The middle of the right woofer, and a radius well inside its rim, in units of the scene.
+/// The middle of the right woofer. The radius is well inside the woofer's rim. Both are in units of the scene.
 const WOOFER: glam::DVec3 = glam::DVec3::new(5.0, 2.0, 7.8);
 const RADIUS: f64 = 1.25;
 

@@ -1,4 +1,4 @@
-//! Compares the diagnostic views with rays and formulas on the CPU, and the modes with each other.
+//! Compares the diagnostic views with rays and formulas on the CPU, and compares the two modes.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -18,21 +18,18 @@ use mariana::view::setup::ViewSetup;
 use mariana::view::{VIEWS, View, ViewChoice};
 use mariana_field::graph::Point;
 
-/// Too small for a legend.
+/// This size is too small for a legend.
 const SIZE: (u32, u32) = (160, 90);
 
-/// A ball on a plane.
 const BALL: &str = "object ball { shape = sphere(p - vec3(0, 1, 0), 1) }
     object floor { shape = p.y }
     light lamp { position = vec3(0, 9, 0)  color = 100 }
     camera { position = vec3(1, 2, -6)  target = vec3(0, 1, 0)  fov = 40 }";
 
-/// A single plane.
 const FLOOR: &str = "object floor { shape = p.y }
     light lamp { position = vec3(0, 9, 0)  color = 100 }
     camera { position = vec3(0, 3, -6)  target = vec3(0)  fov = 50 }";
 
-/// A scene in a mode, and its views.
 struct Viewer {
     test_renderer: TestRenderer,
     program: Program,
@@ -90,8 +87,8 @@ fn ray(frame: &Frame, x: u32, y: u32) -> (DVec3, DVec3) {
     (camera.position, direction.normalize())
 }
 
-/// The hit of a pixel's ray on the ball or the floor of [`BALL`]: the distance, the normal, and true for the ball.
-/// `Some(None)` is the sky. `None` means that the ray is too close to the ball's edge or to the horizon.
+/// The intersection of a pixel's ray with the ball or the floor of [`BALL`]: the distance, the normal, and true for the
+/// ball. `Some(None)` is the sky. `None` means that the ray is too close to the ball's edge or to the horizon.
 fn meets(frame: &Frame, x: u32, y: u32) -> Option<Option<(f64, DVec3, bool)>> {
     let (origin, direction) = ray(frame, x, y);
     let center = DVec3::new(0.0, 1.0, 0.0);
@@ -114,7 +111,7 @@ fn near(pixel: &image::Rgba<u8>, color: Color, steps: u8) -> bool {
     (0..3).all(|channel| pixel.0[channel].abs_diff(byte(color[channel])) <= steps)
 }
 
-/// Compares a view of [`BALL`] in both modes with the colour that `witness` returns for each ray, within some steps of
+/// Compares a view of [`BALL`] in both modes with the colours of `witness`. Each channel may differ by `steps` of
 /// 0..255.
 fn assert_ball(view: ViewChoice, steps: u8, witness: impl Fn(Option<(f64, DVec3, bool)>) -> Option<Color>) {
     for mode in [Mode::Compiled, Mode::Interpreted] {
@@ -137,7 +134,7 @@ fn normals_match_the_ball() {
         Some(met.map_or(scale::NOTHING, |(_, normal, _)| color(normal)))
     };
     assert_ball(View::Normals.into(), 3, exact);
-    // Short differences give the normal of the ball as well. Long ones round the edges of a box.
+    // A short difference also gives the ball's normals. A long difference rounds the edges of a box.
     assert_ball(ViewChoice { view: View::Normals, number: Some(0.02) }, 3, exact);
     let text = "object box { shape = box(p, vec3(1, 1, 1)) }
         camera { position = vec3(0, 0, -6)  target = vec3(0)  fov = 40 }";
@@ -170,7 +167,8 @@ fn materials_have_the_colours_of_their_objects() {
 
 #[test]
 fn unobstructed_surfaces_are_lit() {
-    // Below the lamp, the ball shades only a disc around its foot. Its lower half faces away from the light.
+    // The lamp is above the ball. The ball shades only a disc around its foot, and its lower half faces away from the
+    // light.
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&written(BALL), mode);
         let (frame, picture) = (viewer.frame(SIZE), viewer.view(View::Shadow));
@@ -282,7 +280,6 @@ fn both_modes_show_the_same() {
     let [compiled, interpreted] = &mut pictures;
     for ((name, one), (_, other)) in compiled.iter().zip(interpreted.iter()) {
         assert_alike(&format!("view-{name}"), one, other, TIGHT);
-        // Each view shows more than one colour.
         let first = one.get_pixel(80, 80);
         assert!(one.pixels().any(|pixel| pixel != first), "{name} has only one colour");
     }
@@ -294,7 +291,7 @@ fn more_clauses_run_at_visible_objects() {
         let mut viewer = Viewer::of(&speakers(), mode);
         let frame = viewer.test_renderer.frame(12.0, loud_music(), SIZE);
         let picture = viewer.draw(View::Clauses, &frame, false);
-        // The position of a pixel's colour on the scale, by the nearest colour.
+        // The position on the colour scale that is closest to the pixel's colour.
         let fraction = |x: u32, y: u32| {
             let pixel = picture.get_pixel(x, y);
             let off = |fraction: f32| -> i32 {
