@@ -1,4 +1,4 @@
-//! Changes between scenes: scenes prepared ahead, and fades.
+//! Changes between scenes: scenes that are prepared ahead, and fades.
 
 use crate::support::apart::apart;
 use std::fs;
@@ -16,7 +16,6 @@ impl Place {
         Self(session::Place::with_song())
     }
 
-    /// Saves a wall that shines in red, green or blue. Its brightness changes over time.
     fn save_wall(&self, name: &str, channel: usize) {
         let color = ["vec3(1, 0, 0)", "vec3(0, 1, 0)", "vec3(0, 0, 1)"][channel];
         let text = format!(
@@ -29,7 +28,6 @@ impl Place {
         self.0.save(name, &text);
     }
 
-    /// A session that compiles its shaders on a separate thread.
     fn open_with_compiler(&self, name: &str, options: &[&str]) -> App {
         let scene = self.0.path(name);
         let own = ["--scene", scene.to_str().unwrap(), "--sdf", "compiled"];
@@ -49,7 +47,6 @@ fn count(text: &str, what: &str) -> usize {
     text.matches(what).count()
 }
 
-/// The number of frames drawn between two lines of the log.
 fn pictures_between(reported: &str, from: &str, to: &str) -> usize {
     let (_, after) = reported.split_once(from).unwrap();
     let (between, _) = after.split_once(to).unwrap();
@@ -70,7 +67,7 @@ fn changing_to_a_prepared_scene_and_back_never_waits() {
     wait_for_channel(&app, 0);
     app.wait_until("the first scene again", |app| count(&app.reported(), "a is shown, compiled") == 2);
     let reported = app.quit_content();
-    // Each scene was compiled once, and the first frame after a change shows the new scene.
+    // The log shows that each scene was compiled once. The first frame after a change shows the new scene.
     for name in ["a", "b"] {
         assert_eq!(count(&reported, &format!(" {name} is requested, compiled")), 1, "{reported}");
     }
@@ -124,7 +121,7 @@ fn scenes_fade_and_a_fade_of_zero_seconds_is_a_cut() {
         app.wait_until("a picture", |app| app.reported().contains("a frame took "));
         app.press(&["n"]);
         app.wait_until_reported("b is shown");
-        // Draw some more frames, in which a fade could begin.
+        // Draw further frames, in which a fade could begin.
         let pictures = count(&app.reported(), "a frame took ");
         app.wait_until("pictures", |app| count(&app.reported(), "a frame took ") > pictures + 3);
         let reported = app.quit_content();
@@ -144,39 +141,37 @@ fn a_saved_scene_does_not_fade() {
     assert!(!app.quit_content().contains("a fade begins"));
 }
 
-/// The number of files in a folder and its subfolders.
 fn files_in(folder: &Path) -> usize {
     let Ok(entries) = fs::read_dir(folder) else { return 0 };
     let in_entry = |path: PathBuf| if path.is_dir() { files_in(&path) } else { 1 };
     entries.map(|entry| in_entry(entry.unwrap().path())).sum()
 }
 
-/// Waits for this many more frames.
 fn wait_for_pictures(app: &App, more: usize) {
     let before = count(&app.reported(), "a frame took ");
     app.wait_until("pictures", |app| count(&app.reported(), "a frame took ") >= before + more);
 }
 
-/// Mesa's software renderers cache one file for each shader and for each variant that they compile.
+/// The test counts the cache files of Mesa's software renderers: one for each shader and for each compiled variant.
 #[test]
 fn prepared_scenes_are_not_compiled_again_when_shown() {
     let cache = tempfile::tempdir().unwrap();
     apart!("EGL_PLATFORM" = "surfaceless", "MESA_SHADER_CACHE_DIR" = cache.path().to_str().unwrap());
     let cache = PathBuf::from(std::env::var_os("MESA_SHADER_CACHE_DIR").unwrap());
     let place = Place::new();
-    // The scenes beside b reuse programs that exist already.
+    // The neighbours of b need no new programs: a is compiled already, and c has the same text as a.
     for (name, channel) in [("a.scene", 0), ("b.scene", 1), ("c.scene", 0)] {
         place.save_wall(name, channel);
-        // It also reads the sound tables.
+        // The wall also reads the sound tables.
         let path = place.0.path(name);
         let text = fs::read_to_string(&path).unwrap();
         fs::write(path, text.replace("* sin(t)", "* sin(t) + 0.1 * spectrum(fract(p.x))")).unwrap();
     }
-    // A size that is not a power of two.
+    // The width and the height are not powers of two.
     let app = place
         .open_with_compiler("a.scene", &[&["--size", "90x54", "--quality", "best"], &AHEAD[..]].concat());
     app.wait_until("both neighbours", |app| count(&app.reported(), " is ready ahead") == 2);
-    // A thread of the driver writes the files.
+    // The driver writes the files on a separate thread.
     let mut files = 0;
     app.wait_until("the driver's files", |app| {
         wait_for_pictures(app, 20);

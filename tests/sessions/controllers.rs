@@ -14,20 +14,18 @@ use crate::support::session::{self, App};
 
 const SIZE: &str = "160x90";
 
-/// A wall with its red and green channels as parameters.
+/// A wall whose parameters are its red and its green channel.
 pub(crate) const WALL: &str = "param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 1\n\
     material paint { color = 0  roughness = 1  emission = vec3(red, green, 0) }\n\
     object wall { shape = 5 - p.z  material = paint }\n\
     light none { direction = vec3(0, -1, 0)  color = 0 }\n\
     camera { position = vec3(0)  target = vec3(0, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
 
-/// Writes the wall and a blue one. Returns the path of the first.
 pub(crate) fn write_wall(place: &session::Place) -> PathBuf {
     place.save("wool.scene", &WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)"));
     place.save("wall.scene", WALL)
 }
 
-/// A folder with the walls, a silent song and MIDI devices.
 struct Place {
     inner: session::Place,
     scene: PathBuf,
@@ -46,7 +44,6 @@ impl Place {
         self.inner.open(&self.inner.song(), &[&scene[..], size, options].concat())
     }
 
-    /// A session that receives OSC, and a sender for it.
     fn open_with_osc(&self) -> (App, Sender) {
         let osc = Sender::new();
         let app = self.open(&["--osc", &osc.port.to_string()]);
@@ -58,28 +55,25 @@ impl Place {
         self.inner.path(&format!("midi/{name}.port"))
     }
 
-    /// Connects a device.
     fn plug(&self, name: &str) {
         fs::write(self.port(name), "").unwrap();
     }
 
-    /// Disconnects a device.
     fn pull(&self, name: &str) {
         fs::remove_file(self.port(name)).unwrap();
     }
 
-    /// Sends bytes from a device. They are lost if the session does not listen to it.
+    /// Sends bytes from a device. The bytes are lost if the session does not listen to the device.
     fn play(&self, name: &str, bytes: &[u8]) {
         let socket = UnixDatagram::unbound().unwrap();
         let _ = socket.send_to(bytes, self.port(name).with_extension("socket"));
     }
 
-    /// The file of learned knobs.
     fn knobs(&self) -> PathBuf {
         self.inner.path("config/knobs.toml")
     }
 
-    /// Uses the panel to learn a knob for the first parameter. Moves the knob until it is learned.
+    /// Learns a knob for the first parameter by the panel. Turns the knob until the session has learned it.
     fn learn_first(&self, app: &App, name: &str, knob: &[u8]) {
         let before = fs::read_to_string(self.knobs()).unwrap_or_default();
         begin_to_learn(app);
@@ -91,7 +85,7 @@ impl Place {
     }
 }
 
-/// Queries `address` until `wanted` accepts an answer. Returns the bytes of that answer.
+/// Queries `address` until `wanted` accepts an answer, and returns that answer.
 pub(crate) fn ask(app: &App, osc: &Sender, address: &str, wanted: impl Fn(&[u8]) -> bool) -> Vec<u8> {
     let mut answer = None;
     app.wait_until(&format!("the expected answer to {address}"), |_| {
@@ -111,7 +105,7 @@ fn begin_to_learn(app: &App) {
     }
 }
 
-/// The first number in a message with the type tags `tags`.
+/// The first number of a message; `None` if the message has another address or other type tags.
 fn number_in(bytes: &[u8], address: &str, tags: &str) -> Option<f32> {
     let rest = bytes.strip_prefix(&padded(address)[..])?.strip_prefix(&padded(tags)[..])?;
     rest.first_chunk::<4>().map(|bytes| f32::from_be_bytes(*bytes))
@@ -122,7 +116,6 @@ fn colour(app: &App) -> [bool; 3] {
     [red, green, blue].map(|channel| channel > 120)
 }
 
-/// Waits until the given channels of the wall are bright.
 pub(crate) fn wait_for_colour(app: &App, what: &str, wanted: [bool; 3]) {
     app.wait_until(what, |app| colour(app) == wanted);
 }
@@ -142,8 +135,8 @@ fn messages_change_parameters_and_the_last_controller_wins() {
     let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
     let answer = ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(2.0));
     assert!(answer.ends_with(&padded("OSC")), "{answer:?}");
-    // The slider takes the parameter over. Drag it beyond its right end; one of these rows is the rail of the first
-    // parameter.
+    // Now the slider sets the parameter. Try each of these rows, because one of them is the rail of the first
+    // parameter. The drag ends beyond the rail's right end.
     osc.send("/param/red", &[0.5]);
     app.press(&["Tab"]);
     let mut rows = (26..46).step_by(4).cycle();
@@ -154,7 +147,7 @@ fn messages_change_parameters_and_the_last_controller_wins() {
         of_red(&answer) == Some(2.0) && answer.ends_with(&padded("slider"))
     });
     app.press(&["Tab"]);
-    // A message takes the parameter back from the slider.
+    // Now a message sets the parameter again.
     osc.send("/param/red", &[0.0]);
     ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(0.0) && bytes.ends_with(&padded("OSC")));
     wait_for_colour(&app, "black", [false, false, false]);
@@ -248,7 +241,7 @@ fn sound_features_are_sent() {
     app.quit_by_key();
 }
 
-/// The message of the first knob on the first channel at a value.
+/// The message of controller 1 on channel 1 with a value.
 fn turned(value: u8) -> [u8; 3] {
     [0xb0, 1, value]
 }
@@ -271,8 +264,7 @@ fn a_learned_knob_controls_its_parameter_and_is_remembered() {
     ] {
         assert!(text.contains(line), "{line} is missing in\n{text}");
     }
-    // The knob's position differs from the parameter's value, so that the knob has no effect until it passes that
-    // value.
+    // The knob's position differs from the parameter's value. The knob has no effect until it passes that value.
     place.play("desk", &turned(90));
     wait_for_colour(&app, "green as before", [false, true, false]);
     place.play("desk", &turned(0));
@@ -281,7 +273,7 @@ fn a_learned_knob_controls_its_parameter_and_is_remembered() {
         colour(&app) == [true, true, false]
     });
     app.quit_by_key();
-    // The next session remembers the knob.
+    // The next session still knows the knob.
     let app = place.open(&[]);
     app.wait_until_reported("receiving MIDI from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
@@ -302,13 +294,13 @@ fn learning_continues_after_a_device_was_disconnected() {
     place.plug("desk");
     let app = place.open(&[]);
     app.wait_until_reported("receiving MIDI from desk (fake port)");
-    // The parameters are known once the frame is shown.
+    // The session knows the parameters once it shows the frame.
     wait_for_colour(&app, "green", [false, true, false]);
     begin_to_learn(&app);
     place.pull("desk");
     app.wait_until_reported("desk (fake port) was disconnected; learning continues");
     place.plug("desk");
-    // A pad has only two values, so it sets the parameter at once.
+    // A pad has only two values, so the session accepts its first value at once.
     app.wait_until("the learned pad in the file", |_| {
         place.play("desk", &[0x99, 36, 127]);
         place.knobs().exists()
@@ -341,7 +333,7 @@ fn floods_of_invalid_midi_are_ignored() {
     app.wait_until("yellow", |_| {
         place.play("desk", &turned(0));
         app.run_for(Duration::from_millis(30));
-        // Running status, with a clock message in the middle.
+        // The bytes use running status and contain a clock message.
         place.play("desk", &[0xb0, 1, 126, 1, 0xf8, 127]);
         app.run_for(Duration::from_millis(100));
         colour(&app) == [true, true, false]
@@ -397,7 +389,7 @@ fn a_controller_overrides_the_show_until_its_next_movement() {
     let place = Place::new();
     let osc = Sender::new();
     let show = place.inner.path("own.show");
-    // This show starts after the song has started; seeks reach its movements.
+    // The show begins while the song already plays, so the test reaches its movements by seeks.
     fs::write(&show, "at start wall.scene\n set red = 2\n set red = 1 after 30 s\n").unwrap();
     let port = osc.port.to_string();
     let app = place.open(&["--osc", &port, "--show", show.to_str().unwrap()]);
@@ -413,7 +405,8 @@ fn a_controller_overrides_the_show_until_its_next_movement() {
     osc.send("/param/red", &[0.0]);
     ask(&app, &osc, "/param/red", held(0.0, "OSC"));
     wait_for_colour(&app, "green", [false, true, false]);
-    // From the next movement on, the show controls the parameter. Before it, the controller still does.
+    // The next movement of the show sets the parameter again. At earlier times of the song, the controller's value
+    // stays.
     osc.send("/position", &[0.9]);
     ask(&app, &osc, "/param/red", held(1.0, "show"));
     osc.send("/position", &[0.1]);

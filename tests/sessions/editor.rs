@@ -1,5 +1,5 @@
-//! The scene editor: typing changes the frame, a mistake keeps the last frame, texts are saved and recovered, numbers
-//! are dragged.
+//! The scene editor: typing changes the frame, a mistake keeps the last frame, texts are saved and recovered, and
+//! numbers can be dragged.
 
 use crate::support::apart::apart;
 use std::fs;
@@ -9,17 +9,15 @@ use image::RgbaImage;
 
 use crate::support::session::{self, App};
 
-/// The scene to edit.
 const SCENE: &str = "scenes/main.scene";
-/// Wide enough that the editor leaves a part of the frame uncovered.
+/// In this window, the editor leaves a part of the frame uncovered.
 const SIZE: &str = "760x420";
-/// Overlay colours of errors and of numbers in a text.
+/// Overlay colours: marks of errors, and numbers in a text.
 const ERROR: [u8; 3] = [255, 128, 112];
 const NUMBER: [u8; 3] = [244, 190, 120];
 /// The overlay colour of handles under the pointer.
 const GRIP: [u8; 3] = [130, 204, 232];
 
-/// A wall that emits light and fills the frame, in one line of text.
 fn wall(emission: &str) -> String {
     format!(
         "material m {{ color = 0  roughness = 1  emission = {emission} }} object w {{ shape = 5 - p.z  material = m }} \
@@ -74,8 +72,7 @@ fn wait_for_color(app: &App, what: &str, wanted: [bool; 3]) {
     app.wait_until(what, |app| color(app) == wanted);
 }
 
-/// The bounds (left, top, right, bottom) of the topmost group of pixels of a colour; `None` if there are no such
-/// pixels.
+/// The bounds (left, top, right, bottom) of the topmost group of pixels of a colour; `None` if no pixel has the colour.
 fn group(picture: &RgbaImage, wanted: [u8; 3]) -> Option<(u32, u32, u32, u32)> {
     let is = |x: u32, y: u32| {
         let pixel = picture.get_pixel(x, y).0;
@@ -103,7 +100,7 @@ fn write(app: &App) {
     wait_for_group(app, "the highlighted text", NUMBER);
 }
 
-/// Opens the editor and replaces the whole text by a green wall.
+/// Opens the editor and replaces its text by a green wall.
 fn replace_by_green(app: &App) {
     write(app);
     app.press(&["ctrl+a"]);
@@ -125,7 +122,6 @@ fn typing_changes_the_frame_and_a_mistake_keeps_it() {
     wait_for_color(&app, "a red wall", RED);
     replace_by_green(&app);
     assert_eq!(place.saved(), wall("vec3(1, 0, 0)"), "the file was saved without a command");
-    // The mistake is reported, and the frame stays.
     app.type_text(" $");
     wait_for_group(&app, "a mark at the mistake", ERROR);
     assert_eq!(color(&app), GREEN);
@@ -147,7 +143,7 @@ fn keys_type_text_in_the_editor_and_control_the_show_outside() {
     app.press(&["ctrl+s"]);
     app.wait_until("the letters in the file", |_| place.saved().ends_with(" # quit, not"));
     assert!(app.runs(), "a typed letter ended the session");
-    // A click outside the editor gives the keys back to the show.
+    // After a click outside the editor, keys control the show again.
     app.click_at(745, 400);
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
@@ -155,7 +151,7 @@ fn keys_type_text_in_the_editor_and_control_the_show_outside() {
     app.press(&["e"]);
     app.press(&["x", "ctrl+s"]);
     app.wait_until("another letter in the file", |_| place.saved().ends_with(" # quit, notx"));
-    // The click also opened the card of the object, which Esc closes first.
+    // The click also opened the object's card. Esc closes the card first.
     app.press(&["Escape"]);
     quit(app);
 }
@@ -184,7 +180,7 @@ fn unsaved_text_is_recovered_after_a_crash() {
     replace_by_green(&app);
     let kept = place.inner.path("state/unsaved");
     app.wait_until("the recovery file", |_| {
-        // Skip temporary files, which are incomplete.
+        // Temporary files are incomplete.
         let files = fs::read_dir(&kept).into_iter().flatten().flatten();
         let files = files.filter(|file| !file.file_name().as_encoded_bytes().starts_with(b"."));
         files
@@ -210,11 +206,9 @@ fn dragging_a_number_does_not_reload_the_text() {
     let app = place.open(&["-vv"]);
     app.wait_until("a dark wall", |_| color(&app) == [false; 3]);
     write(&app);
-    // The topmost number.
     let (left, _, right, bottom) = wait_for_group(&app, "the number", NUMBER);
     let loads = |app: &App| app.reported().matches("is loaded again for its draft").count();
     let before = loads(&app);
-    // The grip appears under the pointer.
     let (grip_x, grip_y) = ((left + right) / 2, bottom + 7);
     app.point_at(grip_x, grip_y);
     app.wait_for("the grip", |picture| group(&part(picture, grip_x - 6, grip_y - 4, 12, 8), GRIP).is_some());
@@ -222,7 +216,7 @@ fn dragging_a_number_does_not_reload_the_text() {
     app.wait_until("the number to become an input", |app| loads(app) == before + 1);
     let mut moved = 0;
     app.wait_until("a bright wall", |app| {
-        // Drag in several steps, within the number's range.
+        // Drag in several steps. Stop before the end of the number's range.
         if moved < 100 {
             moved += 4;
             app.point_at(grip_x + moved, grip_y);
@@ -278,7 +272,7 @@ fn a_click_on_the_frame_identifies_the_object_and_its_line() {
     let reported = app.reported();
     let probed = reported.lines().find(|line| line.contains("probed:")).unwrap_or_default();
     assert!(probed.contains("object: \"ball\", material: \"m\""), "{probed}");
-    // A click on the card's line moves the focus and the cursor to the object's text.
+    // A click on the card's line focuses the editor and moves the cursor to the object's text.
     app.wait_until("the card", |_| {
         let right = part(&app.picture(), 510, 200, 250, 200);
         group(&right, GRIP).is_some()
@@ -287,7 +281,7 @@ fn a_click_on_the_frame_identifies_the_object_and_its_line() {
     app.type_text("1 * ");
     app.press(&["ctrl+s"]);
     app.wait_until("the letters in the file", |_| place.saved() == BALL.replace("sphere(", "1 * sphere("));
-    // The sky can be probed as well.
+    // A click on the sky probes the sky.
     app.click_at(740, 20);
     app.wait_until_reported("surface: None");
     assert!(app.runs());
@@ -307,7 +301,7 @@ fn the_object_of_the_line_at_the_cursor_is_highlighted() {
     let before = blue(&app);
     app.press(&["ctrl+Home", "ctrl+l"]);
     let is_lit = |app: &App| blue(app) > before + 20;
-    // The first line belongs to the ball's material.
+    // The cursor is in the first line, which belongs to the ball's material.
     app.wait_until("the ball in another colour", |_| is_lit(&app));
     app.press(&["ctrl+End"]);
     app.wait_until("the ball in its own colour", |_| !is_lit(&app));
@@ -322,7 +316,7 @@ fn a_colour_in_the_text_is_picked_and_saved() {
     let app = place.open(&[]);
     write(&app);
     app.wait_until("the ball", |_| is_ball(&app, RED));
-    // The swatch below the colour in the text.
+    // The swatch appears below the colour in the text.
     let mut swatch = None;
     app.wait_until("the swatch", |_| {
         swatch = group(&part(&app.picture(), 0, 0, 480, 200), [255, 0, 0]);
@@ -330,7 +324,7 @@ fn a_colour_in_the_text_is_picked_and_saved() {
     });
     let (left, top, right, _) = swatch.unwrap();
     app.click_at((left + right) / 2, top - 5);
-    // Green in the row of hues.
+    // The row of hues contains green.
     let mut green = None;
     app.wait_until("the colours", |_| {
         green = group(&part(&app.picture(), 0, top + 4, 500, 420 - top - 4), [0, 255, 0]);
@@ -371,7 +365,7 @@ fn a_position_is_dragged_in_the_frame_and_saved() {
     let (mut x, y) = (510 + right - 5, (top + bottom) / 2);
     app.point_at(x, y);
     app.hold_button(true);
-    // Drag the ball to the left, away from its position.
+    // Drag the ball to the left until it has left its position.
     app.wait_until("the ball to leave its position", |app| {
         x -= 4;
         app.point_at(x, y);
@@ -389,7 +383,7 @@ fn a_position_is_dragged_in_the_frame_and_saved() {
     quit(app);
 }
 
-/// A red ball that fills the right of the frame, and a green one in front of it, which is commented out.
+/// A red ball that fills the right of the frame. A green ball in front of it is commented out.
 const BALLS: &str = "\
 material red { color = 0  roughness = 1  emission = vec3(1, 0, 0) }
 material green { color = 0  roughness = 1  emission = vec3(0, 1, 0) }
@@ -399,7 +393,7 @@ sky { color = 0  ambient = 0 }
 object far { shape = sphere(p - vec3(0, 0, 30 + 0.1 * sin(t)), 25)  material = red }
 #object near { shape = sphere(p - vec3(0, 0, 20 + 0.1 * sin(t)), 16)  material = green }";
 
-/// A single key makes the change, because typing letter by letter would also show the intermediate texts.
+/// A single key makes the change. Typing letter by letter would also show the intermediate texts.
 #[test]
 fn a_scene_whose_tree_takes_too_long_keeps_the_last_frame() {
     apart!("MARIANA_FAULT" = "slow-tree@0");
@@ -425,7 +419,7 @@ fn a_shipped_scene_is_copied_by_one_key_and_the_copy_is_edited() {
     let copy = place.path("data/scenes/heart.scene");
     app.wait_until("the copy", |_| copy.is_file());
     app.wait_for_title("its title", |title| title.contains("heart"));
-    // As soon as the copy is loaded, keys edit its text.
+    // Keys edit the copy only after the session has loaded it.
     app.wait_until("a letter in the copy", |app| {
         app.press(&["ctrl+End", "#", "ctrl+s"]);
         fs::read_to_string(&copy).is_ok_and(|text| text.trim_end().ends_with('#'))

@@ -1,4 +1,4 @@
-//! Live input, on a private sound server.
+//! Live input from a private sound server.
 
 #![cfg(target_os = "linux")]
 
@@ -14,17 +14,15 @@ use mariana_testing::sound_server::SoundServer;
 use mariana_testing::wave::write_wav;
 
 const SMALL: &str = "320x180";
-/// A scene that does not move without sound.
+/// This scene moves only with sound.
 const LEVEL: &str = "min(y, max(length(p - vec3(0, 1, 0)) - 0.2 - 2 * volume.x, -1 * y))";
-/// The number of steps, of up to 20 ms each, after which a session without new frames counts as idle.
+/// A session counts as idle after this number of steps (of up to 20 ms) without a new frame.
 const REST: usize = 60;
 
-/// Waits for a different frame.
 fn wait_for_another(app: &App, before: &RgbaImage) {
     app.wait_for("another picture", |picture| difference(before, picture, TIGHT.visible).fraction > 0.0);
 }
 
-/// Waits until no frame has been drawn for [`REST`] steps.
 fn wait_for_rest(app: &App) {
     let (mut shown, mut steps) = (app.shown(), 0);
     app.wait_until("rest", |app| {
@@ -42,7 +40,7 @@ fn system_sound_is_shown_and_silence_needs_little_processor_time() {
     let app = place.hear(None, &["--system", "--size", SMALL, "--scene", LEVEL]);
     app.wait_until_reported("first picture after");
     app.wait_for_title("the monitor", |title| title.starts_with("Monitor of ") && title.contains("live"));
-    // Silence is detected after some seconds. From then on nothing is drawn.
+    // The session detects silence after some seconds. Then it stops drawing.
     wait_for_rest(&app);
     let load = load_of(std::process::id(), || app.run_for(Duration::from_secs(2)));
     assert!(load < 0.25, "silent input takes {load} of a processor");
@@ -52,7 +50,7 @@ fn system_sound_is_shown_and_silence_needs_little_processor_time() {
         difference(&silent, picture, TIGHT.visible).fraction > 0.02
     });
     drop(tone);
-    // While paused, the frame does not react to sound.
+    // A paused frame must not react to sound.
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let _tone = server.play_tone("viz", 440.0);
@@ -88,7 +86,7 @@ fn a_key_changes_the_source_which_is_remembered_by_name() {
     write_wav(&song, 48_000, 2, (0..48_000 * 120).map(|n| (f64::from(n) * 0.02).sin() as f32 * 0.3));
     let app = place.hear(Some(&song), &["--size", SMALL]);
     app.wait_for_title("the song", |title| title.starts_with("song.wav"));
-    // The key selects the computer's sound, then the default input, then each input in turn.
+    // The key steps from the computer's sound to the default input, and then through all inputs.
     app.press(&["d"]);
     app.wait_for_title("live", |title| title.contains("live"));
     app.press(&["d", "d", "d"]);
@@ -97,7 +95,7 @@ fn a_key_changes_the_source_which_is_remembered_by_name() {
         app.wait_until(what, |_| place.saved_settings().contains(what));
     };
     wait_for_setting("system = \"pulseaudio:other.monitor\"");
-    // Two steps of 5 ms later, one step back; for this device only.
+    // Delay the sound by two steps of 5 ms, then go one step back. The setting belongs to this device only.
     app.press(&["bracketright", "bracketright", "bracketleft"]);
     wait_for_setting("\"pulseaudio:other.monitor\" = 5.0");
     app.press(&["d"]);
@@ -115,7 +113,7 @@ fn a_key_changes_the_source_which_is_remembered_by_name() {
 fn connected_and_lost_devices_are_reported_and_frames_continue() {
     apart_at_home!();
     let place = Place::new();
-    // There is no sound server, and the settings file is damaged.
+    // No sound server runs, and the settings file is damaged.
     fs::create_dir_all(place.settings().parent().unwrap()).unwrap();
     fs::write(place.settings(), "microphone = [").unwrap();
     let app = place.hear(None, &["--system", "--size", SMALL]);

@@ -1,5 +1,5 @@
-//! The overlay and the pointer: messages shown by default, control by pointer alone and by keys alone, and continuing
-//! the last session.
+//! The overlay and the pointer: default messages, control by the pointer alone or by keys alone, and continuing the
+//! last session.
 
 use crate::support::apart::apart;
 #[cfg(target_os = "linux")]
@@ -10,16 +10,15 @@ use crate::support::session::{self, App};
 use image::RgbaImage;
 use mariana::clock;
 
-/// A window that is large enough for every panel.
+/// The window has room for every panel.
 const SIZE: &str = "640x360";
-/// A motionless, simple scene: any change of the frame comes from the overlay.
+/// A simple scene without motion, so that only the overlay changes the frame.
 const STILL: &str = "material paint { color = 0  roughness = 1  emission = vec3(0.5, 0.1, 0.1) }\n\
                      object wall { shape = 5 - p.z  material = paint }\n\
                      light none { direction = vec3(0, -1, 0)  color = 0 }\n\
                      camera { position = vec3(0)  target = vec3(0, 0, 5) }\n\
                      sky { color = 0  ambient = 0 }\n";
 
-/// A folder with the scene and silent songs.
 struct Place {
     inner: session::Place,
     scene: String,
@@ -36,7 +35,7 @@ impl Place {
         Self { inner, scene }
     }
 
-    /// A session that plays the songs, with the default overlay.
+    /// A session that plays the songs and has the default overlay.
     fn open(&self, options: &[&str]) -> App {
         let music = self.inner.path("music");
         let own = [music.to_str().unwrap(), "--prepare-ahead", "off", "--silent", "--size", SIZE];
@@ -46,13 +45,12 @@ impl Place {
         app
     }
 
-    /// A session with only these options, so that it continues the last one.
+    /// A session with these options only, so that it continues the last session.
     fn again(&self, options: &[&str]) -> App {
         self.inner.begin(&[&["--silent", "--prepare-ahead", "off"], options].concat())
     }
 }
 
-/// True if this pixel differs from the wall.
 fn is_covered(picture: &RgbaImage, x: u32, y: u32) -> bool {
     let wall = picture.get_pixel(picture.width() - 1, 0);
     let pixel = picture.get_pixel(x, y);
@@ -93,13 +91,12 @@ fn the_welcome_message_and_the_bar_appear_and_disappear() {
     let [left, top, right, _] = wait_for_panel(&app, "the welcome message", |panel| panel[1] > 150);
     assert!(left < 30 && top > 200 && right < 500, "the welcome message is at {left}, {top} to {right}");
     wait_for_nothing(&app, "the end of the welcome message");
-    // The bar appears when the pointer moves, and disappears when it rests.
+    // The bar appears when the pointer moves. It disappears when the pointer rests.
     app.point_at(200, 100);
     app.point_at(240, 120);
     let [left, top, right, _] = wait_for_panel(&app, "the bar", |panel| panel[2] - panel[0] > 500);
     assert!(left < 30 && right > 610 && top > 200, "the bar is at {left}, {top} to {right}");
     wait_for_nothing(&app, "the end of the bar");
-    // A notice appears and disappears.
     app.press(&["Up"]);
     let [_, top, _, bottom] = wait_for_panel(&app, "the volume", |panel| panel[3] < 150);
     assert!(top < 40 && bottom < 100, "the notice is from {top} to {bottom}");
@@ -125,7 +122,7 @@ fn a_clean_window_shows_only_requested_panels() {
     app.quit();
 }
 
-/// Waits for the bar in real time, which the list of songs needs.
+/// Waits for the bar in real time, because the list of songs needs real time.
 fn wait_for_bar(app: &App) -> [u32; 4] {
     let bar = |picture: &RgbaImage| panel(picture).filter(|panel| panel[2] - panel[0] > 500);
     bar(&app.wait_for("the bar", |picture| bar(picture).is_some())).unwrap()
@@ -140,7 +137,7 @@ fn the_pointer_alone_pauses_seeks_changes_scenes_and_fills_the_screen() {
     app.point_at(200, 100);
     app.point_at(240, 120);
     let [left, top, right, bottom] = wait_for_bar(&app);
-    // Buttons are 30 pixels wide, 2 pixels apart, in a row at the bottom.
+    // Buttons are 30 pixels wide and 2 pixels apart, in a row at the bottom.
     let y = bottom - 11 - 15;
     let button = |place: u32| left + 14 + 15 + 32 * place;
     let from_right = |place: u32| right - 14 - 15 - 32 * place;
@@ -148,12 +145,11 @@ fn the_pointer_alone_pauses_seeks_changes_scenes_and_fills_the_screen() {
     app.wait_for_title("paused", |title| title.contains("paused"));
     app.click_at(button(2), y);
     app.wait_for_title("the second track", |title| title.contains("2/2"));
-    // Seek to the end of the rail: the track ends, and the first one follows.
+    // A click on the end of the rail seeks to the end of the track, so the first track follows.
     app.click_at(button(1), y);
     app.wait_for_title("playing", |title| !title.contains("paused"));
     app.click_at(right - 16, top + 11 + 19 + 3 + 13);
     app.wait_for_title("the first track again", |title| title.contains("1/2"));
-    // A click on the second track in the list plays it.
     let click_in_list = |x: u32, y: u32| {
         app.wait_for("the list", |picture| is_covered(picture, x, y));
         app.click_at(x, y);
@@ -161,7 +157,7 @@ fn the_pointer_alone_pauses_seeks_changes_scenes_and_fills_the_screen() {
     app.click_at(from_right(8), y);
     click_in_list(right - 200, 14 + 11 + 36 + 24 + 12);
     app.wait_for_title("the second track from the list", |title| title.contains("2/2"));
-    // The second tile in the list of scenes.
+    // Click the second tile in the list of scenes.
     app.click_at(from_right(5), y);
     click_in_list(14 + 14 + 170 + 100, 14 + 11 + 24 + 40);
     app.wait_for_title("another scene", |title| !title.contains("(2/2, still"));
@@ -170,7 +166,7 @@ fn the_pointer_alone_pauses_seeks_changes_scenes_and_fills_the_screen() {
     quit_by_escape(app);
 }
 
-/// Closes the open list, leaves full screen and quits.
+/// Esc closes the open list, leaves full screen, and quits.
 fn quit_by_escape(app: App) {
     app.press(&["Escape", "Escape"]);
     app.wait_until("the end of full screen", |app| !app.state().fullscreen);
@@ -191,13 +187,13 @@ fn a_session_continues_where_the_last_one_ended() {
     });
     assert_eq!(app.picture().dimensions(), (640, 360));
     app.quit();
-    // A session with --new neither uses nor changes the saved state; the next one continues from it.
+    // A session with --new neither uses nor changes the saved state. The next session continues from that state.
     let app = place.again(&["--new", "--size", "320x180"]);
     app.wait_for_title("the demo track", |title| title.contains("speakers") && !title.contains("volume"));
     app.press(&["Down"]);
     app.wait_for_title("another volume", |title| title.contains("volume 95 %"));
     app.quit();
-    // Missing tracks are reported, and the session starts.
+    // If the saved tracks are missing, the session reports that and starts.
     std::fs::remove_dir_all(place.inner.path("music")).unwrap();
     let app = place.again(&[]);
     app.wait_for_title("the demo track", |title| title.contains("first_steps") && title.contains("90 %"));
@@ -216,21 +212,21 @@ fn the_keys_alone_find_a_scene_and_play_a_folder() {
         std::fs::copy(place.inner.path("music/one.wav"), album.join(name)).unwrap();
     }
     std::fs::copy(place.inner.path("music/one.wav"), home().join("beside.wav")).unwrap();
-    // Without a remembered folder, the file list begins in the user's home folder.
+    // No folder was opened before, so the file list begins in the user's home folder.
     let app = place.open(&[]);
     app.press(&["b"]);
     app.wait_for("the list of scenes", |picture| is_covered(picture, 320, 180));
-    // Typed letters search the list; Q does not quit here.
+    // Typed letters search the list, so Q does not quit here.
     app.press(&["q", "u", "a", "d", "r", "Return"]);
     app.wait_for_title("the scene that was found", |title| title.contains("quadric"));
-    // Opened files are played, even during live input.
+    // Opening a file also ends live input.
     app.press(&["d"]);
     app.wait_for_title("an input", |title| title.contains("no sound") || title.contains("live"));
     app.press(&["o"]);
     app.wait_until_reported(&format!("{} is listed", home().display()));
     app.press(&["a", "l", "b", "Return", "ctrl+Return"]);
     app.wait_for_title("the folder", |title| title.starts_with("alpha.wav") && title.contains("1/2"));
-    // A list that closes does not consume later keys.
+    // After a list is closed, keys control the show again.
     app.press(&["u", "Escape", "Next"]);
     app.wait_for_title("the next track", |title| title.starts_with("beta.wav"));
     app.quit_by_key();
@@ -238,7 +234,7 @@ fn the_keys_alone_find_a_scene_and_play_a_folder() {
 
 #[test]
 fn a_session_that_ends_before_its_first_frame_keeps_its_scene() {
-    // The compiler is slow once, so that no scene is shown yet when the session ends.
+    // The fault delays the compiler once, so the session ends before it shows a scene.
     apart!("MARIANA_FAULT" = "slow-compiler@0");
     let place = Place::new(&["one.wav"]);
     let song = place.inner.path("music/one.wav");

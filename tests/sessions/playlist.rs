@@ -10,7 +10,6 @@ use mariana_testing::wave::write_wav;
 
 const SMALL: &[&str] = &["--size", "320x180"];
 
-/// Writes a tone of `seconds`.
 fn write_song(path: &Path, seconds: f64) {
     let samples = (0..(seconds * 96_000.0) as usize).map(|n| (f64::from(n as u32) * 0.02).sin() as f32 * 0.4);
     write_wav(path, 48_000, 2, samples);
@@ -37,7 +36,6 @@ fn a_folder_plays_in_order_and_keys_change_the_track() {
     wait_for_track(&app, "1.wav - Mariana", "1/4");
     app.press(&["Next"]);
     wait_for_track(&app, "2.wav - Mariana", "2/4");
-    // Unreadable tracks are skipped and reported.
     app.press(&["Next"]);
     wait_for_track(&app, "10.wav - Mariana", "4/4");
     app.wait_until_reported("9.mp3 is not an audio file");
@@ -45,7 +43,8 @@ fn a_folder_plays_in_order_and_keys_change_the_track() {
     wait_for_track(&app, "1.wav - Mariana", "1/4");
     app.press(&["Prior", "Prior"]);
     wait_for_track(&app, "2.wav - Mariana", "2/4");
-    // L switches between repeating the list, one track and nothing. Only a repeated list wraps around.
+    // L steps from repeating the list to repeating one track and to no repetition. Only a repeated list continues from
+    // its end to its start.
     app.press(&["l", "l", "Next"]);
     wait_for_track(&app, "10.wav - Mariana", "4/4");
     app.press(&["Next"]);
@@ -63,7 +62,7 @@ fn a_show_continues_when_its_files_are_deleted() {
     wait_for_track(&app, "1.wav", "1/2");
     wait_for_track(&app, "2.wav", "2/2");
     std::fs::remove_dir_all(&folder).unwrap();
-    // The open track keeps playing; no other track can be opened.
+    // The open track keeps playing, but the session can open no other track.
     app.wait_until_reported("does not exist");
     app.press(&["Next"]);
     app.wait_until_reported("none of the 2 tracks can be played");
@@ -84,10 +83,10 @@ fn a_playlist_without_playable_tracks_is_reported() {
     {
         app.wait_until_reported(sentence);
     }
-    // The scene keeps moving in silence.
+    // Without music, the scene keeps moving.
     let before = app.picture();
     app.wait_for("another picture", |picture| *picture != before);
-    // A key finds a track that exists again.
+    // A key finds a track again once its file exists.
     write_song(&place.path("gone.mp3"), 5.0);
     app.press(&["Next"]);
     wait_for_track(&app, "gone.mp3", "1/2");

@@ -13,11 +13,11 @@ use crate::support::session::{self, App};
 use crate::walls::wait_for_channel;
 use mariana_testing::process::WAIT_LIMIT;
 
-/// The log line of the universal interpreter; the line of the non-Lipschitz variant is longer.
+/// The log line for the universal interpreter. The line break tells it apart from the longer line for the non-Lipschitz
+/// variant.
 const READY: &str = "the universal interpreter is ready\n";
 const READY_NON_LIPSCHITZ: &str = "the universal interpreter is ready, for formulas";
 
-/// A folder with a song and a scene.
 struct Place {
     inner: session::Place,
     scene: PathBuf,
@@ -35,7 +35,6 @@ impl Place {
         Self { inner, scene }
     }
 
-    /// Saves a wall that shines in red, green or blue.
     fn save(&self, channel: usize, wall: &str) {
         let color = ["vec3(1, 0, 0)", "vec3(0, 1, 0)", "vec3(0, 0, 1)"][channel];
         let text = format!(
@@ -48,7 +47,7 @@ impl Place {
         fs::write(&self.scene, text).unwrap();
     }
 
-    /// A session that compiles on a separate thread, once its scene is shown.
+    /// A session that compiles on a separate thread. Waits until its scene is shown.
     fn open(&self, options: &[&str]) -> App {
         let own = ["--size", "64x36", "--scene", self.scene.to_str().unwrap()];
         let app = self.inner.open_with_compiler(&self.inner.song(), &[&own[..], options].concat());
@@ -56,12 +55,10 @@ impl Place {
         app
     }
 
-    /// The folder of the program cache.
     fn kept(&self) -> PathBuf {
         self.inner.path("cache/programs")
     }
 
-    /// The files in the program cache with this extension.
     fn files(&self, kind: &str) -> Vec<PathBuf> {
         let Ok(entries) = fs::read_dir(self.kept()) else { return Vec::new() };
         let paths = entries.map(|entry| entry.unwrap().path());
@@ -83,7 +80,7 @@ fn edits_use_the_interpreter_and_the_next_start_loads_it_from_the_cache() {
     app.wait_until_reported(READY);
     app.wait_until_reported(READY_NON_LIPSCHITZ);
     let before = app.reported();
-    // Operators that the first scene did not use, then a non-Lipschitz formula.
+    // The first wall uses operators that the first scene does not use. The second wall is non-Lipschitz.
     for (channel, wall) in [(1, "p.z - 5 - 0.1 * sin(3 * p.x) * cos(t)"), (2, "p.z * p.z * p.z - 99")] {
         place.save(channel, wall);
         wait_for_channel(&app, channel);
@@ -91,7 +88,7 @@ fn edits_use_the_interpreter_and_the_next_start_loads_it_from_the_cache() {
     let reported = app.quit_content();
     let after = reported.strip_prefix(&before).unwrap();
     assert!(!after.contains("is requested"), "an edit waited for a compiler: {after}");
-    // The third program is the first scene's interpreter, which was compiled before the universal one.
+    // The third program is the first scene's interpreter. It was compiled before the universal interpreter.
     assert_eq!((place.files("program").len(), place.files("attempt").len()), (3, 0));
 
     place.save(0, "p.z - 5");
@@ -105,13 +102,13 @@ fn edits_use_the_interpreter_and_the_next_start_loads_it_from_the_cache() {
         "{reported}"
     );
 
-    // A truncated program.
+    // Truncate a stored program.
     let files = place.files("program");
     let whole = files.iter().map(|path| fs::read(path).unwrap()).collect::<Vec<_>>();
     fs::write(&files[0], &whole[0][..whole[0].len() / 2]).unwrap();
     let app = place.open(&options);
     wait_for_channel(&app, 0);
-    app.wait_until_reported("is damaged and removed");
+    app.wait_until_reported("was damaged and has been removed");
     app.wait_until_reported(READY_NON_LIPSCHITZ);
     app.wait_until("the program in the cache again", |_| place.files("program").len() == 3);
     assert!(files[0].metadata().unwrap().len() > whole[0].len() as u64 / 2);
@@ -131,7 +128,7 @@ fn without_a_cache_folder_programs_are_not_stored() {
     let app = place.open(&["--program-cache", "off"]);
     wait_for_channel(&app, 0);
     app.quit_content();
-    // The parent folder exists: it also caches the song's structure.
+    // The parent folder exists, because it also caches the song's structure.
     assert!(!place.kept().exists());
 }
 
@@ -145,7 +142,7 @@ fn a_rejected_interpreter_is_not_retried_and_a_smaller_one_draws() {
     );
     let place = Place::new();
     let sentence = "this driver cannot compile the universal interpreter: each scene gets its own";
-    // The fault occurs once, in the first session.
+    // The fault occurs once, in this first session.
     let app = place.open(&[]);
     app.wait_until_reported(sentence);
     app.wait_until_reported("an interpreter is ready");
@@ -170,7 +167,7 @@ fn a_rejected_interpreter_is_not_retried_and_a_smaller_one_draws() {
 /// Environment variables of a process that is going to crash: its folder, and its options separated by spaces.
 const DYING: [&str; 2] = ["MARIANA_TEST_FOLDER", "MARIANA_TEST_OPTIONS"];
 
-/// Runs a session in another process, in which compiling an interpreter aborts.
+/// Runs a session in another process. Compiling an interpreter aborts that process.
 fn die(place: &Place, options: &[&str]) {
     let options = options.join(" ");
     let [folder, given] = DYING;
@@ -182,8 +179,7 @@ fn die(place: &Place, options: &[&str]) {
     assert_eq!(status.signal(), Some(6), "{status}");
 }
 
-/// Runs the session of [`die`] and never returns, in the process that [`die`] starts. Returns at once in any other
-/// process.
+/// In the process that [`die`] starts, runs its session and never returns. In any other process, returns at once.
 fn die_if_asked() {
     let [Some(folder), Some(options)] = DYING.map(std::env::var_os) else { return };
     let place = Place::of(session::Place::at(folder.as_ref()));
@@ -205,8 +201,8 @@ fn a_program_that_crashed_the_driver_is_not_compiled_again() {
     app.wait_until_reported("an interpreter is ready");
     app.quit_content();
     assert_eq!((place.files("attempt").len(), place.files("given-up").len()), (0, 1));
-    // A later start tries it once more and crashes again. After that the scene's own interpreter crashes, and the scene
-    // is compiled instead.
+    // A later session tries the universal interpreter once more and crashes again. Then the scene's own interpreter
+    // crashes. The next session compiles the scene instead.
     die(&place, &[]);
     place.save(1, "p.z - 5");
     for kept in place.files("program") {

@@ -1,4 +1,4 @@
-//! Render quality: adapted to the frame rate, or as requested.
+//! Render quality: adapted to the frame rate, or as the user sets it.
 
 use crate::support::apart::apart;
 use std::path::PathBuf;
@@ -10,7 +10,6 @@ use crate::support::walls::{foam, wait_for_refusal};
 use image::RgbaImage;
 use mariana_testing::process::output_of;
 
-/// True if the log reports a reduced resolution.
 fn tells_fewer(reported: &str) -> bool {
     let mut fractions = reported.lines().filter_map(|line| {
         let (before, _) = line.split_once(" of the window's width and height")?;
@@ -19,7 +18,7 @@ fn tells_fewer(reported: &str) -> bool {
     fractions.any(|fraction| fraction < 1.0)
 }
 
-/// A moving scene that needs much processor time for each pixel.
+/// A moving scene that needs much processor time per pixel.
 const HEAVY: &str = "object balls {
          shape = smooth_union(for i in 0..12:
              sphere(p - 2 * vec3(sin(2.4 * i + 0.1 * t), sin(1.7 * i), sin(3.1 * i)), 0.4), 0.2)
@@ -35,7 +34,7 @@ const SMOOTH: &str = "material paint { color = 0  roughness = 1\n\
      camera { position = vec3(0)  target = vec3(0, 0, 5) }\n\
      sky { color = 0  ambient = 0 }\n";
 
-/// The number of frames of [`HEAVY`] after which the session reduces the resolution.
+/// The session reduces the resolution of [`HEAVY`] after this number of frames.
 const PICTURES: usize = 20;
 
 struct Place {
@@ -52,7 +51,7 @@ impl Place {
         Self { inner, song, scene }
     }
 
-    /// The same image, rendered without a session.
+    /// The session's image, rendered by `mariana still`.
     fn still(&self, size: (u32, u32)) -> RgbaImage {
         let output = self.inner.path("still.png");
         let mut command = command_in(PROGRAM, self.inner.folder(), None);
@@ -172,13 +171,13 @@ fn a_lost_context_is_replaced() {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let before = app.picture();
-    // A paused show does not call the driver, so cause new frames.
+    // A paused show does not call the driver. These keys cause new frames.
     app.wait_until("the loss", |app| {
         app.press(&["i", "i"]);
         app.reported().contains("the driver has lost its context")
     });
     app.wait_for_title("the same scene, still paused", |title| title.contains("own, compiled, paused"));
-    // The notice fades out first.
+    // A notice covers the frame until it fades out.
     app.wait_for("the same frame", |picture| {
         difference(picture, &before, LOOSE.visible).fraction <= LOOSE.fraction_max
     });
@@ -190,7 +189,7 @@ fn a_failed_render_target_does_not_end_the_session() {
     apart!("MARIANA_FAULT" = "no-target@2");
     let place = Place::new(SMOOTH, 200);
     let app = place.open("160x90", &["--sdf", "compiled"]);
-    // Render targets are created when the size changes.
+    // A new size makes the session create render targets.
     app.wait_until("the refusal", |app| {
         [(170, 100), (160, 90)].into_iter().for_each(|size| app.resize(size));
         app.reported().contains("could not make a render target")

@@ -1,4 +1,4 @@
-//! Recording the user's actions and rendering the recorded show.
+//! Recording of the user's actions, and renderings of the recorded show.
 
 #![cfg(target_os = "linux")]
 
@@ -16,21 +16,21 @@ use mariana_testing::process::output_of;
 
 const SIZE: &str = "64x36";
 const MOMENTS: usize = 20;
-/// Duration of the song, in seconds.
+/// In seconds.
 const SECONDS: f64 = 120.0;
-/// The address of the playback position, 0..1.
+/// The OSC address of the playback position, 0..1.
 const PROGRESS: &str = "/sound/progress";
-/// How long a frame must stay the same to count as settled.
+/// A frame counts as settled when it has stayed the same for this time.
 const REST: Duration = Duration::from_millis(150);
 
-/// A wall that fills the frame even if the camera turns a little, and whose colour depends on the direction of view.
-/// The colour changes so softly that the frame has no edges, at which stills take more samples.
+/// A wall that fills the frame even if the camera turns a little. Its colour depends on the direction of view. The
+/// colour changes softly, so that the frame has no edges: stills take more samples at edges.
 const WALL: &str = "param red = 0.2 in 0 .. 1\nparam width = 1 in 0.5 .. 4\n\
     material paint { color = 0  roughness = 1  emission = vec3(red, 0.5 + 0.2 * sin(0.2 * width * p.x), 0.5 + 0.2 * sin(0.2 * p.y + t)) }\n\
     object wall { shape = 5 - p.z  material = paint }\nlight none { direction = vec3(0, -1, 0)  color = 0 }\n\
     camera { position = vec3(0)  target = vec3(0, 0, 5) }\ncamera aside { position = vec3(0)  target = vec3(1, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
 
-/// Waits for a frame that differs from `before` and stays the same, and returns it.
+/// Waits for a frame that differs from `before` and has settled, and returns it.
 fn settled(app: &App, before: &RgbaImage, what: &str) -> RgbaImage {
     let (mut last, mut since) = (before.clone(), Instant::now());
     app.wait_until(&format!("{what}: another frame that stays the same"), |app| {
@@ -43,12 +43,11 @@ fn settled(app: &App, before: &RgbaImage, what: &str) -> RgbaImage {
     last
 }
 
-/// A silent song, and scenes.
 struct Place {
     inner: session::Place,
     song: PathBuf,
     sender: Sender,
-    /// The socket to which the session sends the sound features.
+    /// Receives the sound features from the session.
     hearer: UdpSocket,
 }
 
@@ -65,7 +64,7 @@ impl Place {
         let scene = self.inner.path("wall.scene");
         let port = self.sender.port.to_string();
         let to = self.hearer.local_addr().unwrap().to_string();
-        // Always render at full resolution, however busy the machine is.
+        // Render at full resolution even on a busy machine.
         let usual = ["--size", SIZE, "--quality", "best", "--scene", scene.to_str().unwrap()];
         let network = ["--osc", &port, "--osc-send", &to];
         let app = self.inner.open(&self.song, &[&usual[..], &network, options].concat());
@@ -74,14 +73,13 @@ impl Place {
         app
     }
 
-    /// Plays until a second of the song is over.
+    /// Plays the song for at least a second.
     fn hear_a_second(&self, app: &App) {
         app.wait_until("a second of the song", |_| {
             sent_number(&self.hearer, PROGRESS).is_some_and(|fraction| f64::from(fraction) * SECONDS > 1.0)
         });
     }
 
-    /// Seeks to a time in the song, in seconds.
     fn go_to(&self, app: &App, time: f64) {
         let fraction = (time / SECONDS) as f32;
         self.sender.send("/position", &[fraction]);
@@ -90,18 +88,17 @@ impl Place {
         });
     }
 
-    /// Freezes the frame.
     fn freeze(&self, app: &App) {
         self.sender.send("/freeze", &[1.0]);
         app.wait_until("the frozen frame", |app| app.state().frozen);
     }
 
-    /// Ends the freeze.
     fn let_go(&self) {
         self.sender.send("/freeze", &[0.0]);
     }
 
-    /// Resumes the song until `act` has started the fade with this number, then pauses again.
+    /// Resumes the song, waits until `act` has started a fade, and pauses again. `number` is the number of fades so
+    /// far, including this one.
     fn fade_while_it_runs(&self, app: &App, number: usize, act: impl FnOnce(&App)) {
         self.sender.send("/pause", &[0.0]);
         app.wait_for_title("runs", |title| !title.contains("paused"));
@@ -110,13 +107,12 @@ impl Place {
         self.rest(app);
     }
 
-    /// Pauses the song.
     fn rest(&self, app: &App) {
         self.sender.send("/pause", &[1.0]);
         app.wait_for_title("paused", |title| title.contains("paused"));
     }
 
-    /// Ends the recording and the session. Compares each frame with the same time of the recorded show. Returns the
+    /// Ends the recording and the session. Compares each frame with the recorded show at the same time. Returns the
     /// text of the show.
     fn compare(&self, app: App, pictures: &[(f64, RgbaImage)]) -> String {
         app.press(&["F9"]);
@@ -179,10 +175,10 @@ fn fades_blackouts_and_frozen_frames_are_rendered_again_bit_for_bit() {
     apart!();
     let place = Place::new();
     let app = place.open(&["--fade", "20", "--blackout-fade", "3"]);
-    // After several frames both scenes can be drawn.
+    // Wait for some frames, so that both scenes can be drawn.
     place.hear_a_second(&app);
     app.press(&["F9"]);
-    // The user's fade begins while the song plays; both scenes move during the fade.
+    // The fade begins while the song plays. Both scenes move during the fade.
     app.press(&["n"]);
     app.wait_until_reported("a fade begins");
     app.press(&["space"]);
@@ -197,7 +193,6 @@ fn fades_blackouts_and_frozen_frames_are_rendered_again_bit_for_bit() {
         last = settled(&app, &there, &format!("a knob at {time} s"));
         pictures.push((time, last.clone()));
     }
-    // The brightness changes while the song is paused.
     place.go_to(&app, 26.25);
     let there = settled(&app, &last, "the frame after the fade");
     place.sender.send("/brightness", &[0.4]);
@@ -207,7 +202,7 @@ fn fades_blackouts_and_frozen_frames_are_rendered_again_bit_for_bit() {
     let dim = settled(&app, &dim, "less light at another time");
     place.sender.send("/brightness", &[1.0]);
     let there = settled(&app, &dim, "all light");
-    // The frame is frozen while the position and a parameter change.
+    // While the frame is frozen, the position and a parameter change.
     place.go_to(&app, 30.0);
     let held = settled(&app, &there, "the frame to freeze");
     place.freeze(&app);
@@ -218,7 +213,7 @@ fn fades_blackouts_and_frozen_frames_are_rendered_again_bit_for_bit() {
     place.sender.send("/freeze", &[0.0]);
     let last = settled(&app, &held, "the frame after the freeze");
     pictures.push((33.75, last.clone()));
-    // Another frozen frame fades out while the song plays.
+    // Freeze another frame. It fades out while the song plays.
     place.go_to(&app, 45.0);
     let last = settled(&app, &last, "the frame to freeze");
     place.freeze(&app);
@@ -261,14 +256,14 @@ fn an_interrupted_fade_is_rendered_again_bit_for_bit() {
     let mut pictures = vec![(7.5, last.clone())];
     place.go_to(&app, 11.25);
     last = settled(&app, &last, "a later time of the fade");
-    // Back to the first scene, long before the fade is complete.
+    // Return to the first scene, long before the fade is complete.
     place.fade_while_it_runs(&app, 2, |app| app.press(&["p"]));
     for time in [15.0, 22.5] {
         place.go_to(&app, time);
         last = settled(&app, &last, &format!("{time} s"));
         pictures.push((time, last.clone()));
     }
-    // A freeze also interrupts a fade: only the new scene remains behind it.
+    // A freeze also interrupts a fade. At its end, the frozen frame fades to the new scene.
     place.freeze(&app);
     place.sender.send("/param/width", &[3.0]);
     place.go_to(&app, 26.25);
@@ -343,7 +338,7 @@ fn scene_changes_behind_a_frozen_frame_are_rendered_again_bit_for_bit() {
             pictures.push((time + behind, last.clone()));
         }
     }
-    // A seek back during a freeze: the frozen frame shows until the freeze ends.
+    // Seek back during a freeze. The frame stays frozen until the freeze ends.
     place.freeze(&app);
     place.go_to(&app, 52.5);
     place.fade_while_it_runs(&app, 4, |_| place.let_go());
@@ -384,7 +379,7 @@ fn a_scene_of_a_show_shown_again_by_hand_is_rendered_again_bit_for_bit() {
     for time in [37.5, 45.0] {
         see(&app, time);
     }
-    // The show continues without affecting this scene, until it shows the scene again itself.
+    // The show continues without changing this scene, until the show itself switches to the scene again.
     place.go_to(&app, 52.5);
     app.press(&["p"]);
     for time in [60.0, 82.5, 90.0] {

@@ -1,4 +1,4 @@
-//! A phone as remote control: the page in a headless browser, controlled by simulated touches.
+//! A phone as remote control: a headless browser opens the page, and tests simulate touches.
 
 #![cfg(target_os = "linux")]
 
@@ -16,12 +16,11 @@ use crate::support::session::{App, Place};
 use mariana::thumbnails::{MOMENT, SIZE};
 use mariana_testing::process::{output_of, wait_until};
 
-/// A session with a wall, a song and the page for phones. Returns the address of the page as well.
+/// Starts a session with a wall, a song and the page for phones. Also returns the page's address.
 fn open(place: &Place, options: &[&str]) -> (App, String) {
     open_at(place, "127.0.0.1:0", options)
 }
 
-/// Like [`open`], with the page at the given address.
 fn open_at(place: &Place, address: &str, options: &[&str]) -> (App, String) {
     let song = place.quiet_song("quiet.wav", 100);
     let scene = write_wall(place);
@@ -38,7 +37,7 @@ fn url_in(reported: &str) -> String {
     reported[from..].split(' ').next().unwrap().to_owned()
 }
 
-/// Opens the page on a phone and waits for its connection.
+/// Opens the page on a phone and waits for the phone's connection.
 fn phone(app: &App, url: &str) -> Page {
     app.meanwhile(|| {
         let mut page = Page::open(url);
@@ -65,7 +64,7 @@ fn a_phone_changes_parameters_and_other_phones_show_it() {
     app.meanwhile(|| {
         page.wait_for_text("#scene", "wall");
         page.wait_for_text(&value_of("green"), "1.00");
-        // Drag beyond the right end.
+        // This drag ends beyond the rail's right end.
         page.drag(&rail_of("red"), 0.1, 1.1);
     });
     wait_for_colour(&app, "yellow", [true, true, false]);
@@ -77,7 +76,7 @@ fn a_phone_changes_parameters_and_other_phones_show_it() {
     wait_for_colour(&app, "red", [true, false, false]);
     app.meanwhile(|| {
         page.wait_for_text(&value_of("green"), "0.00");
-        // A vertical drag scrolls the page; a tap sets the slider.
+        // A vertical drag scrolls the page and does not move the slider. A tap moves the slider.
         page.push(&rail_of("red"), -120.0);
         page.tap(&rail_of("green"));
         other.wait_for_text(&value_of("green"), "0.50");
@@ -124,7 +123,7 @@ fn the_phone_follows_the_window_and_controls_scenes_and_song() {
     app.press(&["x", "n"]);
     app.meanwhile(|| {
         page.wait_for_text("#scene", "wool");
-        // Select a scene by its name in the grid, then by the buttons beside it.
+        // Select a scene by its name in the grid, then by the buttons for the next and the previous scene.
         page.wait_until(
             "this scene in the grid",
             "document.querySelector('#scenes [aria-current=true]')?.textContent === 'wool'",
@@ -141,13 +140,13 @@ fn the_phone_follows_the_window_and_controls_scenes_and_song() {
         page.wait_for_text("#scene", "wool");
         page.tap("[data-do=previous]");
         page.wait_for_text("#scene", "wall");
-        // The position, the volume and the pause of the song.
+        // Set the position and the volume of the song. Later the pause button resumes the song.
         page.drag("[data-level=position] .rail", 0.3, 0.5);
         page.wait_for_text("[data-level=position] .value", "0:50 / 1:40");
         page.drag("[data-level=volume] .rail", 0.9, 0.25);
         page.wait_for_text("[data-level=volume] .value", "25 %");
     });
-    // The touch ends shortly after the page shows the volume.
+    // The page shows the volume shortly before the touch ends.
     app.wait_until("the volume", |app| app.state().volume == Some(0.25));
     assert!(app.state().paused);
     app.meanwhile(|| {
@@ -171,7 +170,7 @@ fn the_qr_code_is_the_address_and_an_outdated_page_asks_only_once() {
         app.picture().save(&path).unwrap();
         let mut command = Command::new("zbarimg");
         command.args(["--quiet", "--raw"]).arg(&path);
-        // zbarimg fails while the window shows no code.
+        // zbarimg fails until the window shows the code.
         read = output_of(&mut command, "zbar-tools")
             .map(|text| String::from_utf8_lossy(&text).trim().to_owned())
             .unwrap_or_default();
@@ -179,7 +178,7 @@ fn the_qr_code_is_the_address_and_an_outdated_page_asks_only_once() {
     });
     assert_eq!(read, url);
     let mut page = phone(&app, &url);
-    // The page stays open while the program restarts with the same port and another token.
+    // The page stays open while the program restarts with the same port and a new token.
     app.quit_by_key();
     page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
     let port = url.split(['/', ':']).nth(4).unwrap();
@@ -190,7 +189,8 @@ fn the_qr_code_is_the_address_and_an_outdated_page_asks_only_once() {
             "the page to report its outdated address",
             "document.getElementById('status').textContent.startsWith('This address is no longer valid')",
         );
-        // The outdated page asks once and then stops, so that the new address is soon answered.
+        // The outdated page sends a single request and then stops. Therefore the server soon answers requests to the
+        // new address.
         let mut later = Page::open(&newer);
         wait_until("the new page", || {
             later.wait_until("an answer", "document.readyState === 'complete' && document.body !== null");
@@ -221,8 +221,8 @@ fn a_port_in_use_is_reported_and_opened_later() {
     app.quit_by_key();
 }
 
-/// Renders the thumbnails of the walls, and returns a program that delivers them to the session. The session would
-/// render them at the lowest priority, which takes very long on a busy machine.
+/// Renders the thumbnails of the walls in advance, and returns a program that delivers them to the session. The session
+/// renders thumbnails at the lowest priority, which takes minutes on a busy machine.
 fn prepare_pictures(place: &Place) -> PathBuf {
     let (width, height) = SIZE;
     let arguments = format!("still --at {MOMENT} --size {width}x{height} -o");
@@ -250,7 +250,6 @@ fn a_phone_shows_thumbnails_and_works_without_them() {
     apart!();
     let mut place = Place::new();
     place.draw_by(prepare_pictures(&place));
-    // A scene with a mistake has no thumbnail.
     place.save("wrong.scene", "object");
     let (app, url) = open(&place, &["--size", "160x90"]);
     wait_for_colour(&app, "green", [false, true, false]);
@@ -258,7 +257,7 @@ fn a_phone_shows_thumbnails_and_works_without_them() {
     let mut page = phone(&app, &url);
     app.meanwhile(|| {
         page.wait_until("the scenes", "document.querySelectorAll('#scenes button').length > 3");
-        // The bright channels in the middle of a thumbnail: red, green and blue.
+        // True or false for red, green and blue: the bright channels in the middle of a thumbnail.
         page.value(
             "window.colour = (name) => { \
                const button = [...document.querySelectorAll('#scenes button')].find(b => b.textContent === name); \
@@ -272,14 +271,14 @@ fn a_phone_shows_thumbnails_and_works_without_them() {
         page.wait_until("the thumbnail of the wall", "colour('wall') === 'false,true,false'");
         page.wait_until("the thumbnail of the wool", "colour('wool') === 'false,false,true'");
         assert_eq!(page.value("colour('wrong')"), "");
-        // Scenes can be selected without waiting for thumbnails.
+        // Scenes can be selected before all thumbnails are rendered.
         page.value(
             "[...document.querySelectorAll('#scenes button')].find(b => b.textContent === 'wall').id = 'wanted'",
         );
         page.tap("#wanted");
         page.wait_for_text("#scene", "wall");
     });
-    // A second phone gets the thumbnails at once.
+    // The session has all thumbnails now, so a second phone gets them at once.
     let mut other = phone(&app, &url);
     app.meanwhile(|| {
         other.wait_until(

@@ -1,4 +1,5 @@
-//! Scenes in a session: saving, breaking and mending them, switching by keys, interpreting, compiling, and sliders.
+//! Scenes in a session: saving scenes, breaking and mending them, switching by keys, interpreting, compiling, and
+//! sliders.
 
 use crate::support::apart::apart;
 use std::fs;
@@ -12,11 +13,10 @@ use image::RgbaImage;
 use mariana::clock;
 use mariana::scenes::shipped_names;
 
-/// The window size of most tests: small, because there is no graphics card.
+/// The window size of most tests. It is small, because there is no graphics card.
 const SMALL: &str = "160x90";
 const TINY: &str = "32x18";
 
-/// A wall that emits light and fills the frame.
 fn wall(emission: &str) -> String {
     format!(
         "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
@@ -24,7 +24,7 @@ fn wall(emission: &str) -> String {
     )
 }
 
-/// A camera that looks along z, and no light.
+/// The rest of a scene: a camera that looks along z, and a light without strength.
 const AHEAD: &str = "light none { direction = vec3(0, -1, 0)  color = 0 }\n\
                      camera { position = vec3(0)  target = vec3(0, 0, 5) }\n\
                      sky { color = 0  ambient = 0 }\n";
@@ -47,7 +47,7 @@ impl Place {
         self.0.save(&format!("scenes/{name}"), text);
     }
 
-    /// Opens a scene file of the folder and waits until it is shown.
+    /// Opens a scene file of the folder and waits until the session shows it.
     fn open(&self, name: &str, options: &[&str]) -> App {
         self.open_scene(self.path(name).to_str().unwrap(), SMALL, options)
     }
@@ -58,7 +58,7 @@ impl Place {
         app
     }
 
-    /// Like [`Self::open`], with a tiny frame and a thread that compiles shaders.
+    /// Like [`Self::open`], with a tiny frame and a separate thread that compiles shaders.
     fn open_with_compiler(&self, name: &str, options: &[&str]) -> App {
         let scene = self.path(name);
         let own = ["--size", TINY, "--scene", scene.to_str().unwrap()];
@@ -67,7 +67,7 @@ impl Place {
         app
     }
 
-    /// Renders a scene of the folder at the song's start, without a session.
+    /// Renders a scene of the folder with `mariana still`, at the song's start.
     fn still(&self, name: &str, size: (u32, u32)) -> RgbaImage {
         let output = self.0.path("still.png");
         let mut command = command_in(PROGRAM, self.0.folder(), None);
@@ -108,8 +108,8 @@ fn wait_for_mode(app: &App, mode: &str) {
 fn a_saved_scene_is_shown_without_restarting_the_song() {
     apart!();
     let place = Place::new();
-    // The blue channel appears from the third second of the song on. It would disappear if a new scene restarted the
-    // song.
+    // The blue channel is bright from the third second of the song on. If a new scene restarted the song, it would be
+    // dark again.
     let with_time = |red: u8, green: u8| wall(&format!("vec3({red}, {green}, if t < 2 then 0 else 1)"));
     place.save("own.scene", &with_time(1, 0));
     let app = place.open("own.scene", &[]);
@@ -122,12 +122,12 @@ fn a_saved_scene_is_shown_without_restarting_the_song() {
     });
     assert_eq!(first, Some([false, true, true]), "the song restarted");
 
-    // Written to another file that is then renamed.
+    // Save the scene by renaming another file.
     place.save("own.scene~", &wall(RED));
     fs::rename(place.path("own.scene~"), place.path("own.scene")).unwrap();
     wait_for_color(&app, "the renamed scene", SEEN_RED);
 
-    // Included files, saved in both ways.
+    // Save an included file in both ways.
     place.save("paint.scene", &format!("fn shine() = {GREEN}"));
     place.save("own.scene", &format!("include \"paint.scene\"\n{}", wall("shine()")));
     wait_for_color(&app, "the colour of the included file", SEEN_GREEN);
@@ -137,7 +137,7 @@ fn a_saved_scene_is_shown_without_restarting_the_song() {
     fs::rename(place.path("paint.scene~"), place.path("paint.scene")).unwrap();
     wait_for_color(&app, "the renamed included file", SEEN_RED);
 
-    // A texture.
+    // Save a texture.
     let picture = |color: [u8; 3]| {
         let side = RgbaImage::from_pixel(4, 4, image::Rgba([color[0], color[1], color[2], 255]));
         side.save(place.path("side.png")).unwrap();
@@ -153,14 +153,14 @@ fn a_saved_scene_is_shown_without_restarting_the_song() {
     app.quit_content();
 }
 
-/// The number of rows at the top that equal those of `clear`; a panel covers the rows below.
+/// The number of rows at the top without a panel: these rows equal the rows of `clear`.
 fn clear_rows(picture: &RgbaImage, clear: &RgbaImage) -> u32 {
     let rows = 0..picture.height();
     rows.take_while(|&y| (0..picture.width()).all(|x| picture.get_pixel(x, y) == clear.get_pixel(x, y)))
         .count() as u32
 }
 
-/// Dithering may change an even colour by this much from pixel to pixel.
+/// Dithering may change an even colour by up to this number of steps from pixel to pixel.
 const DITHER: u8 = 2;
 
 /// Waits until the frame has one colour, without an overlay.
@@ -187,9 +187,9 @@ fn a_broken_save_keeps_the_frame_and_shows_the_error() {
     let clear = app.wait_until_still();
     let panel_shows = |app: &App| clear_rows(&app.picture(), &clear) < 88;
     let kept = |app: &App| {
-        // The panel may cover everything but a margin.
+        // A panel may cover the whole frame except a margin.
         for (x, y) in [(0, 0), (159, 0), (0, 89), (159, 89)] {
-            // While a panel moves, fewer pixels may be drawn, which changes the dither.
+            // While a panel moves, the resolution may be lower, which changes the dither.
             let steps = pixel_difference(app.picture().get_pixel(x, y), clear.get_pixel(x, y));
             assert!(steps <= 2, "{steps} steps at {x}, {y}");
         }
@@ -203,7 +203,7 @@ fn a_broken_save_keeps_the_frame_and_shows_the_error() {
     wait_for_color(&app, "the mended scene", SEEN_GREEN);
     wait_for_one_color(&app);
 
-    // A mistake in an included file, and a missing texture.
+    // Test a mistake in an included file, and a missing texture.
     let back = |app: &App| {
         place.save("own.scene", &wall(RED));
         app.wait_until("the mended scene without a panel", |app| app.picture() == clear);
@@ -222,7 +222,7 @@ fn a_broken_save_keeps_the_frame_and_shows_the_error() {
     app.wait_until_reported("none.png");
     back(&app);
 
-    // The scene file itself is deleted and written again.
+    // Delete the scene file and write it again.
     fs::remove_file(place.path("own.scene")).unwrap();
     app.wait_until("the error about the missing file", |app| panel_shows(app));
     kept(&app);
@@ -232,7 +232,6 @@ fn a_broken_save_keeps_the_frame_and_shows_the_error() {
     app.quit_content();
 }
 
-/// Moving balls.
 const VARIED_BY_TIME: &str = "
 object floor { shape = p.y + 1 }
 object balls { shape = smooth_union(for i in 0..3: sphere(p - vec3(i - 1, 0.5 * sin(t + i), 4), 0.6), 0.3) }
@@ -240,7 +239,7 @@ light lamp { position = vec3(-3, 5, 0) color = 60 }
 camera { position = vec3(0, 0.5, 0) target = vec3(0, 0, 4) }
 ";
 
-/// Balls, lights and a texture, enough for two ways of computing the frame to differ.
+/// Balls, lights and a texture. This scene is complex enough for two ways of computing the frame to differ.
 const VARIED: &str = "
 material wood { color = triplanar(\"wood.png\", p * 0.5, n) roughness = 0.4 }
 material ball { color = vec3(0.2, 0.5, 0.8) roughness = 0.3 }
@@ -287,14 +286,14 @@ fn r_switches_regions_without_changing_the_frame() {
         app.press(&["r"]);
         app.wait_until_reported(if first == "on" { "message: no regions" } else { "message: regions" });
         if first == "off" {
-            // The first compiled program contains no cell lookups.
+            // The first compiled program cannot look up cells.
             app.wait_until_reported("own is requested, compiled, with cells");
         }
         let after = app.wait_until_still();
         assert_alike(&format!("window-{mode}-regions-not-{first}"), &after, &before, TIGHT);
         let back = if first == "on" { "message: regions" } else { "message: no regions" };
         app.wait_until(back, |app| {
-            // If the tree was ready too late to be used, the key switches regions on once more.
+            // The tree may be ready too late to be used. Then another press switches the regions on again.
             app.press(&["r"]);
             app.reported().contains(back)
         });
@@ -314,7 +313,6 @@ fn fast_changes_end_with_the_last_request() {
         app.press(&[key]);
     }
     app.resize((200, 100));
-    // The song's start.
     let wanted = place.still("own.scene", (200, 100));
     app.wait_until("the frame of the song's start", |app| {
         let seen = app.picture();
@@ -324,7 +322,7 @@ fn fast_changes_end_with_the_last_request() {
     app.quit_content();
 }
 
-/// The simulated time between two checks.
+/// The time by which the simulated clock advances between two checks.
 const STEP: Duration = Duration::from_millis(100);
 
 #[test]
@@ -342,7 +340,8 @@ fn changing_a_number_again_does_not_compile() {
     };
     is_compiled(&app, 1);
     wait_for_color(&app, "blue", SEEN_BLUE);
-    // The first change compiles a program that reads the numbers as inputs. The other changes reuse it.
+    // After the first change, the session compiles a program that reads the numbers as inputs. The other changes reuse
+    // that program.
     for (shown, (number, color)) in
         [("0.9", SEEN_RED), ("0.0", SEEN_BLUE), ("0.91", SEEN_RED)].into_iter().enumerate()
     {
@@ -351,7 +350,7 @@ fn changing_a_number_again_does_not_compile() {
         is_compiled(&app, 2 + shown);
         assert_eq!(requests(&app), 2, "{}", app.reported());
     }
-    // When the text rests, the numbers become constants again.
+    // When the text has not changed for a while, the session compiles the numbers as constants again.
     app.wait_until("another program", |app| {
         clock::advance(STEP);
         requests(app) == 3
@@ -379,7 +378,7 @@ fn n_and_p_step_through_the_folder_and_the_shipped_scenes() {
     app.press(&["n"]);
     shows(&app, "b");
     wait_for_color(&app, "b", SEEN_GREEN);
-    // A broken scene does not stop the keys.
+    // A broken scene is skipped by the next key press.
     app.press(&["n"]);
     app.wait_until_reported("broken.scene has mistakes");
     app.press(&["n"]);
@@ -390,7 +389,7 @@ fn n_and_p_step_through_the_folder_and_the_shipped_scenes() {
     app.press(&["p"]);
     shows(&app, "a");
     wait_for_color(&app, "a", SEEN_RED);
-    // Once around, faster than scenes are loaded, and one step further.
+    // Press the key faster than scenes load: once through all scenes, and one step further.
     app.press(&vec!["n"; 4 + shipped_names().len()]);
     shows(&app, "b");
     wait_for_color(&app, "b", SEEN_GREEN);
@@ -424,7 +423,7 @@ fn a_slider_changes_the_frame_and_survives_a_reload() {
     app.press(&["Tab"]);
     app.wait_until("the slider", |app| app.picture() != before);
     wait_for_mode(&app, "compiled");
-    // Drag beyond the right end of the rail, whose row in the panel is found by trying.
+    // The drag ends beyond the rail's right end. The rail's row is found by trying.
     let mut rows = (26..46).step_by(4).cycle();
     app.wait_until("the value of the dragged slider", |app| {
         let row = rows.next().unwrap();
@@ -437,7 +436,7 @@ fn a_slider_changes_the_frame_and_survives_a_reload() {
     place.save("own.scene", &text(1));
     app.wait_until("the saved scene", |app| color(app)[2]);
     assert_eq!(color(&app), [true, false, true], "the slider was reset");
-    // The parameter is removed from the text and added again.
+    // Remove the parameter from the text and add it again.
     place.save("own.scene", &wall(GREEN));
     wait_for_color(&app, "a scene without sliders", SEEN_GREEN);
     place.save("own.scene", &text(0));
@@ -445,7 +444,7 @@ fn a_slider_changes_the_frame_and_survives_a_reload() {
     app.quit_content();
 }
 
-/// A scene that takes a driver a second or more to compile, in the colour `emission`.
+/// A scene that a driver compiles for a second or more, in the colour `emission`.
 fn heavy(balls: u32, emission: &str) -> String {
     format!(
         "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
@@ -477,18 +476,18 @@ fn fifty_quick_saves_show_the_last_one() {
 fn a_scene_is_interpreted_until_it_is_compiled() {
     apart!("EGL_PLATFORM" = "surfaceless", "MESA_SHADER_CACHE_DISABLE" = "true");
     let place = Place::new();
-    // The first scene's interpreter can draw the other ones, too.
-    // They are short: on a software renderer, long ones wait for their own programs.
+    // The first scene's interpreter can also draw the other scenes. They are short, because on a software renderer long
+    // scenes wait for separate programs.
     place.save("own.scene", &heavy(2, RED));
     let others = 2..7;
     for number in others.clone() {
         place.save(&format!("own{number}.scene"), &heavy(2, &format!("{GREEN} * (1 - 0.01 * {number})")));
     }
-    // Without the disabled shader cache, the driver would load programs of an earlier run before the interpreter is
-    // used.
+    // The test disables the shader cache. Otherwise the driver would load compiled programs of an earlier run, and the
+    // session would not use the interpreter.
     let app = place.open_with_compiler("own.scene", &[]);
     app.wait_until_reported("an interpreter is ready");
-    // A driver may compile a single short scene sooner than that, but not all of them.
+    // A driver may be fast enough to compile one short scene without interpretation, but not to compile all.
     let mut was_interpreted = false;
     for number in others {
         app.press(&["n"]);
@@ -516,7 +515,7 @@ fn pressing_c_while_a_scene_loads_still_shows_it() {
     for (sdf, change) in [("interpreted", "compiled"), ("compiled", "interpreted")] {
         let app = place.open_with_compiler("own.scene", &["--sdf", sdf]);
         wait_for_color(&app, "the first scene", SEEN_RED);
-        // The second scene needs a new program in either mode. The mode changes during its compilation.
+        // The second scene needs a new program in either mode. Change the mode while that program is compiled.
         app.press(&["n"]);
         app.wait_until_reported(&format!("own2 is requested, {sdf}"));
         app.press(&["c"]);

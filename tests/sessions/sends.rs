@@ -1,4 +1,4 @@
-//! Sending frames to other programs by FIFO and HTTP, with readers that connect, disconnect and block.
+//! Sending frames to other programs by FIFO and HTTP. The readers connect, disconnect and block.
 
 #![cfg(target_os = "linux")]
 
@@ -32,7 +32,8 @@ fn a_fifo_serves_changing_and_slow_readers() {
             );
             (0..count).map(|_| light_of_next(&mut stream, (160, 90))).collect::<Vec<_>>()
         });
-        // A reader that opens the FIFO before that counts as the same reader, in the middle of the stream.
+        // Wait for the disconnection. A reader that opens the FIFO earlier would continue in the middle of the old
+        // stream.
         gone += 1;
         app.wait_until("the reader to disconnect", |app| {
             app.reported().matches("has disconnected: the next one gets").count() == gone
@@ -42,26 +43,25 @@ fn a_fifo_serves_changing_and_slow_readers() {
     // Red has a higher luma than blue.
     let wanted = |pictures: Vec<[u8; 2]>| pictures.iter().all(|[left, right]| left > right && *right > 16);
     assert!(wanted(read(&app, 30)));
-    // Another reader gets the current frame: a blackout.
+    // A new reader gets the current frame, which is black now.
     app.press(&["x"]);
     app.wait_for("black", |picture| is_black(at(picture, 0.5, 0.5)));
     app.wait_until("black pictures", |app| read(app, 3).last() == Some(&[16, 16]));
     app.press(&["x"]);
     app.wait_until("light", |app| wanted(read(app, 2)));
-    // A reader that opens the FIFO without reading does not block the show.
+    // A reader that opens the FIFO but does not read must not block the show.
     let blocks = OpenOptions::new().read(true).open(&fifo).unwrap();
     app.wait_until_reported("has stopped reading: the show continues without it");
     app.press(&["x"]);
     app.wait_for("black", |picture| is_black(at(picture, 0.5, 0.5)));
     drop(blocks);
-    // ffprobe recognizes the stream.
     let mut probe = Command::new("ffprobe");
     probe.args(["-v", "error", "-f", "yuv4mpegpipe", "-read_intervals", "%+#2", "-show_entries"]);
     probe.args(["stream=width,height,r_frame_rate,pix_fmt", "-of", "csv=p=0"]).arg(&fifo);
     let reported = String::from_utf8(app.meanwhile(|| output_of(&mut probe, "ffmpeg")).unwrap()).unwrap();
     assert_eq!(reported.trim(), "160,90,yuv420p,25/1");
     let blocks = OpenOptions::new().read(true).open(&fifo).unwrap();
-    // A blocked reader does not delay the end either.
+    // A blocked reader must not delay the end of the session.
     let reported = app.quit_by_key();
     drop(blocks);
     assert_eq!(reported.matches("has stopped reading").count(), 1, "{reported}");
@@ -71,7 +71,7 @@ fn a_fifo_serves_changing_and_slow_readers() {
 fn a_client_on_this_machine_gets_jpegs() {
     apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
-    // A port that was free just now.
+    // This port was free just now.
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let app = place.open("two.scene", &["--send", &format!("mjpeg:{port}"), "--send-size", "160x90"]);
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
@@ -105,10 +105,10 @@ fn standard_output_gets_frames_until_it_is_closed() {
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let fifo = place.path("out");
     output_of(Command::new("mkfifo").arg(&fifo), "coreutils").unwrap();
-    // With both ends open, opening the FIFO does not block.
+    // This handle opens both ends, so that opening the FIFO does not block.
     let both = OpenOptions::new().read(true).write(true).open(&fifo).unwrap();
     let out = OpenOptions::new().write(true).open(&fifo).unwrap();
-    // Keep the test's standard output, to restore it at the end.
+    // Keep the test's standard output. The end of the test restores it.
     std::io::stdout().flush().unwrap();
     let own = rustix::io::dup(rustix::stdio::stdout()).unwrap();
     rustix::stdio::dup2_stdout(&out).unwrap();

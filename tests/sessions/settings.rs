@@ -1,4 +1,4 @@
-//! The settings panel: changes are saved, and the next session uses them.
+//! The settings panel: the session saves changes, and the next session uses them.
 
 use crate::support::apart::apart;
 #[cfg(target_os = "linux")]
@@ -11,19 +11,17 @@ use mariana_player::device_list::DeviceWatch;
 #[cfg(target_os = "linux")]
 use mariana_testing::sound_server::SoundServer;
 
-/// A simple scene.
 const SCENE: &str = "length(p - vec3(0, 1, 0)) - 1";
 
 fn wait_for_setting(app: &App, place: &Place, line: &str) {
     app.wait_until(line, |_| place.saved_settings().lines().any(|found| found == line));
 }
 
-/// Waits until no line of the settings begins with `key`, so that it has its default.
+/// Waits until no line of the settings begins with `key`. Then the setting has its default.
 fn wait_for_default(app: &App, place: &Place, key: &str) {
     app.wait_until(key, |_| !place.saved_settings().lines().any(|line| line.starts_with(key)));
 }
 
-/// A session with sound output.
 #[cfg(target_os = "linux")]
 fn hear(place: &Place, options: &[&str]) -> App {
     let app = place.begin(&[&["--prepare-ahead", "off", "--scene", SCENE], options].concat());
@@ -31,7 +29,7 @@ fn hear(place: &Place, options: &[&str]) -> App {
     app
 }
 
-/// Waits until a song plays on an output of the server, and the session has noticed.
+/// Waits until a song plays on this output of the server, and until the session has noticed.
 #[cfg(target_os = "linux")]
 fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
     app.wait_until(name, |app| {
@@ -43,7 +41,7 @@ fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
             playing.lines().any(|line| line.split('\t').nth(1) == number)
         })
     });
-    // The server knows the output before the session does.
+    // The server switches outputs before the session notices it.
     app.wait_until("the session to know its output", |app| {
         app.reported()
             .lines()
@@ -52,7 +50,6 @@ fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
     });
 }
 
-/// Waits until the panel lists both outputs.
 #[cfg(target_os = "linux")]
 fn wait_for_outputs(app: &App) {
     let watch = DeviceWatch::shared().unwrap();
@@ -76,7 +73,7 @@ fn settings_are_changed_by_keys_and_pointer_and_saved() {
     server.plug("usb", &[]);
     server.set_default("viz");
     let place = Place::new();
-    // By keys alone. The rows are the outputs (default, viz and usb), the latency, the quality and the limiter.
+    // Use keys only. The rows are the outputs (default, viz and usb), the latency, the quality and the limiter.
     let app = hear(&place, &["--size", "640x360"]);
     wait_for_output(&app, &server, "viz");
     app.press(&["g"]);
@@ -90,30 +87,30 @@ fn settings_are_changed_by_keys_and_pointer_and_saved() {
     wait_for_setting(&app, &place, "quality = \"low\"");
     wait_for_setting(&app, &place, "flash_limiter = \"off\"");
     assert!(place.saved_settings().contains("usb\" = 10.0"), "{}", place.saved_settings());
-    // A closed panel takes no keys.
+    // A closed panel ignores keys.
     app.press(&["Escape", "Down", "Return", "Right"]);
     app.quit();
     assert!(place.saved_settings().contains("volume = 0.9"), "{}", place.saved_settings());
 
-    // A flag applies to its run only.
+    // A flag applies only to its session.
     let app = hear(&place, &["--size", "760x540", "--quality", "best", "--device", "default"]);
     wait_for_output(&app, &server, "viz");
     let reported = app.quit();
     assert!(reported.contains("quality: Best, flash_limiter: false"), "{reported}");
     assert!(place.saved_settings().lines().any(|line| line == "quality = \"low\""));
 
-    // The saved choices apply again; the pointer alone resets them.
+    // Without flags, the saved choices apply again. Reset them by the pointer only.
     let app = hear(&place, &["--size", "760x540"]);
     wait_for_output(&app, &server, "usb");
     assert!(app.reported().contains("quality: Low, flash_limiter: false"), "{}", app.reported());
     app.point_at(200, 100);
     app.point_at(230, 100);
     wait_for_ground(&app, "the bar", 24, 518);
-    // The settings button is the third from the right in the bar, which is 14 pixels from the window's edges.
+    // The settings button is the third from the right in the bar. The bar is 14 pixels from the window's edges.
     app.click_at(760 - 14 - 14 - 15 - 2 * 32, 540 - 14 - 11 - 15);
     wait_for_ground(&app, "the panel", 66, 30);
     wait_for_outputs(&app);
-    // Rows are 26 pixels high, below a heading. Names begin 170 pixels to the right of the rows.
+    // Rows are 26 pixels high, below a heading. The names of values begin 170 pixels right of the rows' left edge.
     let row = |place: u32| 14 + 11 + 26 + 26 * place + 13;
     let (left, names) = (60 + 14, 60 + 14 + 170);
     app.click_at(left + 60, row(0));
@@ -123,18 +120,16 @@ fn settings_are_changed_by_keys_and_pointer_and_saved() {
     wait_for_default(&app, &place, "quality");
     app.click_at(names + 14, row(5));
     wait_for_default(&app, &place, "flash_limiter");
-    // The cross closes the panel, and the frame takes clicks again.
+    // The cross closes the panel. Then a click at the panel's former position does not change a setting.
     app.click_at(760 - 60 - 14 - 13, 14 + 11 + 10);
     app.wait_for("the frame without the panel", |picture| {
         picture.get_pixel(66, 30).0.iter().take(3).map(|value| u32::from(*value)).sum::<u32>() >= 120
     });
     app.click_at(left + 60, row(2));
-    // The settings are written before the session ends.
     app.quit();
     assert!(!place.saved_settings().contains("output ="), "a closed panel took a click");
 }
 
-/// A session with these options that continues the last one.
 fn open(place: &Place, options: &[&str]) -> App {
     let app = place.begin(&[&["--silent", "--prepare-ahead", "off", "--scene", SCENE], options].concat());
     app.wait_until_reported("first picture after");
@@ -154,7 +149,6 @@ fn a_power_cut_keeps_the_track_position_scene_volume_and_list() {
     app.press(&["Down"]);
     app.wait_for_title("another volume", |title| title.contains("volume"));
     let title = app.title();
-    // Six steps of 5 s.
     app.press(&["Right"; 6]);
     wait_for_setting(&app, &place, "track = 1");
     app.wait_until("the volume", |_| place.saved_settings().contains("\nvolume = 0.9"));
@@ -185,7 +179,7 @@ fn tracks_and_hints_can_be_switched_off() {
     app.wait_for_title("the second track", |title| title.contains("2/2"));
     app.quit();
     assert!(listed.is_file() && place.saved_settings().contains("track = 1"), "{}", place.saved_settings());
-    // Switching it off deletes the list at once. In a silent session the panel has only the default output.
+    // Switching the setting off deletes the list at once. In a silent session, the panel lists only the default output.
     let app = open(&place, &options);
     app.wait_for_title("the last track", |title| title.contains("2/2"));
     app.press(&["g"]);
@@ -198,7 +192,7 @@ fn tracks_and_hints_can_be_switched_off() {
     assert!(!listed.exists() && place.saved_settings().contains("track = 0"), "{}", place.saved_settings());
     let app = open(&place, &options);
     app.wait_for_title("the demo track", |title| title.contains("Hadal Lanterns"));
-    // The pointer does not open the bar.
+    // Without hints, moving the pointer does not open the bar.
     for x in [200, 230] {
         app.point_at(x, 100);
         app.run_for(Duration::from_millis(200));
@@ -227,7 +221,7 @@ fn unknown_or_unreadable_settings_are_reported() {
     let kept = place.saved_settings();
     assert!(kept.contains("mood = \"blue\"") && kept.contains("tone_map = \"filmic\""), "{kept}");
     assert!(kept.contains("[last_show]"), "{kept}");
-    // A folder in place of the file can be neither read nor written.
+    // If a folder has the file's name, the session can neither read nor write the settings.
     std::fs::remove_file(&file).unwrap();
     std::fs::create_dir(&file).unwrap();
     let app = open(&place, &options);

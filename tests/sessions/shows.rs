@@ -1,4 +1,4 @@
-//! Scenes that follow the song: chosen by the director, by a show file, or by the user.
+//! Scenes that follow the song. The director, a show file or the user chooses them.
 
 #![cfg(target_os = "linux")]
 
@@ -16,9 +16,9 @@ use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
-/// The number of times in the song that a key reaches, 5 s apart.
+/// The number of positions in the song that keys reach. They are 5 s apart.
 const MOMENTS: usize = 20;
-/// Duration of most tests' song, in seconds.
+/// Duration of the song in most tests, in seconds.
 const SECONDS: usize = 100;
 
 struct Place {
@@ -30,7 +30,7 @@ impl Place {
     fn new() -> Self {
         let inner = session::Place::new();
         let song = inner.path("song.wav");
-        // Clicks, which have a tempo.
+        // The song consists of clicks, so that it has a tempo.
         let samples = (0..SECONDS * 48_000).flat_map(|frame| {
             let since = frame % 24_000;
             [if since < 400 { 0.5 * (0.4 * since as f32).sin() } else { 0.0 }; 2]
@@ -61,7 +61,7 @@ impl Place {
         fs::write(self.path(name), text).unwrap();
     }
 
-    /// A session that prepares scenes ahead and follows the show.
+    /// A session that prepares scenes ahead and follows the show of `options`.
     fn open(&self, options: &[&str]) -> App {
         let own = [self.song.to_str().unwrap(), "--silent", "--new", "--clean", "--size", SIZE];
         let app = self.inner.begin(&[&own[..], options].concat());
@@ -82,7 +82,7 @@ impl Place {
     }
 }
 
-/// The brightest channel in the middle of the frame, if it dominates.
+/// The channel that dominates in the middle of the frame, if any.
 fn channel(app: &App) -> Option<usize> {
     channel_at(app, (32, 18))
 }
@@ -105,7 +105,7 @@ fn wait_for_channel(app: &App, wanted: usize) {
     app.wait_until("a colour", |app| channel(app) == Some(wanted));
 }
 
-/// Advances the session for a while; fails if the colour changes.
+/// Advances the session by 50 steps. Fails if the colour changes.
 fn assert_channel_stays(app: &App, wanted: usize) {
     for _ in 0..50 {
         assert_eq!(channel(app), Some(wanted), "the colour changed: {}", app.reported());
@@ -117,7 +117,6 @@ fn pause(app: &App) {
     app.wait_for_title("paused", |title| title.contains("paused"));
 }
 
-/// Seeks to a multiple of 5 s in a paused song.
 fn go_to(app: &App, seconds: usize) {
     app.press(&["Left"; MOMENTS]);
     if seconds > 0 {
@@ -125,7 +124,6 @@ fn go_to(app: &App, seconds: usize) {
     }
 }
 
-/// Waits until the song is at this time.
 fn wait_for_time(app: &App, seconds: f32) {
     app.wait_until(&format!("{seconds} s"), |app| {
         app.state().position.is_some_and(|at| (at * SECONDS as f32 - seconds).abs() < 0.01)
@@ -137,7 +135,7 @@ fn a_show_in_a_window_equals_its_stills_and_follows_saves() {
     apart!();
     let place = Place::new();
     let show = place.path("my.show");
-    // A transition is in progress at each time that the keys reach.
+    // At each position that keys reach, a transition is in progress.
     let mut text = "at start red.scene\n".to_owned();
     let ways = ["melt", "portal", "fade", "portal plane", "melt", "portal shape", "fade"];
     let scenes = ["green", "blue", "red", "blue"];
@@ -165,13 +163,14 @@ fn a_show_in_a_window_equals_its_stills_and_follows_saves() {
     app.wait_until("the same frame after a jump", |app| app.picture() == wanted[MOMENTS - 5]);
     go_to(&app, 10);
     wait_for_channel(&app, 2);
-    // A save is shown. A save with mistakes is reported and otherwise ignored.
+    // When the file is saved, the session shows the change. If the saved text has mistakes, the session reports them
+    // and keeps the old show.
     let still = "at start blue.scene\nat 30 s red.scene portal over 2 s\n";
     place.write("my.show", &still.replace("blue", "green"));
     wait_for_channel(&app, 1);
     place.write("my.show", &still.replace("portal", "portl"));
     app.wait_until_reported("did you mean `portal`?");
-    // The error panel covers everything but the edges of this small window.
+    // The error panel covers this small window except for its edges.
     app.wait_until("the frame to stay", |app| channel_at(app, (1, 1)) == Some(1));
     place.write("my.show", still);
     wait_for_channel(&app, 2);
@@ -182,7 +181,7 @@ fn a_show_in_a_window_equals_its_stills_and_follows_saves() {
 fn the_director_uses_the_structure_of_a_lists_first_track() {
     apart!();
     let place = Place::new();
-    // A calm half and a loud one: two sections with a scene for each.
+    // The song has a calm and a loud half, so it has two sections with a scene for each.
     let samples = (0..60 * 48_000).flat_map(|frame: u32| {
         let (loud, at) = (frame >= 30 * 48_000, (frame % 24_000) as f32);
         let hiss = (frame.wrapping_mul(2_654_435_761) >> 16) as f32 / 32_768.0 - 1.0;
@@ -198,7 +197,7 @@ fn the_director_uses_the_structure_of_a_lists_first_track() {
     let show = place.path("auto.show");
     let mut command = command_in(PROGRAM, place.inner.folder(), None);
     command.arg("show").arg(&place.song).args(["-o", &show]);
-    // The same scenes that N steps through in the window.
+    // In the window, N steps through the same scenes.
     let own = ["red", "green", "blue"].map(|name| place.path(&format!("{name}.scene")));
     for scene in shipped_names().into_iter().chain(own) {
         command.args(["--scene", &scene]);
@@ -209,7 +208,7 @@ fn the_director_uses_the_structure_of_a_lists_first_track() {
     for (seconds, time) in [(10, "10"), (50, "50")] {
         go_to(&app, seconds);
         let wanted = place.still(&show, time);
-        // Stills take more samples at edges.
+        // Stills take more samples at edges, so the images are not equal.
         app.wait_until(&format!("the director's frame at {time} s"), |app| {
             distance(&app.picture(), &wanted) < 4.0
         });
@@ -230,7 +229,7 @@ fn enter_starts_the_next_cue_of_a_show() {
     wait_for_channel(&app, 1);
     app.press(&["Return"]);
     wait_for_channel(&app, 2);
-    // Seeking to before the first press shows the scene of that time, and the first cue waits again.
+    // The first cue waits again after a seek to the time before the first press.
     pause(&app);
     go_to(&app, 0);
     wait_for_channel(&app, 0);
@@ -249,7 +248,7 @@ fn the_user_overrides_the_show_until_its_next_scene_or_keeps_a_scene() {
     pause(&app);
     go_to(&app, 0);
     wait_for_channel(&app, 0);
-    // The scenes of the folder are sorted by name: green precedes red.
+    // The scenes of the folder are sorted by name, so green precedes red.
     app.press(&["p"]);
     wait_for_channel(&app, 1);
     app.press(&["Right"]);
@@ -257,14 +256,14 @@ fn the_user_overrides_the_show_until_its_next_scene_or_keeps_a_scene() {
     assert_channel_stays(&app, 1);
     go_to(&app, 20);
     wait_for_channel(&app, 2);
-    // The scene is kept, then released.
+    // K keeps the scene. A second K returns to the show.
     app.press(&["k"]);
     go_to(&app, 0);
     wait_for_time(&app, 0.0);
     assert_channel_stays(&app, 2);
     app.press(&["k"]);
     wait_for_channel(&app, 0);
-    // With the show switched off, the scene stays at any position of the song.
+    // A switches the show off. Then the scene is the same at any position of the song.
     app.press(&["a"]);
     go_to(&app, 10);
     wait_for_time(&app, 10.0);

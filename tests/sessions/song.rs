@@ -1,4 +1,4 @@
-//! Playing a song: frames of any size, the list of keys over them, and sound on a private server.
+//! Playing a song: frames of all sizes, the list of keys above them, and sound on a private server.
 
 #![cfg(target_os = "linux")]
 
@@ -16,12 +16,11 @@ use mariana_testing::sound_server::{Recorder, SINK_RATE, SoundServer};
 use mariana_testing::wave::write_wav;
 use std::time::Duration;
 
-/// The window size of most tests: small, because there is no graphics card.
+/// The window size of most tests. It is small, because there is no graphics card.
 const SMALL: &str = "320x180";
-/// The number of steps, of up to 20 ms each, after which a session without new frames counts as idle.
+/// A session counts as idle after this number of steps (of up to 20 ms) without a new frame.
 const REST: usize = 60;
 
-/// Writes a tone of `seconds`.
 fn tone(folder: &Path, seconds: f64) -> PathBuf {
     let path = folder.join("tone.wav");
     let rate = f64::from(SINK_RATE);
@@ -33,7 +32,7 @@ fn tone(folder: &Path, seconds: f64) -> PathBuf {
     path
 }
 
-/// Waits until the session shows the same image as `mariana still` for the song's start at this size.
+/// Waits until the session's image equals the image of `mariana still` for the song's start at this size.
 fn wait_for_start(app: &App, place: &Place, song: &Path, size: Size) -> RgbaImage {
     let path = place.path("still.png");
     let mut command = command_in(PROGRAM, place.folder(), None);
@@ -42,7 +41,7 @@ fn wait_for_start(app: &App, place: &Place, song: &Path, size: Size) -> RgbaImag
     app.meanwhile(|| output_of(&mut command, "mariana")).unwrap_or_else(|error| panic!("{error}"));
     let wanted = image::open(&path).unwrap().to_rgba8();
     app.wait_for(&format!("the still of {size:?}"), |picture| {
-        // The frame may differ for a while, during a resize or a redraw.
+        // The frame may differ for a while during a resize or a redraw.
         picture.dimensions() == size && {
             let found = difference(picture, &wanted, TIGHT.visible);
             found.mean <= TIGHT.mean_max && found.fraction <= TIGHT.fraction_max
@@ -50,7 +49,6 @@ fn wait_for_start(app: &App, place: &Place, song: &Path, size: Size) -> RgbaImag
     })
 }
 
-/// A session with a silent song, paused at its start. Also returns its frame and the song.
 fn paused_at_start(place: &Place, size: Size) -> (App, RgbaImage, PathBuf) {
     let song = place.quiet_song("quiet.wav", 60);
     let app = place.open(&song, &["--size", &format!("{}x{}", size.0, size.1)]);
@@ -74,7 +72,7 @@ fn changed_box(a: &RgbaImage, b: &RgbaImage) -> Option<[u32; 4]> {
 fn the_list_of_keys_is_shown_and_leaves_no_trace() {
     apart!();
     let place = Place::new();
-    // Smaller windows cannot hold the list of keys.
+    // In smaller windows, the list of keys would not fit.
     let (app, before, _) = paused_at_start(&place, (640, 360));
     app.press(&["h"]);
     app.wait_for("the list of keys", |picture| changed_box(&before, picture).is_some());
@@ -91,22 +89,22 @@ fn the_list_of_keys_is_shown_and_leaves_no_trace() {
             / f64::from((right - left + 1) * (bottom - top + 1))
     };
     assert!(mean(&keys) < 0.7 * mean(&before), "the panel is not dark: {} in {}", mean(&keys), mean(&before));
-    // The list does not move, and needs no processor time.
+    // The list must neither move nor need processor time.
     let shown = app.shown();
     app.take_steps(REST);
     assert_eq!(app.shown(), shown, "the list of keys is drawn again");
     assert!(app.picture() == keys, "the list of keys moves");
-    // Other threads may still be busy, such as the analysis of the song.
+    // Other threads, such as the analysis of the song, may still be busy for a while.
     app.wait_until("rest", |app| load_of(std::process::id(), || app.run_for(Duration::from_secs(1))) < 0.1);
-    // A double click on the list does not switch to full screen.
+    // A double click on the list must not switch to full screen.
     app.double_click_at(320, 180);
-    // Other frames are drawn below it.
+    // Below the list, the session draws further frames.
     app.press(&["Right"]);
     app.wait_for("another picture", |picture| changed_box(&keys, picture).is_some());
     app.press(&["Left"]);
     app.wait_for("the first frame with the list of keys", |picture| *picture == keys);
     assert!(!app.state().fullscreen);
-    // The list disappears at once, and the frames are the same as before.
+    // The list disappears at once, and the frame is the same as before.
     app.press(&["F1"]);
     app.wait_for("the first frame", |picture| *picture == before);
     app.press(&["Right"]);
@@ -131,7 +129,7 @@ fn every_window_size_shows_both_speakers() {
             assert_shows_the_speakers(&picture);
         }
     }
-    // Many sizes in a row, like dragging a corner of the window.
+    // Change the size many times, as dragging a corner of the window does.
     for step in 0..20 {
         app.resize((400 - 15 * step, 80 + 15 * step));
     }
@@ -145,7 +143,7 @@ fn a_song_without_a_sound_server_keeps_real_time_and_loops_or_ends() {
     let place = Place::new();
     let seconds = 2.0;
     let song = tone(place.folder(), seconds);
-    // Without a sound server, the program reports that and the song still plays in real time.
+    // Without a sound server, the program reports that. It still plays the song in real time.
     let app = place.hear(Some(&song), &["--once", "--size", SMALL]);
     app.wait_until_reported("first picture after");
     let begin = Instant::now();
@@ -190,7 +188,6 @@ fn frames_continue_when_the_sound_server_dies() {
     server.kill();
     app.wait_until_reported("the song plays without sound: ");
     app.wait_for_title("no sound device", |title| title.contains("no sound device"));
-    // The song continues for at least two seconds.
     let seconds = |app: &App| 60.0 * app.state().position.unwrap_or(0.0);
     let since = seconds(&app);
     app.wait_until("two seconds of the song", |app| seconds(app) > since + 2.0);

@@ -13,14 +13,13 @@ use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
 
-/// A wall whose colour depends on values of the song.
 const SCENE: &str = "material paint { color = 0 roughness = 1 emission = vec3(2 * progress, energy, bar) }\n\
                      object wall { shape = 5 - p.z material = paint }\n\
                      light none { direction = vec3(0, -1, 0) color = 0 }\n\
                      camera { position = vec3(0) target = vec3(0, 0, 5) }\n\
                      sky { color = 0 ambient = 0 }\n";
 
-/// Writes a song of clicks that is louder in its second half.
+/// Writes a song of clicks, which is louder in its second half.
 fn write_song(path: &Path, seconds: usize, per_second: usize) {
     let samples = (0..seconds * 48_000).flat_map(|frame| {
         let since = frame % (48_000 / per_second);
@@ -41,7 +40,7 @@ fn a_session_knows_the_structure_of_this_song_and_of_the_next() {
     write_song(&music.join("2.wav"), 20, 3);
     let scene = place.save("own.scene", SCENE);
     let still = place.path("still.png");
-    // It has a separate cache folder.
+    // The still has a separate cache folder.
     let mut command = command_in(PROGRAM, place.folder(), None);
     command.arg("still").arg(music.join("1.wav")).arg(&scene).arg("-o").arg(&still);
     output_of(command.args(["--at", "10", "--size", SIZE]), "mariana").unwrap();
@@ -59,7 +58,7 @@ fn a_session_knows_the_structure_of_this_song_and_of_the_next() {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.starts_with("1.wav") && title.contains("paused"));
     app.wait_until("the structures of both songs", |_| files_that_end_in(&kept, "song").len() == 2);
-    // The start, then 10 s later.
+    // Seek to the start, then to 10 s.
     app.press(&["Left"; 8]);
     app.press(&["Right", "Right"]);
     app.wait_for("the values at this time", |picture| {
@@ -70,7 +69,6 @@ fn a_session_knows_the_structure_of_this_song_and_of_the_next() {
     assert!(!reported.contains("panicked"), "{reported}");
 }
 
-/// The files with this extension in a folder and its subfolders.
 fn files_that_end_in(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     entries

@@ -1,4 +1,4 @@
-//! Stage controls: blackout, freeze, clean output, scenes by number, corners.
+//! Stage controls: blackout, freeze, clean output, scenes by number, and corners.
 
 use crate::support::apart::apart;
 use crate::support::session::App;
@@ -17,7 +17,6 @@ fn a_blackout_ends_with_the_same_frame() {
     app.press(&["x"]);
     app.wait_for("the same frame", |picture| *picture == lit);
     app.quit();
-    // A quarter of the light, set by a flag.
     let app = place.open("two.scene", &["--brightness", "25"]);
     let value = |picture: &RgbaImage| linear(f32::from(at(picture, 0.2, 0.5)[0]) / 255.0);
     app.wait_for("a quarter of the light", |picture| (value(picture) / value(&lit) - 0.25).abs() < 0.02);
@@ -33,7 +32,7 @@ fn a_frozen_frame_stays_while_the_song_plays() {
     app.wait_for("a moving frame", |picture| *picture != first);
     app.press(&["z"]);
     let held = app.wait_until_still();
-    // Another scene can be selected during the freeze, and is shown when the freeze ends.
+    // A scene that is selected during the freeze appears when the freeze ends.
     app.press(&["2"]);
     app.wait_for_title("the other scene", |title| title.contains("two"));
     assert!(app.picture() == held, "the frozen frame has changed");
@@ -53,13 +52,12 @@ fn numbers_show_the_scenes_of_the_list() {
         app.press(&[key]);
         app.wait_for_title(name, |title| title.contains(name));
     }
-    // There is no ninth scene.
+    // A number without a scene has no effect.
     app.press(&["9", "3"]);
     app.wait_for_title("c", |title| title.contains("(c,"));
     app.quit();
 }
 
-/// Opens the corners panel and presses the button on the upper left corner.
 fn grab_corner(app: &App) {
     app.press(&["y"]);
     app.wait_for("the panel", |picture| !is_red(at(picture, 0.4, 0.5)));
@@ -78,7 +76,7 @@ fn one_key_hides_every_message_and_panel() {
     app.wait_for("the keys", |picture| *picture != plain);
     app.press(&["w"]);
     app.wait_for("the frame without overlay", |picture| *picture == plain);
-    // Errors are hidden as well, until the key is pressed again.
+    // The key also hides errors until it is pressed again.
     let good = std::fs::read_to_string(place.path("two.scene")).unwrap();
     std::fs::write(place.path("two.scene"), "object o { shape = nonsense }").unwrap();
     app.wait_until_reported("has mistakes");
@@ -95,7 +93,7 @@ fn the_output_is_mirrored_cropped_and_warped_at_its_corners() {
     apart!();
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let app = place.open("two.scene", &["--flip", "horizontal", "--crop", "0,0,25,0"]);
-    // Blue is on the left now, and fills a third.
+    // The crop removes a quarter at the right, so blue fills a third, and mirroring moves blue to the left.
     app.wait_for("the mirrored frame", |picture| {
         is_blue(at(picture, 0.3, 0.5)) && is_red(at(picture, 0.36, 0.5)) && is_red(at(picture, 0.95, 0.5))
     });
@@ -105,7 +103,7 @@ fn the_output_is_mirrored_cropped_and_warped_at_its_corners() {
         is_black(at(picture, 0.9, 0.1)) && is_red(at(picture, 0.2, 0.5)) && is_blue(at(picture, 0.9, 0.8))
     });
     app.quit();
-    // Drag a corner; the session saves it.
+    // Drag a corner. The next session has the same corners.
     let app = place.open("two.scene", &[]);
     app.wait_for("the picture", |picture| is_red(at(picture, 0.1, 0.1)));
     grab_corner(&app);
@@ -145,7 +143,7 @@ fn a_corner_that_is_held_when_its_panel_closes_is_saved() {
 #[test]
 fn the_preview_of_the_next_scene_moves_even_if_interpreted() {
     apart!();
-    // The colour is different at any two times.
+    // The colour depends on the time, so that the preview at one time differs from the preview at another.
     let place = Place::new(&[
         ("a.scene", "vec3(0.5, 0.01, 0.01)"),
         ("b.scene", "vec3(0.01, 0.01, 0.35 + 0.008 * t)"),
@@ -182,7 +180,8 @@ fn the_preview_of_the_next_scene_uses_spare_time_only() {
     let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
     let first = app.wait_for("the next scene in the corner", |picture| is_blue(corner(picture)));
     assert!(is_red(at(&first, 0.3, 0.5)), "the frame itself shows another scene");
-    // The preview shows the current time of the song. While the song is paused there is spare time on any machine.
+    // The preview shows the current time of the song. Pause the song, because then every machine has spare time for the
+    // preview.
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let before = corner(&app.picture());
@@ -190,7 +189,7 @@ fn the_preview_of_the_next_scene_uses_spare_time_only() {
     app.wait_for("another moment of the preview", |picture| {
         is_blue(corner(picture)) && corner(picture) != before && corner(picture) != corner(&first)
     });
-    // When that scene is shown, the preview shows another one.
+    // When the session shows the previewed scene, the preview shows another scene.
     app.press(&["n"]);
     app.wait_for("the next scene, and another preview", |picture| {
         is_blue(at(picture, 0.3, 0.5)) && !is_blue(corner(picture))

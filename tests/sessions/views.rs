@@ -12,7 +12,7 @@ use mariana_testing::process::output_of;
 
 const SIZE: &str = "320x180";
 
-/// The image of the song's start, rendered without a session.
+/// The image of the song's start by `mariana still`.
 fn still(place: &Place, options: &[&str]) -> RgbaImage {
     let output = place.path("still.png");
     let mut command = command_in(PROGRAM, place.folder(), None);
@@ -21,7 +21,6 @@ fn still(place: &Place, options: &[&str]) -> RgbaImage {
     image::open(&output).unwrap().to_rgba8()
 }
 
-/// A session paused at the start of a silent song, and its frame.
 fn paused(place: &Place, options: &[&str]) -> (App, RgbaImage) {
     let song = place.quiet_song("quiet.wav", 40);
     let app = place.open(&song, &[&["--size", SIZE, "--sdf", "compiled"], options].concat());
@@ -43,7 +42,7 @@ fn fraction(a: &RgbaImage, b: &RgbaImage) -> f64 {
     difference(a, b, TIGHT.visible).fraction
 }
 
-/// True if `now` is the same image, but darker.
+/// True if `now` is a darker version of `picture`.
 fn is_dimmed(now: &RgbaImage, picture: &RgbaImage) -> bool {
     let light = |image: &RgbaImage| image.as_raw().iter().map(|byte| f64::from(*byte)).sum::<f64>();
     let bytes = || now.as_raw().iter().zip(picture.as_raw());
@@ -51,7 +50,6 @@ fn is_dimmed(now: &RgbaImage, picture: &RgbaImage) -> bool {
     (brighter as f64) < 0.02 * picture.as_raw().len() as f64 && light(now) < 0.98 * light(picture)
 }
 
-/// Drags from the middle of the window with the primary button.
 fn drag(app: &App, (right, down): (i32, i32)) {
     let (x, y) = (160, 90);
     let place = |x: i32, y: i32| app.move_pointer(x.into(), y.into());
@@ -67,7 +65,7 @@ fn drag(app: &App, (right, down): (i32, i32)) {
 fn the_key_steps_through_the_views_and_the_title_names_them() {
     apart!();
     let place = Place::new();
-    // Without cells, which only some frames use, so that frames are equal bit for bit.
+    // Only some frames use cells. Without cells, all frames are equal bit for bit.
     let (app, picture) = paused(&place, &["--regions", "off"]);
     for row in &VIEWS {
         app.press(&["v"]);
@@ -79,7 +77,7 @@ fn the_key_steps_through_the_views_and_the_title_names_them() {
     app.press(&["v", "v"]);
     app.wait_for_title("no view", |title| !title.contains("view"));
     app.wait_until("the original frame", |app| app.picture() == picture);
-    // A view's number is increased and decreased.
+    // These keys increase and decrease the number of a view.
     app.press(&["v", "v", "v"]);
     app.wait_for_title("normals", |title| title.contains("view normals"));
     app.wait_until("normals", |app| fraction(&app.picture(), &picture) > 0.3);
@@ -121,12 +119,12 @@ fn the_camera_is_turned_and_reset() {
     app.wait_until("a nearer picture", |app| fraction(&app.picture(), &picture) > 0.2);
     app.press(&["Home"]);
     app.wait_until("the scene's own camera again", |app| app.picture() == picture);
-    // A click without movement turns nothing. A double click would switch to full screen.
+    // A single click does not turn the camera. A double click would switch to full screen.
     app.click();
     assert!(app.wait_until_still() == picture, "a click moves the camera");
     drag(&app, (-40, 0));
     app.wait_until("the camera turned once more", |app| fraction(&app.picture(), &picture) > 0.1);
-    // Another scene uses its own camera.
+    // Another scene uses its own camera, and the first scene keeps its reset camera.
     app.press(&["n"]);
     app.wait_for_title("another scene", |title| !title.contains("speakers"));
     app.press(&["p"]);

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use crate::support::session::{self, App};
 pub(crate) use crate::support::walls::*;
 
-/// A folder with scenes.
 pub(crate) struct Place {
     inner: session::Place,
 }
@@ -19,7 +18,7 @@ impl Place {
         Self { inner }
     }
 
-    /// Opens a scene without overlay and waits for its first frame.
+    /// Opens a scene without an overlay and waits for the first frame.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App {
         let scene = self.path(scene);
         let own = ["--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
@@ -32,7 +31,6 @@ impl Place {
         self.inner.path(name)
     }
 
-    /// The path of the settings file.
     pub(crate) fn settings(&self) -> PathBuf {
         self.inner.settings()
     }
