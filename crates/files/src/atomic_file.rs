@@ -1,11 +1,11 @@
 //! Output files that are either complete or absent. The content goes to a temporary file in the same folder, which
-//! replaces the target at the end, so a failure never costs the previous file.
+//! replaces the target at the end, so the previous file survives a failure.
 //!
 //! The content is synced to the disk before the rename: after a power failure the folder has either the old file or
 //! the new one. A temporary file is removed when it is dropped and by a signal that ends the process
 //! ([`crate::ending::begin`]). After a crash, the next run that writes into the folder removes it. The writer locks
-//! its temporary file as long as the process lives, so a file that can be locked is abandoned. A process id in the
-//! name would not show that: containers and machines that share a folder have separate process ids.
+//! its temporary file while the process lives, so a file that can be locked is abandoned. A process id in the name
+//! would not identify abandoned files, because containers and machines that share a folder have separate process ids.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
@@ -17,10 +17,9 @@ use tempfile::{Builder, NamedTempFile};
 
 use crate::ending::{self, Undo};
 
-/// Prefix of the names of temporary files.
 const PREFIX: &str = ".mariana-unfinished-";
 
-/// Attempts to create a temporary file: another run may remove it in the moment before it is locked.
+/// Maximum number of attempts to create a temporary file: another run may remove the file before it is locked.
 const ATTEMPTS: usize = 8;
 
 /// Error: a file cannot be written.
@@ -43,11 +42,11 @@ pub struct Unfinished {
 }
 
 impl Unfinished {
-    /// Creates a temporary file in `folder` whose name ends in `suffix`. First removes the abandoned files of
-    /// other runs.
+    /// Creates a temporary file in `folder` whose name ends in `suffix`. Removes the abandoned files of other runs
+    /// first.
     ///
     /// # Errors
-    /// The error from the system if the file cannot be created.
+    /// Fails with the system's error if the file cannot be created.
     pub fn create(folder: &Path, suffix: &OsStr) -> io::Result<Self> {
         remove_abandoned_once(folder);
         let mut builder = Builder::new();
@@ -64,7 +63,7 @@ impl Unfinished {
                 let file = builder.tempfile_in(folder).map_err(without_path)?;
                 let path = file.path().to_owned();
                 let remove = move || {
-                    // It may be gone already.
+                    // The file may be gone already.
                     let _ = std::fs::remove_file(path);
                 };
                 io::Result::Ok((file, remove))
@@ -84,16 +83,16 @@ impl Unfinished {
     /// Appends `bytes`.
     ///
     /// # Errors
-    /// The error from the system if the write fails.
+    /// Fails with the system's error if the write fails.
     pub fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        // Not through the `NamedTempFile`: its errors contain the temporary name, which means nothing to the
-        // user.
+        // Do not write through the `NamedTempFile`: its errors contain the temporary name, which means nothing to
+        // users.
         self.file.as_file_mut().write_all(bytes)
     }
 
     /// Syncs the content to the disk and renames the file to `place`.
     fn put(self, place: &Path) -> io::Result<()> {
-        // Opened by name because another program may have written the file.
+        // Open the file by name, because another program may have replaced it.
         synced(File::options().write(true).open(self.path())?.sync_all())?;
         let Self { file, undo } = self;
         undo.settle(|| file.persist(place)).map_err(|error| error.error)?;
@@ -121,19 +120,19 @@ fn synced(result: io::Result<()>) -> io::Result<()> {
 #[cfg(unix)]
 fn is_held(file: &File) -> bool {
     use std::os::unix::fs::MetadataExt;
-    // Without locks no other run can see the file as abandoned.
+    // On a system without locks, no other run removes the file as abandoned.
     file.lock().is_err() || file.metadata().is_ok_and(|file| file.nlink() > 0)
 }
 
-/// On these systems a lock would keep other programs from writing, so no lock is taken and no file counts as
+/// Takes no lock on these systems, because a lock would keep other programs from writing. No file counts as
 /// abandoned.
 #[cfg(not(unix))]
 fn is_held(_file: &File) -> bool {
     true
 }
 
-/// Removes abandoned files in `folder`, unless the previous call was for the same folder: a thousand stills go into
-/// one folder.
+/// Removes abandoned files in `folder`, unless the previous call was for the same folder, because a program may write
+/// thousands of stills into one folder.
 fn remove_abandoned_once(folder: &Path) {
     static LAST: Mutex<Option<PathBuf>> = Mutex::new(None);
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
@@ -170,7 +169,7 @@ fn folder_of(place: &Path) -> &Path {
 /// A file that is being written under a temporary name.
 #[derive(Debug)]
 pub struct AtomicFile {
-    /// The path that was asked for.
+    /// The requested path.
     path: PathBuf,
     /// The target, with links resolved.
     place: PathBuf,
@@ -178,12 +177,12 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Opens a temporary file beside `path`, with the extension of `path`. If `path` is a link, the file it
-    /// points to is replaced.
+    /// Opens a temporary file beside `path`, with the extension of `path`. If `path` is a link, its target is
+    /// replaced.
     ///
     /// # Errors
-    /// [`Unwritable`] if `path` is a folder, a device or a pipe (a rename would destroy those), or if no file can
-    /// be created in its folder.
+    /// [`Unwritable`] if `path` is a folder, a device or a pipe, which a rename would destroy, or if no file can be
+    /// created in its folder.
     pub fn create(path: &Path) -> Result<Self, Unwritable> {
         match path.metadata() {
             Ok(found) if found.is_dir() => return Err(unwritable(path, "it is a folder")),

@@ -51,11 +51,11 @@ impl fmt::Display for Signal {
     }
 }
 
-/// Signals within this time after the first one count as the same request: `timeout` and service managers send
-/// several.
+/// Signals within this time after the first signal count as the same request, because `timeout` and service managers
+/// send several signals.
 const ONE_REQUEST: Duration = Duration::from_secs(1);
 
-/// The number of the first signal received; 0 if none was.
+/// The number of the first received signal; 0 before that.
 static ASKED: AtomicU8 = AtomicU8::new(0);
 
 /// Returns the signal that asked the program to end, if any. Requires a call of [`watch`].
@@ -68,7 +68,8 @@ pub fn asked_to_end() -> Option<Signal> {
 /// `nohup`, stays ignored. Call this once.
 ///
 /// # Errors
-/// The error from the system if the thread or the handlers cannot be created; signals then end the process as usual.
+/// Fails with the system's error if the thread or the handlers cannot be created. Signals then end the process as
+/// usual.
 #[cfg(unix)]
 pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     let ignored = ignored_signals();
@@ -93,10 +94,10 @@ pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     Ok(())
 }
 
-/// Does nothing: these systems have no such signals.
+/// Does nothing, because these systems have no such signals.
 ///
 /// # Errors
-/// Never.
+/// Never fails.
 #[cfg(not(unix))]
 pub fn watch(_answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     Ok(())
@@ -117,7 +118,7 @@ pub fn outlive_file_limits() {
     {
         /// Never read. A handled signal makes the write fail instead of ending the process.
         static TAKEN: AtomicBool = AtomicBool::new(false);
-        // If that fails, the default action stays.
+        // If the registration fails, the default action stays.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &TAKEN);
     }
 }
@@ -125,7 +126,7 @@ pub fn outlive_file_limits() {
 type Step = Box<dyn FnOnce() + Send>;
 
 /// The steps to run if the process ends now, by number. Code that ends the process never releases the lock, so that
-/// no job starts or finishes after that.
+/// no job starts or finishes during the end.
 static UNDO: Mutex<BTreeMap<u64, Step>> = Mutex::new(BTreeMap::new());
 
 fn undo_list() -> MutexGuard<'static, BTreeMap<u64, Step>> {
@@ -139,10 +140,10 @@ pub struct Undo(u64);
 
 /// Starts a job that must be undone if the process ends before the returned [`Undo`] is dropped or settled. `start`
 /// starts the job and returns the step that undoes it. The process can end before `start` or after it, but not during
-/// it, so no job lacks its step. Neither `start` nor the step may block for long or call `begin` or drop an [`Undo`].
+/// it, so no job lacks its step. `start` and the step must not block for long, call `begin`, or drop an [`Undo`].
 ///
 /// # Errors
-/// The error from `start`.
+/// Fails with the error of `start`.
 pub fn begin<T, S, E>(start: impl FnOnce() -> Result<(T, S), E>) -> Result<(T, Undo), E>
 where
     S: FnOnce() + Send + 'static,
@@ -156,7 +157,7 @@ where
 }
 
 impl Undo {
-    /// Runs `last` and unregisters the step. The process can end before or after that, but not in between.
+    /// Runs `last` and unregisters the step. The process can end before or after both, but not in between.
     pub fn settle<T>(self, last: impl FnOnce() -> T) -> T {
         let mut list = undo_list();
         let done = last();
@@ -188,7 +189,7 @@ fn undo_all(list: &mut BTreeMap<u64, Step>) {
     }
 }
 
-/// The end of `main`. Signals have no effect while this exists.
+/// Marks the end of `main`. Signals have no effect while this exists.
 pub struct Leaving {
     list: MutexGuard<'static, BTreeMap<u64, Step>>,
 }
@@ -200,11 +201,11 @@ pub fn begin_to_leave() -> Leaving {
 
 impl Leaving {
     /// Runs all registered steps and ends the process with `code`, without the exit handlers of drivers and
-    /// libraries. Those would free data that driver threads may still use: Mesa 22.3 compiles for AMD on such
+    /// libraries. Exit handlers would free data that driver threads may still use: Mesa 22.3 compiles for AMD on such
     /// threads and crashes.
     pub fn leave(mut self, code: u8) -> ! {
         undo_all(&mut self.list);
-        // A closed standard output is no reason to fail.
+        // Ignore a closed standard output.
         let _ = io::stdout().flush();
         let _ = io::stderr().flush();
         leave_at_once(code)

@@ -2,8 +2,8 @@ use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 
-/// Paths of the user's folders and of the program. A path is `None` if the system has no such folder; nothing is
-/// stored there then.
+/// Paths of the user's folders and of the program. A path is `None` if the system has no such folder. Mariana then
+/// stores no files of that kind.
 #[derive(Debug, Clone, Default)]
 pub struct Folders {
     /// Settings and mappings.
@@ -16,7 +16,7 @@ pub struct Folders {
     pub state: Option<PathBuf>,
     /// In test builds, a folder that replaces the MIDI ports; `None` for the system's ports.
     pub midi_ports: Option<PathBuf>,
-    /// The program that draws thumbnails; `None` for the running one.
+    /// The program that draws thumbnails; `None` for the running program.
     pub program: Option<PathBuf>,
 }
 
@@ -34,7 +34,7 @@ impl Folders {
         }
     }
 
-    /// Subfolders of `folder`, with the system's MIDI ports.
+    /// Returns subfolders of `folder`. MIDI ports are the system's.
     pub fn within(folder: &Path) -> Self {
         let part = |name: &str| Some(folder.join(name));
         Self {

@@ -14,8 +14,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`documents`] reads, watches and saves the editor's texts on a background thread. [`Folders`] has the paths of the
-//! user's folders.
+//! [`documents`] reads, watches and saves the editor's texts on a background thread. [`Folders`] contains the paths
+//! of the user's folders.
 
 pub mod atomic_file;
 pub mod documents;

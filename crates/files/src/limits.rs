@@ -3,7 +3,7 @@
 /// Limits on the size of files.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most bytes of a text in the editor or in a backup, including the backup's first line.
+    /// Maximum size of a text in the editor or in a backup, in bytes, including the backup's first line.
     pub kept_text_bytes_max: usize,
 }
 

@@ -7,7 +7,7 @@ use super::{DraftTexts, NumberEdits, ReadyScene, SceneError, SceneSource, Textur
 use mariana_field::graph::FrameInputs;
 use mariana_field::world::{Alignment, BlendKind, World};
 
-/// A scene seen by one of its cameras.
+/// A scene and the camera that shows it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SeenScene {
     /// The scene.
@@ -39,13 +39,13 @@ impl SeenScene {
 }
 
 impl SceneBlend {
-    /// Blends the two loaded scenes. The last parameter of the result is the fraction of the second scene.
+    /// Blends the two loaded scenes. The last parameter of the blended scene is the fraction of the second scene.
     ///
     /// # Errors
-    /// The two scenes together exceed a limit.
+    /// Fails if the two scenes together exceed a limit.
     pub fn of(&self, from: ReadyScene, to: ReadyScene) -> Result<ReadyScene, SceneError> {
         let (from, to) = (self.from.seen(from)?, self.to.seen(to)?);
-        // Use the values in silence, so that a show gives the same worlds from any start position.
+        // Use the cameras' values in silence, so that a show gives the same worlds from any start position.
         let camera = |scene: &ReadyScene| {
             let params = scene.world.scene.params.iter().map(|param| param.default).collect();
             let time = self.aligned_at as f32 / 1000.0;

@@ -1,4 +1,4 @@
-//! The content of a file at one time, for deciding if it really changed.
+//! The content of a file at one time, to decide if the file has really changed.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -19,7 +19,6 @@ pub(super) struct Look {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Content {
-    /// The file does not exist.
     Missing,
     /// Length and hash of a file. If the file is larger than any scene may read, `hash` is 0.
     Bytes { length: u64, hash: u64 },
@@ -27,8 +26,8 @@ pub(super) enum Content {
     Unreadable(String),
 }
 
-/// Length and modification time, known without reading the file. They are not enough to prove that a file is
-/// unchanged: two saves within one tick of the file system's clock look the same.
+/// Length and modification time, known without reading the file. Equal stamps do not prove that a file is unchanged:
+/// two saves within one tick of the file system's clock have equal stamps.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Stamp(Option<(u64, Option<SystemTime>)>);
 
@@ -58,8 +57,7 @@ impl Look {
 }
 
 impl Content {
-    /// True if the file is missing or empty now and was not before, as in a save that first empties or deletes
-    /// the file.
+    /// True if the file has become missing or empty, as in a save that first empties or deletes the file.
     pub(super) fn is_gone_since(&self, before: &Self) -> bool {
         let nothing = |content: &Self| matches!(content, Self::Missing | Self::Bytes { length: 0, .. });
         nothing(self) && !nothing(before)

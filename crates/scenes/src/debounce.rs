@@ -1,4 +1,4 @@
-//! Decides when changed files should be read: after writers have finished. Pure: callers pass the time.
+//! Decides when changed files should be read: after writers have finished. Callers pass the time.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A program has opened the file for writing and not closed it yet.
+    /// A program has opened the file for writing and has not closed the file yet.
     Writing,
     /// The file was closed after writing, replaced or removed.
     Written,
@@ -18,13 +18,12 @@ pub(super) enum Kind {
 pub(super) struct Waits {
     /// Time without events before the files are read.
     pub quiet: Duration,
-    /// Longest delay of a change: while events continue, while a writer has the file open, or while a file is
-    /// missing.
+    /// Maximum delay of a read while events continue, a writer has the file open, or a file is missing.
     pub patience: Duration,
-    /// Interval of checks without events, which may be lost if a parent folder was replaced or the file is on a
+    /// Interval of checks without events. Events may be lost if a parent folder was replaced or the file is on a
     /// network.
     pub look: Duration,
-    /// The same interval on systems without events.
+    /// Interval of checks on systems without events.
     pub look_blind: Duration,
 }
 

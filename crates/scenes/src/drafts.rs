@@ -17,13 +17,13 @@ use super::{SceneError, SceneSource};
 #[derive(Debug, Clone, Default)]
 pub struct Drafts(Arc<Mutex<Shared>>);
 
-/// Most scenes with findings: the loaded ones and the preloaded ones.
+/// Maximum number of loaded and preloaded scenes with findings.
 const FINDINGS_MAX: usize = 8;
 
 #[derive(Debug, Default)]
 struct Shared {
     texts: DraftTexts,
-    /// At most one for each scene.
+    /// At most one entry for each scene.
     findings: Vec<Findings>,
 }
 
@@ -66,7 +66,7 @@ impl Drafts {
         self.change(|texts| Arc::make_mut(&mut texts.texts).remove(file))
     }
 
-    /// Sets the numbers of a file that are being turned, with their ranges. `None` ends it. Returns the new
+    /// Sets the numbers of a file that are being turned, with their ranges. `None` ends the turning. Returns the new
     /// version.
     pub fn turn(&self, turning: Option<(&Path, &[Turning])>) -> u64 {
         self.change(|texts| texts.turning = turning.map(|(file, turning)| (file.into(), turning.into())))
@@ -183,7 +183,7 @@ mod tests {
         assert!(clauses(&drafts) > before);
         let (_, findings) = load(&source, &drafts);
         assert_eq!(findings.texts, [path("main.scene"), path("part.scene")]);
-        // A mistake in an included text is reported with the position there.
+        // A mistake in an included text is reported with its position in that text.
         let version = drafts.set(&path("part.scene"), b"fn ball(p) = length(p) - one".as_slice().into());
         let (result, findings) = load(&source, &drafts);
         assert!(result.is_err());

@@ -14,10 +14,10 @@ pub struct FoundMistakes {
     pub sources: Sources,
 }
 
-/// A scene that cannot be loaded. Each message has the problem, its position and what to do.
+/// A scene that cannot be loaded. Each message names the problem, its position and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// A word that is not a scene's name.
+    /// The word is not a scene's name.
     #[error(
         "there is no scene '{name}': give a file, a formula such as \"length(p) - 1\", or one of: {shipped}"
     )]
@@ -35,7 +35,7 @@ pub enum SceneError {
         /// The error from the system.
         reason: String,
     },
-    /// A folder, a pipe or a device.
+    /// The path is a folder, a pipe or a device.
     #[error("the scene {} is not a regular file: save it to a file first", .path.display())]
     NoFile {
         /// The path that is not a regular file.
@@ -64,9 +64,9 @@ pub enum SceneError {
         name: String,
         /// All diagnostics.
         plain: String,
-        /// The same with a terminal's colours.
+        /// All diagnostics, with a terminal's colours.
         colored: String,
-        /// The same with their places.
+        /// All diagnostics, with their positions.
         found: Box<FoundMistakes>,
     },
     /// The scene is too large to be drawn.

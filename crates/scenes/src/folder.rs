@@ -1,10 +1,10 @@
-//! Access to a scene's folder. A scene can read files from that folder and no others.
+//! Access to a scene's folder. A scene can read files only from its own folder.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// The reason why a scene cannot read a file. The text continues "`name` cannot be ...: ".
+/// The reason why a scene cannot read a file. The reason follows the words "`name` cannot be ...: ".
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Refusal {
     #[error("the path leaves the scene's folder")]
@@ -26,7 +26,7 @@ pub(super) enum Refusal {
 #[derive(Debug, Clone)]
 pub(super) struct Folder(PathBuf);
 
-/// Most folder entries to search for a suggestion.
+/// Maximum number of folder entries to search for a suggestion.
 const ENTRIES_MAX: usize = 10_000;
 
 impl Folder {
@@ -88,7 +88,8 @@ impl Folder {
     }
 }
 
-/// Reads a file; `None` if it has more than `max` bytes. Never reads more than that, whatever size the file claims.
+/// Reads a file; `None` if it has more than `max` bytes. Never reads more than `max` bytes, even if the file reports
+/// a smaller size.
 pub fn read_at_most(path: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     File::open(path)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;

@@ -11,8 +11,8 @@
 //! A [`Loader`] compiles scenes on a thread, and again when their files or [`Drafts`] change. [`probing`] finds the
 //! object at a point of an image. [`thumbnails`] draws previews in separate processes.
 //!
-//! A scene can read only its own folder: includes and textures come from there, and missing textures from the shipped
-//! ones. Links are resolved first, so that they cannot lead out of the folder.
+//! A scene can read only its own folder. Includes and textures come from that folder, and shipped textures replace
+//! missing textures. Links are resolved first, so that a link cannot lead out of the folder.
 
 mod blend;
 mod content;
@@ -66,7 +66,7 @@ pub enum SceneSource {
     File(PathBuf),
     /// The text of a formula in `x`, `y`, `z`, or of a whole scene.
     Formula(String),
-    /// A transition between two scenes. Its text is that of the incoming scene.
+    /// A transition between two scenes. The source's text is the text of the incoming scene.
     Blend(Arc<SceneBlend>),
 }
 
@@ -75,7 +75,7 @@ impl SceneSource {
     /// shipped scene, or otherwise a formula.
     ///
     /// # Errors
-    /// [`SceneError::Unknown`] for a single word that is none of these.
+    /// [`SceneError::Unknown`] if a single word is not a file and not a shipped scene.
     pub fn find(argument: &(impl AsRef<OsStr> + ?Sized)) -> Result<Self, SceneError> {
         let path = Path::new(argument);
         if path.exists() || is_scene_file(path) {
@@ -117,8 +117,8 @@ impl SceneSource {
         }
     }
 
-    /// Returns every file that the scene depends on: its main file, includes and textures, also those that could
-    /// not be read. Empty if the scene is not a file. `compiled` is `None` if the main file could not be read.
+    /// Returns every file that the scene depends on: its main file, includes and textures, including unreadable
+    /// files. Empty if the scene is not a file. `compiled` is `None` if the main file could not be read.
     pub fn files(&self, compiled: Option<&Compiled>) -> Vec<PathBuf> {
         let Self::File(path) = self else { return Vec::new() };
         let folder = Folder::of(path);
@@ -148,13 +148,13 @@ impl SceneSource {
     /// Reads and compiles the scene. Mistakes in the text are part of the result.
     ///
     /// # Errors
-    /// A file that cannot be read, is too large, or is not UTF-8.
+    /// Fails if a file cannot be read, is too large, or is not UTF-8.
     pub fn compile(&self) -> Result<Compiled, SceneError> {
         self.compile_following(&mut NumberEdits::default(), &DraftTexts::default())
     }
 
-    /// Compiles the scene, using `drafts` instead of the files that have one. Numbers that `edits` finds changed
-    /// since the last version become inputs.
+    /// Compiles the scene. A draft in `drafts` replaces its file. Numbers that `edits` finds changed since the last
+    /// version become inputs.
     ///
     /// # Errors
     /// As [`SceneSource::compile`].

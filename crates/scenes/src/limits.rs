@@ -3,15 +3,15 @@
 /// Limits on files that scenes use, and on thumbnails.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most bytes of a texture file.
+    /// Maximum size of a texture file, in bytes.
     pub texture_bytes_max: usize,
-    /// Largest width and height of a texture, in texels.
+    /// Maximum width and height of a texture, in texels.
     pub texture_side_max: u32,
-    /// Most texels of a texture (16 Mi: 64 MiB, and a third more with mip levels).
+    /// Maximum number of texels in a texture. 16 Mi texels need 64 MiB, and a third more with mip levels.
     pub texture_pixels_max: u64,
-    /// Longest time for drawing a thumbnail, in seconds.
+    /// Maximum time for drawing a thumbnail, in seconds.
     pub thumbnail_seconds_max: f64,
-    /// Most thumbnails in the cache (about 60 KiB each). The oldest are deleted first.
+    /// Maximum number of thumbnails in the cache, of about 60 KiB each. The oldest thumbnails are deleted first.
     pub thumbnails_kept_max: usize,
 }
 

@@ -3,11 +3,11 @@
 //! The loader passes finished values to the show, so a large or broken scene delays no frame. It watches folders
 //! instead of files, because most editors save by replacing the file.
 //!
-//! A file counts as changed when its bytes differ from the loaded ones: a save without changes does not reload the
-//! scene, and two events of one save reload it once. A file is read 20 ms after its last event, but not while its
-//! writer has it open. A missing file is awaited for at most 400 ms, because some editors delete a file before they
-//! write it. Every two seconds the loader also looks for changes without events: replaced parent folders, and files
-//! on a network. If the system has no watches left, it looks five times a second.
+//! A file counts as changed when its bytes differ from the loaded bytes. A save without changes does not reload the
+//! scene, and two events of one save reload the scene once. A file is read 20 ms after its last event, but not while
+//! its writer has it open. The loader waits for a missing file for at most 400 ms, because some editors delete a file
+//! before they write it. Every two seconds the loader checks all files, because replaced parent folders and files on
+//! a network cause no events. If the system has no watches left, the loader checks five times a second.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -38,7 +38,7 @@ pub struct Loaded<T> {
 }
 
 /// A thread that loads one source at a time and watches its files. Dropping this ends the thread after the current
-/// load, without waiting. No result is published after that.
+/// load, without waiting. No result is published after the drop.
 #[derive(Debug)]
 pub struct Loader<T> {
     requests: Sender<Message>,
@@ -64,7 +64,7 @@ impl<T: Send + 'static> Loader<T> {
     /// `load` is logged and gives no result; the files are still watched.
     ///
     /// # Errors
-    /// The system cannot start a thread.
+    /// Fails if the system cannot start a thread.
     pub fn start(
         load: impl FnMut(&SceneSource) -> (T, Vec<PathBuf>) + Send + 'static,
         wake: impl Fn() + Send + 'static,
@@ -103,8 +103,8 @@ impl<T: Send + 'static> Loader<T> {
         Ok(Self { requests, shared })
     }
 
-    /// Requests `source` and watches it instead of the previous one. Replaces a request that has not started. A
-    /// request of the same source loads it again.
+    /// Requests `source` and watches it instead of the previous one. The request replaces a request that has not
+    /// started. A request of the same source loads the source again.
     pub fn request(&self, source: SceneSource) {
         if self.requests.send(Message::Load(source)).is_err() {
             tracing::error!("the thread that loads scenes has ended: this is a bug in Mariana");
@@ -123,7 +123,7 @@ impl<T: Send + 'static> Loader<T> {
         match self.shared.newest.try_lock() {
             Ok(mut newest) => newest.take(),
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner().take(),
-            // The result is being stored: `wake` follows.
+            // The thread is storing the result and calls `wake` afterwards.
             Err(TryLockError::WouldBlock) => None,
         }
     }
@@ -141,7 +141,7 @@ enum Asked {
     Again,
 }
 
-/// The current source, and the state of its files before it was loaded. `None` for a file that may have changed
+/// The current source, and the state of its files before the load. The state is `None` if a file may have changed
 /// during the load.
 struct Current {
     source: SceneSource,
@@ -165,7 +165,7 @@ struct Worker<Load, Publish> {
     gone_since: Option<Instant>,
 }
 
-/// Largest lag of file times behind the clock: file systems use the time of the last kernel tick.
+/// Maximum lag of file times behind the clock, because file systems use the time of the last kernel tick.
 const FILE_CLOCK_STEP: Duration = Duration::from_millis(12);
 
 impl<T, Load, Publish> Worker<Load, Publish>
@@ -213,7 +213,7 @@ where
         }
     }
 
-    /// Loads another source, or the same one from scratch.
+    /// Loads another source, or the same source from scratch.
     fn begin(&mut self, source: SceneSource) {
         let before = self.current.take().filter(|current| current.source == source);
         let mut files = before.map_or_else(Vec::new, |current| current.files());
@@ -245,10 +245,10 @@ where
         }
         let mut touched: BTreeSet<PathBuf> = self.changes.take();
         let Some(mut current) = self.current.take() else { return };
-        // Watch before reading, so that a change in between is reported.
+        // Watch the files before reading them, so that a change in between is reported.
         self.watch.set(&current.files());
         if self.gone_since.is_some() {
-            // Other changes were postponed.
+            // Postponed changes count as well.
             touched.extend(current.seen.keys().cloned());
         }
         let mut changed = BTreeMap::new();
@@ -294,8 +294,8 @@ where
         let mut looks = BTreeMap::new();
         for file in &files {
             let look = seen.remove(file).unwrap_or_else(|| {
-                // This dependency was unknown until now. If it changed during the load, the loaded
-                // version is uncertain.
+                // This dependency was unknown until now. If the file changed during the load, the loaded version is
+                // uncertain.
                 let look = Look::at(file);
                 let doubtful = look.stamp.is_since(began);
                 if doubtful {

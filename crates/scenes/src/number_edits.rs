@@ -2,7 +2,7 @@
 //!
 //! A program compiled with [`lang::compile_while_changing`] reads these numbers as inputs. The first edit of a number
 //! compiles a new program; further edits need no compilation. When the same text is loaded twice, editing has ended
-//! and the numbers become constants again, because drivers optimize constants best.
+//! and the numbers become constants again, because drivers optimize constants better than inputs.
 
 use std::collections::BTreeSet;
 

@@ -13,14 +13,14 @@ pub struct SceneList {
 }
 
 impl SceneList {
-    /// The cycle that contains `start`. First comes `start` if it is a formula, or the scene files of its folder
-    /// if it is a file. The shipped scenes follow. Each group is sorted by name.
+    /// The cycle that contains `start`. The cycle begins with `start` if `start` is a formula, or with the scene
+    /// files of its folder if `start` is a file. The shipped scenes follow. Each group is sorted by name.
     pub fn around(start: &SceneSource) -> Self {
         Self { start: start.clone() }
     }
 
-    /// Returns the scene after `current`. Reads the folder again. A current scene that is not in the cycle is
-    /// sorted into it.
+    /// Returns the scene after `current`. Reads the folder again. If `current` is not in the cycle, it is inserted in
+    /// sorted order.
     pub fn next(&self, current: &SceneSource) -> SceneSource {
         let (mut round, at) = self.round(current);
         let next = (at + 1) % round.len();
@@ -51,7 +51,7 @@ impl SceneList {
         if let Some(file) = current.file().or(self.start.file()) {
             round.extend(scene_files(file).into_iter().map(SceneSource::File));
         }
-        // The folder listing lacks a start scene with another extension.
+        // If the start scene has another extension, the folder listing lacks it.
         round.push(self.start.clone());
         if self.start.file().is_some_and(|file| !file.is_file()) {
             round.pop();
@@ -87,7 +87,6 @@ mod tests {
 
     use super::*;
 
-    /// Creates a folder with these files. Returns it and a function that makes sources of its files.
     fn folder(names: &[&str]) -> (tempfile::TempDir, impl Fn(&str) -> SceneSource) {
         let folder = tempfile::tempdir().unwrap();
         for name in names {

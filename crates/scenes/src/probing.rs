@@ -1,6 +1,6 @@
 //! Answers questions of the editor about a frame: the surface at a point, and ray statistics for a coarse grid. A
-//! background thread traces the rays with the inputs of the frame in question. A new question replaces a waiting one
-//! of the same kind.
+//! background thread traces the rays with the inputs of that frame. A new question replaces a waiting question of the
+//! same kind.
 
 use std::io;
 use std::ops::Range;
@@ -31,7 +31,7 @@ pub struct Scenery {
 }
 
 impl Scenery {
-    /// A frame of a scene for which no tree was built before.
+    /// Creates a frame of a scene without an earlier region tree.
     pub fn new(source: SceneSource, scene: ReadyScene, frame: Frame) -> Self {
         let maker = RegionMaker { plan: scene.plan, buffers: scene.buffers, last: None };
         let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
@@ -39,9 +39,9 @@ impl Scenery {
     }
 }
 
-/// Longest time for an answer. A scene that takes longer is too large for probing.
+/// Maximum time for an answer. A scene that needs more time is too large for probing.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Longest pause between two grids. The thread pauses as long as the last grid took, to leave the processors to the
+/// Maximum pause between two grids. The pause equals the duration of the last grid, to leave the processors to the
 /// show.
 const REST_MAX: Duration = Duration::from_secs(1);
 const COLUMNS: usize = 160;
@@ -72,7 +72,7 @@ pub struct Surface {
     pub position: [f32; 3],
     /// Surface normal of length 1.
     pub normal: [f32; 3],
-    /// The formula that made the surface: index of its file among the scene's texts, and byte range.
+    /// The formula of the surface: the index of its file among the scene's texts, and its byte range.
     pub written: Option<(usize, Range<usize>)>,
 }
 
@@ -92,7 +92,7 @@ struct State {
     point: Option<(Scenery, [f64; 2])>,
     ray_statistics: Option<Scenery>,
     answers: Vec<Answer>,
-    /// True while ray statistics are computed, and during the pause after that.
+    /// True while ray statistics are computed, and during the pause afterwards.
     surveys: bool,
     over: bool,
 }
@@ -109,14 +109,14 @@ impl Shared {
     }
 }
 
-/// The probing thread. It ends by itself when this is dropped.
+/// The probing thread, which ends by itself when this is dropped.
 pub struct Prober(Arc<Shared>);
 
 impl Prober {
     /// Starts the thread, which calls `wake` after each answer.
     ///
     /// # Errors
-    /// The error from the system if no thread can be started.
+    /// Fails with the system's error if no thread can be started.
     pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let theirs = shared.clone();
@@ -136,7 +136,7 @@ impl Prober {
         self.0.changed.notify_one();
     }
 
-    /// True while ray statistics are computed or wait, and during the pause after that.
+    /// True while ray statistics are queued or computed, and during the pause afterwards.
     pub fn surveys(&self) -> bool {
         let state = self.0.lock();
         state.surveys || state.ray_statistics.is_some()
@@ -171,7 +171,7 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
         state.surveys = ray_statistics.is_some();
         drop(state);
         let begun = Instant::now();
-        // A question about a point interrupts a grid.
+        // A question about a point interrupts the ray statistics of a grid.
         let is_asked = point.is_some();
         let is_wanted = || {
             let state = shared.lock();
@@ -282,7 +282,7 @@ object near {
 object floor { shape = y + 1 }
 camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
 
-    /// A frame of a scene after a second of silence, twice as wide as high.
+    /// Returns a frame of a scene after a second of silence. The frame is twice as wide as high.
     fn scenery(text: &str) -> Scenery {
         let source = SceneSource::Formula(text.to_owned());
         let ready = source.ready().unwrap();

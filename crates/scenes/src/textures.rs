@@ -1,8 +1,8 @@
 //! Textures of scenes.
 //!
-//! A scene file can use PNG and JPEG images from its own folder, never from outside. If the folder has no image of
-//! that name, a shipped one is used, so that a copy of a shipped scene works anywhere. Shipped scenes and formulas
-//! can use only shipped images.
+//! A scene file can use PNG and JPEG images only from its own folder. If the folder has no image of that name, the
+//! shipped image is used, so that a copy of a shipped scene works anywhere. Shipped scenes and formulas can use only
+//! shipped images.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -24,17 +24,18 @@ static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/te
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// Loads textures and caches the decoded ones of the last scene. Loading a scene again decodes only changed images
-/// and returns the same [`Arc`] for the others.
+/// and returns the same [`Arc`] for unchanged images.
 #[derive(Debug, Default)]
 pub struct TextureCache {
     pictures: HashMap<u64, Arc<RgbaImage>>,
 }
 
 impl SceneSource {
-    /// Loads the images of [`Scene::textures`] in their order: sRGB, straight alpha, top row first.
+    /// Loads the images of [`Scene::textures`] in the same order. Pixels are sRGB with straight alpha, top row first.
     ///
     /// # Errors
-    /// A diagnostic for each image that cannot be read, with its position in the text.
+    /// Fails with a diagnostic for each image that cannot be read. The diagnostic has the image's position in the
+    /// text.
     pub fn textures(&self, scene: &Scene) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
         TextureCache::default().load(self, scene)
     }
@@ -45,7 +46,7 @@ impl TextureCache {
     /// dropped.
     ///
     /// # Errors
-    /// As [`SceneSource::textures`]; the cache keeps the readable images.
+    /// Fails like [`SceneSource::textures`]. The cache keeps the readable images.
     pub fn load(
         &mut self,
         source: &SceneSource,

@@ -1,9 +1,9 @@
 //! Watches a set of files for changes.
 //!
-//! Editors save in several ways: in place, by renaming another file over it, by moving or deleting the old file
-//! first. A watch on the file itself would stay with the old file, so this watches the folders and reports only
-//! events of the wanted files. If a folder is missing, its nearest existing parent is watched. For a link, the folder
-//! of its target is watched as well.
+//! Editors save in several ways: they write the file in place, rename another file over it, or first move or delete
+//! the old file. A watch on a file would stay with the old file. [`Watch`] therefore watches the folders and reports
+//! only events of the wanted files. If a folder is missing, its nearest existing parent is watched. For a link, the
+//! folder of its target is watched as well.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ffi::OsString;
@@ -21,8 +21,8 @@ use super::debounce::Kind;
 struct Wanted {
     /// The files affected by an event, by the path in the event.
     files: HashMap<PathBuf, BTreeSet<PathBuf>>,
-    /// Paths that were deleted or moved. Their watches are gone even if a folder with the same identity exists
-    /// there now: the system reuses the inode numbers of deleted folders.
+    /// Paths that were deleted or moved. Their watches are gone even if the path now has a folder with the same
+    /// identity, because the system reuses the inode numbers of deleted folders.
     lost: BTreeSet<PathBuf>,
 }
 
@@ -46,7 +46,7 @@ type Identity = Option<(u64, u64)>;
 const LINKS_MAX: usize = 16;
 
 impl Watch {
-    /// Creates a watch without files. The watch calls `tell` on its own thread with a file that may have changed,
+    /// Creates a watch without files. The watch calls `tell` on its own thread with each file that may have changed,
     /// under the name passed to [`Self::set`].
     pub(super) fn new(tell: Tell) -> Self {
         let mut watch = Self::blind();
@@ -58,7 +58,7 @@ impl Watch {
         watch
     }
 
-    /// A watch without events, as when the system has no watches left.
+    /// Creates a watch without events, as when the system has no watches left.
     pub(super) fn blind() -> Self {
         let wanted = Arc::new(Mutex::new(Wanted::default()));
         Self { watcher: None, folders: BTreeMap::new(), wanted, complete: false, reported: false }
@@ -77,7 +77,7 @@ impl Watch {
                 folders.insert(folder);
             }
         }
-        // Set this before the folders, so that no event of theirs is discarded.
+        // Set the files before watching the folders, so that no event of a new folder is discarded.
         let lost = {
             let mut shared = lock(&self.wanted);
             shared.files = wanted;
@@ -88,7 +88,7 @@ impl Watch {
             let same = !lost.contains(folder) && *identity == self::identity(folder);
             let kept = same && folders.contains(folder);
             if !kept {
-                // Fails for a deleted folder, whose watch is gone already.
+                // The call fails for a deleted folder, because its watch is gone already.
                 let _ = watcher.unwatch(folder);
             }
             kept
@@ -115,7 +115,7 @@ impl Watch {
         }
     }
 
-    /// True if the system reports every change; if false, the caller has to poll.
+    /// True if the system reports every change. Otherwise the caller has to poll.
     pub(super) fn is_complete(&self) -> bool {
         self.complete
     }
@@ -172,7 +172,7 @@ fn kind(event: &EventKind) -> Option<Kind> {
     }
 }
 
-/// Returns the folders in which changes of `file` appear, each with the relevant entry. A link has several.
+/// Returns the folders in which changes of `file` appear, each with the relevant entry. A link has several folders.
 fn places(file: &Path) -> Vec<(PathBuf, OsString)> {
     let mut found = Vec::new();
     let Ok(mut path) = std::path::absolute(file) else { return found };

@@ -18,7 +18,7 @@ pub struct ReadyScene {
     pub buffers: Arc<TapeBuffers>,
     /// The plan for building region trees.
     pub plan: Arc<RegionPlan>,
-    /// True if this is the displayed text again, now with constants instead of inputs for edited numbers.
+    /// True if the text is already displayed, and edited numbers now are constants instead of inputs.
     pub settles: bool,
 }
 
@@ -26,7 +26,7 @@ impl ReadyScene {
     /// Prepares a world.
     ///
     /// # Errors
-    /// The world exceeds a limit.
+    /// Fails if the world exceeds a limit.
     fn of(world: World) -> Result<Self, WorldError> {
         let buffers = Arc::new(world.tape_buffers()?);
         let plan = Arc::new(RegionPlan::new(&world));
@@ -37,7 +37,7 @@ impl ReadyScene {
     /// second scene, 0..1; each frame can override it.
     ///
     /// # Errors
-    /// The two scenes together exceed a limit.
+    /// Fails if the two scenes together exceed a limit.
     pub fn blended(
         &self,
         to: &Self,
@@ -53,8 +53,8 @@ impl SceneSource {
     /// Reads, compiles and prepares a scene.
     ///
     /// # Errors
-    /// A file that cannot be read, mistakes in the text (with all diagnostics), missing images, a scene over the
-    /// limits.
+    /// Fails if a file or image cannot be read, if the text has mistakes (with all diagnostics), or if the scene
+    /// exceeds a limit.
     pub fn ready(&self) -> Result<ReadyScene, SceneError> {
         self.ready_with(&mut TextureCache::default(), &mut NumberEdits::default(), &DraftTexts::default()).0
     }
@@ -68,8 +68,8 @@ impl SceneSource {
         self.prepare(compiled, &mut TextureCache::default())
     }
 
-    /// Prepares a scene with cached textures. Numbers that `edits` finds changed become inputs, and `drafts`
-    /// replace files. Also returns the files that the scene depends on, even if it failed.
+    /// Prepares a scene with cached textures. Numbers that `edits` finds changed become inputs, and `drafts` replace
+    /// files. Also returns the files that the scene depends on, even after a failure.
     pub fn ready_with(
         &self,
         textures: &mut TextureCache,
@@ -89,7 +89,7 @@ impl SceneSource {
         }
     }
 
-    /// Reads and compiles a scene. A text with mistakes is an error.
+    /// Reads and compiles a scene. Fails if the text has mistakes.
     ///
     /// # Errors
     /// As [`SceneSource::ready`].

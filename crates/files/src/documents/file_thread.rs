@@ -19,7 +19,7 @@ const LOOK: Duration = Duration::from_millis(400);
 const KEEP: Duration = Duration::from_millis(300);
 const NAMES_MAX: usize = 1_000;
 
-/// A thread for file access. It ends when this is dropped and all requests are done.
+/// A thread for file access. The thread ends when this is dropped and all requests are done.
 #[derive(Debug)]
 pub struct FileThread {
     orders: Sender<Order>,
@@ -39,7 +39,7 @@ impl FileThread {
     /// Starts the thread. Backups and new scenes go into `folders`. The thread calls `wake` after each event.
     ///
     /// # Errors
-    /// The system cannot start a thread.
+    /// Fails if the system cannot start a thread.
     pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let kept = KeptTexts::among(folders);
         let own_scenes = folders.data.as_ref().map(|data| data.join("scenes"));
@@ -65,7 +65,7 @@ impl FileThread {
         self.order(Order::Open(file.to_owned()));
     }
 
-    /// Saves a text if the file has the content that is `believed`. `None` overwrites any content.
+    /// Saves a text if the file still has the content `believed`. `None` overwrites any content.
     pub fn save(&self, file: &Path, text: Bytes, believed: Option<OnDisk>) {
         self.order(Order::Save { file: file.to_owned(), text, believed });
     }
@@ -177,7 +177,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
 
     fn save(&mut self, file: PathBuf, text: Bytes, believed: Option<OnDisk>) {
         let now = known(&file);
-        // A second save may arrive before the editor has heard of the first.
+        // A second save may arrive before the editor has the event of the first save.
         let was_own = self.known.get(&file).is_some_and(|last| last.is_own && last.holds == now.holds);
         let is_own = was_own || matches!(&now.holds, OnDisk::Bytes(bytes) if **bytes == *text);
         if !is_own && believed.is_some_and(|believed| believed != now.holds) {

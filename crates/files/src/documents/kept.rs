@@ -40,7 +40,7 @@ struct Head {
     what: String,
     /// The path of the text's file, as bytes of the system's encoding.
     file: Vec<u8>,
-    /// The same path, readable.
+    /// The path of the text's file, for people.
     path: String,
     /// Seconds since 1970.
     since: u64,
@@ -55,7 +55,7 @@ impl KeptTexts {
     /// Backs up the text of a file. Does nothing if the system has no state folder.
     ///
     /// # Errors
-    /// A message with the path and the error from the system.
+    /// Fails with a message that has the path and the system's error.
     pub fn keep(&self, file: &Path, text: &[u8]) -> Result<(), String> {
         let Some(place) = self.place(file) else { return Ok(()) };
         let head = Head {

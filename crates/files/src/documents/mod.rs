@@ -4,7 +4,7 @@
 //! never blocks the window.
 //!
 //! **No foreign change is overwritten.** A save names the content that the file is expected to have. If the file has
-//! other content, the save is refused and the event has that content.
+//! different content, the save is refused, and the event contains the current content.
 //!
 //! **No typed text is lost.** A text that differs from its file is backed up in the user's state folder within a
 //! third of a second. The backup stays until the text is saved or discarded ([`Kept`]).
@@ -60,7 +60,7 @@ pub enum FileEvent {
         /// Its current content.
         holds: OnDisk,
     },
-    /// A text could not be saved or backed up.
+    /// A text cannot be saved or backed up.
     Failed {
         /// The file.
         file: PathBuf,

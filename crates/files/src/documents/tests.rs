@@ -41,7 +41,6 @@ impl Place {
         self.file_thread.file_events().expect("the thread was woken without an event")
     }
 
-    /// Opens the file and returns its content and its backup.
     #[track_caller]
     fn open(&self) -> (OnDisk, Option<Bytes>) {
         self.file_thread.open(&self.file());
@@ -80,13 +79,13 @@ fn a_change_by_another_program_is_not_overwritten() {
     assert_eq!(place.open().0, holds(b"mine"));
     fs::write(&file, "theirs").unwrap();
     place.file_thread.save(&file, bytes(b"mine, too"), Some(holds(b"mine")));
-    // The thread may notice the change before the save or during it.
+    // The thread may notice the change before the save or during the save.
     let seen = [place.file_events()];
     let refused = FileEvent::Refused { file: file.clone(), holds: holds(b"theirs") };
     let changed = FileEvent::Changed { file: file.clone(), holds: holds(b"theirs") };
     assert!(seen.contains(&refused) || seen.contains(&changed) && place.file_events() == refused, "{seen:?}");
     assert_eq!(fs::read(&file).unwrap(), b"theirs");
-    // `None` overwrites it. A file that has the text already needs no confirmation.
+    // `None` overwrites the change. A file that has the text already needs no confirmation.
     place.file_thread.save(&file, bytes(b"mine, too"), None);
     assert!(matches!(place.file_events(), FileEvent::Saved { .. }));
     place.file_thread.save(&file, bytes(b"mine, too"), Some(holds(b"long ago")));

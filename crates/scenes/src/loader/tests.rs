@@ -232,7 +232,7 @@ mod events {
         }
         fs::write(place.path("a/b/main.scene"), "there").unwrap();
         assert_eq!(place.result(), "there");
-        // Created faster than each can be watched.
+        // The folders are created faster than they can be watched.
         fs::remove_dir_all(place.path("a")).unwrap();
         assert_eq!(place.result(), "entity not found");
         fs::create_dir_all(place.path("a/b")).unwrap();

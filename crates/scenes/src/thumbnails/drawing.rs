@@ -14,7 +14,6 @@ const INTERVAL: Duration = Duration::from_millis(20);
 
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NotDrawn {
-    /// The system cannot start the process or read the file.
     #[error("the thumbnail cannot be drawn ({0})")]
     System(#[from] io::Error),
     #[error("the thumbnail cannot be drawn")]
@@ -29,7 +28,7 @@ pub(super) enum NotDrawn {
 /// or the running executable if that is `None`. Polls `is_stopped` and ends the process when it returns true.
 ///
 /// # Errors
-/// A [`NotDrawn`].
+/// Fails with a [`NotDrawn`].
 pub(super) fn draw(
     program: Option<&Path>,
     source: &SceneSource,
@@ -70,7 +69,7 @@ struct Drawing(Child);
 
 impl Drop for Drawing {
     fn drop(&mut self) {
-        // Fails if the process has already ended.
+        // Killing fails if the process has already ended.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

@@ -1,10 +1,9 @@
-//! Thumbnails of scenes. Those of the shipped scenes are part of the program ([`shipped`]). All others are drawn once
-//! and cached; the key is a hash of the scene's text, includes and textures.
+//! Thumbnails of scenes. The thumbnails of shipped scenes are part of the program ([`shipped`]). All other thumbnails
+//! are drawn once and cached. The key is a hash of the scene's text, includes and textures.
 //!
-//! A separate process draws each thumbnail, at the lowest priority and on one thread: the program itself renders a
-//! still. A slow scene or a crash of the driver does not affect the show. The newest request comes first. Requests
-//! that need no drawing are answered while another scene is drawn. An idle thread draws scenes that the user may see
-//! next.
+//! A separate `mariana` process draws each thumbnail as a still, on one thread with the lowest priority, so that a
+//! slow scene or a crash of the driver does not affect the show. The newest request is answered first. Requests that
+//! need no drawing are answered while another scene is drawn. An idle thread draws scenes that the user may see next.
 
 mod drawing;
 mod shipped;
@@ -30,11 +29,11 @@ pub use shipped::shipped;
 
 /// Size of a thumbnail in pixels.
 pub const SIZE: (u32, u32) = (320, 180);
-/// Time in the demo track for thumbnails, in seconds: loud, and in the middle of a phrase.
+/// Time in the demo track for thumbnails, in seconds: a loud moment in the middle of a phrase.
 pub const MOMENT: f64 = 47.3;
 /// Part of the cache key. Increase it when the drawing of thumbnails changes.
 const VERSION: u32 = 1;
-/// JPEG quality of 100. Several thumbnails of this quality fit into one message to a phone.
+/// JPEG quality, 0..=100. Several thumbnails of this quality fit into one message to a phone.
 const JPEG_QUALITY: u8 = 82;
 
 /// An answer about a scene.
@@ -73,9 +72,9 @@ struct Requests {
 
 #[derive(Debug, Default)]
 struct Waiting {
-    /// Requests that need an answer; the newest is the last.
+    /// Requests that need an answer; the last entry is the newest.
     asked: VecDeque<Request>,
-    /// Scenes to draw ahead; the next is the first.
+    /// Scenes to draw ahead; the first entry is drawn next.
     ahead: VecDeque<SceneSource>,
 }
 
@@ -99,7 +98,7 @@ impl Request {
 }
 
 impl Waiting {
-    /// Takes the newest quick request, otherwise the newest request, otherwise a scene to draw ahead.
+    /// Takes the newest quick request. Without one, takes the newest request, or else a scene to draw ahead.
     fn take(&mut self) -> Option<Request> {
         self.take_quick()
             .or_else(|| self.asked.pop_back())
@@ -136,13 +135,13 @@ impl Thumbnails {
     /// Starts the thread that answers requests. It calls `wake` after each answer.
     ///
     /// # Errors
-    /// The system cannot start a thread.
+    /// Fails if the system cannot start a thread.
     pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let folder = folders.cache.as_ref().map(|cache| cache.join("thumbnails"));
         Self::start_in(folder, folders.program.clone(), wake)
     }
 
-    /// Starts the thread with another cache folder. `program` is that of [`Folders::program`].
+    /// Starts the thread with another cache folder. `program` means the same as [`Folders::program`].
     fn start_in(
         folder: Option<PathBuf>,
         program: Option<PathBuf>,
@@ -294,7 +293,7 @@ impl Worker {
     /// Returns the cache file of a scene's thumbnail; `None` without a cache folder.
     ///
     /// # Errors
-    /// The first mistake in the scene.
+    /// Fails with the first mistake in the scene.
     fn path_of(&self, source: &SceneSource) -> Result<Option<PathBuf>, String> {
         let text = source.text().map_err(|error| error.to_string())?;
         let key = key_of(source, &text)?;
@@ -318,7 +317,7 @@ fn jpeg_shipped_with(source: &SceneSource) -> Option<&'static [u8]> {
 /// Returns a hash of everything the scene depends on.
 ///
 /// # Errors
-/// The first mistake in the scene.
+/// Fails with the first mistake in the scene.
 fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
     let compiled = source.compile().map_err(|error| error.to_string())?;
     let mut hasher = DefaultHasher::new();
