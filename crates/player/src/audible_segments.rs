@@ -1,5 +1,5 @@
-//! Song times and features of the delivered frames, by segment. The decoding and the analysis thread write them, and
-//! the window reads them. Each holds the lock only briefly; the callback never touches it.
+//! Song times and features of the delivered frames, by segment. The decoding thread and the analysis thread write them,
+//! and the window reads them. Each of these threads holds the lock only briefly; the callback never takes the lock.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,10 +11,10 @@ use mariana_music::{FeatureTrack, Features, Sound, TimedFeatures};
 
 const SEGMENTS_KEPT: usize = 8;
 
-/// Passages kept per segment, however short they are; more would only cost memory.
+/// Number of passages kept per segment, even if they are short, to limit memory.
 const PASSAGES_KEPT: usize = 8;
 
-/// Seconds of features that a passage keeps beyond the largest delay of the image: the ring and a reserve.
+/// Seconds of features that a passage keeps beyond the largest delay of the image, for the ring and a reserve.
 const TRACK_RESERVE: f64 = 2.0;
 
 #[derive(Debug, Clone, Copy)]
@@ -24,12 +24,12 @@ struct Anchor {
     lap: u32,
 }
 
-/// A track within a segment, including its repetitions: one run of the analysis.
+/// A track within a segment, including its repetitions. Each passage is one run of the analysis.
 struct Passage {
     id: u64,
     track: Arc<TrackInfo>,
     segment_time: f64,
-    /// The track time at that point. The features' time counts from there and continues over laps.
+    /// The track time at the passage's start. The features' time counts from there and continues over laps.
     start: f64,
     /// Ordered by time, never empty.
     anchors: VecDeque<Anchor>,
@@ -74,15 +74,15 @@ pub struct AudibleSegments {
 pub struct SharedAudibleSegments(Arc<Mutex<AudibleSegments>>);
 
 impl SharedAudibleSegments {
-    /// Locks the segments, for a short time only. A thread that panicked while it held the lock leaves them usable.
+    /// Locks the segments, for a short time only. They stay usable if a thread panicked while it held the lock.
     pub fn lock(&self) -> MutexGuard<'_, AudibleSegments> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl AudibleSegments {
-    /// Adds segment `id` for a device of `rate` frames per second. It begins with passage `passage`: `track` from
-    /// `start` seconds on. If only the device changed, `run` equals that of the previous segment.
+    /// Adds segment `id` for a device of `rate` frames per second. The segment begins with passage `passage`: `track`
+    /// from `start` seconds on. If only the device changed, `run` is the same number as for the previous segment.
     pub fn begin(&mut self, id: u64, run: u64, rate: u32, passage: u64, start: f64, track: Arc<TrackInfo>) {
         if self.segments.len() == SEGMENTS_KEPT {
             self.segments.pop_front();
@@ -103,7 +103,7 @@ impl AudibleSegments {
         self.segments.retain(|segment| segment.id != id);
     }
 
-    /// Corrects the track time at which a passage begins, because the track was shorter than stated.
+    /// Corrects the track time at which a passage begins, because the track is shorter than its stated duration.
     pub fn set_start(&mut self, passage: u64, start: f64) {
         let Some(passage) = self.passage_mut(passage) else { return };
         passage.start = start;
@@ -112,8 +112,8 @@ impl AudibleSegments {
         }
     }
 
-    /// Records that the track starts again at `segment_time` (seconds since the segment's start). Anchors before
-    /// `played`, a segment time that is certainly past, are dropped.
+    /// Records that the track starts again at `segment_time` (seconds since the segment's start). Anchors before the
+    /// segment time `played`, which has certainly been heard, are dropped.
     pub fn begin_lap(&mut self, id: u64, segment_time: f64, played: f64) {
         let Some(segment) = self.find_mut(id) else { return };
         segment.laps = segment.laps.wrapping_add(1);
@@ -125,7 +125,7 @@ impl AudibleSegments {
         }
     }
 
-    /// Records that another track begins at `segment_time`, as passage `passage`. See [`AudibleSegments::begin_lap`].
+    /// Records that another track begins at `segment_time` as passage `passage`; see [`AudibleSegments::begin_lap`].
     pub fn begin_track(
         &mut self,
         id: u64,
@@ -158,24 +158,24 @@ impl AudibleSegments {
         first.is_some_and(|passage| passage.features.span().is_some_and(|(_, last)| last >= passage.start))
     }
 
-    /// Adds the features of a moment of a passage. Its time counts from the track's start and continues over laps.
+    /// Adds the features of a moment of a passage. Their time counts from the track's start and continues over laps.
     pub fn push_features(&mut self, passage: u64, moment: &TimedFeatures) {
         if let Some(passage) = self.passage_mut(passage) {
             passage.features.push(moment);
         }
     }
 
-    /// Sets the track that follows the one being decoded; `None` if it is unknown or the same.
+    /// Sets the track that follows the one being decoded. `None` means that this track is unknown or the same.
     pub fn set_next(&mut self, next: Option<Arc<TrackInfo>>) {
         self.next = next;
     }
 
-    /// The track that follows the one being decoded, if it is known and different.
+    /// Returns the track that follows the one being decoded, if the following track is known and different.
     pub fn next(&self) -> Option<Arc<TrackInfo>> {
         self.next.clone()
     }
 
-    /// The position `ahead` seconds after `audible`, at most the segment's end. `None` if the segment is not kept.
+    /// Returns the position `ahead` seconds after `audible`, at most the segment's end; `None` without the segment.
     pub fn place(&self, audible: Audible, ahead: f64) -> Option<SongPlace> {
         let (passage, time) = self.passage_at(audible, ahead)?;
         let index = passage.anchors.partition_point(|anchor| anchor.segment_time <= time).saturating_sub(1);
@@ -189,8 +189,8 @@ impl AudibleSegments {
         })
     }
 
-    /// The frame of segment `to` at the same track time as `from`, negative before that segment's start. `None` if a
-    /// seek, a skip or another track separates them.
+    /// Returns the frame of segment `to` at the track time of `from`. The frame is negative if the segment starts
+    /// later. Returns `None` if a seek, a skip or another track separates `from` and `to`.
     pub fn carry(&self, from: Audible, to: u64) -> Option<f64> {
         let (passage, _) = self.passage_at(from, 0.0)?;
         let (before, after) = (self.find(from.segment)?, self.find(to)?);

@@ -1,50 +1,50 @@
 //! The playback clock: maps moments to audible frames.
 //!
-//! The callback writes one [`Span`] per stretch of its buffer: which frames of which segment it delivered, and when
-//! the first of them becomes audible (callback time + latency, by the device's timestamps). The last [`SPANS_KEPT`]
-//! spans stay readable. Writing is wait-free: a slot is a sequence lock, whose version is odd while it is being
-//! written.
+//! The callback writes one [`Span`] per stretch of its buffer. The span states which frames of which segment the
+//! callback delivered, and when the first of these frames becomes audible (callback time + latency, by the device's
+//! timestamps). The last [`SPANS_KEPT`] spans stay readable. Writing is wait-free: each slot is a sequence lock, whose
+//! version is odd while the slot is being written.
 //!
 //! Device timestamps jitter by milliseconds. The writer follows them with a first-order loop (a delay-locked loop
 //! without its second integrator; F. Adriaensen, "Using a DLL to filter time", 2005) and jumps only if the deviation
 //! is large.
 //!
 //! **The song continues through device faults.** A [`Clock`] computes its position:
-//! - While spans cover the moment, they give the position.
+//! - While spans cover the moment, they determine the position.
 //! - If a device falls silent while frames are moving, the song continues at its normal pace until another output
-//!   sounds. That output knows when its first frame is due ([`super::output::Segment::due_at`]) and drops late
+//!   sounds. The new output knows when its first frame is due ([`super::output::Segment::due_at`]) and drops late
 //!   frames.
-//! - The reported position never steps. If it differs from the audible one, the clock runs at [`SLOWEST`] to
-//!   [`FASTEST`] times its pace until both agree.
-//! - Only a seek, a skip or another track moves the position at once. A pause or an underrun holds it.
-//! - If no reader looked and no device called for [`AWAY_MAX`], the process was suspended, and the song did not move.
+//! - The reported position never steps. If the reported position differs from the audible position, the clock runs at
+//!   [`SLOWEST`] to [`FASTEST`] times its normal pace until both agree.
+//! - Only a seek, a skip or another track moves the position at once. A pause or an underrun stops the position.
+//! - If the clock was not read and no device called for [`AWAY_MAX`], the process was suspended and the song stopped.
 //!
-//! All times are of the monotonic clock.
+//! All times are measured with the monotonic clock.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering, fence};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// Spans that stay readable: at least 5 s at 512 frames of 48 kHz per callback.
+/// Number of spans that stay readable. They last at least 5 s at 512 frames of 48 kHz per callback.
 const SPANS_KEPT: usize = 512;
 
-/// Fraction of the deviation between expected and reported time that each callback corrects.
+/// Fraction of the deviation between expected and reported time that is corrected in each callback.
 const FOLLOW: f64 = 0.1;
 
-/// The clock jumps to the reported time at larger deviations than this, in nanoseconds.
+/// The smallest deviation, in nanoseconds, at which the clock jumps to the reported time.
 const JUMP_NS: f64 = 30e6;
 
 const NS_PER_SECOND: f64 = 1e9;
 
-/// The paces of a clock that is ahead of the audible sound, and of one that is behind it.
+/// The slowest pace of a clock that is ahead of the audible sound, and the fastest pace of a clock that is behind it.
 const SLOWEST: f64 = 0.8;
 
 const FASTEST: f64 = 1.2;
 
-/// After a longer pause between two reads, in seconds, only frames that were delivered meanwhile count.
+/// If two reads are further apart than this, in seconds, the position advances only by the frames delivered in between.
 const AWAY_MAX: f64 = 0.5;
 
-/// A clock further ahead of the sound, in seconds, waits: repeated stalls must not let it run away.
+/// A clock that is further ahead of the sound, in seconds, waits. So repeated stalls cannot increase its lead.
 const AHEAD_MAX: f64 = 1.5;
 
 /// If two segments report positions further apart, in seconds, the clock jumps instead of closing the gap slowly.
@@ -55,15 +55,15 @@ const NEVER: u64 = u64::MAX;
 /// A stretch of sound that was delivered to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Span {
-    /// The time at which its first frame is audible, in nanoseconds since the history's epoch.
+    /// The time at which the span's first frame is audible, in nanoseconds since the history's epoch.
     pub start_ns: u64,
-    /// The segment that it belongs to.
+    /// The segment of the span's frames.
     pub segment: u64,
-    /// The index of its first frame within the segment.
+    /// The index of the span's first frame within the segment.
     pub frame: u64,
-    /// Its length in device frames.
+    /// The length of the span in device frames.
     pub frames: u32,
-    /// False while the segment is paused, starved or ended: `frame` is then audible throughout.
+    /// False while the segment is paused, starved or ended. Then `frame` is audible throughout the span.
     pub moving: bool,
 }
 
@@ -83,7 +83,7 @@ pub struct Course {
     pub audible: Audible,
     /// True unless the song is paused, starved or at its end.
     pub moving: bool,
-    /// Frames up to this position that no device received.
+    /// The number of frames up to this position that no device received.
     beyond: f64,
 }
 
@@ -93,7 +93,7 @@ struct Slot {
     start_ns: AtomicU64,
     segment: AtomicU64,
     frame: AtomicU64,
-    /// The number of frames; bit 32 is set if they move.
+    /// The number of frames. Bit 32 is set if the frames move.
     shape: AtomicU64,
 }
 
@@ -138,7 +138,7 @@ impl SpanHistory {
         self.rate
     }
 
-    /// The number of callback calls, which shows that the device is alive.
+    /// The number of callback calls, which shows whether the device is alive.
     pub fn calls(&self) -> u64 {
         self.calls.load(Ordering::Relaxed)
     }
@@ -153,7 +153,7 @@ impl SpanHistory {
         self.device.get().map(AsRef::as_ref)
     }
 
-    /// Marks the frames as inaudible: the silent clock takes them.
+    /// Marks the frames as inaudible, because the silent clock takes them.
     pub fn set_silent(&self) {
         self.silent.store(true, Ordering::Relaxed);
     }
@@ -172,7 +172,7 @@ impl SpanHistory {
 
     /// The end of the delivered frames.
     pub fn end(&self) -> Option<Audible> {
-        // Retry in case the callback is just writing.
+        // Retry, because the callback may be writing at this moment.
         let newest = || self.read(self.written.load(Ordering::Acquire).checked_sub(1)?);
         let span = (0..4).find_map(|_| newest())?;
         let frame = span.frame + if span.moving { u64::from(span.frames) } else { 0 };
@@ -184,7 +184,7 @@ impl SpanHistory {
         self.moved.load(Ordering::Relaxed) as f64 / f64::from(self.rate)
     }
 
-    /// The audible frame at `moment`, never beyond the delivered frames. `None` before the first callback.
+    /// Returns the audible frame at `moment`, at most the last delivered frame. `None` before the first callback.
     pub fn at(&self, moment: Instant) -> Option<Audible> {
         let found = self.find(moment)?;
         let handed_out = found.passed.clamp(0.0, f64::from(found.span.frames));
@@ -192,8 +192,8 @@ impl SpanHistory {
         Some(Audible { segment: found.span.segment, frame: found.span.frame as f64 + moved })
     }
 
-    /// The song's position at `moment` if it continues in real time even though the device may not. `None` before the
-    /// first frame is audible.
+    /// Returns the song's position at `moment` if the song continues in real time, even if the device has stopped.
+    /// Returns `None` before the first frame is audible.
     pub fn course(&self, moment: Instant) -> Option<Course> {
         let Found { span, passed, first, newest } = self.find(moment)?;
         if passed < 0.0 && first {
@@ -219,11 +219,11 @@ impl SpanHistory {
 
     fn find(&self, moment: Instant) -> Option<Found> {
         let moment_ns = self.nanoseconds(moment);
-        // An attempt fails only if the writer overwrote the whole history meanwhile.
+        // An attempt fails only if the writer overwrote the whole history during the attempt.
         (0..4).find_map(|_| self.look(moment_ns))
     }
 
-    /// Finds the span for a moment, or the oldest kept span if the moment is earlier.
+    /// Finds the span for a moment, or the oldest kept span if the moment is earlier than all kept spans.
     fn look(&self, moment_ns: u64) -> Option<Found> {
         let written = self.written.load(Ordering::Acquire);
         let mut oldest_seen = None;
@@ -261,7 +261,7 @@ impl SpanHistory {
 
 struct Found {
     span: Span,
-    /// Frames from the span's start to the moment; negative if the span is later.
+    /// Number of frames from the span's start to the moment; negative if the span starts later.
     passed: f64,
     first: bool,
     newest: bool,
@@ -275,8 +275,8 @@ pub struct SpanWriter {
 }
 
 impl SpanWriter {
-    /// The time at which the first of the buffer's `frames` is audible, in nanoseconds since the epoch. This is the
-    /// smoothed time that the device reports (`called_at` + `latency`).
+    /// The time at which the first of the buffer's `frames` is audible, in nanoseconds since the epoch. The time that
+    /// the device reports (`called_at` + `latency`) is smoothed.
     pub fn place(&mut self, called_at: Instant, latency: Duration, frames: usize) -> u64 {
         self.history.calls.fetch_add(1, Ordering::Relaxed);
         let reported = self.history.nanoseconds(called_at) as f64 + latency.as_nanos() as f64;
@@ -323,7 +323,7 @@ impl SpanWriter {
     }
 }
 
-/// A reader whose position continues through device changes; the module's page gives the rules.
+/// A reader whose position continues through device changes, by the rules in this module's documentation.
 #[derive(Default)]
 pub struct Clock {
     history: Option<Arc<SpanHistory>>,
@@ -332,10 +332,11 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// The song's position at `moment`, if the sound is heard `delay` seconds (0 or more) later than the device
-    /// reports. Until the first frame of `newest`, the open output's history, is audible, the previous history is
-    /// used; without any, the last position is returned. `carry` maps an audible frame of an earlier segment to one
-    /// of a later segment (negative before its start), or returns `None` if a seek or another track separates them.
+    /// Returns the song's position at `moment`. `delay` is the time in seconds (0 or more) by which the sound is heard
+    /// later than the device reports. `newest` is the history of the open output; until its first frame is audible, the
+    /// previous history is used, or the last position is returned. `carry` maps an audible frame of an earlier segment
+    /// to a frame of a later segment (negative before its start), or returns `None` if a seek or another track
+    /// separates them.
     pub fn at(
         &mut self,
         newest: Option<&Arc<SpanHistory>>,
@@ -370,7 +371,7 @@ impl Clock {
         Some(reported)
     }
 
-    /// The history behind the last reported position.
+    /// The history that the last reported position comes from.
     pub fn history(&self) -> Option<&Arc<SpanHistory>> {
         self.history.as_ref()
     }
@@ -385,7 +386,7 @@ fn follow(
 ) -> Audible {
     let Course { audible: Audible { segment, mut frame }, moving, beyond } = course;
     let from = match last.segment.cmp(&segment) {
-        // Frames from before a seek never return.
+        // Frames from before a seek are never reported again.
         std::cmp::Ordering::Greater => return last,
         std::cmp::Ordering::Equal => Some(last.frame),
         std::cmp::Ordering::Less => {

@@ -94,7 +94,7 @@ fn a_silent_device_does_not_stop_the_clock() {
     for ms in (0..=1100).step_by(20) {
         assert!((reported(&mut clock, &history, ms) - ms as f64).abs() < 1e-6, "at {ms} ms");
     }
-    // The device resumes a second late. Nothing was lost, and the clock waits for it without stopping.
+    // The device resumes a second late. No frame was lost, and the clock waits for the device without stopping.
     writer.push(span(1120, 1, 100, 20_000, true));
     let mut last = reported(&mut clock, &history, 1120);
     for ms in (1140..=7000).step_by(20) {
@@ -110,7 +110,7 @@ fn repeated_stalls_do_not_drive_the_clock_away_from_the_sound() {
     let (mut writer, history) = SpanHistory::new(1000);
     let mut clock = Clock::default();
     for stall in 0..20 {
-        // 0.2 s of sound in each second.
+        // Each second contains 0.2 s of sound.
         writer.push(span(1000 * stall, 1, 200 * stall, 200, true));
         for look in 0..50 {
             let ahead = reported(&mut clock, &history, 1000 * stall + 20 * look) - (200 * (stall + 1)) as f64;
@@ -126,7 +126,7 @@ fn a_process_that_was_stopped_does_not_race_to_catch_up() {
         let mut clock = Clock::default();
         writer.push(span(0, 1, 0, 100, true));
         let _ = (0..5).fold(0.0, |_, look| reported(&mut clock, &history, look * 20));
-        // Suspended at 80 ms for 5 s. The callback runs before or after the first read.
+        // The process is suspended at 80 ms for 5 s. The callback runs before or after the first read.
         if late == 0 {
             writer.push(span(5080, 1, 100, 20_000, true));
         }

@@ -1,4 +1,4 @@
-//! Code for both output and input devices: finding and opening them, and the meaning of cpal's errors.
+//! Code for both output and input devices: how they are found and opened, and how cpal's errors are handled.
 
 use std::io;
 use std::sync::Arc;
@@ -22,13 +22,13 @@ pub(crate) const BUILD_LIMIT: Duration = Duration::from_secs(2);
 /// The choice of a device.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Target {
-    /// The system's default for the direction; followed when it changes.
+    /// The system's default for the direction. If the default changes, the new default is used.
     Default,
-    /// The input that records the default output; followed when the default changes.
+    /// The input that records the default output. If the default changes, the input changes.
     Monitor,
     /// The device whose id or name is or contains this text.
     Named(String),
-    /// The device with this id while it is connected, and otherwise the system's default; both are followed.
+    /// The device with this id while it is connected, otherwise the system's default. Changes are followed.
     Preferred(String),
     /// The input that records the named output.
     MonitorOf(String),
@@ -36,7 +36,7 @@ pub enum Target {
 
 /// One direction of sound as the [`Supervisor`](super::supervisor::Supervisor) handles it.
 pub(crate) trait Port: Sized + Send + 'static {
-    /// The other end of a stream's callback.
+    /// The caller's end of a stream's callback.
     type Link: Send + 'static;
     /// Port-specific data about the open stream.
     type Note: Clone + Default + Send + 'static;
@@ -45,13 +45,13 @@ pub(crate) trait Port: Sized + Send + 'static {
     const DIRECTION: Direction;
     const STAND_IN: &'static str;
 
-    /// Returns a function that opens and starts a device on another thread; it may block.
+    /// Returns a function that opens and starts a device on another thread. The function may block.
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<Self::Link> + Send + 'static;
     fn note(link: &Self::Link) -> Self::Note;
-    /// Handles a newly opened device, after its status was published.
+    /// Handles a newly opened device. It is called after the device's status was published.
     fn ready(&mut self, link: Self::Link);
     fn stand_in(&mut self) -> io::Result<(Option<Self::StandIn>, Self::Note)>;
-    /// Handles a newly started substitute, after its status was published.
+    /// Handles a newly started substitute. It is called after the substitute's status was published.
     fn stood_in(&mut self);
 }
 
@@ -61,13 +61,13 @@ pub(crate) struct Opened<L> {
     pub(crate) description: String,
     /// Returns the number of callback calls, which shows that the device is alive.
     pub(crate) calls: Box<dyn Fn() -> u64 + Send>,
-    /// The connection used only by this device; closed if the device does not close.
+    /// The connection that only this device uses. The supervisor closes the connection if the device does not close.
     pub(crate) connection: Option<ServerConnection>,
 }
 
 /// A stream, to be dropped on the thread that created it.
 pub(crate) struct Running {
-    // Dropped in this order: the connection is free once the stream is gone.
+    // The fields are dropped in this order: the connection is free once the stream is dropped.
     pub(crate) _stream: cpal::Stream,
     pub(crate) _connection: Option<PlaybackConnection>,
 }
@@ -84,7 +84,7 @@ pub(crate) type OnFailure = Arc<dyn Fn(Failure) + Send + Sync>;
 /// The wait before the device is tried again after an error. A change in the device list ends the wait.
 pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
     match kind {
-        // The stream only has to be built again, for example for another rate.
+        // The stream only has to be built again, for example with another rate.
         ErrorKind::StreamInvalidated | ErrorKind::DeviceChanged => Duration::ZERO,
         ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable | ErrorKind::Xrun => {
             Duration::from_millis(500)
@@ -97,7 +97,7 @@ pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
     }
 }
 
-/// The callback for errors of a running stream. Reports the first error that the stream does not survive.
+/// Returns the callback for errors of a running stream. It reports the first error that ends the stream.
 pub(crate) fn error_callback(
     on_failure: OnFailure,
     xruns: impl Fn() + Send + 'static,
@@ -176,7 +176,7 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device
     }
 }
 
-/// The device whose id or name equals `wanted`, or else contains it; monitors come last.
+/// Returns the device whose id or name equals `wanted`, or else one that contains it. Monitors are chosen last.
 fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedDevice) -> Option<T> {
     let wanted = wanted.to_lowercase();
     let rank = |device: &T| {
@@ -211,13 +211,13 @@ pub(crate) fn converts(device: &cpal::Device) -> bool {
     device.id().is_ok_and(|id| is_server(id.host()))
 }
 
-/// The rate to request from a device: its own rate, or the nearest within the limits if a sound server converts.
+/// Returns the rate to request from a device: its own rate or, if a server converts, the nearest within the limits.
 pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
     let (min, max) = (MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max);
     if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }
 }
 
-/// Scales `frames` at 44.1 and 48 kHz by the nearest power of two at other rates, within the device's range.
+/// Scales `frames` for rates other than 44.1 and 48 kHz by the nearest power of two, within the device's range.
 pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSize) -> u32 {
     let scale = (f64::from(rate.max(1)) / f64::from(BUFFER_RATE)).log2().round().clamp(-3.0, 4.0);
     let frames = (f64::from(frames) * scale.exp2()) as u32;
@@ -227,7 +227,7 @@ pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSi
     }
 }
 
-/// Calls a generic function with the sample type of a format; `None` for formats that are not plain numbers.
+/// Calls a generic function with the sample type of a format. Formats that are not plain numbers give `None`.
 macro_rules! with_sample_type {
     ($format:expr, $function:ident($($argument:expr),*)) => {{
         use cpal::{I24, SampleFormat, U24};

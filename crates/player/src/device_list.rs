@@ -1,5 +1,5 @@
-//! The list of connected devices, polled several times a second on a separate thread: the sound servers announce
-//! changes, but cpal does not pass them on. A poll makes four queries to the server.
+//! The list of connected devices. A separate thread polls it several times a second, because cpal does not pass on the
+//! changes that the sound servers announce. A poll makes four queries to the server.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -12,7 +12,7 @@ use super::worker::Worker;
 
 const LOOK_PERIOD: Duration = Duration::from_millis(250);
 
-/// The longest wait for the end of the thread: a poll of a hanging server never returns.
+/// Maximum wait for the end of the thread, because a poll of a hanging server never returns.
 const END_LIMIT: Duration = Duration::from_millis(100);
 
 /// A device in one direction.
@@ -40,7 +40,7 @@ impl ListedDevice {
 /// The devices of the sound server, or of the system if there is no server.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct DeviceList {
-    /// True if the sound system answered. Without an answer the lists are empty, but there may be devices.
+    /// True if the sound system answered. Without an answer the lists are empty, but devices may exist.
     pub known: bool,
     /// The devices for playback.
     pub outputs: Vec<ListedDevice>,
@@ -90,13 +90,13 @@ impl DeviceList {
 #[derive(Default)]
 struct Shared {
     device_list: Mutex<Arc<DeviceList>>,
-    /// A number that grows with each change of the device list; 0 before the first poll.
+    /// A number that grows with each change of the device list. It is 0 before the first poll.
     generation: AtomicU64,
     looks: AtomicU64,
     stop: AtomicBool,
 }
 
-/// The polling thread. The program has one, which runs as long as a reference to it exists.
+/// The polling thread. The program has one polling thread, which runs as long as a reference to it exists.
 pub struct DeviceWatch {
     shared: Arc<Shared>,
     worker: Mutex<Worker>,
@@ -105,10 +105,10 @@ pub struct DeviceWatch {
 static WATCH: Mutex<Weak<DeviceWatch>> = Mutex::new(Weak::new());
 
 impl DeviceWatch {
-    /// The program's watch; the first call starts it.
+    /// Returns the program's device watch. The first call starts it.
     ///
     /// # Errors
-    /// The thread cannot be started.
+    /// Fails if the thread cannot be started.
     pub fn shared() -> std::io::Result<Arc<Self>> {
         let mut slot = WATCH.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(watch) = slot.upgrade() {
@@ -128,12 +128,12 @@ impl DeviceWatch {
         Ok(watch)
     }
 
-    /// The number of finished polls. A change is seen at the latest when two more polls have finished.
+    /// The number of finished polls. A change appears in the list after at most two more polls.
     pub fn looks(&self) -> u64 {
         self.shared.looks.load(Ordering::Acquire)
     }
 
-    /// The list at the last poll, and its generation: a different generation means that the list has changed.
+    /// Returns the list at the last poll, and its generation. A different generation means that the list has changed.
     pub fn latest(&self) -> (u64, Arc<DeviceList>) {
         let generation = self.shared.generation.load(Ordering::Acquire);
         (generation, self.shared.device_list.lock().unwrap_or_else(PoisonError::into_inner).clone())

@@ -25,7 +25,7 @@ pub struct DeviceReport {
 pub struct HostReport {
     /// The sound system's name.
     pub name: String,
-    /// The reason why its devices are unknown, if they are.
+    /// The reason why the devices are unknown; `None` if they are known.
     pub problem: Option<String>,
     /// The devices for playback.
     pub outputs: Vec<DeviceEntry>,
@@ -46,7 +46,7 @@ pub struct DeviceEntry {
     pub monitor_of: Option<String>,
     /// The default format, if the device reports one.
     pub usual: Option<FormatReport>,
-    /// All supported formats, with similar entries joined.
+    /// All supported formats. Similar formats are joined.
     pub supported: Vec<FormatReport>,
 }
 
@@ -64,7 +64,7 @@ pub struct FormatReport {
 }
 
 /// Queries all hosts at once, each within 3 s. Without devices or servers the lists are empty. Standard error is
-/// silenced meanwhile, because the system's sound libraries print every failure there.
+/// silenced during the queries, because the system's sound libraries print every failure to it.
 pub fn list_devices() -> DeviceReport {
     #[cfg(target_os = "linux")]
     let _quiet = super::quiet_stderr::QuietStderr::new();
@@ -72,7 +72,7 @@ pub fn list_devices() -> DeviceReport {
         .into_iter()
         .map(|host| {
             let (answer, answers) = channel();
-            // A host that does not answer keeps its thread; a late answer is ignored.
+            // If a host does not answer, its thread keeps waiting. A late answer is ignored.
             let worker = Worker::spawn("device list", move || drop(answer.send(report_host(host))));
             (host.name(), worker, answers)
         })
@@ -126,7 +126,7 @@ fn report_host(id: cpal::HostId) -> HostReport {
     report
 }
 
-/// Describes a device; `None` if it supports nothing in this direction.
+/// Describes a device. Returns `None` if the device supports no format in this direction.
 fn entry(
     device: &cpal::Device,
     default: Option<&cpal::DeviceId>,
@@ -168,7 +168,7 @@ fn buffer_frames(size: SupportedBufferSize) -> Option<(u32, u32)> {
     }
 }
 
-/// Joins entries with the same range of rates: hosts list hundreds of combinations of formats and channels.
+/// Joins formats with the same range of rates, because hosts list hundreds of combinations of formats and channels.
 fn join(entries: impl Iterator<Item = FormatReport>) -> Vec<FormatReport> {
     let mut joined: Vec<FormatReport> = Vec::new();
     for mut entry in entries {

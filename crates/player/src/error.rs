@@ -25,7 +25,7 @@ pub enum PlayerError {
 }
 
 impl From<std::io::Error> for PlayerError {
-    // Not `#[from]`: the message contains the error already, and error sources are printed after the message.
+    // This is not `#[from]`: the message contains the error already, and error sources are printed after the message.
     fn from(error: std::io::Error) -> Self {
         Self::Thread(error)
     }
@@ -74,7 +74,7 @@ pub enum DeviceError {
         /// The device's name.
         name: String,
     },
-    /// The sound that the computer plays cannot be recorded here.
+    /// The computer's own sound cannot be recorded on this system.
     #[error(
         "the computer's own sound can only be captured through PulseAudio or PipeWire, and neither answers; \
          install and start one (the package is pipewire-pulse or pulseaudio), or use --mic"
@@ -101,7 +101,7 @@ pub enum DeviceError {
         /// The device's name.
         device: String,
     },
-    /// The device supports none of the program's sample formats.
+    /// The program supports none of the device's sample formats.
     #[error(
         "the sound {direction} {device} offers only {format} samples, which are not supported; choose another with \
          --device"
@@ -111,7 +111,7 @@ pub enum DeviceError {
         direction: Direction,
         /// The device's name.
         device: String,
-        /// The formats that it offers.
+        /// The formats that the device offers.
         format: String,
     },
     /// The device's sample rate is out of range.

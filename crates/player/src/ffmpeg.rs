@@ -1,8 +1,8 @@
-//! Command lines of ffmpeg and ffprobe. No other module starts these programs.
+//! Command lines of ffmpeg and ffprobe. Only this module starts these programs.
 //!
 //! By default ffmpeg chooses a demuxer by a file's content, and some demuxers (HLS, DASH, concat) open every file and
-//! address that their input names. [`CommandLine::input`], the only way to add an input, names the demuxers that may
-//! read it and the single protocol that reaches it. These demuxers open only their own input.
+//! address that their input names. Inputs can be added only by [`CommandLine::input`]. It names the demuxers that may
+//! read the input, and the single protocol that reaches the input. These demuxers open only their own input.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -76,7 +76,7 @@ impl Demuxer {
     /// WAVE.
     pub const WAV: Self = Self("wav");
 
-    /// The demuxer for songs among the names that ffprobe reports, separated by commas; `None` without any.
+    /// Returns the demuxer for songs among the comma-separated names from ffprobe; `None` without such a demuxer.
     pub(crate) fn of_song(reported: &str) -> Option<Self> {
         let is_reported = |known: &&str| reported.split(',').any(|name| name == *known);
         SONG_DEMUXERS.into_iter().find(is_reported).map(Self)
@@ -86,9 +86,9 @@ impl Demuxer {
 /// The demuxers that may read an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReadBy {
-    /// This demuxer.
+    /// Only this demuxer.
     Demuxer(Demuxer),
-    /// The demuxer for songs that recognises the content.
+    /// The song demuxer that recognises the content.
     AnySongDemuxer,
 }
 
@@ -109,7 +109,7 @@ pub struct CommandLine {
 }
 
 impl CommandLine {
-    /// Starts a command line of ffmpeg, found through `PATH`. It reports only errors and does not read standard input.
+    /// Starts a command line of ffmpeg (found in `PATH`) that reports only errors and does not read standard input.
     pub fn ffmpeg() -> Self {
         Self::of("ffmpeg".as_ref()).options(["-nostdin"])
     }
@@ -118,7 +118,7 @@ impl CommandLine {
         Self { program: program.to_owned(), arguments: Vec::new() }.options(["-v", "error"])
     }
 
-    /// Adds options other than inputs.
+    /// Adds options that are not inputs.
     #[must_use]
     pub fn options<A: Into<OsString>>(mut self, options: impl IntoIterator<Item = A>) -> Self {
         self.arguments.extend(options.into_iter().map(Into::into));

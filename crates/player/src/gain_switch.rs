@@ -1,11 +1,11 @@
-//! The gain control, which may change during analysis.
+//! The gain control, which may change during the analysis.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use mariana_music::Gain;
 
-/// A [`Gain`] that one thread sets and others read. Clones refer to the same setting.
+/// A [`Gain`] that one thread sets and other threads read. Clones refer to the same setting.
 #[derive(Debug, Clone)]
 pub(crate) struct GainSwitch(Arc<AtomicBool>);
 

@@ -1,7 +1,7 @@
-//! The sound systems of this machine, and the connections to a sound server. A connection to PulseAudio is a socket
-//! and a thread. It lasts as long as the server, which accepts only 64. So connections are kept and reused: one for
-//! queries and inputs, and one for each playing stream, because PulseAudio keeps all streams of a connection on one
-//! device.
+//! The sound systems of this machine, and the connections to a sound server. A connection to PulseAudio is a socket and
+//! a thread. The connection lasts as long as the server, which accepts only 64 connections. So connections are kept and
+//! reused: one connection for queries and inputs, and one for each playing stream, because PulseAudio keeps all streams
+//! of a connection on one device.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -19,7 +19,7 @@ type Connected = (Arc<cpal::Host>, Option<ServerConnection>);
 /// Connections without a playing stream.
 static IDLE: Mutex<Vec<Connected>> = Mutex::new(Vec::new());
 
-/// The sound server comes first: it reports failures best, and several programs can use a device through it.
+/// Returns the hosts, the sound server first: it reports failures best, and several programs can share its devices.
 pub(crate) fn hosts_by_preference() -> Vec<cpal::HostId> {
     let mut hosts = cpal::available_hosts();
     hosts.sort_by_key(|host| !is_server(*host));
@@ -36,7 +36,7 @@ pub(crate) fn is_watched(host: cpal::HostId) -> bool {
     is_server(host) || cfg!(not(target_os = "linux"))
 }
 
-/// Keeps libasound, on this thread, from printing errors that it also returns.
+/// Keeps libasound from printing, on this thread, the errors that libasound also returns.
 pub(crate) fn hush_sound_library() {
     #[cfg(target_os = "linux")]
     if let Err(error) = alsa::Output::local_error_handler() {
@@ -44,7 +44,7 @@ pub(crate) fn hush_sound_library() {
     }
 }
 
-/// Returns a host that answers. This may block as long as the sound system does.
+/// Returns a host that answers. This function may block as long as the sound system does.
 pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     if !is_server(id) {
         return Ok(Arc::new(cpal::host_from_id(id)?));
@@ -61,7 +61,7 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
         (now, _) => now.is_some(),
     };
     if let Some(host) = slot.as_ref().filter(|_| renewed) {
-        // Another thread was faster.
+        // Another thread has inserted the host first.
         return Ok(host.clone());
     }
     *slot = None;
@@ -70,7 +70,7 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     Ok(host)
 }
 
-/// A connection that no other stream uses while this value exists.
+/// A connection that is used by no other stream while this value exists.
 pub(crate) struct PlaybackConnection(Option<Connected>);
 
 impl PlaybackConnection {
@@ -87,8 +87,8 @@ impl Drop for PlaybackConnection {
     }
 }
 
-/// Returns the same device on its own connection, to be held while a stream plays on it; on hosts other than sound
-/// servers, the device itself.
+/// Returns the same device on its own connection, and the connection. Keep the connection while a stream plays on the
+/// device. On hosts other than sound servers, returns the device itself.
 pub(crate) fn for_playback(device: cpal::Device) -> Result<(cpal::Device, PlaybackConnection), cpal::Error> {
     let id = device.id()?;
     if !is_server(id.host()) {

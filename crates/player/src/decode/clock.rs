@@ -1,5 +1,5 @@
-//! Conversion of packet time stamps to frames. "Raw" frames include the encoder delay: they are counted from the
-//! first frame of the first packet.
+//! Conversion of packet time stamps to frames. "Raw" frames include the encoder delay. They are counted from the first
+//! frame of the first packet.
 
 use symphonia::core::units::TimeBase;
 
@@ -10,7 +10,7 @@ pub(super) struct Clock {
     denom: u32,
     /// The first packet's time stamp, in ticks.
     first: Option<i64>,
-    /// Every packet begins at a multiple of this many raw frames, if the codec has such a grid.
+    /// If the codec has a grid, every packet begins at a multiple of this many raw frames.
     grid: Option<u32>,
 }
 
@@ -32,8 +32,8 @@ impl Clock {
         self.is_exact(rate) || (self.numer > 0 && self.grid.is_some())
     }
 
-    /// The first raw frame of a packet with this time stamp. If ticks are coarser than frames (Matroska counts
-    /// milliseconds), the codec's grid corrects it.
+    /// Returns the first raw frame of a packet with this time stamp. If ticks are coarser than frames (Matroska counts
+    /// milliseconds), the codec's grid corrects the frame.
     pub(super) fn raw_frame(&self, ticks: i64, rate: u32) -> Option<i64> {
         let frames = self.frames(ticks.checked_sub(self.first?)?, rate)?;
         if self.is_exact(rate) {
@@ -48,7 +48,7 @@ impl Clock {
         (self.numer > 0).then(|| frames as f64 / f64::from(self.denom))
     }
 
-    /// A time stamp at or before a raw frame; with a coarse clock, by one packet of the grid and two ticks.
+    /// Returns a time stamp at or before a raw frame. With a coarse clock it is one grid packet and two ticks earlier.
     pub(super) fn ticks_before(&self, raw: i64, rate: u32) -> Option<i64> {
         let exact = self.is_exact(rate);
         let raw = if exact { raw } else { raw.checked_sub(i64::from(self.grid?))? };
@@ -58,7 +58,7 @@ impl Clock {
         Some(if exact { ticks } else { ticks.saturating_sub(2) })
     }
 
-    /// Frames before time zero, if the first packet is earlier than that.
+    /// The number of frames before time zero, if the first packet is earlier than time zero.
     pub(super) fn lead_in(&self, rate: u32) -> u64 {
         let first = self.first.unwrap_or(0);
         if first >= 0 {

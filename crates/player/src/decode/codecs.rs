@@ -1,4 +1,4 @@
-//! Codecs: their decoders and names, and the requirements of a jump into the middle of a stream.
+//! Codecs: their decoders and names, and their needs after a jump into the middle of a stream.
 
 use std::sync::LazyLock;
 
@@ -25,8 +25,8 @@ pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn 
     let channels = params.channels.as_ref().map_or(1, |channels| channels.count());
     let mut params = params.clone();
     if params.codec == id::CODEC_ID_OPUS {
-        // Matroska may give the rate before encoding. The head is removed because the decoder would drop the pre-skip
-        // itself, and again after every jump.
+        // Matroska may give the rate before encoding. The head is removed, because with the head the decoder would drop
+        // the pre-skip itself, and again after every jump.
         params.sample_rate = Some(OPUS_RATE);
         params.extra_data = None;
     }
@@ -70,7 +70,7 @@ fn codec_name(codec: AudioCodecId) -> &'static str {
     }
 }
 
-/// The number of frames on whose multiples packets begin, for coarse time stamps. Opus frames last 2.5 ms or more.
+/// Packets begin at multiples of this number of frames (for coarse time stamps). Opus frames last 2.5 ms or more.
 pub(super) fn grid(codec: AudioCodecId) -> Option<u32> {
     match codec {
         id::CODEC_ID_AAC => Some(1024),
@@ -89,15 +89,16 @@ pub(super) fn is_opus(codec: AudioCodecId) -> bool {
     codec == id::CODEC_ID_OPUS
 }
 
-/// Frames to decode before the target of a jump until the decoder's state is right. Half a second covers the overlap
-/// of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6 requires for Opus.
+/// The number of frames that must be decoded before the target of a jump to bring the decoder into the right state.
+/// Half a second covers the overlap of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6 requires
+/// for Opus.
 pub(super) fn pre_roll(codec: AudioCodecId, rate: u32) -> i64 {
     let lossless = (id::CODEC_ID_PCM_S32LE..=id::CODEC_ID_PCM_MULAW).contains(&codec)
         || matches!(codec, id::CODEC_ID_FLAC | id::CODEC_ID_ALAC);
     if lossless { 0 } else { i64::from(rate / 2) }
 }
 
-/// The known encoder delay nearest to one in coarse ticks: 1024 or 2048 for AAC, Apple's 2112, 1105 for LAME.
+/// The known encoder delay nearest to a delay in coarse ticks: 1024 or 2048 for AAC, Apple's 2112, 1105 for LAME.
 pub(super) fn known_delay(codec: AudioCodecId, about: u64, rate: u32) -> u64 {
     let known: &[u64] = match codec {
         id::CODEC_ID_AAC => &[1024, 2048, 2112],

@@ -1,4 +1,4 @@
-//! Containment of codec libraries: a panic in one becomes a decoding error instead of ending the program.
+//! Containment of codec libraries: if a library panics, the program reports a decoding error and continues.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
@@ -23,8 +23,8 @@ pub(super) fn contained<T>(name: &str, run: impl FnOnce() -> T) -> Result<T, Dec
     })
 }
 
-/// Installs a panic hook that logs contained panics at debug level instead of printing them; others are printed as
-/// usual. The program calls this once.
+/// Installs a panic hook that logs contained panics at debug level instead of printing them. All other panics are
+/// printed as usual. The program calls this function once.
 pub fn quiet_contained_panics() {
     let print = take_hook();
     set_hook(Box::new(

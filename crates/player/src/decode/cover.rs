@@ -15,7 +15,7 @@ pub struct Cover {
     pub bytes: Vec<u8>,
 }
 
-/// The supported encodings of covers, recognised by their first bytes. Others are ignored.
+/// The supported encodings of covers, recognised by their first bytes. Covers in any other encoding are ignored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CoverKind {
     /// JPEG.
@@ -37,7 +37,7 @@ impl Cover {
 }
 
 pub(super) fn of(input: &Input) -> Result<Option<Cover>, DecodeError> {
-    // Twice the size for text, because comments hold covers in base64.
+    // Comments hold covers in base64, so the text limit is twice the cover limit.
     let limits = TagBytes { text: 2 * LIMITS.cover_bytes_max, picture: LIMITS.cover_bytes_max };
     let mut opened = input.open_with(limits)?;
     let mut metadata = opened.format.metadata();

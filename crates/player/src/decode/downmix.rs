@@ -1,14 +1,14 @@
 //! Down-mix of any number of channels to two.
 //!
 //! Mono goes to both sides at full level, and stereo is unchanged. With more channels, each side is a weighted sum
-//! after the down-mix of ITU-R BS.775-3 (annex 4): its front channel with weight 1, the centre and its surrounds with
-//! 1/sqrt(2) (-3 dB), a rear or top centre with 1/2, and LFE channels dropped. The weights of both sides are divided
-//! by the larger of their sums, so that the mix never exceeds full scale.
+//! after the down-mix of ITU-R BS.775-3 (annex 4). The weight is 1 for the side's front channel, 1/sqrt(2) (-3 dB) for
+//! the centre and the side's surrounds, 1/2 for a rear or top centre, and 0 for LFE channels. The weights of both sides
+//! are divided by the larger of the two sums, so that the mix never exceeds full scale.
 //!
-//! Without positions in the container, the order of WAVE files applies: 3: L R C; 4: L R Ls Rs; 5: L R C Ls Rs; 6: L
-//! R C LFE Ls Rs; 7: L R C LFE Cs Ls Rs; 8: L R C LFE Lb Rb Ls Rs. With more than eight unknown channels, even ones
-//! (counted from 0) go to the left and odd ones to the right. Ambisonic sound is decoded to two cardioids that point
-//! left and right.
+//! If the container gives no positions, the order of WAVE files applies: 3: L R C; 4: L R Ls Rs; 5: L R C Ls Rs; 6: L R
+//! C LFE Ls Rs; 7: L R C LFE Cs Ls Rs; 8: L R C LFE Lb Rb Ls Rs. With more than eight unknown channels, even channels
+//! (counted from 0) go to the left and odd channels to the right. Ambisonic sound is decoded to two cardioids that
+//! point left and right.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -16,7 +16,7 @@ use symphonia::core::audio::{ChannelLabel, Channels, Position};
 
 use mariana_music::StereoFrame;
 
-/// Sample values are clamped to this (24 dB over full scale), because float files may hold anything.
+/// Sample values are clamped to this magnitude (24 dB over full scale), because float files may contain any value.
 const SAMPLE_MAX: f32 = 16.0;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +54,7 @@ impl Downmix {
         self.weights.len()
     }
 
-    /// Mixes the planes (one per channel, equally long) into `out`. Samples that are not finite become silence.
+    /// Mixes the planes (one per channel, of equal length) into `out`. Samples that are not finite become silence.
     pub(super) fn mix(&self, planes: &[Vec<f32>], frames: usize, out: &mut Vec<StereoFrame>) {
         let start = out.len();
         match planes {
@@ -120,8 +120,9 @@ const RIGHT: Position = Position::REAR_RIGHT
     .union(Position::BOTTOM_FRONT_RIGHT)
     .union(Position::FRONT_RIGHT_WIDE);
 
-/// True for a mask without meaning, set by programs that know only the number of channels: it has a left without its
-/// right (or the reverse), or is the first four positions, a 3.1 layout that no program writes.
+/// True for a mask without meaning, which is set by programs that know only the number of channels. Such a mask has a
+/// left without its right (or the reverse), or consists of the first four positions, a 3.1 layout that no program
+/// writes.
 fn is_placeholder(mask: Position) -> bool {
     let first_positions = (mask.bits() & (mask.bits() + 1)) == 0;
     let lefts = (mask & (LEFT | Position::FRONT_LEFT)).bits().count_ones();
@@ -155,7 +156,7 @@ fn alternating(count: usize) -> Vec<[f32; 2]> {
     (0..count).map(|i| if i % 2 == 0 { [fraction, 0.0] } else { [0.0, fraction] }).collect()
 }
 
-/// Scales the weights; `None` if the mix would be silent (a file with only LFE channels).
+/// Scales the weights. Returns `None` if the mix would be silent, as for a file with only LFE channels.
 fn normalised(weights: impl Iterator<Item = [f32; 2]>) -> Option<Vec<[f32; 2]>> {
     let mut weights: Vec<[f32; 2]> = weights.collect();
     let sum = weights.iter().fold([0.0f32; 2], |sum, w| [sum[0] + w[0], sum[1] + w[1]]);
@@ -213,7 +214,7 @@ mod tests {
             frame[i] = 1.0;
             mixed(&layout, &frame)[side] / front[0]
         };
-        // Relative to the front: centre and surrounds -3 dB, LFE silent.
+        // The wanted levels are relative to the front: -3 dB for centre and surrounds, silence for LFE.
         for (i, side, wanted_db) in [(1, 1, 0.0), (2, 0, -3.01), (2, 1, -3.01), (4, 0, -3.01), (5, 1, -3.01)]
         {
             assert!((20.0 * ratio(i, side).log10() - wanted_db).abs() < 0.01, "channel {i}");

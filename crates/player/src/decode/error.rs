@@ -40,10 +40,10 @@ pub enum DecodeError {
     Read {
         /// The file's name.
         name: String,
-        /// The system's message. Not an error source: sources are printed after the message, which contains it.
+        /// The system's message. The field is no error source, because the message above contains it already.
         reason: std::io::Error,
     },
-    /// The bytes are not audio, or are in an unknown form.
+    /// The bytes are not audio, or they are audio in an unknown form.
     #[error(
         "{name} is not an audio file: {what}; choose a wav, aiff, flac, mp3, ogg, opus, m4a, caf, mkv or webm file"
     )]
@@ -77,7 +77,7 @@ pub enum DecodeError {
     NeedsFfmpeg {
         /// The file's name.
         name: String,
-        /// The rest of the sentence after the name: what the file is or holds.
+        /// The rest of the sentence after the name: the kind or the content of the file.
         what: String,
     },
     /// The container has no audio track.
@@ -99,7 +99,7 @@ pub enum DecodeError {
     OverLimit {
         /// The file's name.
         name: String,
-        /// The excess, with its number.
+        /// A description of the excess, with its number.
         what: String,
         /// The limit, with its unit.
         limit: String,

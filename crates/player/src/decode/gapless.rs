@@ -3,7 +3,7 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
-/// Deepest nesting of boxes that is followed: `moov/trak/edts/elst` and `moov/trak/mdia/mdhd`.
+/// Maximum nesting of boxes that is followed: `moov/trak/edts/elst` and `moov/trak/mdia/mdhd`.
 const DEPTH_MAX: usize = 4;
 
 const BOXES_MAX: usize = 4096;
@@ -17,11 +17,11 @@ pub(super) struct TrackEdit {
     pub(super) media_time: u64,
 }
 
-/// The edits of all tracks of an MP4 file, and true if the file is fragmented. Empty for other files and without edits.
+/// Returns the edits of all tracks of an MP4 file, and true if the file is fragmented. Other files have no edits.
 pub(super) fn track_edits(source: &mut (impl Read + Seek)) -> (Vec<TrackEdit>, bool) {
     let mut walk = Walk { source, edits: Vec::new(), fragmented: false, boxes: 0 };
     let end = walk.source.seek(SeekFrom::End(0)).unwrap_or(0);
-    // Data from before a damaged box stays valid.
+    // The edits read before a damaged box stay valid.
     let _ = walk.children(0, end, 0);
     (walk.edits, walk.fragmented)
 }
@@ -70,7 +70,7 @@ impl<S: Read + Seek> Walk<'_, S> {
         Ok(())
     }
 
-    /// Reads the track's number (`tkhd`) or its time scale (`mdhd`), both after two dates.
+    /// Reads the track's number (`tkhd`) or its time scale (`mdhd`). Both fields follow two dates.
     fn header(&mut self, kind: &[u8; 4]) -> io::Result<()> {
         let version = self.u32()? >> 24;
         self.source.seek(SeekFrom::Current(if version == 1 { 16 } else { 8 }))?;
@@ -85,7 +85,7 @@ impl<S: Read + Seek> Walk<'_, S> {
         Ok(())
     }
 
-    /// Reads the start of the sound from the first edit that is not empty (an empty one has the media time -1).
+    /// Reads the start of the sound from the first edit that is not empty. (An empty edit has the media time -1.)
     fn edit_list(&mut self) -> io::Result<()> {
         let version = self.u32()? >> 24;
         let entries = self.u32()?.min(16);
@@ -119,8 +119,8 @@ impl<S: Read + Seek> Walk<'_, S> {
     }
 }
 
-/// Parses the delay and the number of playable frames from an `iTunSMPB` tag. It consists of hexadecimal words: the
-/// second is the delay, the third the padding and the fourth the length.
+/// Parses the delay and the number of playable frames from an `iTunSMPB` tag. The tag consists of hexadecimal words:
+/// the second word is the delay, the third is the padding and the fourth is the length.
 pub(super) fn parse_itun_smpb(text: &str) -> Option<(u64, u64)> {
     let mut words = text.split_whitespace().skip(1).map(|word| u64::from_str_radix(word, 16).ok());
     let delay = words.next()??;

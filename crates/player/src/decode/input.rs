@@ -30,7 +30,7 @@ impl TagBytes {
 pub(super) enum Input {
     File {
         path: PathBuf,
-        /// An open handle, so that the song continues if its file is moved or deleted.
+        /// An open handle. With it the song continues if its file is moved or deleted.
         file: Arc<File>,
     },
     Bytes {
@@ -45,8 +45,8 @@ pub(super) struct Opened {
     pub(super) fragmented: bool,
 }
 
-/// Duplicates the file handle at its first byte. Both handles share one position, so the old one must no longer be
-/// read.
+/// Duplicates the file handle and moves it to the first byte. Both handles share one position, so the old handle must
+/// no longer be read.
 fn from_start(file: &File) -> io::Result<File> {
     let mut again = file.try_clone()?;
     again.rewind()?;
@@ -147,8 +147,8 @@ impl Input {
             .iter()
             .any(|(offset, mark)| head.get(*offset..).is_some_and(|rest| rest.starts_with(mark)));
         if recognised && probed.is_err() {
-            // Many demuxers look for more data at the end, or compare lengths with the file's, and fail if the file is
-            // truncated. They skip these checks if the source cannot seek.
+            // Many demuxers look for more data at the end, or compare lengths with the file's length, and fail if the
+            // file is truncated. They skip these checks if the source cannot seek.
             let source: Box<dyn MediaSource> = match self {
                 Self::File { file, .. } => {
                     Box::new(ReadOnlySource::new(from_start(file).map_err(|e| self.read_error(e))?))

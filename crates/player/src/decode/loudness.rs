@@ -1,17 +1,17 @@
 //! Loudness tags of files. ReplayGain 2.0 stores the gain in decibels that brings a track to -18 LUFS (EBU R128);
 //! Opus files store `R128_TRACK_GAIN`, an integer of 1/256 dB towards -23 LUFS (RFC 7845, 5.2.1).
 //!
-//! **The gain applies only to the analysis.** One factor multiplies a track's frames before they are analysed,
-//! towards -14 LUFS, live and offline. Tracks without a tag are left to the analysis. Playback stays unchanged:
-//! listeners have a volume control, and a gain above 1 could clip.
+//! **The gain applies only to the analysis.** Live and offline, a track's frames are multiplied by one factor before
+//! they are analysed, to bring the track to -14 LUFS. Tracks without a tag have the factor 1. Playback stays unchanged,
+//! because listeners have a volume control, and a gain above 1 could clip.
 
-/// The loudness of tagged tracks for scenes. Streaming services use it too, so untagged music is similarly loud.
+/// The loudness of tagged tracks for scenes. Streaming services also use it, so untagged music has a similar loudness.
 const SCENE_LUFS: f64 = -14.0;
 const REPLAY_GAIN_LUFS: f64 = -18.0;
 const R128_LUFS: f64 = -23.0;
 
-/// Accepted gains, in decibels. The ReplayGain specification mentions -51 dB as the lowest and +64 dB as the highest,
-/// but no music is that far off.
+/// Accepted gains, in decibels. The ReplayGain specification mentions -51 dB as the lowest and +64 dB as the highest
+/// gain, but no music needs such a gain.
 const GAIN_DB: std::ops::RangeInclusive<f64> = -40.0..=40.0;
 
 /// The gains in a file's tags, in decibels towards -18 LUFS.
@@ -66,7 +66,7 @@ mod tests {
             (&[("track", "-4.00 dB")][..], 0.0),
             (&[("album", "+2.0 dB"), ("track", " -24 db ")], -20.0),
             (&[("album", "2")], 6.0),
-            // The same loudness as an Opus tag: 5 dB less, towards -23 LUFS.
+            // As an Opus tag, the same gain is 5 dB less, because the tag is relative to -23 LUFS.
             (&[("r128", "-2304")], 0.0),
         ] {
             let found = 20.0 * gain(tags).log10();

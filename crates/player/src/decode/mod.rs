@@ -1,7 +1,7 @@
-//! Decoding of audio files to stereo frames. [`Decoder`] finds the container by its content, picks the first audio
-//! track that can be decoded and yields its frames, mixed down to stereo ([`downmix`]), at the rate of the file.
-//! [`native`] decodes common formats. Files whose format or codec it does not support go to [`ffmpeg`], if it is
-//! installed; damaged files do not.
+//! Decoding of audio files to stereo frames. [`Decoder`] finds the container by its content and picks the first audio
+//! track that can be decoded. It yields the track's frames, mixed down to stereo ([`downmix`]), at the rate of the
+//! file. [`native`] decodes common formats. Files whose format or codec is not supported by `native` go to [`ffmpeg`],
+//! if it is installed. Damaged files do not go to `ffmpeg`.
 
 mod clock;
 mod codecs;
@@ -46,7 +46,7 @@ pub struct StreamInfo {
     pub sample_rate: u32,
     /// Channels before the down-mix.
     pub source_channels: usize,
-    /// Length in seconds, as the container claims it; an estimate for MP3 files without a header.
+    /// Length in seconds, as the container claims it. For MP3 files without a header the length is an estimate.
     pub duration: Option<f64>,
     /// Title, if the file has one.
     pub title: Option<String>,
@@ -83,10 +83,10 @@ impl Decoder {
         Ok(Self(By::Native(Box::new(decoder))))
     }
 
-    /// The file's cover image, if it has one. Files that ffmpeg decodes have none.
+    /// The file's cover image. Returns `None` if the file has no cover or is decoded by ffmpeg.
     ///
     /// # Errors
-    /// The demuxer's errors.
+    /// Fails if the demuxer fails.
     pub fn cover(&self) -> Result<Option<Cover>, DecodeError> {
         match &self.0 {
             By::Native(decoder) => decoder.cover(),
@@ -102,7 +102,7 @@ impl Decoder {
         }
     }
 
-    /// The number of damaged packets that were skipped so far; 0 with ffmpeg.
+    /// The number of damaged packets that were skipped so far. With ffmpeg it is always 0.
     pub fn skipped_packets(&self) -> u64 {
         match &self.0 {
             By::Native(decoder) => decoder.skipped_packets(),
@@ -110,8 +110,8 @@ impl Decoder {
         }
     }
 
-    /// Appends the next frames (at most one packet) to `out` and returns their number; 0 at the end. After an error
-    /// the stream has ended; a seek restarts it.
+    /// Appends the next frames (at most one packet) to `out` and returns their number, which is 0 at the end. An error
+    /// also ends the stream. A seek restarts it.
     pub fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
         match &mut self.0 {
             By::Native(decoder) => decoder.next_block(out),

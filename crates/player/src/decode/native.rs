@@ -2,14 +2,14 @@
 //!
 //! - Containers: WAV, AIFF, FLAC, MP3, Ogg, MP4, CAF, Matroska/WebM, ADTS. Codecs: PCM (integer and float), ADPCM,
 //!   FLAC, ALAC, MP1-3, Vorbis, Opus (mono and stereo), AAC-LC.
-//! - Encoder delay and padding are cut off if the file reports them: frame 0 is the encoder's first input frame.
-//! - A seek is exact to the frame. If the container cannot seek, or its clock is too coarse, the file is decoded
-//!   again from its start. Samples after a seek equal those of an uninterrupted run, because lossy codecs decode half
-//!   a second before the target first (except for AAC's random substituted noise).
-//! - Damaged packets are skipped and counted; silence of their length keeps the rest in time. A truncated file plays
-//!   to its end (except for CAF, and MP4 with its tables at the end).
+//! - Encoder delay and padding are cut off if the file reports them, so frame 0 is the encoder's first input frame.
+//! - A seek is exact to the frame. If the container cannot seek, or its clock is too coarse, the file is decoded again
+//!   from its start. After a seek, lossy codecs decode half a second before the target first. So the samples are the
+//!   same as without the seek (except for AAC's random substituted noise).
+//! - Damaged packets are skipped and counted. Silence of their length replaces them, so that later sound stays in time.
+//!   A truncated file plays to its end (except for CAF, and MP4 with its tables at the end).
 //! - Chained streams (Ogg) play in succession, resampled to the first rate.
-//! - No buffer is sized by a number from the file, and a panic in a codec library becomes an error.
+//! - No buffer is sized by a number from the file. A panic in a codec library becomes an error.
 
 use crate::limits::LIMITS;
 use crate::resample::Resampler;
@@ -19,7 +19,7 @@ use super::input::Input;
 use super::packets::{Block, PacketReader};
 use super::{Cover, DecodeError, StreamInfo, cover, sniff};
 
-/// Longest silence, in seconds, that fills gaps between two seeks. More means that the container's clock is broken.
+/// Longest silence, in seconds, that fills gaps between two seeks. A longer gap means that the clock is broken.
 const HOLE_SECONDS_MAX: i64 = 10;
 
 const NEAR_SECONDS: i64 = 1;
@@ -28,20 +28,20 @@ pub(super) struct NativeDecoder {
     input: Input,
     reader: PacketReader,
     info: StreamInfo,
-    /// Raw frames before the first audible one.
+    /// Number of raw frames before the first audible frame.
     delay: i64,
     /// The number of audible frames, if the container states it exactly.
     length: Option<i64>,
     raw: RawPlace,
-    /// Frames before this one are dropped.
+    /// Frames before this frame are dropped.
     from: i64,
     /// Frames to drop at the start of a chained stream.
     drop_next: usize,
     pending: Vec<StereoFrame>,
     position: i64,
-    /// For streams whose rate differs from the first one's.
+    /// A resampler for chained streams whose rate differs from the first stream's rate.
     resampler: Option<Resampler>,
-    /// True once the rate has changed or a chained stream has begun: from then on the clock is meaningless.
+    /// True once the rate has changed or a chained stream has begun. The clock is meaningless from then on.
     uneven: bool,
     ended: bool,
     skipped_before: u64,
@@ -50,7 +50,7 @@ pub(super) struct NativeDecoder {
 
 /// The decoder's position in raw frames, since the start or the last jump.
 struct RawPlace {
-    /// The next raw frame, unknown until the first packet is decoded.
+    /// The next raw frame. It is unknown until the first packet is decoded.
     next: i64,
     settled: bool,
     at_start: bool,
@@ -127,7 +127,7 @@ impl NativeDecoder {
 
     pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
         let rate = f64::from(self.info.sample_rate);
-        // The conversion saturates and maps NaN to 0; a quarter of the range leaves room for sums.
+        // The conversion saturates and maps NaN to 0. A quarter of the range leaves room for sums.
         let target = ((seconds * rate).round() as i64).clamp(0, i64::MAX / 4);
         let near = i64::from(self.info.sample_rate) * NEAR_SECONDS;
         let ahead = !self.ended && (self.position..self.position + near).contains(&target);
@@ -167,13 +167,13 @@ impl NativeDecoder {
         (self.ended, self.drop_next) = (false, 0);
     }
 
-    /// Jumps with the container's own seek. Returns false if it has none or it failed; then the caller must restart.
+    /// Jumps with the container's seek. Returns false if the container cannot seek or the seek failed; then restart.
     fn jump(&mut self, target: i64) -> Result<bool, DecodeError> {
         if self.uneven {
             return Ok(false);
         }
         let rate = self.info.sample_rate;
-        // A target past the end starts a second before the end, so that the end is reached.
+        // If the target is past the end, start a second before the end, so that decoding reaches the end.
         let claimed_end = self.info.duration.map_or(i64::MAX / 4, |s| ((s - 1.0) * f64::from(rate)) as i64);
         let skipped = self.reader.skipped();
         if !self.reader.jump(target.min(claimed_end) + self.delay, rate)? {
@@ -181,11 +181,11 @@ impl NativeDecoder {
         }
         self.forget();
         self.from = target;
-        // If this fails, the caller seeks from the start.
+        // If decoding fails, the caller seeks from the start.
         if self.fill().is_err() || !self.raw.settled || self.uneven {
             return Ok(false);
         }
-        // Packets of the pre-roll may depend on earlier ones. That does not count as damage.
+        // Packets of the pre-roll may depend on earlier packets. Their errors do not count as damage.
         let by_jump = self.reader.skipped() - skipped;
         self.skipped_before = self.skipped_before.saturating_sub(by_jump);
         Ok(self.pending.is_empty() || self.position == target)

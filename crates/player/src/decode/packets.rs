@@ -1,5 +1,5 @@
-//! Decoding of a demuxer's packets to stereo frames, each with its position on the container's clock. Encoder delay and
-//! padding are not cut off yet.
+//! Decoding of a demuxer's packets to stereo frames. Each block of frames has its position on the container's clock.
+//! Encoder delay and padding are not cut off yet.
 
 use std::io;
 
@@ -29,19 +29,19 @@ use super::input::Input;
 use super::loudness::Loudness;
 use super::{codecs, contained, sniff};
 
-/// Consecutive failures of the demuxer after which the stream ends: the demuxer has lost the packets.
+/// Number of consecutive failures after which the stream ends, because the demuxer no longer finds packets.
 const DEMUXER_FAILURES_MAX: u32 = 16;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     pub(super) rate: u32,
-    /// Its first raw frame by the container's clock.
+    /// The block's first raw frame by the container's clock.
     pub(super) start: Option<i64>,
     /// True if `start` is exact without the codec's grid.
     pub(super) exact: bool,
-    /// Frames at its end that are the encoder's padding.
+    /// Number of frames at the block's end that are the encoder's padding.
     pub(super) padding: usize,
-    /// The delay of a further stream in the same file (chained Ogg), on that stream's first block.
+    /// In the first block of a further stream in the same file (chained Ogg): the delay of this stream.
     pub(super) new_link: Option<u64>,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Tags {
     pub(super) title: Option<String>,
     pub(super) artist: Option<String>,
     pub(super) loudness: Loudness,
-    /// Delay and length in frames, as iTunes writes them.
+    /// Delay and length in frames, from the `iTunSMPB` tag.
     itunes_gapless: Option<(u64, u64)>,
 }
 
@@ -70,7 +70,7 @@ pub(super) struct PacketReader {
     skipped: u64,
 }
 
-/// The track being decoded; each link of a chained file has its own.
+/// The track being decoded. Each link of a chained file has its own stream.
 struct Stream {
     track: Track,
     params: AudioCodecParameters,
@@ -106,7 +106,7 @@ impl PacketReader {
         })
     }
 
-    /// Decodes packets until one yields frames, which are appended to `out`; `None` at the end.
+    /// Decodes packets until one packet yields frames, and appends the frames to `out`. Returns `None` at the end.
     pub(super) fn next(&mut self, out: &mut Vec<StereoFrame>) -> Result<Option<Block>, DecodeError> {
         loop {
             let Some(packet) = self.next_packet()? else { return Ok(None) };
@@ -177,13 +177,13 @@ impl PacketReader {
         Ok(true)
     }
 
-    /// Decodes one packet and returns its rate; `None` if it cannot be decoded and is skipped.
+    /// Decodes one packet and returns its rate. Returns `None` if the packet cannot be decoded and is skipped.
     fn decode(&mut self, packet: &Packet, out: &mut Vec<StereoFrame>) -> Result<Option<u32>, DecodeError> {
         if codecs::is_mpeg_audio(self.stream.params.codec) {
             self.follow_mpeg_header(&packet.data)?;
         }
         let mut bare = packet.as_packet_ref();
-        // The caller trims, because it also knows delays that the demuxer does not report.
+        // The caller trims, because the caller also knows delays that the demuxer does not report.
         bare.trim_start = Duration::ZERO;
         bare.trim_end = Duration::ZERO;
         let codec = &mut self.stream.codec;
@@ -203,7 +203,7 @@ impl PacketReader {
         }
     }
 
-    /// Replaces the decoder if the format changes: it keeps the rate and channels of its first packet.
+    /// Replaces the decoder if the format changes, because a decoder keeps the rate and channels of its first packet.
     fn follow_mpeg_header(&mut self, data: &[u8]) -> Result<(), DecodeError> {
         if let [_, version, rate, mode, ..] = data {
             let header = [version & 0x1E, rate & 0x0C, u8::from(mode & 0xC0 == 0xC0)];
@@ -215,7 +215,7 @@ impl PacketReader {
     }
 
     /// The padding at the end of a packet, in frames. MPEG streams without a LAME tag have only an estimated length, so
-    /// nothing may be cut off.
+    /// their padding is 0.
     fn padding(&self, packet: &Packet, rate: u32) -> usize {
         if codecs::is_mpeg_audio(self.stream.params.codec) && self.stream.track.delay.is_none() {
             return 0;
@@ -224,7 +224,7 @@ impl PacketReader {
         self.stream.clock.frames(ticks, rate).map_or(0, |frames| frames.round() as usize)
     }
 
-    /// Raw frames at the start that must be cut off. Known after the first packet.
+    /// The number of raw frames at the start that must be cut off. It is known after the first packet.
     pub(super) fn delay(&self, rate: u32) -> u64 {
         let edit = self.edits.iter().find(|edit| edit.track_id == self.stream.track.id && edit.timescale > 0);
         if codecs::is_opus(self.stream.params.codec)
@@ -246,7 +246,7 @@ impl PacketReader {
         }
     }
 
-    /// The number of audible frames, if the container states it exactly; and the length in seconds, exact or estimated.
+    /// Returns the number of audible frames if the container states it, and the exact or estimated length in seconds.
     pub(super) fn length(&mut self, rate: u32) -> (Option<u64>, Option<f64>) {
         let format = self.format.format_info().format;
         let delay = self.delay(rate) as i64;
@@ -305,7 +305,7 @@ impl PacketReader {
                 }
             }
         };
-        // Oldest first, so that the newest entry counts.
+        // Read the oldest entry first, so that the newest entry is kept.
         loop {
             if let Some(revision) = metadata.current() {
                 revision
@@ -323,7 +323,7 @@ impl PacketReader {
     }
 
     /// Seeks to a packet at or before a raw frame, earlier by the codec's pre-roll. Returns false if the container or
-    /// its clock does not support it; then the reader must be opened again.
+    /// its clock does not support the seek. Then the reader must be opened again.
     pub(super) fn jump(&mut self, raw: i64, rate: u32) -> Result<bool, DecodeError> {
         let early = raw - codecs::pre_roll(self.stream.params.codec, rate);
         // The Ogg demuxer never returns from a seek in a file with several streams.
@@ -337,8 +337,8 @@ impl PacketReader {
         if contained(&self.name, || format.seek(SeekMode::Accurate, to))?.is_err() {
             return Ok(false);
         }
-        // A new decoder instead of a reset one: AAC's noise generator survives a reset, and the same seek must always
-        // yield the same samples.
+        // Create a new decoder instead of resetting the old one: AAC's noise generator survives a reset, and the same
+        // seek must always yield the same samples.
         self.stream.codec = codecs::make(&self.name, &self.stream.params)?;
         self.demuxer_failures = 0;
         self.empty_in_a_row = 0;
@@ -354,7 +354,7 @@ impl PacketReader {
         (container.into(), self.stream.codec.codec_info().long_name.into())
     }
 
-    /// ffmpeg's demuxer for the container. Fails if no ffmpeg demuxer for songs reads it.
+    /// ffmpeg's demuxer for the container. Fails if ffmpeg has no song demuxer that reads the container.
     pub(super) fn demuxer(&self) -> Result<Demuxer, DecodeError> {
         let format = self.format.format_info();
         match format.format {
@@ -421,7 +421,7 @@ impl Stream {
                 Some(CodecParameters::Audio(params)) => {
                     codecs::make(name, params).map(|codec| (params, codec))
                 }
-                // A codec that the demuxer does not know may still be an audio codec.
+                // A codec that the demuxer does not know may be an audio codec.
                 None => {
                     Err(DecodeError::UnsupportedCodec { name: name.into(), codec: "an unknown codec".into() })
                 }

@@ -124,7 +124,7 @@ fn aiff_format(head: &[u8]) -> Option<(usize, u32)> {
     }
     let comm = find_chunk(head, b"COMM", u32::from_be_bytes)?;
     let channels = u16::from_be_bytes([*comm.first()?, *comm.get(1)?]);
-    // The rate is an 80-bit float: sign and exponent in 16 bits, then 64 bits with the leading one.
+    // The rate is an 80-bit float: 16 bits with sign and exponent, then 64 bits with the leading one.
     let exponent = u16::from_be_bytes([*comm.get(8)?, *comm.get(9)?]) & 0x7FFF;
     let mantissa = u64::from_be_bytes(comm.get(10..18)?.try_into().ok()?);
     let rate = mantissa as f64 * (f64::from(exponent) - 16_383.0 - 63.0).exp2();

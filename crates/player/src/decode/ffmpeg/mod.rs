@@ -1,9 +1,9 @@
 //! Decoding with an installed `ffmpeg`, for formats and codecs that [`native`](super::native) lacks. `ffprobe`
 //! describes the file; `ffmpeg` writes 32-bit floats with the file's own rate and channels to a pipe. A seek restarts
-//! it (`-ss`): exact to the frame in lossless formats, within some milliseconds in others.
+//! `ffmpeg` with `-ss`. The seek is exact to the frame in lossless formats, and to some milliseconds in others.
 //!
-//! The programs are started without a shell, and get the file as `file:` with its absolute path, so that no name is
-//! taken for an option or an address. [`CommandLine`] keeps them from opening other files and addresses.
+//! The programs are started without a shell. They get the file as `file:` with its absolute path, so that no name is
+//! taken for an option or an address. [`CommandLine`] prevents them from opening other files and addresses.
 
 mod probe;
 mod process;
@@ -21,10 +21,10 @@ use crate::limits::LIMITS;
 use probe::{Answer, Stream};
 use process::{Failure, Process};
 
-/// Largest answer of `ffprobe` that is read, in bytes; it contains no cover images.
+/// Maximum size of an answer of `ffprobe`, in bytes. The answer contains no cover images.
 const ANSWER_MAX: usize = 1 << 20;
 
-/// A forward seek of at most this many seconds decodes up to the target.
+/// For a forward seek of at most this many seconds, `ffmpeg` is not restarted, but decodes up to the target.
 const NEAR_SECONDS: u64 = 1;
 
 #[derive(Debug, Clone)]
@@ -51,7 +51,7 @@ pub(super) struct FfmpegDecoder {
     rest: Vec<u8>,
     pending: Vec<StereoFrame>,
     position: u64,
-    /// Frames to drop before the next audible one.
+    /// The number of frames to drop before the next audible frame.
     skip: u64,
     ended: bool,
 }
@@ -131,7 +131,7 @@ impl FfmpegDecoder {
 
     pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
         let rate = f64::from(self.info.sample_rate);
-        // NaN becomes the start. Past the claimed end there may be a little more sound.
+        // NaN becomes the start. The file may have a little more sound after its claimed end.
         let latest = self.info.duration.unwrap_or(LIMITS.claimed_duration_max);
         let target = (seconds.clamp(0.0, latest) * rate).round() as u64;
         let near = u64::from(self.info.sample_rate) * NEAR_SECONDS;
@@ -233,7 +233,7 @@ impl Reader<'_> {
     }
 
     fn refused(&self, process: &mut Process, path: &Path) -> DecodeError {
-        // The program has closed its pipe; once it has ended, its error messages are complete.
+        // The program has closed its pipe. Wait until it has ended, so that its error messages are complete.
         process.succeeded();
         let complaint = process.complaint(&file_address(path).to_string_lossy());
         DecodeError::Damaged {
@@ -263,7 +263,7 @@ fn describe(refusal: &DecodeError) -> String {
     }
 }
 
-/// ffmpeg orders channels like WAVE files; layouts that are unusual for their channel count are known by name.
+/// ffmpeg orders channels like WAVE files. Layouts that are unusual for their channel count are known by name.
 fn downmix(stream: &Stream) -> Downmix {
     const FRONT: Position = Position::FRONT_LEFT.union(Position::FRONT_RIGHT);
     let mask = match stream.channel_layout.as_str() {

@@ -13,7 +13,7 @@ pub(super) const ENTRIES: &str = "format=format_name,format_long_name,duration:f
 
 type Tags = BTreeMap<String, String>;
 
-/// An answer of `ffprobe`; every field may be missing.
+/// An answer of `ffprobe`. Every field may be missing.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Answer {

@@ -1,4 +1,4 @@
-//! A child process that writes to a pipe. All waits for it are limited, and it never outlives its [`Process`].
+//! A child process that writes to a pipe. All waits for the process are limited, and it never outlives its [`Process`].
 
 use std::io::{self, Read};
 use std::process::{Child, Stdio};
@@ -13,10 +13,10 @@ const PIECE: usize = 1 << 15;
 
 const PIECES_WAITING: usize = 4;
 
-/// Bytes of the program's error messages that are kept, from the end.
+/// Number of bytes of the program's error messages that are kept, counted from the end.
 const WORDS_MAX: usize = 1 << 12;
 
-/// The longest wait for the end of a program that has closed its pipe or was killed.
+/// Maximum wait for the end of a program that has closed its pipe or was killed.
 const END_LIMIT: Duration = Duration::from_millis(500);
 
 #[derive(Debug)]
@@ -26,7 +26,7 @@ pub(super) enum Failure {
     Stalled,
 }
 
-/// A running program. Dropping it kills the program. If this process ends, the pipe is closed, which ends the program.
+/// A running program. Dropping this value kills the program. If Mariana ends, the pipe closes and ends the program.
 pub(super) struct Process {
     child: Child,
     pieces: Receiver<Vec<u8>>,
@@ -49,7 +49,7 @@ impl Process {
         let (to_reader, pieces) = sync_channel(PIECES_WAITING);
         let words = Arc::new(Mutex::new(Vec::new()));
         let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
-        // From here on, dropping `process` ends the program on every path.
+        // From here on, dropping `process` ends the program on every return.
         let process = Self { child, pieces, words: words.clone(), patience };
         let thread = || Builder::new().name("ffmpeg".into());
         if let Some(mut stdout) = stdout {
@@ -96,7 +96,7 @@ impl Process {
         Ok(all)
     }
 
-    /// True if the program succeeded; call this after it has closed its pipe.
+    /// True if the program succeeded. Call this method after the program has closed its pipe.
     pub(super) fn succeeded(&mut self) -> bool {
         self.wait().is_some_and(|success| success)
     }
@@ -110,7 +110,7 @@ impl Process {
         crate::one_line::one_line(last.trim_start_matches([':', ' ']))
     }
 
-    /// Waits for the program's end within the limit and returns true if it succeeded; `None` if it is still running.
+    /// Waits for the program's end within the limit. Returns true if it succeeded, and `None` if it is still running.
     fn wait(&mut self) -> Option<bool> {
         let start = Instant::now();
         loop {

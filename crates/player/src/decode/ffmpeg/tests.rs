@@ -51,7 +51,7 @@ fn a_program_that_hangs_is_given_up_and_ended() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe.wma");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    // ffmpeg waits for a writer of the pipe, which never comes.
+    // ffmpeg waits for a writer of the pipe, but there is no writer.
     let patience = Duration::from_millis(300);
     let start = Instant::now();
     let reported = error(FfmpegDecoder::open(
