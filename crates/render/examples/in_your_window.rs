@@ -1,4 +1,4 @@
-//! Draws a scene into your own window: load the functions of its OpenGL context, then draw and show.
+//! Draws a scene into your own window: load the functions of the window's OpenGL context, then draw and show.
 //! `cargo run -p mariana-render --example in_your_window -- "sphere(p, 1 + 0.3 * sin(t))"`
 #![expect(unsafe_code, clippy::expect_used, reason = "glutin's calls are unsafe, and an example may panic")]
 
@@ -28,7 +28,7 @@ fn open(events: &ActiveEventLoop, text: &str) -> Result<Drawing, Box<dyn Error>>
     let gl = Gl::load(|name| display.get_proc_address(name), false)?;
     let (mut scene, begun) = (SceneRenderer::new(&gl, World::parse("a text", text)?)?, Instant::now());
     Ok(Box::new(move || {
-        // The closure drops its captures in this order.
+        // The closure drops the captured values in this order.
         let (scene, context, surface, window) = (&mut scene, &context, &surface, &window);
         let (time, size) = (begun.elapsed().as_secs_f64(), window.inner_size().into());
         scene.draw(time, Features::SILENCE, size).and_then(|()| scene.show(size)).expect("drawing the scene");

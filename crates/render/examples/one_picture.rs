@@ -1,5 +1,5 @@
-//! Draws a scene to a PNG: `cargo run -p mariana-render --example one_picture -- "sphere(p, 1)" ball.png`. The scene is
-//! a text, or the name of a file that contains it.
+//! Draws a scene to a PNG: `cargo run -p mariana-render --example one_picture -- "sphere(p, 1)" ball.png`. The first
+//! argument is the text of a scene or the name of a scene file.
 
 use std::error::Error;
 

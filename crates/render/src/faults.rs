@@ -1,7 +1,7 @@
 //! Fault injection for tests: driver failures and slow work at a chosen time.
 //!
 //! In builds with debug assertions, the variable `MARIANA_FAULT` names a fault and the seconds until it occurs, such as
-//! `context-lost@3`. Most faults occur once. Other builds never inject any.
+//! `context-lost@3`. Most faults occur once. Other builds never inject faults.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +26,7 @@ pub enum Fault {
     SlowInterpreter,
     /// The driver takes an hour to compile a long program.
     EndlessCompiler,
-    /// The first region tree of a changed text takes longer than the wait for it; that of the previous text did not.
+    /// The first region tree of a changed text takes longer than the show waits. Trees of the previous text were fast.
     SlowTree,
 }
 
@@ -50,7 +50,7 @@ impl Fault {
 static WANTED: OnceLock<Option<(Fault, Instant)>> = OnceLock::new();
 static STRUCK: AtomicBool = AtomicBool::new(false);
 
-/// True if a fault that occurs once occurs now. The seconds count from the first call.
+/// True if a one-time fault occurs now. The seconds count from the first call.
 pub fn strikes(fault: Fault) -> bool {
     lasts(fault) && !STRUCK.swap(true, Ordering::Relaxed)
 }

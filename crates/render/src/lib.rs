@@ -5,8 +5,8 @@
 //! world, time, sound ─► frame ─► gpu: samples, edges, more samples, light, image ─► pixels | a window's framebuffer
 //! ```
 //!
-//! [`SceneRenderer`] is the simplest way to draw. It uses the current OpenGL context: your window's, or a [`Headless`]
-//! one.
+//! [`SceneRenderer`] is the simplest way to draw. It uses the current OpenGL context: your window's context, or a
+//! [`Headless`] context.
 //!
 //! ```
 //! use mariana_field::world::World;
@@ -44,9 +44,9 @@
 //! # Ok::<(), mariana_field::world::WorldError>(())
 //! ```
 //!
-//! `examples/one_picture.rs` draws a scene to a file, `examples/in_your_window.rs` draws into a window. [`Renderer`]
-//! draws several scenes and splits expensive frames into parts. [`gpu::background`] compiles on other threads, and
-//! [`gpu::program_store`] stores compiled programs on disk.
+//! `examples/one_picture.rs` draws a scene to a file, and `examples/in_your_window.rs` draws into a window.
+//! [`Renderer`] draws several scenes and splits expensive frames into parts. [`gpu::background`] compiles on worker
+//! threads, and [`gpu::program_store`] stores compiled programs on disk.
 
 pub mod faults;
 pub mod flash;

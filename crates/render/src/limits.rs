@@ -5,11 +5,11 @@
 pub struct Limits {
     /// Largest shader source in bytes, with all includes resolved.
     pub shader_bytes_max: usize,
-    /// Most texels of a frame's regions (4 Mi: 64 MiB). Cells beyond that use the whole tape.
+    /// Maximum number of texels of a frame's regions (4 Mi texels take 64 MiB). Further cells use the whole tape.
     pub region_texels_max: usize,
-    /// Most system fonts loaded for letters that the program's own fonts lack.
+    /// Maximum number of system fonts that are loaded for letters missing in the program's own fonts.
     pub system_fonts_max: usize,
-    /// Most bytes of these fonts together (128 MiB; a font with all Chinese letters takes about 20 MiB).
+    /// Maximum total size of these fonts in bytes (128 MiB; a font with all Chinese letters takes about 20 MiB).
     pub system_fonts_bytes_max: u64,
     /// Time in seconds after which a compilation is reported as slow.
     pub compile_seconds_reported: f64,

@@ -1,18 +1,18 @@
 //! Placement of a finished image on a screen: cropped, mirrored and mapped to four corners.
 //!
-//! Only the final copy into a window applies it. The image and exports do not change. The visible part fills the four
-//! corners without stretching: a cropped image is rendered larger ([`Placement::picture_size`]).
+//! Only the final copy into a window applies the placement. The image and exports do not change. The visible part fills
+//! the four corners without enlarging pixels: a cropped image is rendered larger ([`Placement::picture_size`]).
 
 use serde::{Deserialize, Serialize};
 
-/// A projective map: a 3×3 matrix, by rows, that is multiplied by `(x, y, 1)`.
+/// A projective map: a 3×3 matrix, stored by rows. It is multiplied by `(x, y, 1)`.
 pub type Map = [[f64; 3]; 3];
 
-/// Largest crop of two opposite edges together, in percent.
+/// Maximum crop in percent; opposite edges are added.
 pub const CROP_MAX: f64 = 90.0;
 /// Largest distance of a corner outside the screen, as a fraction of the screen.
 pub const CORNER_OUTSIDE_MAX: f64 = 1.0;
-/// Smallest area on each side of the corners' diagonals, as a fraction of the screen. Less is almost a line.
+/// Minimum area of the parallelogram that two adjacent edges span, as a fraction of the screen.
 const AREA_MIN: f64 = 1e-3;
 
 /// Mirroring of the image.
@@ -25,7 +25,7 @@ pub enum Flip {
     Horizontal,
     /// Swaps top and bottom.
     Vertical,
-    /// Swaps both, for a projector mounted on the ceiling.
+    /// Swaps left and right, and top and bottom, for a projector mounted on the ceiling.
     Both,
 }
 
@@ -35,7 +35,7 @@ impl Flip {
     }
 }
 
-/// The parts cut off an image's edges, in percent of its width and height: left, top, right, bottom.
+/// The parts that are cut off an image's edges, in percent of its width and height: left, top, right, bottom.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(try_from = "[f64; 4]", into = "[f64; 4]")]
 pub struct Crop([f64; 4]);
@@ -94,7 +94,7 @@ impl TryFrom<[[f64; 2]; 4]> for Corners {
             let [a, b, c] = [i, i + 1, i + 2].map(|i| corners[i % 4]);
             (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
         };
-        // Clockwise at each corner: otherwise the image would be mirrored or folded.
+        // Require clockwise turns at all corners: otherwise the image would be mirrored or folded.
         if (0..4).all(|i| turn(i) > AREA_MIN) {
             Ok(Self(corners))
         } else {
@@ -149,8 +149,8 @@ impl Placement {
         (side(size.0, right - left), side(size.1, bottom - top))
     }
 
-    /// Maps a position on the screen to the shown position in the image, both as fractions to the right and down.
-    /// Nothing is shown where the third number is not positive or the position is outside the visible part.
+    /// Maps a position on the screen to the shown position in the image, both as fractions to the right and down. The
+    /// screen is black where the third number is not positive or the image position is outside the visible part.
     pub fn map(&self) -> Map {
         let [left, top, right, bottom] = self.crop.rest();
         let (turns_x, turns_y) = self.flip.turns();
@@ -171,19 +171,20 @@ pub type Area = [f64; 4];
 /// The whole window.
 pub const WHOLE: Area = [0.0, 0.0, 1.0, 1.0];
 
-/// The largest centred area of a window with the aspect ratio of `shape`; all of it if within a pixel.
+/// The largest centred area of a window with the aspect ratio of `shape`. An area that is less than a pixel smaller
+/// than the window becomes the whole window.
 pub fn fitted(shape: (u32, u32), window: (u32, u32)) -> Area {
     let [width, height] = [shape.0, shape.1].map(|side| f64::from(side.max(1)));
     let [across, down] = [window.0, window.1].map(|side| f64::from(side.max(1)));
     let scale = (across / width).min(down / height);
-    // On whole pixels, so that the area's edges are sharp.
+    // Round to whole pixels, so that the area's edges are sharp.
     let margin = |room: f64, side: f64| ((room - side * scale) / 2.0).round() / room;
     let (x, y) = (margin(across, width), margin(down, height));
     [x, y, 1.0 - x, 1.0 - y]
 }
 
-/// Restricts a map to an area of the window: positions become fractions of the area. An area whose bottom is above its
-/// top is upside down.
+/// Restricts a map to an area of the window, so that it takes positions as fractions of the area. If the area's bottom
+/// is above its top, the image is upside down.
 pub fn within(area: Area, map: &Map) -> Map {
     let [left, top, right, bottom] = area;
     let extent = |from: f64, to: f64| if to == from { 1e-9 } else { to - from };
@@ -191,7 +192,7 @@ pub fn within(area: Area, map: &Map) -> Map {
     product(map, &[[1.0 / width, 0.0, -left / width], [0.0, 1.0 / height, -top / height], [0.0, 0.0, 1.0]])
 }
 
-/// Applies a map to a position. `None` if the third number is not positive.
+/// Applies a map to a position. `None` if the third number of the result is not positive.
 pub fn led(map: &Map, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let [u, v, w] = map.map(|[a, b, c]| a * x + b * y + c);
     (w > 0.0).then(|| [u / w, v / w])

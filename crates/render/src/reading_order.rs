@@ -1,13 +1,14 @@
-//! Reorders the words of a line for display by Unicode's bidirectional algorithm (UAX #9): egui joins Arabic letters
-//! and writes each word of Arabic and Hebrew from right to left, but places words from left to right.
+//! Reorders the words of a line for display by Unicode's bidirectional algorithm (UAX #9). egui joins Arabic letters
+//! and writes each Arabic or Hebrew word from right to left, but it places the words from left to right.
 
 use std::borrow::Cow;
 
 use unicode_bidi::{BidiInfo, Level};
 
-/// No smaller code is written from right to left.
+/// The first character that is written from right to left.
 const FIRST: char = '\u{590}';
-/// First-strong isolate and pop directional isolate: the delimiters of a part that is ordered separately.
+/// The Unicode characters first-strong isolate and pop directional isolate. They delimit a part that is ordered
+/// separately.
 const ISOLATE: [char; 2] = ['\u{2068}', '\u{2069}'];
 
 /// Isolates a part of a line, such as a title, from the words that follow it.
@@ -42,7 +43,7 @@ pub fn as_seen(text: &str) -> Cow<'_, str> {
     Cow::Owned(seen)
 }
 
-/// Adds a word of a reversed run. The space after it moves in front of it.
+/// Adds a word of a reversed run. The space after the word moves in front of the word.
 fn push_turned(seen: &mut String, word: &str) {
     let bare = word.trim_end_matches(' ');
     seen.push_str(word.get(bare.len()..).unwrap_or_default());

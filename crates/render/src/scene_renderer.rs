@@ -24,10 +24,10 @@ pub struct SceneRenderer {
 }
 
 impl SceneRenderer {
-    /// Uploads a world and compiles its program, which takes tens of milliseconds to several seconds.
+    /// Uploads a world and compiles its program. Compiling takes tens of milliseconds to several seconds.
     ///
     /// # Errors
-    /// A world over its limits, or an error of the driver.
+    /// Fails if the world exceeds its limits, or with an error of the driver.
     pub fn new(gl: &Gl, world: World) -> Result<Self, GpuError> {
         let library = ShaderLibrary::embedded();
         let world = Arc::new(world);
@@ -40,10 +40,10 @@ impl SceneRenderer {
         Ok(Self { renderer: Renderer::new(gl, &library, Counting::Off)?, program, resources })
     }
 
-    /// Draws the world at `time` seconds with the sound audible then, in `size` pixels.
+    /// Draws an image of `size` pixels: the world at `time` seconds, with the sound that is audible at `time`.
     ///
     /// # Errors
-    /// A size over the driver's limit, or an error of the driver.
+    /// Fails if the size exceeds the driver's limit, or with an error of the driver.
     pub fn draw(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Result<(), GpuError> {
         let frame = Frame::new(self.resources.world(), time, sound, size);
         self.draw_frame(&frame)
@@ -52,7 +52,7 @@ impl SceneRenderer {
     /// Draws a frame with changes of your own, such as another camera or other parameters.
     ///
     /// # Errors
-    /// As [`SceneRenderer::draw`].
+    /// Same errors as [`SceneRenderer::draw`].
     pub fn draw_frame(&mut self, frame: &Frame) -> Result<(), GpuError> {
         self.renderer.draw(frame, &self.resources, &self.program)
     }
@@ -60,7 +60,7 @@ impl SceneRenderer {
     /// Copies the image to the default framebuffer of `window` pixels.
     ///
     /// # Errors
-    /// An error of the driver.
+    /// Fails with an error of the driver.
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
         self.renderer.show(window)
     }

@@ -1,4 +1,4 @@
-//! Conversion of sRGB to linear light (IEC 61966-2-1). The shaders convert back (`shaders/encode.glsl`).
+//! Conversion of sRGB to linear light (IEC 61966-2-1). Shaders convert light back to sRGB (`shaders/encode.glsl`).
 
 /// Converts an encoded value, 0..1, to linear light, 0..1.
 pub fn linear(encoded: f32) -> f32 {

@@ -1,7 +1,7 @@
 //! System fonts for letters that the program's own fonts lack, such as Japanese, Arabic and emoji.
 //!
-//! The search reads folders and files, so time-critical callers run it on another thread. It skips damaged files, and
-//! letters that their font would draw many times larger than others.
+//! The search reads folders and files, so time-critical callers run it on another thread. The search skips damaged
+//! files, and letters that a font would draw many times larger than usual.
 
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -19,7 +19,7 @@ use crate::limits::LIMITS;
 /// Largest distance of a letter's outline from its origin, in font sizes.
 const LETTER_REACH_MAX: f32 = 8.0;
 
-/// A script with Han unification: the prefix of its locales, its fonts' language, and the suffix of their names.
+/// A script with Han unification: the prefix of its locales, its fonts' language, and the suffix of the fonts' names.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Writing(&'static str, &'static str, &'static str);
 
@@ -35,9 +35,9 @@ const WRITINGS: [Writing; 5] = [
 
 /// The system's fonts, and a record of those in use.
 pub struct SystemFonts {
-    /// Replaces the system's folders.
+    /// The folder to search instead of the system's folders.
     folder: Option<PathBuf>,
-    /// Read when it is first needed.
+    /// The list of fonts, which is read when it is first needed.
     database: Option<Database>,
     writing: Option<Writing>,
     taken: Vec<ID>,
@@ -50,18 +50,18 @@ struct Candidate {
     rank: Rank,
 }
 
-/// Criteria between fonts with equally many letters: script, upright, weight, width, proportional, sans-serif.
+/// Order of fonts with the same number of letters: script, upright, weight, width, proportional, sans-serif.
 type Rank = (bool, bool, Reverse<u16>, Reverse<u16>, bool, bool);
 
 impl SystemFonts {
-    /// The system's fonts, for the user's language. Reads nothing yet.
+    /// The system's fonts, for the user's language. They are read later.
     pub fn new() -> Self {
         let variables = ["LC_ALL", "LC_CTYPE", "LANG"].map(|name| std::env::var(name).unwrap_or_default());
         let locale = variables.iter().find(|value| !value.is_empty());
         Self { writing: locale.and_then(|locale| writing_of(locale)), ..Self::in_folder(None) }
     }
 
-    /// The fonts of a folder and its subfolders. Reads nothing yet.
+    /// The fonts of a folder and its subfolders. They are read later.
     pub fn in_folder(folder: Option<PathBuf>) -> Self {
         Self {
             folder,
@@ -72,7 +72,8 @@ impl SystemFonts {
         }
     }
 
-    /// Unused fonts that together cover the most of `letters`, most letters first. Logs letters that no font has.
+    /// Chooses unused fonts that together cover as many of `letters` as possible. The font with most letters is first.
+    /// Logs letters that no font has.
     pub fn with_letters(&mut self, letters: &BTreeSet<char>) -> Vec<FontInsert> {
         let folder = self.folder.as_deref();
         let database = self.database.get_or_insert_with(|| read_fonts(folder));
@@ -132,7 +133,7 @@ fn writing_of(locale: &str) -> Option<Writing> {
     WRITINGS.into_iter().find(|writing| locale.starts_with(writing.0))
 }
 
-/// The script that letters identify: Japanese kana and Korean syllables occur in no other one.
+/// The script that letters identify: kana occur only in Japanese, and Korean syllables only in Korean.
 fn writing_among(letters: &BTreeSet<char>) -> Option<Writing> {
     let any = |first: char, last: char| letters.range(first..=last).next().is_some();
     if any('\u{3041}', '\u{30FF}') {
@@ -177,7 +178,7 @@ fn can_draw(font: &FontRef<'_>, letter: char) -> bool {
     if font.bitmap_strikes().glyph_for_size(Size::new(64.0), glyph).is_some() {
         return true;
     }
-    // In font sizes.
+    // Size 1 gives metrics in font sizes.
     let metrics = font.glyph_metrics(Size::new(1.0), LocationRef::default());
     let fits = metrics.bounds(glyph).is_some_and(|bounds| {
         [bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max]
@@ -187,7 +188,8 @@ fn can_draw(font: &FontRef<'_>, letter: char) -> bool {
     fits && font.outline_glyphs().get(glyph).is_some()
 }
 
-/// The font for egui, with lowest priority, and its bytes. `None` if unreadable or larger than `bytes_max`.
+/// The font for egui, with lowest priority, and its size in bytes. `None` if the font is unreadable or larger than
+/// `bytes_max`.
 fn insert(face: &FaceInfo, bytes_max: u64) -> Option<(FontInsert, u64)> {
     let (Source::File(path) | Source::SharedFile(path, _)) = &face.source else { return None };
     let mut data = Vec::new();
@@ -225,7 +227,7 @@ mod tests {
         ]);
         let mut fonts = SystemFonts::in_folder(Some(folder.path().to_owned()));
         assert_eq!(found(&mut fonts, "日本語한ب"), ["Most", "Hangul"]);
-        assert_eq!(found(&mut fonts, "日"), ["Few"], "the other fonts are in use already");
+        assert_eq!(found(&mut fonts, "日"), ["Few"], "the remaining fonts are in use already");
         assert_eq!(found(&mut fonts, "ب"), [""; 0]);
     }
 
@@ -257,7 +259,7 @@ mod tests {
         for at in (0..whole.len()).step_by(3) {
             let mut bytes = whole.clone();
             bytes[at] = !bytes[at];
-            // Damage inside the name would change the result.
+            // Damage inside the font's name would change the expected result.
             damaged.push((format!("x{at}.ttf"), bytes));
         }
         damaged.push(("huge.ttf".into(), TinyFont { side: 9_000, ..TinyFont::new("Huge", "語") }.bytes()));

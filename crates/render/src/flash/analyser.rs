@@ -7,7 +7,7 @@ use super::swing::{DEFINED, LightSwing, RedSwing, Times};
 /// Flashes that cover at most this fraction of a field of view do not count.
 const AREA: f64 = 0.25;
 
-/// The most flashes within one second.
+/// Maximum number of flashes within one second.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Flashes {
     /// Flashes of luminance.

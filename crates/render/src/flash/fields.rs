@@ -1,4 +1,4 @@
-//! Ten degrees of the field of view: every rectangle of a third of the image's width and height, at any position.
+//! Fields of ten degrees of view. A field is a rectangle with a third of the image's width and height, at any position.
 
 use super::grid::{CELLS, COLUMNS, ROWS};
 
@@ -41,7 +41,8 @@ pub(super) fn largest_fraction(marked: impl Fn(usize) -> bool) -> f64 {
     largest
 }
 
-/// Marks the cells in any field of which more than `fraction` is marked. Empty if there is no such field.
+/// Finds the fields in which more than `fraction` of the cells is marked, and marks all cells of these fields. Returns
+/// an empty list if there is no such field.
 pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool> {
     let mut first = vec![0; CELLS];
     let mut any = false;
@@ -55,7 +56,7 @@ pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool
     if !any {
         return Vec::new();
     }
-    // A cell is in the fields that begin less than a field's size to the left of or above it.
+    // A field contains this cell if its first cell is less than a field's size to the left and above.
     let sums = summed(|cell| first.get(cell).copied().unwrap_or(0));
     let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
     let covered = (0..CELLS).map(|cell| {
@@ -89,7 +90,7 @@ mod tests {
     fn all_cells_of_crowded_fields_are_crowded() {
         assert!(crowded(|cell| within(cell, 0..8, 0..6), 0.25).is_empty());
         let cells = crowded(|cell| within(cell, 0..9, 0..6), 0.25);
-        // Only fields that contain the whole rectangle: those in the corner.
+        // Only the field in the corner contains the whole rectangle.
         for (cell, crowded) in cells.iter().enumerate() {
             assert_eq!(*crowded, within(cell, 0..WIDTH, 0..HEIGHT), "{cell}");
         }

@@ -1,13 +1,13 @@
 //! The grid of cells in which flashes are counted.
 
-/// Cells from left to right; a field of view has a third of them.
+/// Cells from left to right. A field of view has a third of these columns.
 pub const COLUMNS: usize = 48;
 /// Cells from top to bottom.
 pub const ROWS: usize = 36;
 /// Cells of a grid.
 pub const CELLS: usize = COLUMNS * ROWS;
 
-/// Most flashes of a kind in one second.
+/// Maximum number of flashes of a kind in one second.
 pub const FLASHES_MAX: usize = 3;
 
 /// The mean colour of each cell of an image: linear RGB, 0..1, row by row.

@@ -1,4 +1,4 @@
-//! Limits the flashes of a video: dims the light that would be the fourth flash within a second.
+//! Limits the flashes of a video: dims light that would cause a fourth flash within a second.
 //!
 //! Each cell counts the changes of the incoming and of the displayed frames. A rise that could begin a fourth flash
 //! marks the cell for a second. Marked cells are limited if they cover more than a certain fraction of a field: a
@@ -9,11 +9,11 @@
 //! and are interpolated between cells, so a cell's mean does not exceed its own ceiling. A pixel depends only on its
 //! own light and on ceilings, so dimmed pixels next to a flash do not flicker with it.
 //!
-//! **The displayed frames are counted**: measured again after dimming ([`Limiter::note_shown`]).
+//! **The displayed frames count**: each frame is measured again after dimming ([`Limiter::note_shown`]).
 //!
-//! Measured light is approximate, and drawn light is rounded to bytes. Thresholds are therefore lower than the
-//! definition's, and a borderline change is dated as late as possible. A rise about a frame too early is only delayed
-//! by that frame: otherwise three flashes a second in step with the frames would be limited now and then.
+//! Measured light is approximate, and drawn light is rounded to bytes. Thresholds are therefore lower than in the
+//! definition, and a borderline change gets the latest possible time. A rise that is about a frame too early is only
+//! delayed by a frame: otherwise three flashes a second in step with the frames would be limited now and then.
 
 use super::fields;
 use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
@@ -21,7 +21,7 @@ use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, Times};
 
 /// Fraction of a field above which flashes are limited; a little less than the fraction that counts.
 pub(super) const AREA: f64 = 0.2;
-/// If the last of this many changes within a second is a rise, it begins one flash too many.
+/// If a second contains this many changes and the last change is a rise, the rise begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
 /// Seconds for which a cell stays marked.
 pub(super) const HOLD: f64 = 1.0;
@@ -32,11 +32,11 @@ const MEMORY: f64 = 0.6;
 /// Rise of the ceiling in luminance per second: `FOLLOW` when the lows have become brighter, `RELEASE` after flashes.
 pub(super) const FOLLOW: f32 = 0.25;
 pub(super) const RELEASE: f32 = 0.5;
-/// Fraction of grey in a limited red. With this much grey no red is saturated.
+/// Fraction of grey in a limited red. It is large enough that no red stays saturated.
 pub(super) const GREY: f32 = 0.6;
 /// Recovery of a limited red, in fraction of grey per second.
 pub(super) const RED_RELEASE: f32 = 0.6;
-/// A rise that comes at most this many seconds too early is only delayed: one frame at 30 or more a second.
+/// A rise that is at most this many seconds too early is only delayed: one frame at 30 or more frames a second.
 pub(super) const EARLY: f64 = 0.035;
 
 /// A ceiling of this height dims nothing.
@@ -45,13 +45,13 @@ pub(super) const OPEN: f32 = 1.25;
 pub(super) const KNEE: f32 = 0.8;
 /// Range of a ceiling in cells. Adjacent cells get the ceiling unchanged.
 pub(super) const REACH: usize = 7;
-/// Rise of a ceiling, and fall of a fraction of grey, per squared distance beyond the adjacent cell.
+/// Rise of a ceiling per squared distance beyond the adjacent cell. The fraction of grey falls by the same number.
 pub(super) const CEILING_RISE: f32 = OPEN / ((REACH - 1) * (REACH - 1)) as f32;
 
-/// The limit on the light at a cell's centre; interpolated linearly between centres.
+/// The limit on the light at a cell's centre. Limits are interpolated linearly between centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
-    /// Luminance that no pixel exceeds, up to 1.25, which dims nothing.
+    /// Maximum luminance of a pixel. The highest ceiling, 1.25, dims nothing.
     pub ceiling: f32,
     /// Fraction of the colour that becomes grey, 0..1.
     pub grey: f32,
@@ -88,7 +88,7 @@ struct Cell {
     red: RedSwing,
     red_changes: Times,
     red_until: f64,
-    /// The displayed red, with its changes. After dimming it may change at other times than the incoming red.
+    /// The displayed red, with its changes. After dimming, the displayed red may change at other times than the input.
     shown_red: RedSwing,
     shown_red_changes: Times,
     /// Lowest displayed luminance in the current part of the memory, and in the previous part.
@@ -160,12 +160,12 @@ impl Cell {
     }
 }
 
-/// True if a cell that is marked until `until` only delays a rise.
+/// True if a mark that ends at `until` only delays a rise.
 fn is_put_off(until: f64, now: f64) -> bool {
     until > now && until - now <= EARLY + ROUNDING
 }
 
-/// The limiter's inputs about the time between two frames.
+/// The time between two frames, as the limiter needs it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// Seconds since the previous frame.
@@ -216,7 +216,7 @@ impl Default for Limiter {
 }
 
 impl Limiter {
-    /// Takes the next frame, shown `seconds` after the previous one, and returns the corrections of its cells. Pass the
+    /// Takes the next frame, shown `seconds` after the previous frame, and returns a correction for each cell. Pass the
     /// corrected frame to [`Limiter::note_shown`].
     pub fn limit(&mut self, seconds: f64, frame: &Grid) -> &[Correction] {
         self.step = self.steps.next(seconds);
@@ -271,7 +271,7 @@ impl Limiter {
         }
     }
 
-    /// Finds the changes, and those that would be too many, `seconds` after the previous frame.
+    /// Finds the changes in `frame`, `seconds` after the previous frame, and marks cells with too many changes.
     fn follow(&mut self, frame: &Grid, seconds: f64) {
         let now = self.now;
         for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
@@ -304,7 +304,7 @@ impl Limiter {
 #[derive(Debug, Clone, Copy)]
 struct Own {
     ceiling: f32,
-    /// The largest luminance while a rise is delayed. It lasts one or two frames, so it only spreads to adjacent cells.
+    /// Largest luminance while a rise is delayed. Only adjacent cells get it, because a delay lasts one or two frames.
     highest: f32,
     grey: f32,
 }
@@ -341,7 +341,7 @@ fn marked(marks: &[bool], cell: usize) -> bool {
     marks.get(cell).copied().unwrap_or(false)
 }
 
-/// The cell at an offset; at the image's edge the last cell in that direction.
+/// The cell at an offset, or the last cell in that direction if the offset leads out of the image.
 fn neighbour(place: usize, (right, down): (isize, isize)) -> usize {
     let column = (place % COLUMNS).saturating_add_signed(right).min(COLUMNS - 1);
     let row = (place / COLUMNS).saturating_add_signed(down).min(ROWS - 1);

@@ -107,7 +107,7 @@ fn light_that_returns_after_flashes_is_no_flash() {
 fn a_change_to_red_that_is_too_dim_to_count_does_not_hide_a_later_one() {
     let mut show = Show::new();
     show.strobe((10.0, 60.0, 0.8), [WHITE, BLACK], everywhere);
-    // From cyan to red: large enough as input, but not as displayed, because the luminance is limited.
+    // The input's change from cyan to red is large enough, the displayed change is not: its luminance is limited.
     show.frame(0.02, [0.0, 1.0, 1.0], everywhere);
     show.frame(0.02, [1.0, 0.15, 0.05], everywhere);
     show.frame(0.3, BLACK, everywhere);

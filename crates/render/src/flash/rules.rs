@@ -9,7 +9,7 @@ use super::swing::{
     CAUTIOUS, FLARE, RED, ROUNDING, SURE_CHANGE, SURE_DARKER, SURE_RED_CHANGE, SURE_RED_FRACTION,
 };
 
-const _: () = assert!(FLASHES_MAX == 3, "the shaders remember six changes before the newest one");
+const _: () = assert!(FLASHES_MAX == 3, "the shaders remember six changes before the newest change");
 const _: () = assert!(COLUMNS.is_multiple_of(2) && COLUMNS <= 48, "half a row fits into the bits of a float");
 const _: () =
     assert!(WIDTH <= 16 && HEIGHT <= 16 && WIDTH < COLUMNS / 2, "the shaders count bits in words of 16");

@@ -6,9 +6,9 @@ use std::collections::VecDeque;
 pub(super) struct Thresholds {
     /// Smallest change of luminance, as a fraction of the maximum.
     pub light_change: f32,
-    /// No change counts if the darker state has at least this luminance.
+    /// Changes do not count if their darker state has at least this luminance.
     pub light_darker: f32,
-    /// A colour is a saturated red if red is at least this fraction of its linear light.
+    /// A colour is a saturated red if red makes up at least this fraction of the colour's linear light.
     pub red_fraction: f32,
     /// Smallest change of a red's chromaticity, in the CIE 1976 UCS diagram.
     pub red_change: f32,
@@ -19,7 +19,8 @@ pub(super) const DEFINED: Thresholds =
 /// Conservative thresholds, for approximate measurements and 8-bit images.
 pub(super) const CAUTIOUS: Thresholds =
     Thresholds { light_change: 0.095, light_darker: 0.805, red_fraction: 0.78, red_change: 0.19 };
-/// Thresholds of changes that count despite measurement errors: as far from the definition on the other side.
+/// Thresholds for changes that count despite measurement errors. They are stricter than the definition by as much as
+/// [`CAUTIOUS`] is looser.
 pub(super) const SURE_CHANGE: f32 = 0.105;
 pub(super) const SURE_DARKER: f32 = 0.795;
 pub(super) const SURE_RED_FRACTION: f32 = 0.82;
@@ -35,13 +36,13 @@ pub(super) enum Change {
     Down,
 }
 
-/// Finds the changes of a luminance, each as soon as it is large enough.
+/// Finds changes of a luminance. A change is reported as soon as it is large enough.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightSwing {
     last: Option<Change>,
-    /// The lowest luminance since the last change; if that was a rise, the valley before it.
+    /// The lowest luminance since the last change. If the last change was a rise, the valley before the rise.
     low: f32,
-    /// The highest luminance since the last change; if that was a fall, the peak before it.
+    /// The highest luminance since the last change. If the last change was a fall, the peak before the fall.
     high: f32,
 }
 
@@ -75,7 +76,7 @@ impl LightSwing {
         self.high - light >= counts.light_change && light < counts.light_darker
     }
 
-    /// True if the last change was so small that it may only count from this luminance on.
+    /// True if the last change was so small that it may not have counted until it reached this luminance.
     pub(super) fn may_count_only_at(&self, light: f32, counts: &Thresholds) -> bool {
         let sure = self.high - self.low >= SURE_CHANGE && self.low < SURE_DARKER;
         let still = match self.last {
@@ -94,7 +95,7 @@ impl LightSwing {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RedSwing {
     red: bool,
-    /// The chromaticity since the last change that is farthest from the next change's direction.
+    /// The extreme chromaticity since the last change: closest to red after a rise, farthest from red after a fall.
     extreme: Option<[f32; 2]>,
     /// True if the last change counts despite measurement errors.
     sure: bool,
@@ -132,7 +133,7 @@ fn is_saturated_red([r, g, b]: [f32; 3], fraction: f32) -> bool {
     r > 0.0 && r >= fraction * (r + g + b)
 }
 
-/// The chromaticity in the CIE 1976 UCS diagram, with the light that the screen reflects.
+/// The chromaticity in the CIE 1976 UCS diagram, including the light that the screen reflects.
 fn chromaticity(color: [f32; 3]) -> [f32; 2] {
     let [r, g, b] = color.map(|value| value + FLARE);
     let x = 0.4124 * r + 0.3576 * g + 0.1805 * b;
@@ -172,7 +173,7 @@ impl Times {
         }
     }
 
-    /// The number of changes, without those that will be forgotten within `soon` seconds.
+    /// The number of changes, without changes that will be forgotten within `soon` seconds.
     pub(super) fn count(&self, now: f64, soon: f64) -> usize {
         self.0.iter().filter(|time| **time > now - 1.0 + soon + ROUNDING).count()
     }

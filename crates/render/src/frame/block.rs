@@ -47,7 +47,7 @@ pub struct RegionTree {
     pub low: [f32; 3],
     /// Extent of the box; 0 without cells.
     pub size: [f32; 3],
-    /// Lower and upper corner of a box around all surfaces of the frame, if it is tighter than the world's.
+    /// Lower and upper corner of a box around all surfaces of the frame, if the box is tighter than the world's.
     pub bounds: Option<([f32; 3], [f32; 3])>,
     /// First texel of the tape that is valid everywhere. It is below 2^24, so that a float holds it exactly.
     pub whole_tape: u32,
@@ -85,7 +85,7 @@ impl Frame {
             xyz(up, 0.0),
             xyz(camera.forward, 0.0),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
-            // The last components are flags: anything to trace, and known bounds.
+            // The last components are flags: the world has something to trace, and the bounds are known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
             [high[0], high[1], high[2], if bounds.is_some() { 1.0 } else { 0.0 }],
             plane_objects,
@@ -107,7 +107,7 @@ impl Frame {
         block
     }
 
-    /// The planes as unit normal and distance of the origin. The normal is 0 for a plane that this frame lacks.
+    /// The planes, each as a unit normal and the distance of the origin. The normal of a missing plane is 0.
     fn planes(&self) -> impl Iterator<Item = [f32; 4]> {
         self.values.planes.iter().take(PLANES_MAX).map(|plane| {
             let [a, b, c, d] = plane.map(f64::from);

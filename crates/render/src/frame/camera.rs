@@ -20,7 +20,7 @@ pub struct Camera {
     pub tan_half: (f64, f64),
     /// Distance to the target.
     pub to_target: f64,
-    /// Distance added to the scene's own, so that all of the scene is in view.
+    /// Distance by which the eye steps back, so that all of the scene is in view.
     pub stepped_back: f64,
 }
 
@@ -54,7 +54,7 @@ impl Camera {
         let (eye, forward) = orbit.place(eye, target);
         let to_target = (target - eye).length();
         let stepped_back = to_target - away.length();
-        // Straight up or down, any direction can be level.
+        // If the camera looks straight up or down, any horizontal direction can point to the right.
         let level = DVec3::Y.cross(forward).normalize_or(DVec3::X);
         let roll = if asked.roll.is_finite() { f64::from(asked.roll) } else { 0.0 };
         let right = DQuat::from_axis_angle(forward, roll) * level;
@@ -62,7 +62,7 @@ impl Camera {
         Self { position: eye, right, up, forward, tan_half, to_target, stepped_back }
     }
 
-    /// Projects `point` into the image, where each axis is -1..1 from edge to edge. `None` if it is behind the eye.
+    /// Projects `point` into the image; each axis is -1..1 from edge to edge. `None` if `point` is behind the eye.
     pub fn project(&self, point: DVec3) -> Option<(f64, f64)> {
         let offset = point - self.position;
         let depth = offset.dot(self.forward);

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use mariana_field::graph::{BAND_COUNT, FrameInputs, SoundInput};
 use mariana_field::lang::Scene;
 
-/// The name of an input and the finite value that it is held at.
+/// The name of an input, and the finite value at which the input is held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
     /// The name in the scene language: `t`, `volume.x`, `band(3)`, or a parameter of the scene.
@@ -26,7 +26,7 @@ impl FromStr for Setting {
     }
 }
 
-/// A value outside its input's range. The bounds of a scene's shapes are only valid within that range.
+/// A value outside the input's range. The bounds of a scene's shapes are only valid within the range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("--set {name}={value}: {name} ranges from {least} to {most}; choose a value in this range")]
 pub struct OutOfRange {
@@ -75,7 +75,7 @@ impl HeldInputs {
         Ok(true)
     }
 
-    /// Joins the held inputs of two scenes, the second's parameters following the first's `params` parameters.
+    /// Joins the held inputs of two scenes. The second scene's parameters follow the first scene's `params` parameters.
     pub fn followed_by(&self, second: &Self, params: usize) -> Self {
         let moved = second.0.iter().map(|&(place, value)| match place {
             Place::Param(number) => (Place::Param(params + number), value),
@@ -100,7 +100,7 @@ impl HeldInputs {
     }
 }
 
-/// Finds an input by name. A scene's own parameter may hide a number of the song; it has no other input's name.
+/// Finds an input by name. A scene's parameter may have the name of a number of the song, and then hides it.
 fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     if name == "t" {
         return Some(Place::Time);

@@ -1,5 +1,5 @@
-//! [`Frame`]: the inputs of one image of a world, computed from time, sound and camera. They are plain numbers without
-//! OpenGL, the same for a window, a still and a video.
+//! [`Frame`]: the inputs of one image of a world, computed from time, sound and camera. The inputs are plain numbers
+//! without OpenGL. A window, a still and a video get the same numbers.
 
 pub mod block;
 pub mod camera;
@@ -38,24 +38,24 @@ pub struct Frame {
     orbit: OrbitControls,
 }
 
-/// The choices for a frame that do not follow from its world, time and sound.
+/// Choices for a frame besides its world, time and sound.
 #[derive(Debug, Clone, Copy)]
 pub struct FrameOptions<'a> {
-    /// Values of the scene's parameters; missing ones have the defaults of the scene's text.
+    /// Values of the scene's parameters. Missing values have the defaults of the scene's text.
     pub params: &'a [f32],
     /// Held inputs, which override the parameters.
     pub held: &'a HeldInputs,
-    /// Index of a named camera; `None` is the scene's main camera.
+    /// Index of a named camera. `None` means the scene's main camera.
     pub camera: Option<usize>,
 }
 
 impl Frame {
-    /// The frame of a world at `time` seconds, with the sound audible then and the parameters' defaults.
+    /// The frame of a world at `time` seconds, with the sound that is audible at `time` and the parameters' defaults.
     pub fn new(world: &World, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Self {
         Self::with_params(world, time, sound, size, &[])
     }
 
-    /// Like [`Frame::new`], with other parameters; missing ones have their defaults.
+    /// Like [`Frame::new`], with other parameters. Missing parameters have their defaults.
     pub fn with_params(
         world: &World,
         time: f64,
@@ -154,7 +154,7 @@ impl Frame {
         (self.orbit, self.camera) = (orbit, Camera::by_hand(&self.values.camera, aspect, &orbit));
         self.picture = Picture::of(&self.values, &self.camera, world.features.lens);
         let eye = self.camera.position.as_vec3().to_array();
-        // Hoisted values depend on the eye and on inputs that do not change here.
+        // Hoisted values depend on the eye, and on inputs that stay the same here.
         if self.inputs.eye != eye || self.inputs.hoisted.is_empty() {
             self.inputs.eye = eye;
             self.inputs.hoisted = world.hoisted.values(&self.inputs);
@@ -176,7 +176,7 @@ fn finite(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// Clamps a level to the 0..1 that the language promises. Samples beyond full scale measure more.
+/// Clamps a level to the range 0..1 that the language promises. Samples beyond full scale give higher levels.
 fn unit(value: f32) -> f32 {
     finite(value).clamp(0.0, 1.0)
 }
@@ -186,7 +186,7 @@ mod tests {
     use mariana_field::graph::SoundInput;
     use mariana_music::{Features, SongMoment};
 
-    /// An input that the analysis does not compute would silently read 0.
+    /// Guards against an input that the analysis does not compute: it would silently be 0.
     #[test]
     fn the_analysis_or_the_song_provides_every_sound_input() {
         for input in SoundInput::ALL {

@@ -1,7 +1,7 @@
 //! Orbit controls: the user turns and zooms the view around the point that the scene's camera looks at.
 //!
-//! The controls add to the scene's camera, which may keep moving. `eye` in materials and the sky follows them; regions,
-//! bounds, planes and the formulas of the camera path do not.
+//! The controls add to the scene's camera, which may keep moving. `eye` in materials and the sky follows the controls.
+//! Regions, bounds, planes and the formulas of the camera path ignore them.
 
 use glam::DVec3;
 
@@ -67,13 +67,13 @@ impl OrbitControls {
         Self { yaw: turn(yaw), pitch: turn(pitch).clamp(-180.0, 180.0), zoom }
     }
 
-    /// The angle of a camera above its target, in radians.
+    /// The angle in radians by which a camera is above its target.
     pub fn pitch_of(eye: DVec3, target: DVec3) -> f64 {
         (eye - target).normalize_or(DVec3::NEG_Z).y.clamp(-1.0, 1.0).asin()
     }
 
-    /// The position of the eye and its direction of view, for a scene's eye and target. If both are the same point, the
-    /// camera looks around.
+    /// The position of the eye and its direction of view, for a scene's eye and target. If the scene's eye is at the
+    /// target, the camera looks around instead.
     pub(super) fn place(&self, eye: DVec3, target: DVec3) -> (DVec3, DVec3) {
         let away = eye - target;
         let forward = (-away).normalize_or(DVec3::Z);

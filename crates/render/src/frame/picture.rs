@@ -16,7 +16,7 @@ pub struct Picture {
     pub exposure: f32,
     /// Fraction of the light that bloom scatters, 0..1.
     pub bloom: f32,
-    /// Fraction of the light that the corners lose, 0..1.
+    /// Fraction of the light that vignetting removes in the corners, 0..1.
     pub vignette: f32,
     /// Strength of the grain in steps of 1/255, 0..16.
     pub grain: f32,
@@ -36,8 +36,8 @@ pub struct Lens {
 }
 
 impl Picture {
-    /// The settings that a scene requests in a frame. `has_lens` is [`mariana_field::world::SceneFeatures::lens`]. NaN
-    /// is replaced by the value of scenes that do not set it.
+    /// The settings that a scene requests in a frame. `has_lens` is [`mariana_field::world::SceneFeatures::lens`].
+    /// Replaces NaN by the setting's default.
     pub fn of(values: &FrameValues, camera: &Camera, has_lens: bool) -> Self {
         let picture = &values.picture;
         let lens = || {
@@ -63,7 +63,7 @@ impl Picture {
     }
 }
 
-/// Largest radius of a blurred point, in image heights. Larger ones would need too many samples.
+/// Largest radius of a blurred point, in image heights. A larger radius would need too many samples.
 pub const BLUR_MAX: f32 = 0.04;
 const EXPOSURE_MAX: f32 = 1000.0;
 const GRAIN_MAX: f32 = 16.0;

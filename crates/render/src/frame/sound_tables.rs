@@ -33,7 +33,7 @@ fn append(texels: &mut Vec<[f32; 4]>, table: &TableData, pieces: usize) {
     texels.resize(end, [0.0; 4]);
 }
 
-/// The cubic with these Bézier points, constant term first: in this form shaders need fewer registers.
+/// The coefficients of the cubic with these Bézier points, constant term first. Shaders need fewer registers for them.
 fn polynomial(&[a, b, c, d]: &[f32; 4]) -> [f32; 4] {
     [a, 3.0 * (b - a), 3.0 * (a - 2.0 * b + c), d - a + 3.0 * (b - c)]
 }

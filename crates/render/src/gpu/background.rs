@@ -1,10 +1,10 @@
 //! Compiles programs on worker threads with their own contexts, in parallel with the frame loop.
 //!
 //! A driver takes from tens of milliseconds to many seconds for a large shader, and does part of the work at the first
-//! draw. A worker therefore links the program and draws a small image with it, in the renderer's states and kinds of
-//! textures. The drawing thread receives plain values, among them the driver's binary, because drivers mishandle
-//! objects shared between contexts ([`super::program::ReadyProgram`]). `compile_worker` stores compiled programs
-//! between runs.
+//! draw. A worker therefore links the program and draws a small image with it, with the same OpenGL state and kinds of
+//! textures as the renderer. The drawing thread receives plain values, such as the driver's binary, because drivers
+//! mishandle objects shared between contexts ([`super::program::ReadyProgram`]). `compile_worker` stores compiled
+//! programs between runs.
 
 #![expect(unsafe_code, reason = "glutin's functions that create contexts are unsafe")]
 
@@ -43,14 +43,14 @@ pub struct WorkerContext {
 }
 
 impl WorkerContext {
-    /// Creates a context of the driver `info` that shares nothing with others, on `display` or on a display of its own.
+    /// Creates a context for the driver `info`, on `display` or on a separate display. It shares no objects.
     ///
-    /// **llvmpipe gets a separate display.** Before llvmpipe hands out the memory of a texture or buffer, it checks
-    /// what all contexts of the display are still drawing (`llvmpipe_flush_resource`). Mesa 22.3 does that while the
-    /// contexts' threads change it, so drawing in one context could crash another.
+    /// **llvmpipe gets a separate display.** Before llvmpipe hands out the memory of a texture or buffer, it checks the
+    /// unfinished draws of all contexts of the display (`llvmpipe_flush_resource`). Mesa 22.3 reads these lists while
+    /// other threads change them, so drawing in one context could crash another context.
     ///
     /// # Errors
-    /// EGL's error.
+    /// Fails with EGL's error.
     pub fn new(display: &Display, config: &Config, info: &GlInfo) -> glutin::error::Result<Self> {
         #[cfg(all(unix, not(target_os = "macos")))]
         if info.software
@@ -111,7 +111,7 @@ pub struct ProgramJob {
     pub scene: SceneShape,
     /// True for a program that draws views.
     pub draws_views: bool,
-    /// True if the program is not tried again after the driver has failed at it.
+    /// True if the program must not be tried again after the driver has failed to compile it.
     pub can_be_given_up: bool,
 }
 
@@ -179,8 +179,8 @@ impl Queue {
 }
 
 impl BackgroundCompiler {
-    /// Starts a thread for each context of the driver `info`. Each worker calls `wake` after each job. Without contexts
-    /// or threads, [`BackgroundCompiler::poll`] returns texts, which the caller links between frames.
+    /// Starts a thread for each context of the driver `info`. Each worker calls `wake` after each job. If there are no
+    /// contexts or threads, [`BackgroundCompiler::poll`] returns texts, which the caller links between frames.
     pub fn start(
         contexts: Vec<WorkerContext>,
         sources: Sources,
@@ -257,7 +257,7 @@ impl Drop for BackgroundCompiler {
             while !thread.is_finished() && Instant::now() < until {
                 std::thread::sleep(Duration::from_millis(2));
             }
-            // A driver cannot be interrupted and may need minutes. The worker's context does not use the window's.
+            // A driver cannot be interrupted and may need minutes. The worker's context does not use the window.
             if !thread.is_finished() {
                 tracing::info!("a driver is still compiling: Mariana exits without waiting for it");
                 continue;
@@ -300,7 +300,7 @@ fn work(
     while let Some(job) = queue.next() {
         let id = job.id;
         let made = match &mut compile_worker {
-            // Send a result after a panic too, because the caller waits for it.
+            // Send a result even after a panic, because the caller waits for the result.
             Ok(compile_worker) => catch_unwind(AssertUnwindSafe(|| compile_worker.make(sources, job)))
                 .unwrap_or_else(|_| {
                     Err(GpuError::NoWorker { reason: "compiling a program panicked".into() })

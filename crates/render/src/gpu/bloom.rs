@@ -10,10 +10,10 @@ use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
 use super::target::{Target, Texel};
 
-/// Most levels: the smallest is then a 256th of the image.
+/// Maximum number of levels. The sides of the eighth level are a 256th of the image's sides.
 const LEVELS_MAX: u32 = 8;
 const SMALLEST: u32 = 6;
-/// The weight of each level relative to the next larger one.
+/// The weight of each level relative to the next larger level.
 const FADING: f32 = 0.85;
 
 pub(super) struct Bloom {
@@ -27,7 +27,7 @@ pub(super) struct BloomTargets {
 }
 
 impl Bloom {
-    /// Scatters light. The result has half the size.
+    /// Scatters light. The result has half the width and height.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,
@@ -52,7 +52,7 @@ impl Bloom {
     }
 }
 
-/// The fraction of the smaller levels when `levels` remain. All weights sum to 1; each is below the previous one.
+/// Fraction of the smaller levels' light when `levels` remain. All weights sum to 1 and decrease from level to level.
 fn fraction_of_smaller(levels: usize) -> f32 {
     let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
     weights(1) / weights(0)

@@ -6,7 +6,7 @@ use mariana_field::world::{TapeBuffers, World};
 /// When to divide space into cells. The choice does not change the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CellUse {
-    /// Where cells make a frame cheaper: in interpreted scenes, and in compiled scenes with long distances.
+    /// Where cells make a frame cheaper: in interpreted scenes, and in compiled scenes with long distance formulas.
     #[default]
     WhereTheyPay,
     /// Wherever possible.
@@ -15,12 +15,12 @@ pub enum CellUse {
     Never,
 }
 
-/// Compiled distances with fewer clauses are faster without cells, which also saves building a tree. On the software
-/// renderer both kinds of frames cost the same at 1,900 clauses; on AMD, by instruction counts, at about 600.
+/// Compiled distances with fewer clauses are faster without cells, and need no tree. Frames with and without cells
+/// cost the same at 1,900 clauses on the software renderer, and at about 600 on AMD (by instruction counts).
 const CELLS_PAY_FROM: usize = 1_000;
 
 impl CellUse {
-    /// True if a world is divided into cells in this mode. Formulas that are not distances always need cells.
+    /// True if space is divided into cells in this mode. Formulas that are not distances always need cells.
     pub fn divides(self, world: &World, buffers: &TapeBuffers, mode: Mode) -> bool {
         world.non_lipschitz
             || match self {

@@ -1,5 +1,5 @@
-//! Disables Mesa's shader cache when its disk is full. Mesa up to 22.3 maps the index of that cache into memory without
-//! reserving disk space, and when a write then finds no space, a bus error kills the process.
+//! Disables Mesa's shader cache when its disk is full. Mesa up to 22.3 maps the cache's index into memory without
+//! reserving disk space. If a later write finds the disk full, a bus error kills the process.
 
 #![expect(unsafe_code, reason = "sets an environment variable before other threads start")]
 
@@ -17,7 +17,7 @@ pub fn leave_where_full() {
     let room = folder.and_then(|folder| room_in(&folder));
     let wanted = room.is_some_and(|room| room < ROOM_MIN) && std::env::var_os(OFF).is_none();
     if wanted && std::fs::read_dir("/proc/self/task").is_ok_and(|threads| threads.count() == 1) {
-        // SAFETY: this is the only thread, as checked above, so that nothing else reads the environment meanwhile.
+        // SAFETY: this is the only thread, as checked above, so no other code reads the environment meanwhile.
         unsafe { std::env::set_var(OFF, "true") }
     }
 }
@@ -29,7 +29,7 @@ fn folder(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
         .or_else(|| Some(place("HOME")?.join(".cache")))
 }
 
-/// Free bytes on the disk of a folder, which need not exist yet. `None` if they are unknown.
+/// Free bytes on the disk of a folder, which need not exist yet. `None` if the number is unknown.
 fn room_in(folder: &Path) -> Option<u64> {
     let reported = folder.ancestors().find_map(|place| rustix::fs::statvfs(place).ok())?;
     Some(reported.f_bavail.saturating_mul(reported.f_frsize))

@@ -1,15 +1,15 @@
-//! A list of the pixels at edges, so that their further samples can be drawn densely.
+//! A list of the pixels at edges. Further samples of the listed pixels are drawn densely, side by side.
 //!
-//! A software renderer runs a shader for eight neighbouring pixels at once, so further samples of 13 % of the pixels
-//! would cost more than the first samples of all. They are therefore drawn side by side in a separate target, in a
-//! block for each pixel. Reading the marks back costs a software renderer nothing; a GPU would wait, and uses the
-//! stencil.
+//! A software renderer runs a shader for eight neighbouring pixels at once, so further samples of scattered 13 % of the
+//! pixels would cost more than the first samples of all pixels. Therefore a separate target holds the samples, in a
+//! block for each pixel. Reading the marks back costs a software renderer nothing. A GPU would have to wait, so GPUs
+//! use the stencil instead.
 //!
-//! Tried: sorting the list by surface (within 3 %: samples at edges run 2.4 times the clauses, which does not depend on
-//! their neighbours), and reusing the light of a first sample of the same surface (18 % fewer clauses, no time on
-//! llvmpipe, where eight neighbours wait for the slowest, and 2 dB worse). If eight neighbours always waited for the
-//! slowest, frames would take 7 % (wave_tank) to 23 % (speakers) longer: letting each advance by itself cannot gain
-//! much more.
+//! Tried: sorting the list by surface. The time changed by less than 3 %, because samples at edges run 2.4 times the
+//! clauses whatever their neighbours are. Tried: reusing the light of a first sample of the same surface. It saved 18 %
+//! of the clauses and lost 2 dB, but saved no time on llvmpipe, where eight neighbours wait for the slowest. If eight
+//! neighbours always waited for the slowest, frames would take 7 % (wave_tank) to 23 % (speakers) longer. Letting each
+//! pixel advance by itself cannot gain much more.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -23,7 +23,7 @@ use super::program::unit_of;
 use super::target::{Target, Texel};
 use super::tiles::Part;
 
-/// Pixels are listed by squares with sides of this many pixels, so that pixels drawn together show similar surfaces.
+/// Side of a square in pixels. Pixels are listed square by square, so that pixels drawn together show similar surfaces.
 const TILE: usize = 8;
 
 pub(super) struct EdgeList {
@@ -37,9 +37,9 @@ pub(super) struct EdgeList {
     marks: Target,
     /// The pixel of each block of samples.
     pixels: Texture,
-    /// The block of each pixel's samples, counted from 1; 0 for none.
+    /// Number of the block of samples of each pixel, from 1; 0 for pixels without further samples.
     squares: Texture,
-    /// The samples, in a block per pixel. The target grows as needed.
+    /// The samples, in one block per pixel. The target grows when more room is needed.
     samples: Target,
 }
 
@@ -82,7 +82,7 @@ impl EdgeList {
         self.size.0.min(self.gl.info().texture_side_max / self.block.0).max(1)
     }
 
-    /// Reserves this many rows of blocks, or as many as the driver allows. Pixels beyond get no further samples.
+    /// Reserves this many rows of blocks, or as many as the driver allows. Pixels beyond the last row get no samples.
     fn reserve(&mut self, rows: u32) -> Result<(), GpuError> {
         let rows = rows.clamp(1, self.rows_max);
         if self.samples.size().1 < self.block.1 * rows {
@@ -95,7 +95,7 @@ impl EdgeList {
     }
 
     /// Lists the marked pixels, each with the free length of its beam (`beams`, for all pixels). Returns the areas of
-    /// the target to draw samples in; the rest of the target is empty.
+    /// the target that samples must be drawn in.
     pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Part>, GpuError> {
         let marks = self.marks.read_red();
         let listed = listed_pixels(&marks, self.size);
@@ -132,7 +132,7 @@ impl EdgeList {
         ])
     }
 
-    /// Binds what the scene's shader reads. llvmpipe compiles per kind of texture, so bind it from the first sample on.
+    /// Binds the list for the scene's shader. llvmpipe compiles per kind of texture, so bind the list for every sample.
     pub(super) fn bind_pixels(&self) {
         self.bind(&self.pixels, "edge_pixels");
     }
@@ -173,7 +173,7 @@ impl EdgeList {
     }
 }
 
-/// Rounds up to no power of two: software renderers compile a variant for those, which would delay a show.
+/// Avoids powers of two by rounding up. Software renderers compile a variant for powers of two, which delays a show.
 fn no_power_of_two(side: u32) -> u32 {
     if side.is_power_of_two() { side + 1 } else { side }
 }

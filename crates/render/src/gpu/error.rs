@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use super::program_store::GivenUp;
 use mariana_field::world::WorldError;
 
-/// An error of the GPU side. Messages name the problem, its place and a remedy.
+/// An error of the GPU side. Each message names the problem, the place where it occurred, and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
-    /// The system has no OpenGL without a window.
+    /// The system provides no OpenGL context without a window.
     #[error(
         "OpenGL without a window is not available on this system ({reason}): install a driver with EGL \
          (Debian: libegl1 and libgl1-mesa-dri, which also bring a software renderer)"
@@ -37,10 +37,10 @@ pub enum GpuError {
         /// The driver's log, with the names of the files.
         log: String,
     },
-    /// The driver failed at a program in an earlier run.
+    /// The driver failed to compile a program in an earlier run.
     #[error("{}", why.sentence(mark))]
     GivenUp {
-        /// How it failed.
+        /// The kind of failure.
         why: GivenUp,
         /// The file with the record of the failure.
         mark: PathBuf,
@@ -137,7 +137,7 @@ pub enum ShaderSourceError {
     Unknown {
         /// The name in the include line.
         name: String,
-        /// The file and line of the include.
+        /// The file and line of the `#include`.
         asked_by: String,
     },
     /// An include line that is not of the form `#include "name"`.

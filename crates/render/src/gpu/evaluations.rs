@@ -1,6 +1,6 @@
 //! Counts of distance evaluations and other work of a frame.
 
-/// The choice of counting a renderer's distance evaluations, which makes it slower.
+/// Turns the counting of distance evaluations on or off. Counting makes a renderer slower.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Counting {
     /// Draw images only.
@@ -9,7 +9,7 @@ pub enum Counting {
     On,
 }
 
-/// Distance evaluations of one image, summed over its pixels and samples, by kind of ray.
+/// Distance evaluations of one image by kind of ray, summed over all pixels and samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 pub struct Evaluations {
     /// Along rays from the eye.

@@ -1,16 +1,17 @@
-//! Limits the flashes of finished images on the GPU: measures their cells, decides which to dim, and dims them.
+//! Limits the flashes of finished images on the GPU: measures an image's cells, decides which cells to dim, and dims
+//! these cells.
 //!
-//! Nothing is read back, so no frame waits for a result, and the frame with the fourth flash is itself dimmed. Textures
-//! with one texel per cell hold the state of the cells; two passes rewrite them for each frame. Decisions that depend
-//! on many cells, such as the crowded fields and the areas around flashes, are computed on rows of bits:
+//! All results stay on the GPU, so frames do not wait, and the frame with the fourth flash is itself dimmed. Textures
+//! with one texel per cell hold the state of the cells, and two passes rewrite these textures for each frame. Decisions
+//! that depend on many cells, such as the crowded fields and the areas around flashes, are computed on rows of bits:
 //!
 //! 1. `cells.frag` takes the mean colours of the cells.
 //! 2. `flash_follow.frag` finds changes, and marks the cells that change too often.
 //! 3. `flash_rows.frag`, `flash_fields.frag` and `flash_areas.frag` find the cells to limit.
 //! 4. `flash_decide.frag` gives cells ceilings, and `flash_spread.frag` spreads them over neighbouring cells.
-//! 5. `cells.frag` takes the mean colours below those ceilings, and `flash_note.frag` records their changes.
-//! 6. `limit_flashes.frag` is drawn over the displayed image, near limited cells only. Other pixels do not change, and
-//!    an image without limited cells costs no pass over it.
+//! 5. `cells.frag` takes the mean colours again, below the ceilings, and `flash_note.frag` records their changes.
+//! 6. `limit_flashes.frag` draws over the displayed image, only near limited cells. The remaining pixels do not change,
+//!    and an image without limited cells costs no such pass.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -101,7 +102,7 @@ impl FlashPass {
     /// Compiles the shaders.
     ///
     /// # Errors
-    /// The driver's log, if it rejects a shader.
+    /// Fails with the driver's log if the driver rejects a shader.
     pub fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let pass = Self {
             programs: FlashPrograms::new(gl, library)?,
@@ -126,7 +127,7 @@ impl FlashPass {
     }
 
     /// Draws once with each program while `is_wanted` returns true, so that the driver completes its work in advance.
-    /// Nothing is visible, and the limiter forgets it.
+    /// The window does not change, and the limiter forgets these draws.
     pub fn warm_up(&mut self, picture: &Target, is_wanted: &mut dyn FnMut() -> bool) {
         self.begin(0.0);
         let passes = (0..PASSES).take_while(|_| is_wanted());
@@ -134,14 +135,15 @@ impl FlashPass {
             self.cells.reset_state();
             self.pass(number, picture);
         });
-        // The first frame is never dimmed, so this changes nothing in the window.
+        // The first frame is never dimmed, so this draw does not change the window.
         let (width, height) = picture.size();
         let windows = [(width, height), (width + 1, height)].into_iter().take_while(|_| is_wanted());
         windows.for_each(|window| self.limit_in_window(picture, window));
         self.forget();
     }
 
-    /// Measures an image shown `seconds` after the previous one, and decides which cells to dim; none in the first.
+    /// Measures an image shown `seconds` after the previous image, and decides which cells to dim. The first image is
+    /// never dimmed.
     pub fn take(&mut self, finished: &Target, seconds: f64) {
         self.begin(seconds);
         (0..PASSES).for_each(|number| self.pass(number, finished));
@@ -157,7 +159,7 @@ impl FlashPass {
         self.cells.reset_state();
     }
 
-    /// Draws one of the [`PASSES`]. Each relies on the bindings and targets of the previous ones.
+    /// Draws one of the [`PASSES`]. Each pass relies on the bindings and targets of the previous passes.
     fn pass(&self, number: usize, finished: &Target) {
         let Self { programs, memory, cells, .. } = self;
         let [followed, followed_before] = &memory.followed;
@@ -217,7 +219,7 @@ impl FlashPass {
         self.dim_cells(finished, target.size());
     }
 
-    /// Dims cells in the window's framebuffer of `window` pixels.
+    /// Dims cells in the window's framebuffer, which has `window` pixels.
     pub fn limit_in_window(&self, finished: &Target, window: (u32, u32)) {
         self.cells.bind_window(window);
         self.dim_cells(finished, window);

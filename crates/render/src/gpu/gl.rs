@@ -17,7 +17,7 @@ use crate::faults::{self, Fault};
 /// The functions of the context that is current on this thread. Clones share the context.
 ///
 /// `Gl` is neither `Send` nor `Sync`, so it stays on the context's thread. The `unsafe` calls of this crate rely on the
-/// context staying current there. Objects hold a clone, to free themselves while the context exists.
+/// context staying current on that thread. OpenGL objects hold a clone, to free themselves while the context exists.
 #[derive(Clone)]
 pub struct Gl {
     functions: Arc<glow::Context>,
@@ -26,7 +26,7 @@ pub struct Gl {
 
 struct ContextState {
     info: GlInfo,
-    /// The framebuffer that replaces the window's; `None` for the window's own.
+    /// The framebuffer that replaces the window's framebuffer; `None` without a replacement.
     window: Cell<Option<glow::NativeFramebuffer>>,
 }
 
@@ -67,14 +67,14 @@ impl std::fmt::Display for GlInfo {
 }
 
 impl Gl {
-    /// Loads the functions of the current context with `loader` and checks that it is OpenGL 3.3 or newer.
+    /// Loads the functions of the current context with `loader` and checks that the version is OpenGL 3.3 or newer.
     ///
     /// With `log_debug`, the driver's debug output is logged, if the driver has any (KHR_debug).
     ///
     /// # Errors
     /// [`GpuError::TooOld`] for versions below 3.3 and for OpenGL ES.
     pub fn load(loader: impl FnMut(&CStr) -> *const c_void, log_debug: bool) -> Result<Self, GpuError> {
-        // SAFETY: the caller has made a context current on this thread, and `loader` returns that context's functions.
+        // SAFETY: the caller has made a context current on this thread, and `loader` returns its functions.
         let mut functions = unsafe { glow::Context::from_loader_function_cstr(loader) };
         let version = functions.version();
         if version.is_embedded || (version.major, version.minor) < (3, 3) {
@@ -83,7 +83,7 @@ impl Gl {
             return Err(GpuError::TooOld { found });
         }
         if log_debug && functions.supports_debug() {
-            // SAFETY: the callback only formats its arguments; the wrapper of the context owns it.
+            // SAFETY: the callback only formats its arguments, and the wrapper of the context owns the callback.
             unsafe {
                 functions.enable(glow::DEBUG_OUTPUT);
                 functions.debug_message_callback(|_source, kind, id, severity, message| {
@@ -100,12 +100,12 @@ impl Gl {
         Ok(Self { functions: Arc::new(functions), context: Rc::new(context) })
     }
 
-    /// The functions, for another library that draws in this context. They must stay on this thread, as `self` does.
+    /// The functions, for another library that draws in this context. They must stay on this thread, like `self`.
     pub fn shared(&self) -> Arc<glow::Context> {
         self.functions.clone()
     }
 
-    /// Redirects all drawing to the window into this target, for contexts without a window. `None` restores the window.
+    /// Redirects all drawing to the window into a target, for contexts without a window. `None` restores the window.
     /// The target must outlive the redirected draws.
     pub fn replace_window(&self, target: Option<&Target>) {
         self.context.window.set(target.map(Target::native));
@@ -120,9 +120,9 @@ impl Gl {
         &self.context.info
     }
 
-    /// Calls `draw` in the state for passes that overwrite one colour attachment without blending. llvmpipe compiles
-    /// such a pass twice (tiles inside and at the edge of a triangle), with blending once. There, blending overwrites
-    /// instead: the passes that all scenes share compile in 0.70 s instead of 0.93 s.
+    /// Calls `draw` in the state for passes that overwrite one colour attachment. llvmpipe compiles a pass without
+    /// blending twice (for tiles inside and at the edge of a triangle), a pass with blending once. On llvmpipe, a blend
+    /// function therefore overwrites: the passes that all scenes share compile in 0.70 s instead of 0.93 s.
     pub(super) fn replacing<R>(&self, draw: impl FnOnce() -> R) -> R {
         let mixes = self.context.info.software;
         if mixes {
@@ -143,7 +143,7 @@ impl Gl {
     /// Fails if the driver has reported an error since the last check.
     ///
     /// # Errors
-    /// [`GpuError::Driver`] with the name of the first error, or [`GpuError::ContextLost`].
+    /// Returns [`GpuError::Driver`] with the name of the first error, or [`GpuError::ContextLost`].
     pub fn check(&self, doing: &'static str) -> Result<(), GpuError> {
         // SAFETY: the context is current on this thread (`Gl` is neither `Send` nor `Sync`).
         let code = unsafe { self.functions.get_error() };
@@ -176,7 +176,7 @@ impl std::ops::Deref for Gl {
     }
 }
 
-/// GL_MAX_TEXTURE_MAX_ANISOTROPY, part of core OpenGL only since 4.6.
+/// GL_MAX_TEXTURE_MAX_ANISOTROPY, which is part of core OpenGL only since 4.6.
 const MAX_ANISOTROPY: u32 = 0x84FF;
 
 fn read_info(gl: &glow::Context) -> GlInfo {

@@ -1,4 +1,4 @@
-//! Drawing by another library in our context: it gets the window's framebuffer, then our state is restored.
+//! Drawing by another library in our context. The library gets the window's framebuffer; then our state is restored.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -11,7 +11,7 @@ impl Gl {
     /// Lets `draws` draw over the window's framebuffer, then restores OpenGL's defaults, with conversion to sRGB off.
     ///
     /// # Errors
-    /// An error that the driver reports, caused by `draws` or by earlier calls.
+    /// Fails if the driver reports an error, caused by `draws` or by earlier calls.
     pub fn lend_window<T>(&self, doing: &'static str, draws: impl FnOnce() -> T) -> Result<T, GpuError> {
         // SAFETY: binds the window's framebuffer, or its replacement, which outlives its use ([`Gl::replace_window`]).
         unsafe { self.bind_framebuffer(glow::FRAMEBUFFER, self.window()) };
@@ -24,7 +24,7 @@ impl Gl {
     /// Fills the window's framebuffer of `size` pixels with an sRGB colour, 0..1.
     ///
     /// # Errors
-    /// An error that the driver reports.
+    /// Fails if the driver reports an error.
     pub fn clear_window(&self, size: (u32, u32), [red, green, blue]: [f32; 3]) -> Result<(), GpuError> {
         self.lend_window("clearing the window", || {
             // SAFETY: sets state and clears the bound framebuffer of the current context.

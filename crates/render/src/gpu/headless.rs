@@ -1,7 +1,7 @@
 //! An OpenGL context without a window: EGL on a device, drawing into framebuffers only.
 //!
-//! Stills, videos, tests and measurements draw with it, without a window system. `Renderer` works the same in both
-//! kinds of contexts.
+//! Stills, videos, tests and measurements draw with such a context and need no window system. `Renderer` works the
+//! same with and without a window.
 
 #![expect(unsafe_code, reason = "EGL and OpenGL are C interfaces")]
 
@@ -14,7 +14,7 @@ use super::gl::Gl;
 #[cfg(all(unix, not(target_os = "macos")))]
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// A current context without a window. Everything made from [`Headless::gl`] must be dropped before it.
+/// A current context without a window. Drop everything made from [`Headless::gl`] before the context.
 pub struct Headless {
     gl: Gl,
     #[cfg(all(unix, not(target_os = "macos")))]
@@ -30,8 +30,8 @@ impl Headless {
     /// Creates an OpenGL 3.3 context on the first suitable EGL device, hardware first, and makes it current.
     ///
     /// # Errors
-    /// [`GpuError::NoHeadlessContext`] with the devices' errors; [`GpuError::TooOld`] if all contexts are below OpenGL
-    /// 3.3.
+    /// [`GpuError::NoHeadlessContext`] with the errors of all devices, or [`GpuError::TooOld`] if all contexts are
+    /// older than OpenGL 3.3.
     #[cfg(all(unix, not(target_os = "macos")))]
     pub fn new(log_debug: bool) -> Result<Self, GpuError> {
         use glutin::api::egl::device::Device;
@@ -69,10 +69,10 @@ impl Headless {
         Err(no_context(reasons.join("; ")))
     }
 
-    /// Not available on this system yet.
+    /// Fails, because this system is not supported yet.
     ///
     /// # Errors
-    /// Always [`GpuError::NoHeadlessContext`].
+    /// Always returns [`GpuError::NoHeadlessContext`].
     #[cfg(not(all(unix, not(target_os = "macos"))))]
     pub fn new(_log_debug: bool) -> Result<Self, GpuError> {
         Err(GpuError::NoHeadlessContext { reason: "this system has no EGL devices".into() })
@@ -84,7 +84,7 @@ fn is_software(device: &glutin::api::egl::device::Device) -> bool {
     device.extensions().contains("EGL_MESA_device_software")
 }
 
-/// A software renderer's context on a separate display, not current yet. `None` if EGL lists no software device.
+/// Creates a software renderer's context on a separate display; it is not current yet. `None` without such a device.
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(super) fn software_context()
 -> Option<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)> {
@@ -104,7 +104,7 @@ fn context_on(
     context_of(unsafe { glutin::api::egl::display::Display::with_device(device, None) }?)
 }
 
-/// Creates a context on EGL's default display (`EGL_PLATFORM` or the desktop selects it), not current yet.
+/// Creates a context on EGL's default display, which `EGL_PLATFORM` or the desktop selects. It is not current yet.
 #[cfg(target_os = "linux")]
 pub(super) fn default_context()
 -> Option<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)> {
@@ -128,7 +128,7 @@ fn context_of(
     use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
     use glutin::display::GlDisplay;
 
-    // SAFETY: `display` is alive, the configuration comes from it, and the context is not shared with another.
+    // SAFETY: `display` is alive, the configuration comes from `display`, and the context shares no objects.
     unsafe {
         let template = ConfigTemplateBuilder::new()
             .with_surface_type(ConfigSurfaceTypes::empty())
@@ -142,7 +142,7 @@ fn context_of(
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(None);
-        // An older driver refuses the request with only an error number. A context of any version can report its own.
+        // An older driver refuses the request with only an error number. Any context can report its version.
         let any = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Compatibility)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))

@@ -2,9 +2,10 @@
 //!
 //! **Few heaps.** glibc gives threads up to eight heaps per processor, and freed memory stays in its thread's heap:
 //! after 300 scenes a third of the resident memory was free but kept. Each heap also reserves 64 MiB of addresses,
-//! which counts under `ulimit -v`. Threads that share two heaps reuse them.
+//! which count under `ulimit -v`. Threads that share two heaps reuse the freed memory.
 //!
-//! **Returned memory.** A compiler takes up to 50 MiB. Longer-lived blocks keep its pages, so [`give_back`] follows.
+//! **Returned memory.** A compiler takes up to 50 MiB. Longer-lived blocks keep the pages of this memory in use, so
+//! call [`give_back`] after compiling.
 
 #![expect(unsafe_code, reason = "the C library's allocator is set up by C functions")]
 
@@ -13,13 +14,13 @@ const HEAPS: libc::c_int = 2;
 
 /// Makes all threads of the process share few heaps. Call it before starting other threads.
 pub fn limit_heaps() {
-    // SAFETY: takes two plain numbers, and the function locks the state that it changes.
+    // SAFETY: the function takes two plain numbers and locks the state that it changes.
     unsafe { libc::mallopt(libc::M_ARENA_MAX, HEAPS) };
 }
 
 /// Returns the free memory of all heaps to the system. Takes milliseconds, during which other threads wait for memory.
 pub fn give_back() {
-    // SAFETY: takes a plain number, and the function locks each heap.
+    // SAFETY: the function takes a plain number and locks each heap.
     unsafe { libc::malloc_trim(0) };
 }
 
@@ -35,7 +36,7 @@ mod tests {
 
     #[test]
     fn freed_memory_returns_to_the_system() {
-        // Smaller than blocks that glibc maps individually. A few longer-lived ones keep the heap's pages in use.
+        // Smaller than blocks that glibc maps individually. A few longer-lived blocks keep the heap's pages in use.
         let blocks: Vec<Vec<u8>> = (0..8_192).map(|_| vec![1; 64 << 10]).collect();
         let full = resident();
         let kept: Vec<Vec<u8>> = blocks.into_iter().step_by(128).collect();

@@ -1,6 +1,6 @@
-//! Depth of field: points that are out of focus are spread over discs. `scene.frag` writes each point's spread. At half
-//! the size, each pixel gathers the light of the discs that reach it. Points spread over less than a pixel stay sharp.
-//! The blur has no noise, so equal frames stay equal.
+//! Depth of field: points that are out of focus are spread over discs. `scene.frag` writes the radius of each point's
+//! disc. In an image of half the size, each pixel gathers the light of the discs that cover the pixel. Points with
+//! discs smaller than a pixel stay sharp. The blur has no noise, so equal frames stay equal.
 
 use super::error::GpuError;
 use super::gl::Gl;
@@ -9,7 +9,7 @@ use super::program::{LazyProgram, unit_of};
 use super::target::{Target, Texel};
 use crate::frame::picture::BLUR_MAX;
 
-/// Most samples that a pixel gathers: `TAPS_MAX` of `lens_blur.frag`.
+/// Maximum number of samples that a pixel gathers: `TAPS_MAX` of `lens_blur.frag`.
 const TAPS_MAX: f32 = 80.0;
 
 pub(super) struct LensBlur {

@@ -20,7 +20,7 @@ macro_rules! owned_object {
             /// Creates an empty object in the current context.
             ///
             /// # Errors
-            /// [`GpuError::Object`] if the driver has none left.
+            /// [`GpuError::Object`] if the driver cannot create another object.
             pub fn new(gl: &Gl) -> Result<Self, GpuError> {
                 // SAFETY: the context of `gl` is current on this thread.
                 let native = unsafe { gl.$create() }.map_err(|reason| GpuError::Object { what: $what, reason })?;
@@ -35,7 +35,7 @@ macro_rules! owned_object {
 
         impl Drop for $name {
             fn drop(&mut self) {
-                // SAFETY: `self` owns the name, so it is deleted once. In a lost context the driver ignores the call.
+                // SAFETY: `self` owns the name and deletes it once. In a lost context the driver ignores the call.
                 unsafe { self.gl.$delete(self.native) }
             }
         }

@@ -1,4 +1,4 @@
-//! Reads images back without waiting for the GPU: each is copied to a driver buffer and read once that is complete.
+//! Reads images back without waiting for the GPU. The GPU copies an image to a buffer, which is read after the copy.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -25,7 +25,7 @@ impl PictureReader {
     /// Creates a reader for images of `size` pixels.
     ///
     /// # Errors
-    /// The driver has no memory for the buffers.
+    /// Fails if the driver has no memory for the buffers.
     pub fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
         let target = Target::new(gl, size, &[Texel::Rgba8], None)?;
         let bytes = i32::try_from(size.0 as usize * size.1 as usize * 4).unwrap_or(i32::MAX);
@@ -89,7 +89,7 @@ impl PictureReader {
                 self.on_their_way.push_front((buffer, fence));
                 break;
             }
-            // SAFETY: `self` owns the fence, and it has left the queue.
+            // SAFETY: `self` owns the fence, which has left the queue.
             unsafe { self.gl.delete_sync(fence) }
             if let Some(before) = newest.replace(buffer) {
                 self.free.push(before);
@@ -112,7 +112,7 @@ impl PictureReader {
 impl Drop for PictureReader {
     fn drop(&mut self) {
         for (_, fence) in self.on_their_way.drain(..) {
-            // SAFETY: `self` owns the fence, and it has left the queue.
+            // SAFETY: `self` owns the fence, which has left the queue.
             unsafe { self.gl.delete_sync(fence) }
         }
     }

@@ -1,18 +1,18 @@
 //! Post-processing: passes from the scene's samples to the finished image.
 //!
 //! 1. `resolve.frag` turns the samples of each pixel into its light.
-//! 2. `lens_*.frag` blur points out of focus (`lens`), in scenes that have a lens.
+//! 2. `lens_*.frag` blur points that are out of focus (`lens`), in scenes that have a lens.
 //! 3. `bloom_down.frag` and `bloom_up.frag` scatter light (`bloom`).
-//! 4. `present.frag` mixes in scattered light and a fading scene's light, applies exposure and tone map, encodes as
-//!    sRGB and adds grain.
+//! 4. `present.frag` mixes in scattered light and a fading scene's light. Then it applies exposure and tone map,
+//!    encodes as sRGB, and adds grain.
 //!
-//! The light has the size of the scene's targets, the finished image that of the output.
+//! The light has the size of the scene's targets. The finished image has the size of the output.
 //!
 //! **Light until the last pass.** Until `present.frag`, everything is linear light in 16-bit floats. Samples are
-//! weighted by the visible part of their light; otherwise one bright sample would dominate its edge. AgX is the default
-//! tone map, because bright saturated colours fade to white as on film; its look is slightly more saturated than
-//! neutral, because emissive scenes depend on colour. No noise changes from frame to frame, so still parts stay
-//! identical, bit for bit.
+//! weighted by the visible part of their light; otherwise one bright sample would dominate the pixels of an edge. AgX
+//! is the default tone map, because bright saturated colours fade to white as on film. The AgX look is slightly more
+//! saturated than neutral, because emissive scenes depend on colour. Noise does not change from frame to frame, so
+//! still parts stay identical, bit for bit.
 
 use super::bloom::{Bloom, BloomTargets};
 use super::edge_samples::EdgeSamples;
@@ -54,9 +54,9 @@ pub(super) struct Post {
     resolve_all: LazyProgram,
     lens: LensBlur,
     bloom: Bloom,
-    /// In the order of [`ToneMap::ALL`].
+    /// One program for each tone map, in the order of [`ToneMap::ALL`].
     present: [LazyProgram; 4],
-    /// The same programs for images that fade into another.
+    /// The same programs, for images that fade into another image.
     present_faded: [LazyProgram; 4],
     expose: LazyProgram,
     tone_map: Option<ToneMap>,
@@ -70,7 +70,7 @@ pub(super) struct PostTargets {
 }
 
 impl Post {
-    /// Assembles the shaders. Each is compiled at its first use.
+    /// Assembles the shaders. Each shader is compiled at its first use.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let programs = POST_SHADERS
             .map(|(name, defines)| move || LazyProgram::new(gl, library, name, &Variant::of(defines)));
@@ -97,7 +97,7 @@ impl Post {
         self.tone_map = tone_map;
     }
 
-    /// Sets the image's settings and the edge contrasts for all passes, including the scene's.
+    /// Sets the image's settings and the edge contrasts for all passes, including the passes of the scene.
     pub(super) fn bind_picture(&self, picture: &Picture, samples: EdgeSamples) {
         let [surfaces, inner] = samples.contrasts();
         self.passes.set_picture(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
@@ -112,7 +112,7 @@ impl Post {
         self.passes.draw(&self.resolve_all, &targets.light)
     }
 
-    /// Finishes the image. `samples` are the first ones; `fade` is the light of another image and its fraction.
+    /// Finishes the image. `samples` are the first samples; `fade` is the light of another image and its fraction.
     pub(super) fn finish(
         &self,
         targets: &PostTargets,
@@ -154,7 +154,7 @@ impl Post {
             Some(lens) => self.lens.draw(passes, &targets.light, samples, lens)?,
             None => &targets.light,
         };
-        // Without bloom the fraction is 0, so any texture will do.
+        // Without bloom the fraction is 0, so any texture can be bound.
         let scattered = match picture.bloom {
             fraction if fraction > 0.0 => self.bloom.draw(passes, light, &targets.bloom)?,
             _ => light,

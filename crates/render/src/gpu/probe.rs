@@ -1,4 +1,5 @@
-//! Runs a single fragment shader: texture buffers in, floats out. For tests and measurements of generated shaders.
+//! Runs a single fragment shader with texture buffers as inputs and floats as outputs. Tests and measurements of
+//! generated shaders use it.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -21,7 +22,7 @@ pub struct Probe {
     program: ProgramObject,
     target: Target,
     vertices: VertexArray,
-    /// The index of each is its texture unit.
+    /// Texture buffers. The index of a buffer is its texture unit.
     buffers: Vec<TextureBuffer>,
 }
 
@@ -29,7 +30,7 @@ impl Probe {
     /// Compiles and links the complete text of a fragment shader, including `#version`, that writes `outputs` vec4.
     ///
     /// # Errors
-    /// The driver's log, with line numbers of the files that [`super::shader_source`] marked.
+    /// Fails with the driver's log. Its line numbers are those of the files that [`super::shader_source`] marked.
     pub fn new(gl: &Gl, fragment: &str, size: (u32, u32), outputs: usize) -> Result<Self, GpuError> {
         let program = link_texts(gl, ("a probe's vertex shader", VERTEX), ("a probe", fragment))?;
         let target = Target::new(gl, size, &vec![Texel::Rgba32F; outputs], None)?;
@@ -40,7 +41,7 @@ impl Probe {
     /// Adds a texture buffer with these bytes for the uniform `name`, which is ignored if the shader does not use it.
     ///
     /// # Errors
-    /// [`GpuError::Object`] if the driver has no object left.
+    /// [`GpuError::Object`] if the driver cannot create another object.
     pub fn add_buffer(&mut self, name: &str, texel: BufferTexel, bytes: &[u8]) -> Result<(), GpuError> {
         let buffer = TextureBuffer::new(&self.gl, texel, bytes)?;
         self.set_integer(name, self.buffers.len() as i32);
@@ -75,7 +76,7 @@ impl Probe {
         }
     }
 
-    /// Output `index` of every pixel, four floats each; the row with `gl_FragCoord.y` 0.5 comes last.
+    /// Output `index` of every pixel, four floats each, from the top row to the row with `gl_FragCoord.y` 0.5.
     pub fn read(&self, index: u32) -> Vec<f32> {
         self.target.read_rgba32f(index)
     }

@@ -110,7 +110,7 @@ impl ProgramTexts {
     /// Assembles a variant of `fragment` of `library` for a driver.
     ///
     /// # Errors
-    /// Missing shader files.
+    /// Fails if shader files are missing.
     pub fn assemble(
         library: &ShaderLibrary,
         fragment: &str,
@@ -131,7 +131,7 @@ impl ProgramTexts {
         Ok(Self { vertex: (vertex, assembled(vertex)?), fragment })
     }
 
-    /// The key for storing the driver's binary. Other drivers, driver versions or texts have other keys.
+    /// The key for storing the driver's binary. It depends on the driver, the driver's version, and the texts.
     pub fn key(&self, info: &GlInfo) -> ProgramKey {
         let GlInfo { vendor, renderer, version, shading_language, .. } = info;
         ProgramKey::of(
@@ -149,7 +149,7 @@ impl ProgramBinary {
         [&self.0.format.to_le_bytes()[..], &self.0.buffer].concat()
     }
 
-    /// Reads the result of [`ProgramBinary::to_bytes`]; `None` if it has no content.
+    /// Reads the result of [`ProgramBinary::to_bytes`]; `None` if the binary is empty.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (format, buffer) = bytes.split_first_chunk()?;
         let format = u32::from_le_bytes(*format);
@@ -160,9 +160,9 @@ impl ProgramBinary {
 /// A program that is passed between contexts as plain values, without objects of either context.
 ///
 /// Sharing program objects between contexts crashes some drivers. Mesa's software renderers compile a program once per
-/// context. When one context deletes a shared program, its compiled forms remain with the other contexts. When Mesa up
-/// to 22.3 frees those (`free_zombie_shaders`), it unbinds the programs that the other contexts are drawing with, and
-/// their next draw reads a null pointer.
+/// context. When one context deletes a shared program, the other contexts keep their compiled forms. When Mesa up to
+/// 22.3 frees these forms (`free_zombie_shaders`), it unbinds the programs that those contexts are drawing with, and
+/// the next draw reads a null pointer.
 pub struct ReadyProgram {
     texts: ProgramTexts,
     /// The driver's binary, if the driver provides one. Loading it takes milliseconds.
@@ -196,7 +196,7 @@ impl Program {
     /// Assembles, compiles and links a variant of `fragment` of `library`.
     ///
     /// # Errors
-    /// Missing shader files, or the driver's log for malformed ones.
+    /// Fails if shader files are missing, or with the driver's log if the driver rejects them.
     pub fn link(
         gl: &Gl,
         library: &ShaderLibrary,
@@ -209,7 +209,7 @@ impl Program {
     /// Compiles and links two texts.
     ///
     /// # Errors
-    /// The driver's log, for malformed texts.
+    /// Fails with the driver's log if the driver rejects the texts.
     pub fn of(gl: &Gl, texts: &ProgramTexts) -> Result<Self, GpuError> {
         let (vertex, fragment) = (&texts.vertex, &texts.fragment);
         let object = link_texts(gl, (vertex.0, &vertex.1), (&fragment.0, &fragment.1))?;
@@ -248,10 +248,10 @@ impl Program {
         ReadyProgram { texts, binary: binary.filter(|binary| !binary.buffer.is_empty()).map(ProgramBinary) }
     }
 
-    /// Recreates another context's program from the driver's binary, or from the texts if that is missing or rejected.
+    /// Recreates another context's program from the driver's binary, or from the texts if the binary does not load.
     ///
     /// # Errors
-    /// The driver's log, for malformed texts.
+    /// Fails with the driver's log if the driver rejects the texts.
     pub fn adopt(gl: &Gl, ready: &ReadyProgram) -> Result<Self, GpuError> {
         let known = match &ready.binary {
             Some(binary) => Self::take(gl, binary)?,
@@ -263,7 +263,7 @@ impl Program {
     /// Loads a program from the driver's binary; `None` if the driver rejects it.
     ///
     /// # Errors
-    /// [`GpuError::Object`] if the driver has no object left.
+    /// [`GpuError::Object`] if the driver cannot create another object.
     pub fn take(gl: &Gl, binary: &ProgramBinary) -> Result<Option<Self>, GpuError> {
         if !gl.info().program_binaries {
             return Ok(None);
@@ -286,13 +286,13 @@ impl Program {
         self.object.native().0.get()
     }
 
-    /// Unbinds the current program, so that the context does not keep a deleted one.
+    /// Unbinds the current program, so that the context does not keep a deleted program.
     pub fn unbind(&self) {
         // SAFETY: sets state of the current context.
         unsafe { self.gl.use_program(None) }
     }
 
-    /// Makes this the program of the following draws.
+    /// Uses this program for the following draws.
     pub fn bind(&self) {
         // SAFETY: `self` owns the linked program, which belongs to the current context.
         unsafe { self.gl.use_program(Some(self.object.native())) }
@@ -325,7 +325,7 @@ impl LazyProgram {
     }
 }
 
-/// Compiles and links two texts, each with its name. Logs give positions in the files of [`super::shader_source`].
+/// Compiles and links two named texts. Logs give positions in the files of [`super::shader_source`].
 pub(super) fn link_texts(
     gl: &Gl,
     vertex: (&str, &str),
@@ -346,7 +346,7 @@ pub(super) fn link_texts(
             if compiled {
                 gl.attach_shader(program, shader);
             }
-            // An attached shader exists until its program is deleted.
+            // The driver keeps an attached shader until the program is deleted.
             gl.delete_shader(shader);
             if !compiled {
                 return Err(GpuError::Compile { name: name.into(), log });

@@ -1,5 +1,5 @@
-//! Storage of programs from earlier runs: the driver's binaries, and records of programs at which a driver failed. The
-//! embedding program implements [`ProgramStore`] and chooses the location.
+//! Storage of programs from earlier runs: the driver's binaries, and records of programs that a driver failed to
+//! compile. The embedding program implements [`ProgramStore`] and chooses the location.
 
 use std::any::Any;
 use std::fmt;
@@ -44,9 +44,9 @@ impl fmt::Display for ProgramKey {
 /// An operation that a driver performs on a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
-    /// Loading its binary.
+    /// Loading the program's binary.
     Taking,
-    /// Compiling its text.
+    /// Compiling the program's text.
     Compiling,
 }
 
@@ -77,8 +77,8 @@ impl GivenUp {
     }
 }
 
-/// Stores programs and records of failures between runs. Compiler threads call it, and it may block them. The default
-/// methods store nothing.
+/// Stores programs and records of failures between runs. Compiler threads call these methods, which may block. The
+/// default methods do not store anything.
 pub trait ProgramStore: Send + Sync {
     /// Loads the binary of this key.
     fn load(&self, _key: ProgramKey) -> Option<Vec<u8>> {
@@ -91,17 +91,17 @@ pub trait ProgramStore: Send + Sync {
     /// Deletes a binary.
     fn discard(&self, _key: ProgramKey) {}
 
-    /// Records that a driver starts working on a program. Dropping the result records that the process survived.
+    /// Records that a driver starts working on a program. Drop the result to record that the process survived.
     fn attempt(&self, _key: ProgramKey, _work: Work) -> Option<Box<dyn Any>> {
         None
     }
 
-    /// The operation on a program during which an earlier run crashed. It is returned once.
+    /// The operation on a program during which an earlier run crashed. Each crash is returned only once.
     fn death(&self, _key: ProgramKey) -> Option<Work> {
         None
     }
 
-    /// Records that the driver rejected a program, which is then not tried again.
+    /// Records that the driver rejected a program, so that the program is not tried again.
     fn note_refused(&self, _key: ProgramKey) {}
 
     /// Records that an earlier process crashed while the driver compiled a program.
@@ -110,7 +110,7 @@ pub trait ProgramStore: Send + Sync {
     /// Records that the driver compiled a program, and deletes records of crashes.
     fn note_compiled(&self, _key: ProgramKey) {}
 
-    /// The reason why a program is not tried in this run, and the file of the record; `None` if it may be tried.
+    /// The reason why a program must not be tried in this run, and the file of the record. `None` if it may be tried.
     fn given_up(&self, _key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         None
     }

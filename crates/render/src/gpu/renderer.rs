@@ -2,18 +2,18 @@
 //!
 //! 1. `scene.frag` traces one sample at each pixel's centre.
 //! 2. `edges.frag` marks the pixels whose neighbourhood differs visibly in the stencil.
-//! 3. `scene.frag` traces further samples in the marked pixels, each at another position in the pixel.
+//! 3. `scene.frag` traces further samples in the marked pixels, at different positions in the pixel.
 //!
 //! A frame is drawn in parts, in one call or several (`making`). `presenter` brings the finished image to the screen.
 //!
 //! The same program draws every sample in one GL state, because some drivers compile a program once for each state.
-//! Programs belong to scenes, and the renderer draws with any scene's.
+//! Programs belong to scenes, and the renderer draws with the program of any scene.
 //!
-//! **Further samples at edges only.** If neighbours show different surfaces (a key in alpha) and visibly different
-//! colours, the same program draws more: four in the window (6 to 13 % of the pixels; two while an interpreted scene is
-//! being edited), sixteen in stills and videos, which also search for the edges of shadows. `bench --edges` compares
-//! them with 64 samples everywhere. A GPU selects these pixels by a stencil, a software renderer lists them
-//! (`edge_list`).
+//! **Further samples at edges only.** If neighbouring pixels show different surfaces (alpha holds a key of the surface)
+//! and visibly different colours, the same program draws further samples there. The window gets four (in 6 to 13 % of
+//! the pixels), or two while an interpreted scene is being edited. Stills and videos get sixteen, at the edges of
+//! shadows as well. `bench --edges` compares the results with 64 samples everywhere. A GPU selects the pixels by a
+//! stencil; a software renderer lists them (`edge_list`).
 
 mod canvas;
 mod fade;
@@ -56,22 +56,22 @@ use presenter::Presenter;
 pub use presenter::UPSCALE_SHADER;
 pub use sampling::EDGE_SHADER;
 
-/// Draws scenes; holds the targets and the programs that all scenes share.
+/// Draws scenes. Holds the targets and the programs that all scenes share.
 pub struct Renderer {
     gl: Gl,
     painter: Painter,
     presenter: Presenter,
 }
 
-/// The targets of small previews of other scenes ([`Renderer::sketch`]), which are drawn one after the other.
+/// Targets for small previews of further scenes ([`Renderer::sketch`]), which are drawn one after the other.
 #[derive(Default)]
 pub struct Sketch(Canvas);
 
 impl Renderer {
-    /// Compiles the shaders that all scenes share. With [`Counting::On`], scenes' programs must count too.
+    /// Compiles the shaders that all scenes share. With [`Counting::On`], the programs of scenes must also count.
     ///
     /// # Errors
-    /// The driver's log, for a rejected shader.
+    /// Fails with the driver's log if the driver rejects a shader.
     pub fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
         let renderer = Self {
             gl: gl.clone(),
@@ -90,7 +90,7 @@ impl Renderer {
     /// Prepares features for windows: enlarging smaller images, dimming, and GPU times.
     ///
     /// # Errors
-    /// As [`Renderer::new`].
+    /// Same errors as [`Renderer::new`].
     pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.presenter.prepare_for_window(&self.gl, library)?;
         self.add_dimming(library)?;
@@ -100,16 +100,17 @@ impl Renderer {
     /// Enables [`Renderer::dim`].
     ///
     /// # Errors
-    /// As [`Renderer::new`].
+    /// Same errors as [`Renderer::new`].
     pub fn add_dimming(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.presenter.placing = Some(Placing::new(&self.gl, library)?);
         Ok(())
     }
 
-    /// Times the GPU, so that parts shrink when pixels become expensive. Use no other timer while a frame is drawn.
+    /// Times the GPU, so that parts of frames shrink when pixels become expensive. While a frame is drawn, no further
+    /// timer may run.
     ///
     /// # Errors
-    /// [`GpuError::Object`] if the driver has no query left.
+    /// [`GpuError::Object`] if the driver cannot create another query.
     pub fn time_pictures(&mut self) -> Result<(), GpuError> {
         if !self.gl.info().software {
             self.painter.clock = PictureClock::new(&self.gl)?;
@@ -120,7 +121,7 @@ impl Renderer {
     /// Enables [`Renderer::limit_flashes`].
     ///
     /// # Errors
-    /// As [`Renderer::new`].
+    /// Same errors as [`Renderer::new`].
     pub fn add_flash_limiter(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.presenter.flashes.pass = Some(FlashPass::new(&self.gl, library)?);
         Ok(())
@@ -131,7 +132,7 @@ impl Renderer {
         self.presenter.flashes.remove();
     }
 
-    /// Overrides the scenes' tone map; `None` restores it.
+    /// Overrides the scenes' tone map. `None` ends the override.
     pub fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
         self.painter.post.set_tone_map(tone_map);
     }
@@ -145,7 +146,7 @@ impl Renderer {
     /// many drivers finish a program only at its first draw. Has no effect after the first draw.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn warm_up(
         &mut self,
         picture: &Picture,
@@ -160,24 +161,24 @@ impl Renderer {
     /// Draws `frame` into the renderer's target; [`Renderer::show`] or [`Renderer::read`] outputs it.
     ///
     /// # Errors
-    /// A size over the driver's limit, or an error that the driver reports.
+    /// Fails if the size exceeds the driver's limit, or if the driver reports an error.
     pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
         self.begin(frame, scene)?;
         self.go_on(scene, program, Duration::MAX).map(|_| ())
     }
 
-    /// Begins a frame, which replaces any unfinished one. [`Renderer::go_on`] draws it.
+    /// Begins a frame, which replaces any unfinished frame. [`Renderer::go_on`] draws it.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn begin(&mut self, frame: &Frame, scene: &SceneResources) -> Result<(), GpuError> {
         self.painter.begin(Product::Picture, frame, scene)
     }
 
-    /// Begins a frame that only provides light for [`Renderer::keep_light`]. The previous image stays until then.
+    /// Begins a frame that only provides light for [`Renderer::keep_light`]. The previous image stays until that call.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn begin_light(&mut self, frame: &Frame, scene: &SceneResources) -> Result<(), GpuError> {
         self.painter.begin(Product::Light, frame, scene)
     }
@@ -185,7 +186,7 @@ impl Renderer {
     /// Begins a view as [`Renderer::begin`] begins a frame. Draw its legend last ([`Renderer::put_legend`]).
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn begin_view(
         &mut self,
         frame: &Frame,
@@ -199,7 +200,7 @@ impl Renderer {
     /// Continues the frame for about `patience`, with the same scene and program. [`Duration::MAX`] finishes it.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn go_on(
         &mut self,
         scene: &SceneResources,
@@ -207,7 +208,7 @@ impl Renderer {
         patience: Duration,
     ) -> Result<Progress, GpuError> {
         if !self.presenter.is_for_window() {
-            // Without a window, nothing else reads the time of the last frame.
+            // Discard the time of the last frame, because only windows read it.
             self.painter.clock.take();
         }
         let is_light =
@@ -222,7 +223,7 @@ impl Renderer {
     /// Draws an image of `size` pixels from a frame's blocks and the bound objects of a scene.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn draw_block(
         &mut self,
         size: (u32, u32),
@@ -234,11 +235,11 @@ impl Renderer {
         self.painter.go_on(scene, (program, &Costs::default()), Duration::MAX).map(|_| ())
     }
 
-    /// Draws a view of `frame` with a program of [`super::scene_program::as_views`], and its legend over it. Its
-    /// colours are those of the screen: no post-processing changes them, and each pixel has one sample.
+    /// Draws a view of `frame` with a program of [`super::scene_program::as_views`], then the view's legend. The
+    /// program writes screen colours: post-processing is skipped, and each pixel has one sample.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn draw_view(
         &mut self,
         frame: &Frame,
@@ -254,7 +255,7 @@ impl Renderer {
     /// Draws a view from a frame's block and the bound objects of a scene, without a legend.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn draw_view_block(
         &mut self,
         size: (u32, u32),
@@ -271,7 +272,7 @@ impl Renderer {
     /// Draws a legend over the finished view.
     ///
     /// # Errors
-    /// An error that the driver reports.
+    /// Fails if the driver reports an error.
     pub fn put_legend(&mut self, legend: Option<&LegendPicture>) -> Result<(), GpuError> {
         if let (Some(targets), Some(legend)) = (&self.painter.canvas.targets, legend) {
             targets.post.finished().put_rgba8((legend.margin, legend.margin), legend.size, &legend.rgba);
@@ -282,7 +283,7 @@ impl Renderer {
     /// Draws `frame` with a regular grid of 64 samples per pixel, as a reference for other images. Slow.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn draw_reference(
         &mut self,
         frame: &Frame,
@@ -294,10 +295,10 @@ impl Renderer {
     }
 
     /// Draws a small invisible image, so that the driver compiles everything for this context and the cost of pixels is
-    /// known. The finished image stays; a frame in progress is lost.
+    /// known. The finished image stays. A frame in progress is lost.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn rehearse(
         &mut self,
         frame: &Frame,
@@ -307,10 +308,11 @@ impl Renderer {
         self.painter.rehearse(frame, scene, program)
     }
 
-    /// Draws an invisible preview for `reader`; `false` if too many are pending. A frame in progress is lost.
+    /// Draws an invisible preview for `reader`. Returns `false` if too many previews are pending. A frame in progress
+    /// is lost.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Same errors as [`Renderer::draw`].
     pub fn sketch(
         &mut self,
         sketch: &mut Sketch,
@@ -327,10 +329,11 @@ impl Renderer {
         })
     }
 
-    /// Keeps the finished image's light for fades. `false` if there is none: for a view, or after dropping targets.
+    /// Keeps the finished image's light for fades. `false` if the image has no light: for a view, or after the targets
+    /// were dropped.
     ///
     /// # Errors
-    /// No memory for the light.
+    /// Fails if there is no memory for the light.
     pub fn keep_light(&mut self) -> Result<bool, GpuError> {
         self.painter.keep_light()
     }
@@ -338,12 +341,12 @@ impl Renderer {
     /// The exposed linear light of the finished image: four numbers per pixel, top row first. Empty for a view.
     ///
     /// # Errors
-    /// No memory for the light.
+    /// Fails if there is no memory for the light.
     pub fn read_light(&self) -> Result<Vec<f32>, GpuError> {
         Ok(self.painter.exposed(None)?.map_or_else(Vec::new, |light| light.read_rgba32f(0)))
     }
 
-    /// Sets the fraction, 0..1, of the kept light in further finished images. `None` discards the light.
+    /// Sets the fraction, 0..1, of the kept light in the following images. `None` discards the light.
     pub fn set_fade(&mut self, fraction: Option<f32>) {
         self.painter.set_fade(fraction);
     }
@@ -359,19 +362,19 @@ impl Renderer {
     }
 
     /// Dims the finished image to this brightness, 0..1. Call it for each image before [`Renderer::limit_flashes`],
-    /// which measures the dimmed one. Requires [`Renderer::add_dimming`].
+    /// which measures the dimmed image. Requires [`Renderer::add_dimming`].
     ///
     /// # Errors
-    /// No memory for a copy of the image.
+    /// Fails if there is no memory for a copy of the image.
     pub fn dim(&mut self, gain: f32) -> Result<(), GpuError> {
         self.presenter.dim(self.painter.passes(), self.painter.finished(), gain)?;
         self.gl.check("dimming an image")
     }
 
-    /// Dims excessive flashes in the finished image, which is shown `seconds` after the previous one.
+    /// Dims excessive flashes in the finished image, which is shown `seconds` after the previous image.
     ///
     /// # Errors
-    /// No memory for a copy of the image; windows need no copy.
+    /// Fails if there is no memory for a copy of the image. Windows need no copy.
     pub fn limit_flashes(&mut self, seconds: f64) -> Result<(), GpuError> {
         self.presenter.limit_flashes(&self.gl, self.painter.finished(), seconds)?;
         self.gl.check("limiting flashes")
@@ -382,15 +385,15 @@ impl Renderer {
         self.presenter.flashes.pass.iter_mut().for_each(FlashPass::forget);
     }
 
-    /// The GPU time of an image drawn in one call, if newly known. Always `None` on a software renderer.
+    /// The GPU time of an image that was drawn in one call, once it is known. Always `None` on a software renderer.
     pub fn gpu_time(&mut self) -> Option<Duration> {
         self.painter.clock.take()
     }
 
-    /// Copies the finished image to the window's framebuffer of `window` pixels, enlarged if the window is larger.
+    /// Copies the finished image to the window's framebuffer of `window` pixels. Enlarges it if the window is larger.
     ///
     /// # Errors
-    /// An error that the driver reports.
+    /// Fails if the driver reports an error.
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
         self.presenter.show(self.painter.passes(), self.painter.finished(), window)?;
         self.gl.check("showing a frame")
@@ -400,7 +403,7 @@ impl Renderer {
     /// in the image, both as fractions to the right and down. Only `part` of the image is visible; the rest is black.
     ///
     /// # Errors
-    /// An error that the driver reports, or no memory for a copy with limited flashes.
+    /// Fails if the driver reports an error, or if there is no memory for a copy with limited flashes.
     pub fn show_placed(&mut self, window: (u32, u32), map: &Map, part: Area) -> Result<(), GpuError> {
         self.show_in_part(window, WHOLE, map, part)
     }
@@ -408,7 +411,7 @@ impl Renderer {
     /// Like [`Renderer::show_placed`], in `area` of the window only; the rest of the window does not change.
     ///
     /// # Errors
-    /// As [`Renderer::show_placed`].
+    /// Same errors as [`Renderer::show_placed`].
     pub fn show_in_part(
         &mut self,
         window: (u32, u32),
@@ -422,10 +425,10 @@ impl Renderer {
     }
 
     /// Sends the image to `reader`, placed as by [`Renderer::show_placed`] in a window of the reader's size, top row
-    /// first. Returns `false` if it was skipped because too many are pending.
+    /// first. Returns `false` if the image was skipped because too many images are pending.
     ///
     /// # Errors
-    /// As [`Renderer::show_placed`].
+    /// Same errors as [`Renderer::show_placed`].
     pub fn send_placed(
         &mut self,
         reader: &mut PictureReader,

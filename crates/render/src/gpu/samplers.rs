@@ -1,5 +1,5 @@
-//! Resets the samplers in a scene program's slots to the same ones before each of its draws (`shaders/samplers.frag`
-//! explains the reason). Only needed on software renderers.
+//! Resets the samplers before each draw of a scene's program, so that its slots always hold the same samplers
+//! (`shaders/samplers.frag` explains the reason). Only software renderers need this.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -11,10 +11,10 @@ use super::program::LazyProgram;
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
 
-/// The shader that reads as many textures as any program may.
+/// A shader that reads the maximum number of textures of a program.
 pub const SAMPLERS_SHADER: &str = "samplers.frag";
 
-/// Most textures of a program, each in its own unit.
+/// Maximum number of textures of a program, each in its own unit.
 const SLOTS: u32 = 16;
 
 pub(super) struct Samplers {
@@ -28,8 +28,8 @@ impl Samplers {
         Ok(Self { program, texel: Target::new(gl, (1, 1), &[Texel::Rgba8], None)? })
     }
 
-    /// Sets the same samplers in all slots and unbinds the texture units. `target` is the target of the next draw; it
-    /// does not change. The vertices of a full-screen triangle must be bound.
+    /// Sets the same samplers in all slots and unbinds the texture units. `target` is the target of the next draw; its
+    /// content does not change. The vertices of a full-screen triangle must be bound.
     pub(super) fn settle(&self, gl: &Gl, target: &Target) -> Result<(), GpuError> {
         (0..SLOTS).for_each(|unit| self.texel.bind_color(0, unit));
         target.bind();

@@ -1,14 +1,17 @@
 //! The program that draws a scene, in an interpreted and a compiled form.
 //!
-//! Both forms are `scene.frag`; they differ in the included `scene_functions.glsl`: the scene's expressions, or an
-//! interpreter that runs them from a texture buffer and draws every scene that needs no more operators, registers and
-//! textures than its variant has.
+//! Both forms are `scene.frag` with different versions of the included `scene_functions.glsl`. In the compiled form
+//! this file contains the scene's expressions. In the interpreted form it contains an interpreter that reads the
+//! expressions from a texture buffer. A variant of the interpreter draws every scene that needs no more operators,
+//! registers and textures than the variant has.
 //!
-//! **One loop around the interpreter.** Drivers inline every call and compile it again, so one call in a loop serves a
-//! surface's normals, object and occlusion, and another its material and ambient light. Textures and rare operators are
-//! computed between loops, because a renderer that never skips a branch would compute them for every clause.
+//! **One loop around the interpreter.** Drivers inline every call and compile it again. Therefore one call in a loop
+//! serves a surface's normals, object and occlusion, and a second call serves its material and ambient light. Textures
+//! and rare operators are computed between loops: inside, renderers that never skip a branch would compute them for
+//! every clause.
 //!
-//! On llvmpipe, vectors of 128 bits are as fast as 256; with 512 bits (`LP_NATIVE_VECTOR_WIDTH`) Mesa 22.3.6 aborts.
+//! On llvmpipe, vectors of 128 bits are as fast as vectors of 256 bits. With 512 bits (`LP_NATIVE_VECTOR_WIDTH`), Mesa
+//! 22.3.6 aborts.
 
 use super::cell_use::CellUse;
 pub use super::error::DoesNotFit;
@@ -32,7 +35,7 @@ pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
 /// The define of scenes whose value is not a distance.
 const NON_LIPSCHITZ_DEFINE: &str = "NON_LIPSCHITZ 1";
 
-/// Scenes with more clauses are interpreted unless the user requests compiling, because drivers would take minutes.
+/// Scenes with more clauses are interpreted unless the user requests compiling, because compiling would take minutes.
 pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
 
 /// A variant of the interpreter.
@@ -55,8 +58,8 @@ impl Interpreter {
         Self { tapes, regions: plan.variant().clone(), features }
     }
 
-    /// The variant that draws almost every scene, for values that are distances or, with `non_lipschitz`, other values.
-    /// On GPUs it is compiled before editing starts.
+    /// The variant that draws almost every scene whose value is a distance or, with `non_lipschitz`, any other scene.
+    /// GPUs compile this variant before editing starts.
     pub fn universal(non_lipschitz: bool) -> Self {
         Self {
             tapes: interpreter::Variant::universal(),
@@ -88,7 +91,7 @@ impl Interpreter {
     /// Checks that a scene's buffers fit the driver's limits.
     ///
     /// # Errors
-    /// [`DoesNotFit`] if they do not.
+    /// [`DoesNotFit`] if a buffer exceeds a limit.
     pub fn fits(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Result<(), DoesNotFit> {
         if !plan.runs() {
             return Err(DoesNotFit::Registers);
@@ -117,7 +120,7 @@ impl Interpreter {
     }
 }
 
-/// The shader text of a scene with the given `functions`: [`World::compiled_glsl`], or others with the same names.
+/// The shader text of a scene with the given `functions`: [`World::compiled_glsl`], or functions with the same names.
 pub fn compiled_variant(
     functions: &str,
     textures: usize,
@@ -141,7 +144,7 @@ fn common(textures: usize, features: SceneFeatures, counting: Counting) -> Varia
         variant.defines.push(COUNTING_DEFINE.to_owned());
     }
     variant.generated.push(("cell_hash.glsl".into(), CELL_HASH_GLSL.to_owned()));
-    // These two are only used by views.
+    // Only views use these two files.
     variant.generated.push(("view_scales.glsl".into(), scale::glsl()));
     variant.generated.push(("view_dispatch.glsl".into(), scale::dispatch_glsl()));
     variant
@@ -150,7 +153,7 @@ fn common(textures: usize, features: SceneFeatures, counting: Counting) -> Varia
 /// The shader text of a world with generated GLSL.
 ///
 /// # Errors
-/// The generated GLSL is invalid.
+/// Fails if the generated GLSL is invalid.
 pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
     let functions = world.compiled_glsl()?;
     let mut variant = compiled_variant(&functions, world.pictures.len(), world.features, counting);
@@ -164,7 +167,7 @@ pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant,
 /// The variant of a world in a mode.
 ///
 /// # Errors
-/// A scene over its limits, invalid generated GLSL, or a tape that exceeds the driver's limits.
+/// Fails if the scene exceeds its limits, the generated GLSL is invalid, or the tape exceeds the driver's limits.
 pub fn variant_of(
     world: &World,
     buffers: &TapeBuffers,
@@ -182,8 +185,9 @@ pub fn variant_of(
     }
 }
 
-/// The variant of a compiled scene without cell lookups ([`CellUse::divides`]); only for distances. It draws the same
-/// image faster: 5 to 23 % shorter on AMD, 6 to 24 % on Xe, and seven of thirteen scenes have more waves on AMD.
+/// The variant of a compiled scene without cell lookups ([`CellUse::divides`]), only for distances. It draws the same
+/// image faster: its code is 5 to 23 % shorter on AMD and 6 to 24 % shorter on Xe, and seven of thirteen scenes run
+/// with more waves on AMD.
 pub fn without_cells(mut variant: Variant) -> Variant {
     variant.defines.push("NO_CELLS 1".to_owned());
     variant
@@ -192,7 +196,7 @@ pub fn without_cells(mut variant: Variant) -> Variant {
 /// The variant that draws frames of a compiled world, with or without cell lookups.
 ///
 /// # Errors
-/// As [`compiled_variant_of`].
+/// Same errors as [`compiled_variant_of`].
 pub fn compiled_drawing_variant(world: &World, has_cells: bool) -> Result<Variant, GpuError> {
     let variant = compiled_variant_of(world, Counting::Off)?;
     Ok(if has_cells { variant } else { without_cells(variant) })
@@ -201,7 +205,7 @@ pub fn compiled_drawing_variant(world: &World, has_cells: bool) -> Result<Varian
 /// The variant that draws frames of a world in a mode, with cell lookups if cells are used.
 ///
 /// # Errors
-/// As [`variant_of`].
+/// Same errors as [`variant_of`].
 pub fn drawing_variant_of(
     world: &World,
     buffers: &TapeBuffers,
@@ -227,7 +231,8 @@ pub fn without_sky(mut variant: Variant) -> Variant {
     variant
 }
 
-/// The variant whose light is the fraction of an eye ray that does not reach the sky: 1 on a surface without haze.
+/// The variant for coverage. Its light is the fraction of an eye ray that does not reach the sky: 1 on a surface
+/// without haze.
 pub fn as_coverage(variant: Variant) -> Variant {
     let mut variant = without_sky(variant);
     variant.defines.push("COVERAGE 1".to_owned());
@@ -237,7 +242,7 @@ pub fn as_coverage(variant: Variant) -> Variant {
 /// Links the program of a variant.
 ///
 /// # Errors
-/// The driver's log, if it rejects the program.
+/// Fails with the driver's log if the driver rejects the program.
 pub fn link_scene(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program, GpuError> {
     Program::link(gl, library, SCENE_SHADER, variant)
 }

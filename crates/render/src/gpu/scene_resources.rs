@@ -34,7 +34,7 @@ use mariana_field::world::{
 pub struct SceneResources {
     world: Arc<World>,
     buffers: Arc<TapeBuffers>,
-    /// The world's images. Consecutive scenes reuse the textures that both read.
+    /// The world's images. A scene reuses textures of the previous scene if both scenes read the same image.
     pictures: Vec<Rc<Texture>>,
     on_gpu: SceneBuffers,
     /// True if the driver has room for the tape.
@@ -68,7 +68,7 @@ pub struct RegionRequest {
 /// Built regions with their request.
 #[derive(Debug)]
 pub struct BuiltRegions {
-    /// The request that they were built for.
+    /// The request for which the regions were built.
     pub request: RegionRequest,
     /// The tree.
     pub regions: Arc<Regions>,
@@ -76,7 +76,7 @@ pub struct BuiltRegions {
     pub programs: ShortPrograms,
     /// The build time.
     pub time: Duration,
-    /// The tree's build time, times the threads that built it. A reused tree keeps its build time.
+    /// The tree's build time multiplied by the number of threads. A reused tree keeps its build time.
     work: Duration,
 }
 
@@ -150,18 +150,18 @@ impl RegionMaker {
     }
 }
 
-/// The tree of a scene with fewer clauses is built on one thread, because starting others would take longer.
+/// The tree of a scene with fewer clauses is built on one thread, because starting more threads would take longer.
 const SMALL_TAPE: usize = 64;
-/// Build time of the previous tree above which even a small scene's tree uses several threads.
+/// If the previous tree took longer than this time, several threads build even a small scene's tree.
 const QUICK_TREE: Duration = Duration::from_millis(3);
-/// Most threads that build a tree. Each has its own tapes.
+/// Maximum number of threads that build a tree. Each thread has its own tapes.
 const THREADS_MAX: usize = 4;
 
 fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX))
 }
 
-/// Builds each part on a separate thread. The first part, and those without a thread, are built on this one.
+/// Builds each part on a separate thread. This thread builds the first part, and parts whose thread did not start.
 fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync)) {
     let Some((first, others)) = parts.split_first_mut() else { return };
     std::thread::scope(|scope| {
@@ -182,11 +182,11 @@ fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync))
 }
 
 impl SceneResources {
-    /// Uploads a world's images and tape. A tape that exceeds the driver's limits is left out; such a scene can only be
-    /// compiled (see [`Interpreter::fits`]).
+    /// Uploads a world's images and tape. A tape that exceeds the driver's limits is left out. A scene without a tape
+    /// can only be compiled (see [`Interpreter::fits`]).
     ///
     /// # Errors
-    /// The driver's error.
+    /// Fails with the driver's error.
     pub fn upload(
         gl: &Gl,
         world: Arc<World>,
@@ -199,7 +199,7 @@ impl SceneResources {
     /// Like [`SceneResources::upload`], but reuses the textures of `last`.
     ///
     /// # Errors
-    /// The driver's error.
+    /// Fails with the driver's error.
     pub fn upload_after(
         last: Option<&Self>,
         gl: &Gl,
@@ -240,7 +240,7 @@ impl SceneResources {
         self.world.pictures.iter().zip(&self.pictures)
     }
 
-    /// Facts for the legend of a view that is drawn in a mode.
+    /// Facts for a view's legend when the view is drawn in `mode`.
     pub fn drawn(&self, mode: Mode) -> Drawn {
         // If the distance is not a signed distance field, cells are always used.
         let cells = self.with_cells.get() || self.world.non_lipschitz;
@@ -252,7 +252,7 @@ impl SceneResources {
         &self.world
     }
 
-    /// Assumes that pixels cost several times as much as those of the scene's previous version.
+    /// Assumes that a pixel costs several times as much as a pixel of the scene's previous version.
     pub fn expect_costs_of(&self, last: &Self) {
         self.costs.expect(&last.costs);
     }
@@ -261,12 +261,12 @@ impl SceneResources {
         &self.costs
     }
 
-    /// Its tapes.
+    /// The scene's tapes.
     pub fn buffers(&self) -> &Arc<TapeBuffers> {
         &self.buffers
     }
 
-    /// Its region plan.
+    /// The scene's region plan.
     pub fn plan(&self) -> &Arc<RegionPlan> {
         &self.plan
     }
@@ -276,8 +276,8 @@ impl SceneResources {
         wish.divides(&self.world, &self.buffers, mode)
     }
 
-    /// Enables or disables cells. With cells, empty ones are skipped, and in the interpreted mode the tapes of
-    /// materials and light are shortened. Without them, the whole tape applies everywhere.
+    /// Enables or disables cells. With cells, rays skip empty cells, and in the interpreted mode the tapes of
+    /// materials and light are shortened. Without cells, the whole tape applies everywhere.
     pub fn set_cells(&self, cells: bool, mode: Mode) {
         self.with_cells.set(cells);
         self.shortens.set(cells && mode == Mode::Interpreted);
@@ -285,7 +285,7 @@ impl SceneResources {
 
     /// Options for the tree of a frame.
     pub fn region_options(&self, frame: &Frame) -> RegionOptions {
-        // The tree follows an eye among the surfaces in large steps.
+        // If the eye is among the surfaces, the tree follows it in large steps.
         let eye = frame.camera.position.as_vec3();
         let near_eye = (CENTER_STEP * (eye / CENTER_STEP).round()).to_array();
         let (center, eye) = match self.world.bounds {
@@ -332,7 +332,7 @@ impl SceneResources {
         *self.uploaded.borrow_mut() = Some(built);
     }
 
-    /// The region tree of a frame. Builds missing regions, because those of other inputs would be wrong.
+    /// The region tree of a frame. Builds missing regions, because regions for different inputs would be wrong.
     pub(super) fn tree_of(&self, frame: &Frame) -> RegionTree {
         let request = self.region_request(frame);
         let known = self.regions().filter(|built| request.is_served_by(&built.request));
@@ -392,8 +392,8 @@ impl SceneBuffers {
     }
 }
 
-/// The OpenGL names to bind for a scene. They are valid while its [`SceneResources`] exist. Later they name other
-/// objects, or the driver reports an error.
+/// The OpenGL names to bind for a scene. The names are valid while the scene's [`SceneResources`] exist. Later the
+/// names refer to different objects, or the driver reports an error.
 #[derive(Debug, Clone)]
 pub struct SceneNames {
     pictures: Vec<glow::NativeTexture>,
@@ -404,8 +404,8 @@ pub struct SceneNames {
 
 impl SceneNames {
     pub(super) fn bind(&self, gl: &Gl) {
-        // SAFETY: for names that are invalid or belong to another scene, the driver reports an error or binds another
-        // texture.
+        // SAFETY: for names that are invalid or belong to another scene, the driver reports an error or binds a
+        // different texture.
         unsafe {
             for (unit, picture) in (glow::TEXTURE0..).zip(&self.pictures) {
                 gl.active_texture(unit);

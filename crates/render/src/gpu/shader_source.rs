@@ -1,8 +1,8 @@
 //! Loads shader texts and resolves their includes.
 //!
-//! A shader is a file of `shaders/`. A line `#include "name.glsl"` includes another file of the same folder by its bare
-//! name, once per shader, however often it appears. The files are embedded in the binary; `--shaders DIR` reads them
-//! from disk instead, for editing. This module does not use OpenGL.
+//! A shader is a file in `shaders/`. A line `#include "name.glsl"` includes a file of the same folder by its bare name.
+//! Each file is included once per shader, even if several lines name it. The files are embedded in the binary. For
+//! editing, `--shaders DIR` reads them from disk instead. This module does not use OpenGL.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../shaders"
 /// A generated file: the material fields of the shaders, from the table of fields.
 const MATERIAL_FIELDS: &str = "material_fields.glsl";
 
-/// A generated file: the constants of the flash limiter, shared with the CPU's.
+/// A generated file: the constants of the flash limiter, shared with the limiter on the CPU.
 const FLASH_RULES: &str = "flash_rules.glsl";
 
 /// The first lines of every shader: the GLSL version, and the define `SOFTWARE` for software renderers.
@@ -47,11 +47,11 @@ impl ShaderLibrary {
     }
 
     /// Assembles the text of `name`: `preamble`, the variant's macros, and the file with all includes. Generated files
-    /// take precedence. Comments mark where files begin and continue, for [`name_places`]: Mesa loses the file of a
-    /// `#line` at the next `#ifdef`.
+    /// take precedence. Comments mark where files begin and continue. [`name_places`] uses these marks instead of
+    /// `#line`, because Mesa forgets the file of a `#line` at the next `#ifdef`.
     ///
     /// # Errors
-    /// A missing or unreadable file, an include line without a bare name, or a text over the limits of depth or length.
+    /// Fails if a file is missing or unreadable, an include line has no bare name, or the text is too deep or too long.
     pub fn assemble(
         &self,
         name: &str,
@@ -99,7 +99,7 @@ impl ShaderLibrary {
 pub struct Variant {
     /// Macros, each as `NAME` or `NAME VALUE`.
     pub defines: Vec<String>,
-    /// Names and texts of files that are generated for a scene.
+    /// Names and texts of the files that are generated for a scene.
     pub generated: Vec<(String, String)>,
 }
 
@@ -161,7 +161,7 @@ impl Assembly<'_> {
 /// Starts a comment with the file and line of the following text.
 const PLACE_MARK: &str = "//@ ";
 
-/// The file and its line at `line` (from 1) of an assembled text, as `name:line`.
+/// The origin of line number `line` (from 1) of an assembled text, as `name:line`.
 fn place_at(text: &str, line: usize) -> Option<String> {
     let before: Vec<&str> = text.lines().take(line.checked_sub(1)?).collect();
     let mark = before.iter().rposition(|line| line.starts_with(PLACE_MARK))?;
@@ -169,8 +169,8 @@ fn place_at(text: &str, line: usize) -> Option<String> {
     Some(format!("{file}:{}", first.parse::<usize>().ok()? + before.len() - mark - 1))
 }
 
-/// Replaces the line numbers in a driver's `log` about an assembled `text` by files and lines. Drivers write `0:12(3):
-/// ...`, `0(12) : ...` or `ERROR: 0:12: ...`.
+/// Replaces line numbers of an assembled `text` in a driver's `log` by file names and their line numbers. Drivers write
+/// `0:12(3): ...`, `0(12) : ...` or `ERROR: 0:12: ...`.
 pub fn name_places(log: &str, text: &str) -> String {
     let named = |line: &str| {
         let (_, rest) = line.strip_prefix("ERROR: ").unwrap_or(line).split_once([':', '('])?;

@@ -1,8 +1,9 @@
 //! Placeholder textures and buffers for warming up a program.
 //!
-//! A context that compiles in parallel with the window shares no objects with it ([`super::program::ReadyProgram`]).
-//! Its small placeholders agree with the scene's objects in everything that drivers compile into a program: Mesa's
-//! software renderers distinguish sides that are powers of two, and textures with a single level.
+//! A context that compiles in parallel with the window shares no objects with it ([`super::program::ReadyProgram`]). It
+//! uses small placeholders, which have all properties of the scene's objects that drivers compile into a program. For
+//! example, Mesa's software renderers compile separate variants for sides that are powers of two, and for textures
+//! with a single level.
 
 use std::collections::HashMap;
 
@@ -17,7 +18,7 @@ use crate::frame::sound_tables;
 use mariana_field::graph::FrameInputs;
 use mariana_field::world::World;
 
-/// The properties of a scene's textures that drivers compile into programs, as the sizes of their placeholders.
+/// The sizes of the placeholders for a scene's textures. They have the properties that drivers compile into programs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneShape {
     pictures: Vec<(u32, u32)>,
@@ -39,7 +40,7 @@ fn stand_in_side(side: u32) -> u32 {
     }
 }
 
-/// The placeholders of a context in which scenes are warmed up. It creates one texture per kind of size, at most nine.
+/// The placeholders of a context that warms up scenes. There is one texture per kind of size, at most nine.
 pub(super) struct StandIns {
     gl: Gl,
     pictures: HashMap<(u32, u32), Texture>,

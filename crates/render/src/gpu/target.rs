@@ -58,10 +58,10 @@ impl Stencil {
     /// Creates a depth and stencil buffer of `size` pixels.
     ///
     /// # Errors
-    /// [`GpuError::Object`] if the driver has none left.
+    /// [`GpuError::Object`] if the driver cannot create another object.
     pub fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
         let buffer = Renderbuffer::new(gl)?;
-        // SAFETY: the renderbuffer was just created in the current context; the target checks sizes against the
+        // SAFETY: the renderbuffer was just created in the current context. The target checks sizes against the
         // driver's limit.
         unsafe {
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(buffer.native()));
@@ -80,7 +80,7 @@ impl Target {
     /// Checks that the driver supports targets of `size` pixels.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] if it does not.
+    /// [`GpuError::TooLarge`] if the size exceeds the driver's limit.
     pub fn check_size(gl: &Gl, size: (u32, u32)) -> Result<(), GpuError> {
         let limit = gl.info().texture_side_max;
         if size.0 > limit || size.1 > limit {
@@ -92,7 +92,8 @@ impl Target {
     /// Creates a target of `size` pixels with a colour texture for each of `texels`.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] over the driver's limit, [`GpuError::Object`] if the driver rejects the combination.
+    /// [`GpuError::TooLarge`] if `size` exceeds the driver's limit, [`GpuError::Object`] if the driver rejects the
+    /// combination.
     pub fn new(
         gl: &Gl,
         size: (u32, u32),
@@ -110,7 +111,7 @@ impl Target {
     /// Creates a target that replaces a window of `size` pixels. Injected faults do not affect it.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] over the driver's limit, [`GpuError::Object`] if the driver rejects it.
+    /// [`GpuError::TooLarge`] if `size` exceeds the driver's limit, [`GpuError::Object`] if the driver refuses.
     pub fn of_window(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
         Self::check_size(gl, size)?;
         Self::made(gl, size, &[Texel::Rgba8], None)
@@ -221,12 +222,12 @@ impl Target {
         self.framebuffer.native()
     }
 
-    /// Copies colour attachment 0 to the window's framebuffer of `window` pixels, enlarged if the window is larger.
+    /// Copies colour attachment 0 to the window's framebuffer of `window` pixels. Enlarges it if the window is larger.
     pub fn blit_to_window(&self, window: (u32, u32)) {
         self.blit(self.gl.window(), window);
     }
 
-    /// Copies colour attachment 0 to that of another target.
+    /// Copies colour attachment 0 to colour attachment 0 of another target.
     pub fn blit_to(&self, other: &Target) {
         self.blit(Some(other.framebuffer.native()), other.size);
     }
@@ -234,8 +235,8 @@ impl Target {
     fn blit(&self, other: Option<glow::NativeFramebuffer>, size: (u32, u32)) {
         let filter = if size == self.size { glow::NEAREST } else { glow::LINEAR };
         let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
-        // SAFETY: both framebuffers are complete and belong to the current context. Without sRGB conversion, bytes are
-        // copied.
+        // SAFETY: both framebuffers are complete and belong to the current context. sRGB conversion is off, so bytes
+        // are copied unchanged.
         unsafe {
             self.gl.disable(glow::FRAMEBUFFER_SRGB);
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
@@ -255,8 +256,8 @@ impl Target {
         }
     }
 
-    /// Draws an image of `size` pixels, four bytes each, top row first, over colour attachment 0, with its left and
-    /// upper edge at `place`. An image that does not fit is not drawn at all.
+    /// Draws an image over colour attachment 0. `place` is the position of the image's left and upper edge. The image
+    /// has `size` pixels of four bytes, top row first. An image that does not fit is not drawn at all.
     pub fn put_rgba8(&self, place: (u32, u32), size: (u32, u32), rgba: &[u8]) {
         let row = size.0 as usize * 4;
         let fits = place.0 + size.0 <= self.size.0 && place.1 + size.1 <= self.size.1;
@@ -355,7 +356,7 @@ impl Target {
     }
 }
 
-/// Reverses the order of rows. OpenGL's first row is the lowest one, an image's is the top one.
+/// Reverses the order of rows. OpenGL's first row is the lowest row, an image's first row is the top row.
 fn flip_rows<T: Copy>(values: &mut [T], row: usize) {
     if row == 0 {
         return;

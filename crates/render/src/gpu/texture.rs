@@ -12,11 +12,11 @@ use crate::srgb;
 
 /// Texture anisotropy on a GPU: enough for floors at grazing angles and for cabinet sides, at little cost.
 const ANISOTROPY: f32 = 8.0;
-/// Texture anisotropy on a software renderer. Mesa's llvmpipe samples the whole footprint of a texel, even in lanes
-/// without a hit, and has been seen to hang there.
+/// Texture anisotropy on a software renderer. Mesa's llvmpipe samples the whole footprint of a texel, even for pixels
+/// without a hit, and has been seen to hang while doing so.
 const ANISOTROPY_SOFTWARE: f32 = 1.0;
 
-/// Converts an image to 16-bit floats in linear light. Uses tables, because it runs between two frames.
+/// Converts an image to 16-bit floats in linear light. Uses tables for speed, because it runs between two frames.
 fn linear_texels(picture: &RgbaImage) -> Vec<u8> {
     let light = srgb::linear_of_bytes().map(|light| half_bits(light).to_ne_bytes());
     let alpha: [[u8; 2]; 256] = std::array::from_fn(|byte| half_bits(byte as f32 / 255.0).to_ne_bytes());
@@ -53,7 +53,7 @@ impl Level {
     }
 }
 
-/// Halves the size, rounded down; each texel is the mean of the area that it covers. `None` for a single texel.
+/// Halves width and height, rounded down. Each texel is the mean of the area that it covers. `None` for a single texel.
 fn halved<T>((width, height): (u32, u32), texels: &[T], light: impl Fn(&T) -> [f32; 4]) -> Option<Level> {
     if width.max(height) < 2 {
         return None;
@@ -78,7 +78,8 @@ fn halved<T>((width, height): (u32, u32), texels: &[T], light: impl Fn(&T) -> [f
     Some(Level { size, texels: below })
 }
 
-/// For each texel of a side reduced from `above` to `below`: the first texel it covers, and the fractions of its mean.
+/// Weights for reducing a side from `above` to `below` texels. For each new texel: the first old texel that it covers,
+/// and the weights of the covered texels.
 fn covered(above: u32, below: u32) -> Vec<(usize, Vec<f32>)> {
     let length = f64::from(above) / f64::from(below);
     let of = |texel: u32| {
@@ -91,8 +92,8 @@ fn covered(above: u32, below: u32) -> Vec<(usize, Vec<f32>)> {
     (0..below).map(of).collect()
 }
 
-/// The bits of the nearest 16-bit float, ties to even. `value` must be within 0..=1; below 2^-14 the result may be any
-/// smaller value.
+/// The bits of the nearest 16-bit float, ties to even. `value` must be within 0..=1. For values below 2^-14 the result
+/// may be any smaller value.
 fn half_bits(value: f32) -> u16 {
     /// Mantissa bits that a 16-bit float lacks.
     const DROPPED: u32 = 13;
@@ -103,15 +104,16 @@ fn half_bits(value: f32) -> u16 {
     rounded.saturating_sub(BIAS) as u16
 }
 
-/// GL_TEXTURE_MAX_ANISOTROPY, part of core OpenGL only since 4.6.
+/// GL_TEXTURE_MAX_ANISOTROPY, which is part of core OpenGL only since 4.6.
 const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
 
-/// Uploads an sRGB image: sampled in linear light, with all mip levels, trilinear and anisotropic, repeated beyond
-/// 0..1. A software renderer gets 16-bit floats in linear light, because it would convert eight texels per sample,
-/// which took a fifth of a frame.
+/// Uploads an sRGB image with all mip levels. Shaders sample it in linear light, with trilinear and anisotropic
+/// filtering, and the image repeats beyond 0..1. Software renderers get 16-bit floats in linear light. With sRGB texels
+/// they would convert eight texels per sample, which took a fifth of a frame.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] over the driver's texture size; [`GpuError::Object`] if it has no object left.
+/// [`GpuError::TooLarge`] if the image exceeds the driver's texture size; [`GpuError::Object`] if the driver cannot
+/// create another object.
 pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     let (width, height) = picture.dimensions();
     let limit = gl.info().texture_side_max;
@@ -163,7 +165,8 @@ pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     Ok(texture)
 }
 
-/// Uploads the lower mip levels of the bound texture: llvmpipe would compile a generator while the first frame waits.
+/// Uploads the lower mip levels of the bound texture. If llvmpipe generated them, it would compile a shader for that
+/// while the first frame waits.
 fn upload_levels(gl: &Gl, picture: &RgbaImage) {
     let levels = std::iter::successors(Level::below(picture), Level::next);
     for (number, level) in (1..).zip(levels) {

@@ -1,11 +1,12 @@
-//! Splits draws into parts, so that a window stays responsive and no driver's watchdog takes a long draw for a hang.
+//! Splits draws into parts, so that a window stays responsive and no driver's watchdog mistakes a long draw for a hang.
 //!
-//! The cost of a pixel is probed all over a scene's first frame, then measured with each part. No part takes longer
-//! than a quarter of a second, and splitting does not change a bit of the image. Most frames are a single part.
+//! The cost of a pixel is probed all over a scene's first frame. Each part that is drawn updates it. No part takes
+//! longer than a quarter of a second, and splitting does not change a bit of the image. Most frames are a single part.
 //!
-//! In the window, a frame takes as many calls as it needs; between two calls the show handles input, and the previous
-//! image stays. A frame that would take far too long is started again with fewer pixels. A new scene whose region tree
-//! or first frame takes more than `picture_seconds_max` is refused with the reason why it is expensive.
+//! In the window, a frame takes as many calls as it needs. Between two calls the show handles input, and the previous
+//! image stays visible. A frame that would take far too long is started again with fewer pixels. If the region tree or
+//! first frame of a new scene takes more than `picture_seconds_max`, the show refuses the scene and reports why it is
+//! expensive.
 
 use std::cell::Cell;
 use std::time::Duration;
@@ -15,19 +16,20 @@ use crate::faults::{self, Fault};
 
 /// Target time of a part in seconds: half of the limit (`limits.rs`), because pixels differ.
 pub(super) const PART_SECONDS: f64 = 0.12;
-/// Seconds for submitting a draw and waiting for it. At 1 ms, cheap pixels seemed ten times as expensive.
+/// Seconds for submitting a draw and waiting for its end. With a value of 1 ms, cheap pixels seemed ten times as
+/// expensive.
 const OVERHEAD: f64 = 0.00025;
-/// Largest factor by which a part's cost per pixel may exceed all others; more is clamped.
+/// Maximum factor between the highest and the second-highest cost per pixel. A higher cost is clamped.
 const OUTLIER: f64 = 4.0;
 /// Assumed growth of the cost per pixel from one version of a scene to the next.
 const WARY: f64 = 4.0;
-/// Probes along each side of an image; each is a square of [`GRAIN`] pixels a side.
+/// Number of probes along each side of an image. A probe is a square with sides of [`GRAIN`] pixels.
 const PROBES: u32 = 6;
-/// The sides of parts are multiples of this, because renderers draw neighbouring pixels together.
+/// The sides of parts are multiples of this number, because renderers draw neighbouring pixels together.
 const GRAIN: u32 = 8;
-/// Multiples of this height are best for a software renderer, which bins its work into squares of this size.
+/// Best heights for a software renderer are multiples of this number, because it works in squares of this size.
 const ROW: u32 = 64;
-/// Smaller images are not probed: their parts start small instead.
+/// Images with fewer pixels are not probed. Their parts start small instead.
 const PROBED_MIN: u64 = 4 * (PROBES * GRAIN) as u64 * (PROBES * GRAIN) as u64;
 /// Number of probes after which the time of a frame can be predicted.
 const TELLING: u32 = 9;
@@ -51,13 +53,13 @@ impl Part {
     }
 }
 
-/// The cost of a scene's pixel with one of its programs: the highest of the last frame and this one, because a cheap
-/// part such as the sky says nothing about the rest.
+/// The cost of a scene's pixel with one of its programs: the highest cost in the last and the current frame, because
+/// the cost of a cheap part, such as the sky, does not predict the rest.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct PixelCost {
     /// Seconds that almost no pixel of the last frame exceeded; 0 if unknown.
     last: f64,
-    /// The two highest costs of this frame so far.
+    /// The two highest costs in the current frame so far.
     this: [f64; 2],
 }
 
@@ -70,20 +72,21 @@ impl PixelCost {
         if self.is_known() { (PART_SECONDS / self.greatest()) as u64 } else { 0 }
     }
 
-    /// The most seconds that so many pixels will take; 0 if unknown.
+    /// Upper estimate of the seconds for a number of pixels; 0 if unknown.
     pub(super) fn seconds(self, pixels: u64) -> f64 {
         self.greatest() * pixels as f64
     }
 
     pub(super) fn note(&mut self, pixels: u64, time: Duration) {
         let seconds = time.as_secs_f64();
-        // A part that takes little more than the overhead may cost up to the overhead.
+        // If a part took little more than the overhead, assume that its pixels cost as much as the overhead.
         let cost = if seconds > 2.0 * OVERHEAD { seconds - OVERHEAD } else { OVERHEAD };
         let (cost, [first, second]) = (cost / pixels.max(1) as f64, self.this);
         self.this = if cost > first { [cost, first] } else { [first, second.max(cost)] };
     }
 
-    /// Seconds that almost no pixel exceeds. A part counts at most [`OUTLIER`] times the next: the system may be busy.
+    /// Seconds that almost no pixel exceeds. Clamps the highest cost to [`OUTLIER`] times the second-highest, because a
+    /// busy system can delay a part.
     fn greatest(self) -> f64 {
         self.last.max(self.of_this())
     }
@@ -102,7 +105,7 @@ impl PixelCost {
     }
 }
 
-/// The cost of a scene's pixels with the program that drew it last.
+/// The cost of a scene's pixels with the program that drew the scene last.
 #[derive(Debug, Default)]
 pub(super) struct Costs(Cell<Option<(u32, PixelCost)>>);
 
@@ -131,11 +134,11 @@ impl Costs {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
     areas: Vec<Part>,
-    /// The remainder of the row of parts in progress.
+    /// The remainder of the current row of parts.
     row: Option<Part>,
     /// True if the next draw is not measured, because the driver may compile the program during it.
     warms_up: bool,
-    /// True if the last part was that draw.
+    /// True if the last part was the unmeasured draw.
     warming_up: bool,
     probes: u32,
     probing: bool,
@@ -220,9 +223,9 @@ impl Parts {
         Some(row)
     }
 
-    /// A square in the image. The probes are spread over the image, so the first few are representative.
+    /// A square in the image. Probes are spread over the image, so the first few probes are representative.
     fn probe(&self) -> Part {
-        // 7 and 36 have no common divisor.
+        // 7 and 36 have no common divisor, so each square is probed once.
         let number = (self.probes * 7 + 3) % (PROBES * PROBES);
         let place = |index: u32, side: u32| {
             let middle = (2 * index + 1) * side / (2 * PROBES);
@@ -317,7 +320,7 @@ mod tests {
 
     #[test]
     fn an_expensive_scene_is_drawn_in_short_parts() {
-        // A foam at 2.8 ms per pixel, with sky above it or below it.
+        // A foam at 2.8 ms per pixel, with sky above or below the foam.
         for foam_is_below in [true, false] {
             let cost = |_, y| if (y < 120) == foam_is_below { 2.8e-3 } else { 1e-6 };
             let (_, longest) = drawn(vec![Part::whole((320, 180))], (320, 180), cost);

@@ -1,4 +1,4 @@
-//! Measures the GPU's time with GL_TIME_ELAPSED. The times of software renderers are meaningless; do not use them.
+//! Measures the GPU's time with GL_TIME_ELAPSED. Ignore the times of software renderers, because they are meaningless.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -21,14 +21,14 @@ impl GpuTimer {
     /// Creates a timer in the current context.
     ///
     /// # Errors
-    /// [`GpuError::Object`] if the driver has no query left.
+    /// [`GpuError::Object`] if the driver cannot create another query.
     pub fn new(gl: &Gl) -> Result<Self, GpuError> {
         Ok(Self { gl: gl.clone(), query: Query::new(gl)? })
     }
 
     /// Runs `draws`, waits for the GPU, and returns the result of `draws` and the GPU's time.
     pub fn time<T>(&self, draws: impl FnOnce() -> T) -> (T, Duration) {
-        // SAFETY: `self` owns the query, and no other timer is active; the driver waits for the result.
+        // SAFETY: `self` owns the query, and no second timer is active. The driver waits for the result.
         unsafe {
             self.gl.begin_query(glow::TIME_ELAPSED, self.query.native());
             let result = draws();
@@ -41,7 +41,7 @@ impl GpuTimer {
 
 const TIMES_ON_THEIR_WAY: usize = 4;
 
-/// A timer of frames that never waits: times arrive some frames later.
+/// A timer of frames that never waits for the GPU: times arrive some frames later.
 pub(super) struct FrameTimer {
     gl: Gl,
     free: Vec<Query>,
@@ -55,13 +55,13 @@ impl FrameTimer {
         Ok(Self { gl: gl.clone(), free, running: None, on_their_way: VecDeque::new() })
     }
 
-    /// Begins a frame. It is not timed if too many times are pending.
+    /// Begins a frame. The frame is not timed if too many times are pending.
     pub(super) fn begin(&mut self) {
         if self.running.is_some() {
             return;
         }
         let Some(query) = self.free.pop() else { return };
-        // SAFETY: `self` owns the query, and no other is active.
+        // SAFETY: `self` owns the query, and no second query is active.
         unsafe { self.gl.begin_query(glow::TIME_ELAPSED, query.native()) }
         self.running = Some(query);
     }
@@ -73,7 +73,7 @@ impl FrameTimer {
         self.on_their_way.push_back(query);
     }
 
-    /// The GPU time of the latest frame whose time has become known since the last call.
+    /// The latest GPU time of a frame that has become known since the last call.
     pub(super) fn take(&mut self) -> Option<Duration> {
         let mut newest = None;
         while let Some(query) = self.on_their_way.pop_front() {

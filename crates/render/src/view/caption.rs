@@ -1,15 +1,15 @@
-//! A caption in the lower left corner of an image, with a song's title and artist. Drawn on the CPU.
+//! A caption in the lower left corner of an image, with a song's title and artist. The CPU draws it.
 
 use super::letters::{Letters, Line};
 
-/// Size of the first line's letters relative to the image's smaller side, and its range in pixels.
+/// Size of the first line's letters relative to the image's smaller side. The range of this size follows, in pixels.
 const LETTERS_FRACTION: f32 = 1.0 / 15.0;
 const LETTERS: (f32, f32) = (9.0, 160.0);
 /// Size of the second line's letters relative to the first line's.
 const SECOND: f32 = 0.62;
 /// Distance from the image's edges relative to its smaller side.
 const MARGIN_FRACTION: f32 = 0.07;
-/// Fraction of the image that remains visible where a letter's shadow is darkest.
+/// Fraction of the image's light that remains where a letter's shadow is darkest.
 const SHADOW: f32 = 0.35;
 
 /// Positioned lines of letters.
@@ -22,7 +22,8 @@ pub struct Caption {
 }
 
 impl Caption {
-    /// Lays out the caption for images of `size` pixels. Text that is too wide becomes smaller, then it is cut.
+    /// Lays out the caption for images of `size` pixels. Text that is too wide becomes smaller. If it is still too
+    /// wide, it is cut.
     pub fn new(first: &str, second: Option<&str>, size: (u32, u32)) -> Self {
         let (width, height) = (size.0 as usize, size.1 as usize);
         let side = size.0.min(size.1) as f32;
@@ -33,7 +34,7 @@ impl Caption {
         let texts = [Some((first, letters_size)), second.map(|text| (text, (letters_size * SECOND).round()))];
         let mut bottom = height.saturating_sub(margin);
         let mut lines = Vec::new();
-        // The last line first, because lines are placed from the bottom up.
+        // Start with the last line, because lines are placed from the bottom up.
         for (text, wanted) in texts.into_iter().flatten().rev() {
             let line = fitting(&mut letters, text, wanted, room);
             bottom = bottom.saturating_sub(line.size.1);
@@ -42,7 +43,8 @@ impl Caption {
         Self { size: (width, height), lines, shadow: (letters_size / 18.0).ceil() as usize }
     }
 
-    /// Draws the caption over an image of premultiplied RGBA bytes, top row first. `strength` is 0 for invisible to 1.
+    /// Draws the caption over an image of premultiplied RGBA bytes, top row first. `strength` ranges from 0 (invisible)
+    /// to 1.
     pub fn draw_over(&self, rgba: &mut [u8], strength: f32) {
         self.blend(rgba, self.shadow, 0.0, strength * (1.0 - SHADOW));
         self.blend(rgba, 0, 255.0, strength);
@@ -66,7 +68,8 @@ impl Caption {
     }
 }
 
-/// Lays out a line at the wanted size, or smaller, to be at most `room` pixels wide; cuts text that gets too small.
+/// Lays out a line at the wanted size, or smaller, so that it is at most `room` pixels wide. Cuts text that gets too
+/// small.
 fn fitting(letters: &mut Letters, text: &str, wanted: f32, room: usize) -> Line {
     let line = letters.line(text, wanted);
     if line.size.0 <= room {
@@ -76,7 +79,7 @@ fn fitting(letters: &mut Letters, text: &str, wanted: f32, room: usize) -> Line 
     let mut kept: Vec<char> = text.chars().collect();
     let mut line = letters.line(text, smaller);
     while line.size.0 > room && !kept.is_empty() {
-        // Cut the excess width, then single letters.
+        // Cut the estimated excess first, then single letters.
         let fraction = room as f32 / line.size.0 as f32;
         kept.truncate(((kept.len() as f32 * fraction) as usize).min(kept.len() - 1));
         let cut: String = kept.iter().collect();

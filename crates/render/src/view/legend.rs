@@ -1,4 +1,5 @@
-//! Legends that explain a view's colours. Drawn on the CPU, so that they are the same in a window, a still and a video.
+//! Legends that explain a view's colours. The CPU draws them, so that they are the same in a window, a still and a
+//! video.
 
 use std::sync::Arc;
 
@@ -21,7 +22,7 @@ pub struct Legend {
 /// A scale of colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
-    /// Its colours.
+    /// The scale's colours.
     pub ramp: Ramp,
     /// Positions on the scale, 0..1, with their labels.
     pub ticks: Vec<(f32, String)>,
@@ -30,7 +31,7 @@ pub struct Scale {
 /// Colours of a scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ramp {
-    /// [`heat`].
+    /// The colours of [`heat`].
     Heat,
     /// From black to white.
     Light,
@@ -64,12 +65,12 @@ const GROUND: Color = [0.035, 0.040, 0.050];
 const TEXT: Color = [0.91, 0.92, 0.93];
 const DIM: Color = [0.66, 0.68, 0.73];
 
-/// Size of letters relative to the frame's height, and its range in pixels.
+/// Size of letters relative to the frame's height. The range of this size follows, in pixels.
 const LETTERS_FRACTION: f32 = 1.0 / 44.0;
 const LETTERS: (f32, f32) = (11.0, 44.0);
-/// The largest fraction of the frame's width and height that a legend may take. Larger legends are left out.
+/// Maximum fraction of the frame's width and height for a legend. Larger legends are left out.
 const FRACTION_MAX: (f32, f32) = (0.7, 0.7);
-/// Entries of single colours per column.
+/// Maximum number of single colours in a column.
 const ROWS_MAX: usize = 6;
 
 /// Draws legends, and caches the last one.

@@ -12,7 +12,7 @@ use crate::system_fonts::SystemFonts;
 pub(super) struct Letters {
     fonts: Fonts,
     system: SystemFonts,
-    /// Letters already searched for in the system's fonts.
+    /// Letters that have been searched for in the system's fonts.
     looked_for: BTreeSet<char>,
 }
 
@@ -75,7 +75,7 @@ impl Letters {
                         let from = usize::from(y) * atlas.size[0] + usize::from(x);
                         let (to, from) = (cover.get_mut(line * width + column), atlas.pixels.get(from));
                         if let (Some(to), Some(from)) = (to, from) {
-                            // The three channels are equal except in coloured letters, which become grey.
+                            // The three channels are equal except in coloured letters. Coloured letters become grey.
                             let [red, green, blue, _] = from.to_array().map(u16::from);
                             *to = (*to).max(((red + green + blue) / 3) as u8);
                         }

@@ -1,11 +1,12 @@
-//! Views: false-colour images of the rendering process, with a legend. One table names them for the key, the command
-//! line and the shaders.
+//! Views: false-colour images of the rendering process, with a legend. One table names the views for the key that
+//! shows them, the command line and the shaders.
 //!
-//! `shaders/view.glsl` draws them; the colours and numbers that it shares with the legends come from [`scale`].
+//! `shaders/view.glsl` draws the views. Its colours and numbers come from [`scale`], as in the legends.
 //!
 //! **Views have their own programs**: variants of the scene's program that count evaluations and record the first
-//! surface of each ray, so a view measures the real rendering. They are compiled when a view is first requested.
-//! Colours go straight into the finished image, one sample per pixel, because a mean of two counts would mean nothing.
+//! surface of each ray, so a view measures the real rendering. The programs are compiled when a view is first
+//! requested. Colours go straight into the finished image. Each pixel has one sample, because the mean of two counts
+//! is not a count.
 
 pub mod caption;
 pub mod legend;
@@ -23,19 +24,19 @@ pub struct ViewRow {
     pub name: &'static str,
     /// Description of the view.
     pub meaning: &'static str,
-    /// Meaning of the number after the name, for views that take one.
+    /// Meaning of the number after the name, for views that take a number.
     pub number: Option<&'static str>,
 }
 
-/// Defines [`View`] and [`VIEWS`] from rows: documentation, view, name, description, and the meaning of the number if
-/// the view takes one.
+/// Defines [`View`] and [`VIEWS`] from rows. A row has documentation, view, name, description, and the meaning of the
+/// number if the view takes a number.
 macro_rules! define_views {
     ($( $(#[$documentation:meta])* $view:ident, $name:literal, $meaning:literal $(, $number:literal)?; )*) => {
-        /// A view. Its number is its index in [`VIEWS`], in the shaders too.
+        /// A view. Its number, here and in the shaders, is its index in [`VIEWS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum View { $( $(#[$documentation])* $view, )* }
 
-        /// All views, in the order of the key.
+        /// All views, in the order in which the key steps through them.
         pub const VIEWS: [ViewRow; [$($name),*].len()] = [$( ViewRow {
             view: View::$view,
             name: $name,
@@ -45,7 +46,8 @@ macro_rules! define_views {
     };
 }
 
-// A new view needs a row here, an arm in `setup` and a function `view_NAME` in `shaders/view.glsl`; compilers check.
+// A new view needs a row here, an arm in `setup` and a function `view_NAME` in `shaders/view.glsl`. Compilers report
+// what is missing.
 define_views! {
     /// Steps of the ray from the eye.
     Steps, "steps", "steps of the ray from the eye, blue to red", "the count shown in red, 100 by default";
@@ -55,11 +57,11 @@ define_views! {
     /// Normals by finite differences.
     Normals, "normals", "normals of the surfaces, by finite differences of the distance",
         "the step of the differences, by default a fraction of a pixel";
-    /// The fraction of direct light that arrives.
+    /// The fraction of direct light that arrives at the surface.
     Shadow, "shadow", "the fraction of direct light that arrives";
-    /// The fraction of the ambient light that arrives.
+    /// The fraction of ambient light that arrives at the surface.
     Occlusion, "occlusion", "the fraction of the ambient light that arrives";
-    /// The work done for a pixel.
+    /// The number of clauses or evaluations for a pixel.
     Clauses, "clauses", "clauses that the interpreter runs; distance evaluations if compiled", "the count shown in red";
     /// The cells of the regions.
     Cells, "cells", "the cells of the regions, and the lengths of their tapes";
@@ -84,7 +86,7 @@ pub struct ViewChoice {
 /// An invalid name or number of a view.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoView {
-    /// There is no view of that name.
+    /// No view has this name.
     #[error("there is no view '{0}'; the views are {names}", names = names())]
     Unknown(String),
     /// The view takes no number.
@@ -116,12 +118,12 @@ pub fn help() -> String {
 }
 
 impl View {
-    /// Its row of [`VIEWS`].
+    /// The view's row in [`VIEWS`].
     pub fn row(self) -> &'static ViewRow {
         &VIEWS[self as usize % VIEWS.len()]
     }
 
-    /// The next or previous view. `None` is before the first and after the last one.
+    /// The next or previous view. `None` comes before the first view and after the last view.
     pub fn beside(view: Option<Self>, forward: bool) -> Option<Self> {
         let places = VIEWS.len() + 1;
         let place = view.map_or(0, |view| view as usize + 1);
@@ -173,8 +175,8 @@ impl std::fmt::Display for ViewChoice {
 }
 
 impl ViewChoice {
-    /// The view with the next larger or smaller number of the series 1, 2, 5, 10 ... after `present`. Below the
-    /// smallest one follows the view's default.
+    /// The view with the next larger or smaller number of the series 1, 2, 5, 10 ... after `present`. A step below the
+    /// smallest number returns to the view's default.
     pub fn stepped(self, present: Option<f32>, larger: bool) -> Self {
         let row = self.view.row();
         if row.number.is_none() {

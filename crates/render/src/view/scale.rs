@@ -6,7 +6,7 @@ use super::VIEWS;
 /// A displayed colour, 0..1.
 pub type Color = [f32; 3];
 
-/// Colours from blue for low values to red for high ones, in steps of equal width.
+/// Colours from blue for low values to red for high values, in steps of the same width.
 pub const HEAT: [Color; 6] = [
     [0.07, 0.13, 0.50],
     [0.10, 0.45, 0.90],
@@ -18,20 +18,20 @@ pub const HEAT: [Color; 6] = [
 
 /// Colour of pixels without data.
 pub const NOTHING: Color = [0.11, 0.12, 0.18];
-/// A surface that faces away from every light; shadows do not count.
+/// Colour of a surface that faces away from every light, whether or not the surface is in shadow.
 pub const FACES_AWAY: Color = [0.20, 0.25, 0.45];
-/// A cell without surfaces.
+/// Colour of a cell without surfaces.
 pub const EMPTY_CELL: Color = [0.27, 0.29, 0.34];
-/// A point outside of all cells.
+/// Colour of a point outside all cells.
 pub const NO_CELL: Color = [0.16, 0.16, 0.16];
-/// Positive distances, outside of a shape.
+/// Colour of positive distances, which are outside a shape.
 pub const OUTSIDE: Color = [0.93, 0.66, 0.33];
-/// Negative distances, inside of a shape.
+/// Colour of negative distances, which are inside a shape.
 pub const INSIDE: Color = [0.32, 0.55, 0.86];
-/// The zero of the distance.
+/// Colour of the line where the distance is zero.
 pub const ZERO: Color = [1.0, 1.0, 1.0];
 
-/// Colours of objects, in order; they repeat after the last.
+/// Colours of objects, in order. After the last colour they repeat.
 pub const OBJECTS: [Color; 12] = [
     [0.90, 0.62, 0.20],
     [0.34, 0.71, 0.91],
@@ -101,7 +101,7 @@ pub fn dispatch_glsl() -> String {
     text
 }
 
-/// The smallest number of the series 1, 2, 5, 10, 20 ... (and their tenths) that is not less than `value`.
+/// The smallest number not less than `value` in the series 1, 2, 5, 10, 20 ..., which also contains 0.5, 0.2, 0.1 ...
 pub fn nice(value: f32) -> f32 {
     let value = if value.is_finite() { value.clamp(1e-6, 1e9) } else { 1.0 };
     let decade = 10_f64.powi(f64::from(value).log10().floor() as i32);
@@ -109,12 +109,12 @@ pub fn nice(value: f32) -> f32 {
     steps.into_iter().find(|step| *step >= value * 0.9999).unwrap_or(value)
 }
 
-/// The next larger or smaller number of that series.
+/// The next larger or smaller number of the series of [`nice`].
 pub fn beside(value: f32, larger: bool) -> f32 {
     if larger {
         return nice(value * 1.01);
     }
-    // From a twelfth of the value, go up to the largest number below it.
+    // Start at a twelfth of the value and go up to the largest number below the value.
     let mut below = nice(value / 12.0);
     while nice(below * 1.01) < value * 0.999 {
         below = nice(below * 1.01);

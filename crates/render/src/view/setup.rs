@@ -1,4 +1,4 @@
-//! The numbers for the shaders and the legend of a view of a frame.
+//! Sets up a view of a frame: computes the shaders' numbers and makes the legend.
 
 use glam::DVec3;
 
@@ -29,17 +29,17 @@ pub struct ViewSetup {
     pub block: ViewBlock,
     /// The legend.
     pub legend: Legend,
-    /// The view's number, chosen or default; `None` if it takes none.
+    /// The view's number, chosen or default; `None` if the view takes no number.
     pub number: Option<f32>,
 }
 
-/// Number of steps shown in red: the limit of steps in the thesis (Abt 2022, figure 4).
+/// Number of steps that is shown in red: the limit of steps in the thesis (Abt 2022, figure 4).
 const STEPS_RED: f32 = 100.0;
-/// Number of distance evaluations of a pixel shown in red.
+/// Number of distance evaluations of a pixel that is shown in red.
 const RUNS_RED: f32 = 100.0;
 /// Approximate number of the slice's lines across the image's height.
 const SLICE_LINES: f32 = 40.0;
-/// Distance shown in black, as a multiple of the distance to the camera's target.
+/// Distance that is shown in black, as a multiple of the distance to the camera's target.
 const DEPTH_BLACK: f32 = 1.6;
 const OBJECTS_NAMED: usize = 11;
 

@@ -1,6 +1,6 @@
-//! A worker with its own context: loads or compiles programs there and draws once with each. A stored program during
-//! whose loading the driver crashed is compiled again. An interpreter that the driver rejected, or that crashed it
-//! twice, is not tried again ([`crate::gpu::program_store`]).
+//! A worker with its own context: loads or compiles programs, and draws once with each program. If the driver crashed
+//! while it loaded a stored program, the program is compiled again. If the driver rejected an interpreter, or crashed
+//! twice while compiling it, that interpreter is not tried again ([`crate::gpu::program_store`]).
 
 use std::time::{Duration, Instant};
 
@@ -113,8 +113,8 @@ impl CompileWorker {
             cache.note_compiled(key);
         }
         let ready = compiled.ready(texts);
-        // The window's context loads this binary. Mesa's software renderers find its machine code in their cache only
-        // if it was made from the same binary, so draw with the program loaded from it.
+        // The window's context loads this binary. Mesa's software renderers find cached machine code only if it was
+        // made from the same binary. Therefore draw with a program that was loaded from the binary.
         let again = match ready.binary() {
             Some(binary) => Program::take(&self.gl, binary)?,
             None => None,
@@ -125,7 +125,7 @@ impl CompileWorker {
         Ok(Made { program: ready, to_keep })
     }
 
-    /// Draws with a program so that the driver completes its work. All data in this context can be dropped afterwards.
+    /// Draws with a program, so that the driver finishes compiling. All data in this context can be dropped afterwards.
     fn warm_up(&mut self, program: &Program, asked: &Asked) -> Result<(), GpuError> {
         let scene = self.stand_ins.names(&asked.scene)?;
         let blocks = (&asked.block, &asked.picture);

@@ -15,12 +15,13 @@ pub(super) struct Canvas {
     pub(super) making: Option<Making>,
     /// The settings of the image whose light the targets hold; `None` for a view.
     finished_light: Option<Picture>,
-    /// The last image, shown while one of another size is drawn.
+    /// The last image, which stays visible while an image of a different size is drawn.
     stands: Option<Target>,
 }
 
 impl Canvas {
-    /// Makes targets of `size` pixels, unless the current ones fit. If the size is refused, the last image stays.
+    /// Makes targets of `size` pixels, unless the current targets fit. If the driver refuses the size, the last image
+    /// stays visible.
     pub(super) fn need_targets(
         &mut self,
         gl: &Gl,

@@ -43,7 +43,7 @@ impl Flashes {
         self.copy.as_ref().filter(|_| self.is_limited && self.has_copy)
     }
 
-    /// Copies `picture` and limits the flashes of the copy, unless the copy is up to date or nothing is limited.
+    /// Copies `picture` and limits the flashes of the copy, unless the copy is up to date or limiting is off.
     pub(super) fn make_copy(&mut self, gl: &Gl, picture: &Target) -> Result<(), GpuError> {
         if self.has_copy || !self.is_limited {
             return Ok(());

@@ -1,5 +1,6 @@
-//! The frame in progress: its passes, each drawn in parts, in one call or several. Between two calls anything may be
-//! drawn and shown, if the scene's tape, regions and sound tables do not change. The previous image stays until then.
+//! The frame in progress: its passes, each drawn in parts, in one call or several. Between two calls the caller may
+//! draw and show anything, but must not change the scene's tape, regions and sound tables. The previous image stays
+//! visible until the frame is finished.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -21,7 +22,7 @@ use crate::gpu::tiles::{PART_SECONDS, Part, Parts, PixelCost};
 pub enum Progress {
     /// Finished: [`show`](super::Renderer::show) and [`read`](super::Renderer::read) output it.
     Finished {
-        /// The time spent on it in all calls.
+        /// The time spent on the frame in all calls.
         spent: Duration,
     },
     /// Unfinished: another call is needed.
@@ -34,7 +35,7 @@ pub enum Progress {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Product {
     Picture,
-    /// Only light, for mixing into another image.
+    /// Only the frame's light, for mixing into another image.
     Light,
     View,
 }
@@ -42,7 +43,7 @@ pub(super) enum Product {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pass {
     First,
-    /// One of the further samples, where the stencil is set.
+    /// One of the further samples, drawn where the stencil is set.
     Further(usize),
     Listed,
     Post,
@@ -62,11 +63,11 @@ pub(super) struct Making {
     pub(super) spent: Duration,
     /// Estimated seconds of the draws since the last flush.
     held_back: f64,
-    /// Number of draws of samples so far, and the pixels of the largest.
+    /// Number of draws of samples so far, and the number of pixels of the largest draw.
     draws: (u32, u64),
 }
 
-/// Assumed fraction of a frame's time for its further samples.
+/// Assumed fraction of a frame's time that further samples take.
 const FURTHER_FRACTION: f64 = 0.3;
 
 impl Making {
@@ -128,7 +129,7 @@ impl Making {
         part: Part,
     ) {
         let gl = sampling.gl();
-        // On a GPU, do not wait for a short draw that is a whole pass.
+        // On a GPU, do not measure a short draw that is a whole pass, because measuring waits for the draw.
         let is_measured = gl.info().software || !self.parts.were_one();
         let begun = Instant::now();
         self.draw_part(sampling, targets, program, part);
@@ -138,7 +139,7 @@ impl Making {
             self.held_back = 0.0;
             self.parts.note(part, begun.elapsed(), cost);
         } else {
-            // A watchdog measures everything since the last flush, which may be several passes.
+            // A watchdog measures the time since the last flush, which may contain several passes.
             self.held_back += cost.seconds(part.pixels());
             if self.held_back > PART_SECONDS / 2.0 {
                 // SAFETY: flushes the current context.
@@ -239,7 +240,7 @@ impl Making {
     }
 }
 
-/// Draws all passes after the first samples with the content of `targets`, to warm up the driver.
+/// Warms up the driver: draws all passes that follow the first samples, with the content of `targets`.
 pub(super) fn rehearse_passes(
     tools: &Tools<'_>,
     targets: &mut Targets,

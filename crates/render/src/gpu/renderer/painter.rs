@@ -26,8 +26,8 @@ use crate::gpu::timer::PictureClock;
 /// Samples of a reference image along each side of a pixel.
 const REFERENCE_SIDE: u32 = 8;
 
-/// Size of the warm-up image: large enough for several levels of bloom. Software renderers compile other variants for
-/// powers of two, so neither this size nor that of any level has one.
+/// Size of the warm-up image: large enough for several levels of bloom. Software renderers compile separate variants
+/// for powers of two, so no side of the image or of its bloom levels is a power of two.
 const WARM_UP_SIZE: (u32, u32) = (90, 54);
 
 pub(super) struct Painter {
@@ -69,7 +69,8 @@ impl Painter {
         }
     }
 
-    /// Draws an empty image with every pass after a scene's samples, if it is the first draw. Returns its targets.
+    /// Draws an empty image with every pass that follows a scene's samples, if no image was drawn before. Returns the
+    /// image's targets.
     pub(super) fn warm_up(&mut self, picture: &Picture) -> Result<Option<Targets>, GpuError> {
         if !self.canvas.is_empty() {
             return Ok(None);
@@ -119,7 +120,7 @@ impl Painter {
         patience: Duration,
     ) -> Result<Progress, GpuError> {
         let begun = Instant::now();
-        // An error drops both, so that no unfinished frame is left.
+        // Take both values, so that an error drops the unfinished frame.
         let (Some(mut making), Some(mut targets)) = (self.canvas.making.take(), self.canvas.targets.take())
         else {
             return Ok(Progress::Finished { spent: Duration::ZERO });
@@ -187,7 +188,7 @@ impl Painter {
         self.gl.check("drawing a reference")
     }
 
-    /// Calls `draw` with another canvas and without fade and clock, then restores them. A frame in progress is lost.
+    /// Calls `draw` with another canvas, without fade and clock, then restores all three. Loses a frame in progress.
     pub(super) fn elsewhere<R>(&mut self, canvas: &mut Canvas, draw: impl FnOnce(&mut Self) -> R) -> R {
         let (clock, fade) = (std::mem::take(&mut self.clock), self.fade.take());
         std::mem::swap(&mut self.canvas, canvas);
@@ -199,7 +200,7 @@ impl Painter {
         result
     }
 
-    /// Draws a frame twice on a temporary canvas: alone, and with a fade.
+    /// Draws a frame twice on a temporary canvas: without a fade, and with one.
     pub(super) fn rehearse(
         &mut self,
         frame: &Frame,
@@ -207,7 +208,7 @@ impl Painter {
         program: &Program,
     ) -> Result<(), GpuError> {
         self.elsewhere(&mut Canvas::default(), |painter| {
-            // The driver may still compile, so do not record this time as the scene's cost.
+            // The driver may compile during this draw, so do not record its time as the scene's cost.
             painter.draw(frame, scene, (program, &Costs::default()))?;
             painter.keep_light()?;
             painter.set_fade(Some(0.5));
@@ -215,7 +216,7 @@ impl Painter {
         })
     }
 
-    /// Draws a frame with two samples at edges on another canvas, and passes the image to `send`.
+    /// Draws a frame on another canvas, with two further samples at edges, and passes the image to `send`.
     pub(super) fn sketch(
         &mut self,
         canvas: &mut Canvas,
@@ -239,7 +240,7 @@ impl Painter {
         Ok(self.fade.is_some())
     }
 
-    /// The exposed linear light of the finished image, in `room` if its size fits; `None` for a view.
+    /// The exposed linear light of the finished image; `None` for a view. Reuses the target `room` if its size fits.
     pub(super) fn exposed(&self, room: Option<Target>) -> Result<Option<Target>, GpuError> {
         let Some((picture, targets)) = self.canvas.finished_light() else { return Ok(None) };
         let light = match room.filter(|room| room.size() == targets.first.size()) {

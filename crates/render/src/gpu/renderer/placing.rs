@@ -56,7 +56,7 @@ impl Placing {
         Ok(())
     }
 
-    /// Draws a part of an image into an area of the window's framebuffer; `map` maps window to image positions.
+    /// Draws a part of an image into an area of the window's framebuffer. `map` maps window positions to the image.
     pub(super) fn place(
         &self,
         passes: &Passes,

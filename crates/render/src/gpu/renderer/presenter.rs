@@ -130,7 +130,7 @@ impl Presenter {
         shown.map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
 
-    /// Draws with every program that a window's first image needs, while `is_wanted` returns true.
+    /// Draws once with every program that a window's first image needs, while `is_wanted` returns true.
     pub(super) fn warm_up(
         &mut self,
         passes: &Passes,
@@ -143,7 +143,7 @@ impl Presenter {
     }
 }
 
-/// The dimmed image, or the finished one if it is not dimmed; flashes are not limited.
+/// The dimmed image, or the finished image at full brightness. Its flashes are not limited yet.
 fn bright<'a>(placing: Option<&'a Placing>, finished: Option<&'a Target>) -> Option<&'a Target> {
     placing.and_then(Placing::dimmed).or(finished)
 }

@@ -1,4 +1,4 @@
-//! Draws samples of a scene: one at the centre of each pixel, further ones at edges.
+//! Draws samples of a scene: one at the centre of each pixel, and further samples at edges.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -26,11 +26,11 @@ const BEAM: f32 = 1.4143;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Sample {
-    /// The centre, and the free length of its beam.
+    /// The sample at the centre, with the free length of the pixel's beam.
     First,
-    /// Only the centre, for views.
+    /// Only the sample at the centre, for views.
     Only,
-    /// A further sample: its offset from the centre in pixels, and its number.
+    /// A further sample: its offset from the pixel's centre in pixels, and its number.
     Further([f32; 2], usize),
     Listed,
 }
@@ -70,12 +70,12 @@ impl Sampling {
         self.view_block.set(view.as_flattened());
     }
 
-    /// Gives a scene's program the same samplers whatever was drawn last; `edges.frag` changes only the first slot.
+    /// Gives a scene's program the same samplers whatever was drawn before. `edges.frag` only changes the first slot.
     pub(super) fn settle_samplers(&self, target: &Target) -> Result<(), GpuError> {
         self.samplers.as_ref().map_or(Ok(()), |samplers| samplers.settle(&self.gl, target))
     }
 
-    /// Sets the stencil at edges; `sum` shares it with `first`. Clears the sum.
+    /// Sets the stencil, which `sum` shares with `first`, at edges. Clears the sum.
     pub(super) fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
         // SAFETY: sets state and draws without attributes into the target bound here, in the current context.
         unsafe {
@@ -108,7 +108,7 @@ impl Sampling {
         Ok(())
     }
 
-    /// Sets the state for all samples, the first and the further ones. Some drivers compile a program once per state.
+    /// Sets one state for first and further samples, because some drivers compile a program once per state.
     pub(super) fn prepare(&self, program: &Program) {
         self.unbind_edge_pixels();
         // SAFETY: sets state of the current context.
@@ -121,7 +121,7 @@ impl Sampling {
         program.bind();
     }
 
-    /// Unbinds the list of edges where it is not read: the texture bound to its unit might be the target of the draw.
+    /// Unbinds the list of edges. Otherwise the texture bound to its unit might be the target of the draw.
     pub(super) fn unbind_edge_pixels(&self) {
         // SAFETY: sets state of the current context.
         unsafe {

@@ -18,9 +18,9 @@ pub(super) struct Targets {
 }
 
 pub(super) enum Edges {
-    /// On a GPU: the sum of the samples, drawn through a stencil.
+    /// The sum of the samples, drawn through a stencil. Used on GPUs.
     Stencil(Target),
-    /// On a software renderer: a list of pixels, their samples side by side.
+    /// A list of pixels, with their samples side by side. Used on software renderers.
     List(EdgeList),
 }
 
@@ -41,7 +41,7 @@ impl Targets {
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<Self, GpuError> {
-        // Counts use the outputs of the lens, because counting images are never shown.
+        // Counts use the shader outputs of the lens, because images with counts are never shown.
         let texels: &[Texel] = match (counting, has_lens) {
             (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
             (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],
@@ -49,7 +49,7 @@ impl Targets {
         };
         let mut texels = texels.to_vec();
         if gl.info().software {
-            // The free length of the first samples' beams (shaders/sphere_tracing.glsl).
+            // This target holds the free length of the first samples' beams (shaders/sphere_tracing.glsl).
             texels.push(Texel::R32F);
         }
         Target::check_size(gl, size)?;
