@@ -129,7 +129,7 @@ enum Command {
 /// Parses the arguments and runs the command.
 ///
 /// # Errors
-/// The error of the command. Usage errors exit the program with code 2 instead.
+/// Fails if the command fails. Usage errors exit the program with code 2 instead.
 pub fn run() -> anyhow::Result<()> {
     #[cfg(target_os = "linux")]
     crate::gpu::driver_cache::leave_where_full();
@@ -145,10 +145,10 @@ pub fn run() -> anyhow::Result<()> {
     dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
 }
 
-/// Parses a show's arguments, such as `song.flac --scene orb` without the program's name; settings are in `folders`.
+/// Parses a show's arguments without the program's name, such as `song.flac --scene orb`. `folders` has the settings.
 ///
 /// # Errors
-/// A usage error, a subcommand, or an argument that is refused.
+/// Fails on a usage error, a subcommand, or an argument that is refused.
 pub fn prepare_show<T: Into<OsString> + Clone>(
     arguments: impl IntoIterator<Item = T>,
     folders: Folders,

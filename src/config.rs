@@ -1,4 +1,4 @@
-//! The settings of a run, from the command line and earlier runs. [`PlaySettings`] is the whole of them for the window.
+//! The settings of a run, from the command line and earlier runs. [`PlaySettings`] has all settings of the window.
 
 pub use mariana_files::Folders;
 pub use mariana_settings::limits::LIMITS as SETTING_LIMITS;
@@ -23,7 +23,7 @@ pub enum SdfChoice {
     Interpreted,
     /// The driver compiles the expressions as GLSL.
     Compiled,
-    /// Interpreted at once, compiled as soon as the driver is ready.
+    /// The formulas are interpreted at once, and compiled as soon as the driver is ready.
     #[default]
     Auto,
 }
@@ -45,7 +45,7 @@ pub const DEFAULT_DEVICE: &str = "default";
 pub struct Memory {
     /// The settings file.
     pub file: SettingsFile,
-    /// The error of reading it, if any.
+    /// The error from reading that file, if any.
     pub trouble: Option<SettingsError>,
     /// The folders for other saved files.
     pub folders: Folders,
@@ -69,9 +69,9 @@ pub struct ControllerSettings {
 /// Everything that the window needs to know about a run, apart from the tracks and the scene.
 #[derive(Debug, Clone)]
 pub struct PlaySettings {
-    /// The user's saved choices, with the command line's over them.
+    /// The user's saved choices, overridden by the command line.
     pub choices: Choices,
-    /// A show that the scenes follow instead of the director's.
+    /// A show that the scenes follow instead of the director's show.
     pub show: Option<ShowSource>,
     /// True if the command line names a scene.
     pub names_scene: bool,
@@ -83,7 +83,7 @@ pub struct PlaySettings {
     pub once: bool,
     /// Volume at the start, 0..1.
     pub volume: f32,
-    /// Delay of the sound beyond the one that the device reports, in seconds; `None` uses the one saved for the device.
+    /// Delay of the sound in addition to the device's latency, in seconds; `None` uses the value saved for the device.
     pub latency: Option<f64>,
     /// The live input to listen to instead of a song.
     pub listen: Option<ListenChoice>,
@@ -91,7 +91,7 @@ pub struct PlaySettings {
     pub fps_cap: Option<f64>,
     /// Duration of fades between scenes in seconds; 0 cuts.
     pub fade: f64,
-    /// True if the next and the previous scene are prepared while one is shown.
+    /// True if the next and the previous scene are prepared while the current scene is shown.
     pub prepare_ahead: bool,
     /// The cache of compiled programs.
     pub program_cache: ProgramCache,
@@ -101,7 +101,7 @@ pub struct PlaySettings {
     pub begin_at: f64,
     /// Values of the sliders that were moved in the first scene, by name.
     pub sliders: BTreeMap<String, f32>,
-    /// True if the next run continues this one.
+    /// True if the next run continues this run.
     pub remembered: bool,
     /// Size of the window at the start, in pixels.
     pub size: (u32, u32),

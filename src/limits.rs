@@ -1,4 +1,4 @@
-//! The limits that belong to none of the program's crates; each crate has its own `limits.rs`.
+//! The limits of the program itself; each of its crates has its own `limits.rs`.
 //!
 //! Limits are data: code that applies a limit reads it here, an error message prints it, and a test reaches it.
 
@@ -9,7 +9,7 @@ pub struct Limits {
     pub picture_side_min: u32,
     /// Largest width and height of an image, in pixels (OpenGL 3.3 drivers commonly allow this).
     pub picture_side_max: u32,
-    /// Most pixels of one image (64 Mi: a target of 16-bit floats takes 512 MiB).
+    /// Maximum number of pixels in an image (64 Mi: a target of 16-bit floats takes 512 MiB).
     pub picture_pixels_max: u64,
     /// Lowest frame rate of `analyze`, `video` and the frame cap, in frames per second.
     pub fps_min: f64,
@@ -17,35 +17,36 @@ pub struct Limits {
     pub fps_max: f64,
     /// Longest time that `--at`, `--start` and `--duration` accept, in seconds (a day).
     pub seconds_max: f64,
-    /// Most bytes of a song from standard input (1 GiB).
+    /// Maximum size of a song from standard input, in bytes (1 GiB).
     pub standard_input_bytes_max: u64,
-    /// Most interpreters and programs of views kept for later scenes (some 20 MiB each on a software renderer).
+    /// Maximum number of interpreters and view programs kept for later scenes (some 20 MiB each on a software
+    /// renderer).
     pub programs_kept_max: usize,
-    /// Most bytes of a program in the driver's binary format that is kept on disk (usually 100 KiB to 2 MiB).
+    /// Maximum size in bytes of a program in the driver's binary format on disk (usually 100 KiB to 2 MiB).
     pub kept_program_bytes_max: usize,
-    /// Most bytes of all programs on disk; the least recently used ones are deleted first.
+    /// Maximum size of all programs on disk, in bytes; the least recently used ones are deleted first.
     pub program_cache_bytes_max: u64,
     /// Seconds from the start until thumbnails of the folder's scenes are drawn ahead.
     pub thumbnails_ahead_after: f64,
-    /// Most scenes of a folder whose thumbnails are drawn ahead.
+    /// Maximum number of scenes in a folder whose thumbnails are drawn ahead.
     pub thumbnails_ahead_max: usize,
-    /// Most bytes of a song's structure that is kept on disk (usually 30 KiB for each minute).
+    /// Maximum size of a song's structure on disk, in bytes (usually 30 KiB for each minute).
     pub structure_bytes_max: usize,
-    /// Most song structures on disk; the least recently used ones are deleted first.
+    /// Maximum number of song structures on disk; the least recently used ones are deleted first.
     pub structures_kept_max: usize,
-    /// Most bytes, estimated, of the scenes that are prepared while another one is shown.
+    /// Maximum estimated size of the prepared scenes, in bytes.
     pub prepared_bytes_max: u64,
     /// Longest wait for a video encoder that makes no progress, in seconds.
     pub encoder_wait_seconds: f64,
-    /// Most clients that receive frames over one port at a time.
+    /// Maximum number of clients that receive frames over one port at the same time.
     pub send_readers_max: usize,
-    /// Most bytes of such a client's request.
+    /// Maximum size of the request of a client for frames, in bytes.
     pub send_request_bytes_max: usize,
-    /// Most header fields of the request.
+    /// Maximum number of header fields in the request of a client for frames.
     pub send_request_fields_max: usize,
-    /// Most targets of frames in a run.
+    /// Maximum number of programs to which frames are sent.
     pub sends_max: usize,
-    /// Longest time for a scene's first frame in a window, in seconds; after it the previous scene stays.
+    /// Longest time for a scene's first frame in a window, in seconds. A slower scene is refused.
     pub picture_seconds_max: f64,
 }
 

@@ -165,7 +165,8 @@ fn compile(source: &SceneSource) -> Result<Result<Scene, Mistakes>, SceneError> 
     })
 }
 
-/// The world of a scene that a window can draw: it fits the interpreter, or its compiled program is short enough.
+/// Returns the world of a scene that a window can draw: the tape fits the interpreter, or the compiled program is short
+/// enough.
 fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
     let world = World::new(&source.name(), scene, Vec::new())?;
     if !RegionPlan::new(&world).runs() {
@@ -207,8 +208,10 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
 fn advice(world: &World) -> String {
     match (world.non_lipschitz, world.slopes.distance_factor) {
         (false, _) => String::new(),
-        (true, Some(factor)) => format!("\n  {NO_DISTANCE}: multiply it by {factor:.2} to make it one"),
-        (true, None) => format!("\n  {NO_DISTANCE}, and no single factor makes it one"),
+        (true, Some(factor)) => {
+            format!("\n  {NO_DISTANCE}: multiply the value by {factor:.2} to make it a distance")
+        }
+        (true, None) => format!("\n  {NO_DISTANCE}, and no single factor makes it a distance"),
     }
 }
 
@@ -219,7 +222,7 @@ fn count(number: usize, what: &str) -> String {
     if number == 1 { format!("1 {what}") } else { format!("{number} {what}s") }
 }
 
-/// The inputs that the roots read, apart from the point, in the scene language.
+/// The names of the inputs that the roots read, in the scene language. Leaves out the point.
 fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<String> {
     let used = graph.inputs_used(roots)?;
     let mut names: Vec<String> = used
@@ -228,7 +231,7 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         .filter(|input| input.of_point().is_none())
         .map(|input| name_of(scene, *input))
         .collect();
-    // The language has one name for all twelve classes.
+    // The language has one name for all twelve pitch classes.
     let classes = SoundInput::CHROMA.map(|class| name_of(scene, Input::Sound(class)));
     if classes.iter().all(|class| names.contains(class)) {
         names.retain(|name| !classes.contains(name));

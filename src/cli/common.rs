@@ -21,7 +21,7 @@ use crate::gpu::shader_source::ShaderLibrary;
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 
-/// `None` is the scene's own tone map. The alias is needed because clap takes an `Option<Option<T>>` for a flag with an
+/// `None` is the scene's own tone map. The alias is needed because clap treats an `Option<Option<T>>` as a flag with an
 /// optional value.
 type WantedToneMap = Option<ToneMap>;
 
@@ -104,7 +104,7 @@ pub(super) fn end_by_signals() {
     let answer = |signal: Signal| {
         ending::end_now(signal, || {
             if std::io::stderr().is_terminal() {
-                // The cursor is on the progress line.
+                // End the progress line, on which the cursor is.
                 let _ = writeln!(std::io::stderr());
             }
             tell(&format!("{signal} ended the work; unfinished files are removed"));
@@ -118,8 +118,8 @@ pub(super) fn end_by_signals() {
 }
 
 impl CommonArguments {
-    /// Starts the log on standard error. Without -v: the program's own warnings. With -v: also its progress and the
-    /// libraries' warnings. With -vv: debug messages.
+    /// Starts the log on standard error. The log contains the program's warnings, with -v also the program's progress
+    /// and the libraries' warnings, and with -vv also debug messages.
     pub(super) fn start_log(&self) {
         let (own, others) = match self.verbose {
             0 => (LevelFilter::WARN, LevelFilter::OFF),

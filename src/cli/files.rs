@@ -40,7 +40,7 @@ pub(super) fn is_standard(path: &Path) -> bool {
     path.as_os_str() == STANDARD
 }
 
-/// Opens nothing yet: the named song, or the demo track without a name.
+/// Returns the named song without opening it; the demo track if no song is named.
 pub(super) fn song_or_demo(file: Option<PathBuf>) -> anyhow::Result<Song> {
     match file {
         None => Ok(DEMO_TRACK),
@@ -52,7 +52,7 @@ pub(super) fn song_or_demo(file: Option<PathBuf>) -> anyhow::Result<Song> {
 /// Reads a song from standard input into memory, because decoders seek in it.
 fn song_of_standard_input() -> anyhow::Result<Song> {
     let bytes = standard_input(LIMITS.standard_input_bytes_max, "a song", "mariana analyze - < song.ogg")?;
-    // Leaked once per run: the song is needed until the program ends.
+    // Leak the bytes, once per run: the song is needed until the program ends.
     Ok(Song::Embedded { name: "standard input", bytes: bytes.leak() })
 }
 
@@ -70,7 +70,7 @@ pub(super) fn scene_of(argument: &(impl AsRef<OsStr> + ?Sized)) -> anyhow::Resul
     Ok(SceneSource::Formula(text))
 }
 
-/// Reads at most `limit` bytes from standard input. Messages name `what` is expected there, and an `example` command.
+/// Reads at most `limit` bytes from standard input. Messages contain the expected input `what` and an `example`.
 fn standard_input(limit: u64, what: &str, example: &str) -> anyhow::Result<Vec<u8>> {
     let input = std::io::stdin();
     if input.is_terminal() {
@@ -80,7 +80,9 @@ fn standard_input(limit: u64, what: &str, example: &str) -> anyhow::Result<Vec<u
     let read = input.lock().take(limit + 1).read_to_end(&mut bytes);
     read.context("standard input cannot be read: name a file")?;
     if bytes.len() as u64 > limit {
-        bail!("standard input is larger than {limit} bytes: save it to a file, and name that");
+        bail!(
+            "standard input is larger than {limit} bytes: save the input to a file, and give the file's path"
+        );
     }
     Ok(bytes)
 }

@@ -40,7 +40,7 @@ impl StagingArguments {
     /// Writes these flags into `settings`.
     ///
     /// # Errors
-    /// Too many targets, or a terminal as a target.
+    /// Fails if there are too many targets, or if a target is a terminal.
     pub(super) fn tell(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.send.len() <= LIMITS.sends_max,

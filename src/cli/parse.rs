@@ -113,7 +113,7 @@ pub(super) fn parse_fade(text: &str) -> Result<f64, String> {
 fn parse_numbers<const COUNT: usize>(text: &str, example: &str) -> Result<[f64; COUNT], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
-    numbers.ok_or_else(|| format!("write {COUNT} numbers with commas between, such as {example}"))
+    numbers.ok_or_else(|| format!("write {COUNT} numbers separated by commas, such as {example}"))
 }
 
 /// Parses the crop at the edges of the output, in percent.

@@ -126,7 +126,7 @@ pub(super) struct PlayArguments {
 /// Scale factors at which a window is still readable.
 const SCALE_FACTORS: std::ops::RangeInclusive<f64> = 0.1..=20.0;
 
-/// Refuses scale factors that make winit, which reads this variable on X11, or egui panic.
+/// Refuses scale factors with which winit or egui panics. On X11, winit reads this variable.
 fn check_scale_factor() -> anyhow::Result<()> {
     const NAME: &str = "WINIT_X11_SCALE_FACTOR";
     let value = std::env::var(NAME).unwrap_or_default();
@@ -186,7 +186,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         sliders: BTreeMap::new(),
         remembered: !arguments.new && !arguments.gl_info,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
-        // The position fits only the size that it was saved with.
+        // The saved position fits only the saved size.
         place: last.place.filter(|_| arguments.size.is_none()),
         wallpaper: false,
         sends: Vec::new(),
@@ -298,21 +298,19 @@ fn open_songs(songs: &[PathBuf], repeat: Repeat, shuffle: bool) -> anyhow::Resul
         [] => {}
         [one] => anyhow::bail!("{one} does not exist; check the spelling of the path"),
         several => {
-            anyhow::bail!("these do not exist; check the spelling of their paths: {}", several.join(", "))
+            anyhow::bail!("these paths do not exist; check their spelling: {}", several.join(", "))
         }
     }
     match songs {
         [] => Ok(Playlist::of_song(DEMO_TRACK, repeat)),
         [one] if is_standard(one) => {
             let song = song_or_demo(Some(one.clone()))?;
-            // Opened to report its complete error.
+            // Open the song to report the complete error.
             song.open()?;
             Ok(Playlist::of_song(song, repeat))
         }
         several if several.iter().any(|song| is_standard(song)) => {
-            anyhow::bail!(
-                "standard input ('-') cannot be combined with other songs: leave them out, or save it to a file"
-            )
+            anyhow::bail!("standard input ('-') cannot be combined with other songs: leave out either")
         }
         files => Ok(Playlist::open(files, repeat, shuffle)?),
     }

@@ -53,7 +53,7 @@ impl Progress {
                 bar.set_position(done);
             }
             Self::Lines { since } => {
-                // Not counted from the start: before the first frame, shaders are compiled.
+                // Start the clock at the first call: shaders are compiled before it.
                 let now = Instant::now();
                 let since = since.get_or_insert(Since { begun: now, done, reported: now });
                 if since.reported.elapsed() >= LINE_PERIOD {

@@ -131,8 +131,8 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     Ok(print_line(&format!("{written} frames in {}", request.output))?)
 }
 
-/// The scenes with their start times in seconds, sorted. If the director chooses among them (`is_choice`), times are
-/// ignored.
+/// The scenes with their start times in seconds, sorted. If the director chooses among the scenes (`is_choice`), times
+/// are ignored.
 fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Result<Vec<(f64, OsString)>> {
     let mut scenes: Vec<(f64, OsString)> = flags.iter().map(|flag| with_time(flag)).collect();
     if is_choice {

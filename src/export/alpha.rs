@@ -1,8 +1,8 @@
 //! Transparent images of a scene without its sky, for compositing.
 //!
-//! Bytes are premultiplied until they are written: over black they give the image with a black sky. Alpha is the
-//! fraction of the pixel that objects cover. A glow reaches beyond the objects; there alpha is the largest colour
-//! channel, the smallest value that can hold the glow.
+//! Bytes are premultiplied until the file is written: over black, they give the image with a black sky. Alpha is the
+//! fraction of the pixel that objects cover. Where a glow reaches beyond the objects, alpha is the largest colour
+//! channel, because a smaller alpha could not store the glow.
 
 use super::error::ExportError;
 use crate::frame::Frame;
@@ -24,7 +24,7 @@ pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), Expo
 
 #[derive(Default)]
 pub(super) struct Coverage {
-    /// Fractions of the last frame, 0..1.
+    /// The covered fraction of each pixel in the last frame, 0..1.
     fractions: Vec<f32>,
 }
 

@@ -18,7 +18,7 @@ pub struct AnalyzeRequest {
     pub fps: f64,
     /// First moment, in seconds.
     pub start: f64,
-    /// Length in seconds; none means to the end.
+    /// Length in seconds; `None` continues to the end.
     pub duration: Option<f64>,
     /// Automatic gain for values in 0..1.
     pub gain: Gain,

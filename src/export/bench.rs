@@ -169,7 +169,7 @@ impl Bench<'_> {
         Ok(runs)
     }
 
-    /// Prepares a row. Uses the program in `made` if its variant is the same.
+    /// Prepares a row. Reuses the program in `made` if the row needs the same variant.
     fn start_run(
         &self,
         renderer: &mut Renderer,
@@ -314,17 +314,17 @@ pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {
     10.0 * (255.0 * 255.0 * count / sum).log10()
 }
 
-/// A row stops after this total time in ms ..
+/// A row stops after this total time in ms, if it has at least [`FRAMES_MIN`] frames.
 const ROW_MS_MAX: f64 = 20_000.0;
-/// .. if it has at least this many frames.
+/// Minimum number of frames in a row.
 const FRAMES_MIN: usize = 3;
 /// Number of trees built for the median of the build time.
 const BUILDS: usize = 9;
 const FRAME_SECONDS: f64 = 1.0 / 60.0;
 
-/// Builds the regions of a frame. Returns them with two median times in ms: for a tree without a predecessor, and for
-/// the `following` frames, each of which reuses the previous tree. Programs of materials and light for which the first
-/// attempt saves little are not shortened.
+/// Builds the regions of a frame. Returns the regions with two median times in ms: the first for a tree without a
+/// predecessor, the second for the `following` frames, each of which reuses the previous tree. Programs of materials
+/// and light are not shortened if the first attempt saves little.
 fn build(
     resources: &SceneResources,
     (frame, following): (&Frame, &[Frame]),
@@ -352,7 +352,7 @@ struct Made {
     variant: Variant,
     program: Rc<Program>,
     shader_ms: f64,
-    /// Times in ms of linking the same program again and of its first frame.
+    /// Times in ms: of linking the same program again, and of the program's first frame.
     again: Option<[f64; 2]>,
 }
 

@@ -29,7 +29,7 @@ pub enum ExportError {
     #[error(transparent)]
     Blend(#[from] BlendError),
     /// The requested moment is after the song's end.
-    #[error("{name} ends at {end:.2} s: choose a time before that instead of {asked} s")]
+    #[error("{name} ends at {end:.2} s: choose a time before the end instead of {asked} s")]
     AfterTheEnd {
         /// The song.
         name: String,
@@ -39,7 +39,7 @@ pub enum ExportError {
         end: f64,
     },
     /// The output cannot be written.
-    #[error("{} cannot be written ({reason}): choose another place with -o; nothing there was changed", .path.display())]
+    #[error("{} cannot be written ({reason}): choose another path with -o; no file was changed", .path.display())]
     Unwritable {
         /// The output.
         path: PathBuf,
@@ -85,7 +85,7 @@ pub enum ExportError {
     OutOfRange(#[from] OutOfRange),
     /// No scene is shown at the start of the video.
     #[error(
-        "the video begins at {start} s, but its first scene at {from} s: give that scene an earlier time, or no time"
+        "the video begins at {start} s, but its first scene begins at {from} s: give this scene an earlier time"
     )]
     NothingAtFirst {
         /// Start of the first scene, in seconds.
@@ -107,7 +107,7 @@ pub enum ExportError {
         left: f64,
     },
     /// The system cannot start a thread.
-    #[error("no thread can be started ({0}): end other programs")]
+    #[error("no thread can be started ({0}): close other programs")]
     Thread(std::io::Error),
     /// The image encoder reported an error.
     #[error("the image could not be encoded: {0}")]
@@ -121,7 +121,7 @@ pub enum ExportError {
         scene: String,
     },
     /// Transparency in a format without it.
-    #[error("{output} cannot be transparent, as --alpha asks: give -o {instead}")]
+    #[error("{output} cannot be transparent, which --alpha requires: give -o {instead}")]
     NoAlpha {
         /// The output.
         output: String,
@@ -130,7 +130,7 @@ pub enum ExportError {
     },
     /// A codec that the video's format does not support.
     #[error(
-        "{} cannot hold {codec}: choose one of {takes} by --codec, or give -o a name that ends in .mp4 or .mkv",
+        "{} does not support {codec}: choose {takes} with --codec, or give -o a name that ends in .mp4 or .mkv",
         .path.display()
     )]
     CodecFormat {
@@ -154,7 +154,7 @@ pub enum ExportError {
     Encoder {
         /// The output.
         path: PathBuf,
-        /// Its last message.
+        /// The last message of ffmpeg.
         message: String,
     },
     /// ffmpeg made no progress and was killed.
@@ -168,7 +168,7 @@ pub enum ExportError {
         /// Time without progress, in seconds.
         seconds: f64,
     },
-    /// A codec for a GIF or a WebP, which have none.
+    /// A codec was given for a GIF or a WebP, which have no choice of codecs.
     #[error(
         "{} has no choice of codecs: leave out --codec, or give -o a name that ends in .mp4 or .mkv", .path.display()
     )]

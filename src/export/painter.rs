@@ -66,7 +66,7 @@ pub(super) struct HeadlessRenderer {
     renderer: Renderer,
     view: Option<(ViewChoice, LegendPainter)>,
     coverage: Option<Coverage>,
-    // The last field: dropped after the objects that use it.
+    // The last field, so that the context is dropped after the objects that use it.
     context: Headless,
 }
 
@@ -89,11 +89,11 @@ impl HeadlessRenderer {
         Ok(Self { renderer, view, coverage, context })
     }
 
-    /// Uploads a scene and links its program. `auto` means compiled, which draws the same image, unless the scene is
-    /// very large. A scene whose tape does not fit the driver is compiled, with a warning in the log.
+    /// Uploads a scene and links its program. With `auto`, the scene is compiled unless it is very large; the image is
+    /// the same. A scene whose tape does not fit the driver is compiled, with a warning in the log.
     ///
     /// # Errors
-    /// An error of the driver, or a scene with its own sky if `choice` asks for transparency.
+    /// Fails if the driver reports an error, or if a scene that should be transparent has its own sky.
     pub(super) fn load(&self, choice: &SceneChoice, ready: ReadyScene) -> Result<Model, ExportError> {
         if choice.alpha {
             require_no_sky(&ready, &choice.source.name())?;
@@ -112,7 +112,7 @@ impl HeadlessRenderer {
         }
         let program = link_scene(gl, &choice.shaders, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
-        // Views show the cells.
+        // Views show cells, so they always need them.
         let change = match choice.cells {
             CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,
             change => change,
@@ -134,7 +134,8 @@ impl HeadlessRenderer {
         Ok(self.renderer.draw_view(&frame, resources, program, (&setup.block, legend.as_deref()))?)
     }
 
-    /// Draws `over` with the fraction `fraction`, 0..1, of its light from `under`. Views (numbers) are not mixed.
+    /// Draws `over`; the fraction `fraction`, 0..1, of the light is from `under`. Views are not mixed: their colours
+    /// are numbers.
     pub(super) fn draw_faded(
         &mut self,
         under: (&Model, Frame),
@@ -147,7 +148,7 @@ impl HeadlessRenderer {
         self.draw_over(over.0, over.1, fraction)
     }
 
-    /// Draws a scene with the fraction `fraction`, 0..1, of its light from the last frame. Views are not mixed.
+    /// Draws a scene; the fraction `fraction`, 0..1, of the light is from the last frame. Views are not mixed.
     pub(super) fn draw_over(
         &mut self,
         model: &Model,
@@ -197,7 +198,7 @@ impl Model {
     }
 }
 
-/// A scene on the GPU of its own context. Draws frames of any size.
+/// A scene on the GPU, with its own context. Draws frames of any size.
 pub struct Painter {
     model: Model,
     held: HeldInputs,
@@ -216,7 +217,7 @@ impl Painter {
     /// Opens a context for a scene that is already compiled.
     ///
     /// # Errors
-    /// An error of the driver, or a scene with its own sky if `choice` asks for transparency.
+    /// Fails if the driver reports an error, or if a scene that should be transparent has its own sky.
     pub fn of_ready(choice: &SceneChoice, ready: ReadyScene) -> Result<Self, ExportError> {
         if choice.alpha {
             require_no_sky(&ready, &choice.source.name())?;
@@ -238,7 +239,7 @@ impl Painter {
     /// Draws the scene at `time` seconds with the sound of that moment, `size` pixels large.
     ///
     /// # Errors
-    /// An error of the driver.
+    /// Fails if the driver reports an error.
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
         let frame_options = FrameOptions { params: &[], held: &self.held, camera: None };
         let frame = Frame::staged(self.model.world(), time, sound, size, &frame_options);
@@ -281,7 +282,7 @@ pub(super) fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, Expo
 /// Refuses settings of inputs that none of the scenes has, and values outside an input's range.
 ///
 /// # Errors
-/// [`ExportError::NoInput`] and [`ExportError::OutOfRange`].
+/// [`ExportError::NoInput`] if no scene has an input, [`ExportError::OutOfRange`] if a value is outside the range.
 pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportError> {
     for setting in set {
         let mut known = false;

@@ -14,7 +14,7 @@ use crate::show::{Clip, Held, PreparedShow, ShowError, Timeline};
 use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
 
-/// Most scenes and blends on the GPU; the least recently drawn ones are removed first.
+/// Maximum number of scenes and blends on the GPU; the least recently drawn ones are removed first.
 const MODELS_MAX: usize = 8;
 
 /// The key of a model: a scene, or a blend of two scenes from two cameras.
@@ -113,7 +113,7 @@ impl ShowPainter {
         held: Vec<(Held, Sound)>,
         size: (u32, u32),
     ) -> Result<(), ExportError> {
-        // A frozen frame that nothing is mixed with is drawn once.
+        // Draw a frozen frame only once, unless another frame is mixed with it.
         let alone = held.first().filter(|(held, _)| held.fraction >= 1.0).map(|(held, _)| (held.since, size));
         if alone.is_none() || self.held != alone {
             self.draw_anew((time, sound), held, size)?;

@@ -19,7 +19,8 @@ pub enum Showing {
 }
 
 impl Showing {
-    /// Prepares the content from `start` seconds on. A show decodes the whole song and logs entries that do not fit it.
+    /// Prepares the content from `start` seconds on. For a show, decodes the whole song and logs entries that do not
+    /// fit the song.
     ///
     /// # Errors
     /// The song cannot be decoded, the show has mistakes, or no scene is shown at the start.

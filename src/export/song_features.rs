@@ -1,4 +1,4 @@
-//! Features of a song at given times, from decoding it, with the same analysis as during playback.
+//! Features of a song at given times. The song is decoded, and analysed in the same way as during playback.
 
 use mariana_music::{
     Alignment, Analyzer, FeatureTrack, Features, Gain, SongMoment, SongStructure, Sound, StereoFrame,
@@ -14,9 +14,9 @@ use crate::song_structures::{StructureCache, structure_of};
 
 /// Length of sound analysed before the first requested time, in seconds: enough for the smoothing to settle.
 const PRE_ROLL: f64 = 20.0;
-/// Look-ahead of a moment's tables, in seconds: the next row of the history.
+/// Time to decode beyond a moment, in seconds: the moment's tables need the next row of the history.
 const AROUND: f64 = 0.07;
-/// Length of the features that are kept, in seconds: the farthest that times may step back.
+/// Length of the stored features, in seconds. Requested times may step back by at most this length.
 const TRACK_SECONDS: f64 = 4.0;
 
 /// Decodes and analyses a song as far as necessary.
@@ -60,7 +60,7 @@ impl SongFeatures {
         Ok(Self { decoder, name, analyzer, track, block, frames, ended: false, song, structure: None })
     }
 
-    /// Opens the same song again for times from `start` seconds on, with its structure if that is known.
+    /// Opens the same song again for times from `start` seconds on. Keeps the song's structure if it is known.
     ///
     /// # Errors
     /// The song cannot be decoded.
@@ -139,7 +139,7 @@ impl SongFeatures {
     /// The sound at `time` seconds.
     ///
     /// # Errors
-    /// [`ExportError::AfterTheEnd`] after the song's end, or an error of the decoder.
+    /// [`ExportError::AfterTheEnd`] if `time` is after the song's end, or the decoder's error.
     pub fn require(&mut self, time: f64) -> Result<Sound, ExportError> {
         let sound = self.sound_at(time)?;
         sound.ok_or_else(|| ExportError::AfterTheEnd {

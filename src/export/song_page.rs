@@ -8,7 +8,7 @@ use mariana_music::{PITCH_CLASSES, SongStructure};
 
 /// Width of the time axis, in pixels.
 const WIDTH: f64 = 1400.0;
-/// Width of the rows' names to the left of it, in pixels.
+/// Width of the rows' names to the left of the time axis, in pixels.
 const LEFT: f64 = 70.0;
 /// Upper edge and height of each row, in pixels.
 const SECTIONS: (f64, f64) = (60.0, 40.0);

@@ -45,7 +45,7 @@ pub struct StillRequest {
     pub set: Vec<Setting>,
 }
 
-/// A second scene, and how far the first has become it.
+/// A second scene, and its fraction in the blend with the first scene.
 #[derive(Debug, Clone)]
 pub struct Blend {
     /// The scene.
@@ -76,7 +76,7 @@ impl Blend {
 /// # Errors
 /// The song or a scene has mistakes, the driver reports an error, or the output cannot be written.
 pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
-    // Created first, so that an unwritable file is reported before the work.
+    // Create the file first, so that an unwritable file is reported before the work.
     let (format, file) = match &request.output {
         Output::Path(path) => {
             let format = StillFormat::of(path)?;
@@ -141,11 +141,11 @@ enum StillFormat {
     WebP,
 }
 
-/// Of 1 to 100; differences are invisible at full size.
+/// JPEG quality from 1 to 100. At this quality, differences are invisible at full size.
 const JPEG_QUALITY: u8 = 93;
 
 impl StillFormat {
-    /// The format of a path's extension; PNG without one.
+    /// The format for a path's extension; PNG for a path without an extension.
     fn of(path: &Path) -> Result<Self, ExportError> {
         let Some(ending) = path.extension() else { return Ok(Self::Png) };
         match ending.to_string_lossy().to_lowercase().as_str() {
@@ -201,7 +201,7 @@ impl Pixels {
         Ok(file)
     }
 
-    /// Lossless.
+    /// Encodes a lossless WebP.
     fn webp(&self, (width, height): (u32, u32)) -> Result<Vec<u8>, ExportError> {
         let mut file = Vec::new();
         let encoder = WebPEncoder::new_lossless(&mut file);

@@ -50,7 +50,7 @@ pub fn structure_of(song: &Song) -> Result<(String, SongStructure), DecodeError>
 /// # Errors
 /// The song cannot be decoded, or an output cannot be written. A closed pipe is no error.
 pub fn tell_structure(request: &StructureRequest, out: &mut dyn Write) -> Result<(), ExportError> {
-    // Created first, so that an unwritable file is reported before the work.
+    // Create the file first, so that an unwritable file is reported before the work.
     let plot = match &request.plot {
         Some(path) => {
             if matches!(&request.song, Song::File(song) if same_file(song, path)) {

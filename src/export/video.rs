@@ -64,10 +64,11 @@ pub struct VideoRequest {
     pub seam: Option<f64>,
 }
 
-/// Writes the video or stills; returns the number of frames. `progress` gets the drawn and any known total.
+/// Writes the video or stills. Returns the number of frames. `progress` gets the number so far, and the total if known.
 ///
 /// # Errors
-/// The song, the driver, ffmpeg or the output is refused. An incomplete video never replaces an existing file.
+/// The song cannot be decoded, the driver or ffmpeg fails, or the output cannot be written. An incomplete video never
+/// replaces an existing file.
 pub fn write_video(
     request: &VideoRequest,
     progress: &mut dyn FnMut(u64, Option<u64>),

@@ -1,8 +1,9 @@
 //! Detects that a driver crashed the process: a mark file exists while the driver works on a program, and a left-over
 //! mark shows a crash to the next run.
 //!
-//! A live process holds a lock on its marks, so a mark that can be locked is left over. A kill leaves marks too, and
-//! a crash those of all threads. A wrong guess costs only speed, and the message about it names the file.
+//! A live process holds a lock on its marks, so a mark that can be locked is left over. A killed process leaves marks
+//! too, and a crash leaves the marks of all threads. A wrong guess costs only speed, and the message about the guess
+//! names the file.
 
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};
@@ -16,7 +17,7 @@ const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "c
 /// Work in progress. Dropping it removes the mark: the process has survived the work.
 #[derive(Debug)]
 pub(super) struct Attempt {
-    // Open, and therefore locked, until the drop.
+    // The mark's file, which is open and therefore locked until the drop.
     _mark: File,
     undo: Option<Undo>,
     path: PathBuf,

@@ -123,7 +123,7 @@ impl ProgramStore for ProgramCache {
         let path = self.path(key, PROGRAM)?;
         let bytes = read_file(&path, LIMITS.kept_program_bytes_max + entry::HEADER)?.unwrap_or_default();
         let Some(content) = entry::decode(key, &bytes) else {
-            tracing::info!("{} is damaged and removed", path.display());
+            tracing::info!("{} was damaged and has been removed", path.display());
             self.discard(key);
             return None;
         };

@@ -87,7 +87,7 @@ impl LatestFrame {
         self.lock().news.push(sentence);
     }
 
-    /// Counts a new receiver. The first one does not get a frame from before its time.
+    /// Counts a new receiver. The first receiver does not get a frame from before it connected.
     pub(super) fn has_receiver(&self) {
         let mut state = self.lock();
         state.reported_slow = false;
@@ -111,7 +111,7 @@ impl LatestFrame {
         self.lock().writing = writes.then(Instant::now);
     }
 
-    /// Reports once that the receiver is too slow for all frames.
+    /// Reports once that the receiver is too slow to get every frame.
     pub(super) fn note_slow(&self) {
         let mut state = self.lock();
         if !std::mem::replace(&mut state.reported_slow, true) {

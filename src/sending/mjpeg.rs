@@ -53,14 +53,14 @@ fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
             return;
         }
         let Ok(stream) = stream else {
-            // For example too many open files. Trying again at once would fail again.
+            // A cause is too many open files: an immediate retry would fail too.
             latest_frame.rest(AGAIN);
             continue;
         };
-        // Counted before a thread is started, to limit the threads too.
+        // Count the reader before its thread starts, to limit the number of threads too.
         if readers.count.fetch_add(1, Ordering::AcqRel) >= LIMITS.send_readers_max {
             readers.count.fetch_sub(1, Ordering::AcqRel);
-            let words = "too many programs read this already: close one";
+            let words = "too many programs read these frames already: close one of them";
             answer_in_words(&stream, "503 Service Unavailable", words, QUESTION_TIME);
             continue;
         }
@@ -73,7 +73,7 @@ fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
     }
 }
 
-/// A reader's place in the count, freed by dropping it.
+/// A counted reader. Dropping this value reduces the count.
 struct Place(Arc<Readers>);
 
 impl Drop for Place {

@@ -1,4 +1,5 @@
-//! Sends the window's frames to other programs, each from a thread that takes the latest one: slow receivers skip some.
+//! Sends the window's frames to other programs. Each has a thread that takes the latest frame: slow receivers skip
+//! some.
 //!
 //! **A receiver never blocks the show.** The show puts a frame into a mailbox ([`LatestFrame`]) and continues. A
 //! receiver that blocks, disconnects or returns causes one message each time ([`Sending::news`]).
@@ -34,7 +35,7 @@ pub enum SendError {
     Thread(std::io::Error),
 }
 
-/// Frames being sent to a target. Dropping this ends it.
+/// The sending of frames to a target. Dropping this value ends it.
 pub struct Sending {
     latest_frame: Arc<LatestFrame>,
     target: SenderTarget,
@@ -83,7 +84,7 @@ impl Sending {
 
 impl Drop for Sending {
     fn drop(&mut self) {
-        // A thread blocked by its receiver is abandoned; the process does not wait for it when it ends.
+        // If a receiver blocks the thread, the process ends without waiting for the thread.
         self.latest_frame.end();
     }
 }

@@ -1,4 +1,4 @@
-//! Sends frames at a constant rate to receivers that read them in turn: y4m (a FIFO or standard output) and v4l2.
+//! Sends frames at a constant rate to receivers that read every frame: y4m (a FIFO or standard output) and v4l2.
 //!
 //! Receivers derive the time from the number of frames, so an unchanged frame is sent again.
 
@@ -154,7 +154,7 @@ impl Receiver for Fifo {
         let Some(file) = &mut self.file else { return Err(ErrorKind::NotConnected.into()) };
         let written = file.write_all(&y4m::frame_of_quarter(&picture.rgba, picture.size));
         if written.is_err() {
-            // Closed at once, so that the next reader does not get the rest of this stream.
+            // Close the FIFO at once, so that the next reader does not get the rest of this stream.
             self.file = None;
         }
         written

@@ -1,4 +1,4 @@
-//! A camera that other programs see, by v4l2loopback: a device that takes a format by an ioctl, and frames by writes.
+//! A camera for other programs, by v4l2loopback. An ioctl sets the format of the device, and writes pass frames to it.
 
 #![expect(unsafe_code, reason = "the device's format is set by an ioctl of the kernel")]
 

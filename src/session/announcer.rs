@@ -9,7 +9,7 @@ use crate::ui::overlay::{Notice, NowPlaying};
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{MissedAudio, PlayerStatus, TrackErrors};
 
-/// The most waiting notices; above this the oldest are dropped.
+/// Maximum number of waiting notices. The oldest notices are dropped first.
 const WAITING_MAX: usize = 3;
 
 #[derive(Default)]
@@ -26,7 +26,7 @@ struct Sentence {
     /// Length of the bar below the text, 0..1.
     fraction: Option<f32>,
     since: Instant,
-    /// True for the position in the track, which is updated while shown.
+    /// True if the notice is the position in the track, which is updated while visible.
     is_position: bool,
 }
 
@@ -71,7 +71,7 @@ impl Announcer {
         self.look_at_missed_audio(status.missed_audio);
         let track = (status.track.id, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
-            // At the start the scene's first notice names the track.
+            // At the start, the first notice about the scene names the track too.
             if self.track.is_some() {
                 self.answer(described(&status.track));
             }

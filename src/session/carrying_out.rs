@@ -130,7 +130,7 @@ impl Session {
             }
             Command::Leave => self.leave(),
             Command::ToggleHelp => self.interface.ui_state.panels.toggle_help(),
-            // The loop ends before this command arrives here.
+            // The main loop ends before this command arrives here.
             Command::Quit => {}
         }
         self.playback.hurry_reports();

@@ -10,7 +10,7 @@ use mariana_music::SongStructure;
 #[derive(Default)]
 pub(super) struct Cues {
     track: OfTrack,
-    /// The show without key presses, and its song.
+    /// The show without key presses, and the structure of its song.
     show: Option<(Arc<PreparedShow>, Arc<SongStructure>)>,
     /// Times of the key presses in seconds of the song, ascending.
     pressed: Vec<f64>,
@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(cues.prepared_show().unwrap().at(35.0).unwrap().clip.scene, "gyroid");
         assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
         assert_eq!(on(cues.press(5.0), 8.0), (1, "city".to_owned()));
-        // Saving the file keeps the key presses, another track does not.
+        // Saving the file keeps the key presses. A change of the track drops them.
         cues.take(Some(7), Some(Arc::new(show.clone())), None);
         assert!(cues.prepared_show().is_some());
         cues.take(Some(8), Some(Arc::new(show)), None);

@@ -1,4 +1,4 @@
-//! Creates the show of the current track on its own thread, and again when the show's file changes.
+//! Creates the show of the current track on a separate thread, and creates it again when the show's file changes.
 
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};

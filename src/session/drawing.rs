@@ -48,7 +48,7 @@ impl Session {
         }
         let wanted =
             Shown { moment, size: drawn, edges: level.edges, revision: self.playback.scene.revision() };
-        // A frozen frame stays wanted.
+        // A frozen frame is still the wanted one.
         let held = self.playback.holds_picture();
         let wanted = self.playback.pace.shown().filter(|_| held).unwrap_or(wanted);
         let new = self.playback.draw_picture(wanted, level, whole, begun)?;
@@ -165,7 +165,7 @@ struct Picture {
 }
 
 impl Playback {
-    /// Draws the wanted frame or a part of it. `whole` is its screen's size in pixels. Returns the frame once complete.
+    /// Draws the wanted frame or a part of it. `whole` is the screen's size in pixels. Returns a finished frame.
     fn draw_picture(
         &mut self,
         wanted: Shown,
@@ -195,7 +195,8 @@ impl Playback {
         Ok(new)
     }
 
-    /// Dims for the master output and the flash limiter. `true` if an old frame changes; `None` if memory is lacking.
+    /// Dims for the master output and the flash limiter. `true` if an old frame is dimmed; `None` without enough
+    /// memory.
     fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<Option<bool>, SessionError> {
         let gain = self.master_output.gain(begun);
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
@@ -251,7 +252,7 @@ impl Playback {
         screen.gl().info().texture_side_max
     }
 
-    /// Checks the frame in progress: draws a slow one with fewer pixels, or removes its scene if that is not enough.
+    /// Checks the frame in progress. Draws a slow frame with fewer pixels. If that is not enough, removes the scene.
     fn weigh_picture(&mut self, level: Level, now: Instant) {
         let Some(seconds) = self.scene.composer().seconds_of_picture() else { return };
         match self.pace.weigh(level, seconds, now) {
@@ -263,7 +264,7 @@ impl Playback {
         }
     }
 
-    /// Returns what was made. If the driver has no memory for a frame, skips it and draws the next one smaller.
+    /// Returns the result in `made`. If the driver has no memory for it, skips the frame and draws the next one smaller.
     fn without_room_smaller<T>(&mut self, made: Result<T, GpuError>) -> Result<Option<T>, GpuError> {
         match made {
             Err(GpuError::Object { what, reason }) if self.pace.make_smaller() => {
@@ -278,8 +279,8 @@ impl Playback {
         }
     }
 
-    /// The cost of a frame that took `drawing` until it was handed over and `showing` in total. Handing over usually
-    /// waits for the monitor, but a software renderer does its drawing then.
+    /// The cost of a frame. `drawing` is the time until the frame was handed over, `showing` the total time. The
+    /// hand-over usually waits for the monitor, but a software renderer draws during that time.
     pub(super) fn cost(&mut self, screen: &mut dyn Screen, drawing: Duration, showing: Duration) -> Duration {
         match (screen.gl().info().software, self.renderer.gpu_time()) {
             (true, _) => showing,

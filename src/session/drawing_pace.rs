@@ -82,7 +82,7 @@ impl DrawingPace {
         }
     }
 
-    /// The same for a new context, in which nothing has been drawn.
+    /// The same pace for a new context, in which no frame has been drawn.
     pub(crate) fn renewed(self, now: Instant) -> Self {
         Self { shown: None, pictured: None, moved: now, ..self }
     }
@@ -113,7 +113,7 @@ impl DrawingPace {
         self.window_size = size;
     }
 
-    /// The moment of the next frame: `now`, or the last frame's if it would look the same.
+    /// The moment of the next frame: `now`, or the moment of the last frame if both would look the same.
     pub(crate) fn moment(&self, now: Moment, moves_by_itself: bool) -> Moment {
         let same = |shown: &Shown| shown.moment.features == now.features && !moves_by_itself;
         self.shown.filter(same).map_or(now, |shown| shown.moment)
@@ -160,7 +160,7 @@ impl DrawingPace {
         begun.saturating_duration_since(last).as_secs_f64()
     }
 
-    /// The rate and the size of frames, such as "60 fps · 1280x720". Without a rate while the show is idle.
+    /// The rate and the size of frames, such as "60 fps · 1280x720". The rate is left out while the show is idle.
     pub(crate) fn about_pictures(&self, now: Instant) -> String {
         let rate = self.rate.at(now).map(|rate| format!("{rate:.0} fps"));
         let size = self.shown.map(|Shown { size: (width, height), .. }| format!("{width}x{height}"));
@@ -171,7 +171,7 @@ impl DrawingPace {
         self.resolution.to_string()
     }
 
-    /// Judges a frame that will take this many seconds. The frame of an idle show has time.
+    /// Judges a frame that will take this many seconds. In an idle show, a frame may take long.
     pub(crate) fn weigh(&mut self, level: Level, seconds: f64, now: Instant) -> Verdict {
         if level != self.resolution.level() {
             Verdict::GoOn

@@ -3,7 +3,7 @@
 //!
 //! A pure controller: frame times and costs are its input, a level its output. It reduces the level within a quarter
 //! of a second, by as many levels as needed, and raises it by one after seconds without a slow frame. A level that
-//! was raised too early is retried after longer and longer waits, so that nothing oscillates.
+//! was raised too early is retried after longer and longer waits, so that the level does not oscillate.
 //!
 //! **Only the window adapts.** Stills, videos, measurements and the frame of an idle show use the best level. A level
 //! sets the number of pixels, which `upscale.frag` enlarges, and the shaders' `frame_quality`, which makes costly,
@@ -31,7 +31,7 @@ const fn moving(scale: f64, quality: f32) -> Level {
 
 const STILL: Level = Level { scale: 1.0, quality: 1.0, edges: EdgeSamples::Sixteen };
 
-/// From the best level down. Each costs about a fifth less than the previous one, so that a step is not visible.
+/// The levels, the best one first. Each costs a fifth less than the previous one, so that a step is not visible.
 const LEVELS: [Level; 14] = [
     moving(1.0, 1.0),
     moving(0.92, 0.8),
@@ -70,7 +70,7 @@ const TOO_EARLY: Duration = Duration::from_secs(12);
 /// An early try is forgotten after a better level has held for this long.
 const FORGOTTEN: Duration = Duration::from_secs(60);
 const FRAMES_MAX: usize = 4096;
-/// Frames ignored after a change of level: targets are being created, and the GPU's times arrive late.
+/// Frames that are ignored after a change of level, because targets are created and the GPU's times arrive late.
 const SETTLING: usize = 1;
 /// After a longer gap without frames, earlier costs are ignored.
 const PAUSE: Duration = Duration::from_secs(3);
@@ -81,7 +81,7 @@ const AIM: f64 = 0.8;
 const FREE: f64 = 0.72;
 /// If a lower level saves less than this fraction of the cost, pixels are not the bottleneck.
 const HELP: f64 = 0.1;
-/// The level is then kept for this time: initial and maximal.
+/// A level at which fewer pixels do not help is kept for this time: initial and maximal.
 const HELPLESS: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(320));
 
 impl Level {
@@ -152,8 +152,9 @@ impl DynamicResolution {
         }
     }
 
-    /// The same for a software renderer. It starts with the fewest pixels for a fast first frame, and then chooses
-    /// the level from that frame's cost. At full size, the targets and unfinished parts of that frame took 0.1 s.
+    /// The controller for a software renderer. It starts with the fewest pixels for a fast first frame, and then
+    /// chooses the level from that frame's cost. At full size, the targets and unfinished parts of that frame took 0.1
+    /// s.
     pub(crate) fn beginning_small(choice: QualityChoice, fps: f64) -> Self {
         let new = Self::new(choice, fps);
         if choice == QualityChoice::Auto {
@@ -176,7 +177,7 @@ impl DynamicResolution {
     pub(crate) fn set_edited(&mut self, edited: bool) {
         if self.choice == QualityChoice::Auto && self.edited != edited {
             self.edited = edited;
-            // Costs measured with other samples are of no use.
+            // Costs that were measured with another number of samples cannot be compared.
             self.gave_way = None;
             self.frames.clear();
             self.settling = SETTLING;

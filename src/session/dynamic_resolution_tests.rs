@@ -203,7 +203,7 @@ fn short_sides_are_not_reduced() {
 #[test]
 fn an_edited_scene_saves_samples_and_recovers_when_the_text_rests() {
     let mut window = Window::new();
-    // Includes the cost of samples: too much at the best level even with saved samples.
+    // The cost depends on samples. It is too high at the best level, even with fewer samples.
     let cost = |_, level: Level| 0.02 * level.scale.powi(2) * (1.0 + level.edges.count() as f64 / 4.0);
     window.dynamic_resolution.set_edited(true);
     assert_eq!(window.dynamic_resolution.level().edges, EdgeSamples::Two);

@@ -7,7 +7,7 @@ use crate::input::Input;
 use crate::ui::editor::{Editor, EditorEvent};
 
 impl Session {
-    /// Gives the key focus to an editor that is open without it. Returns `true` if it did.
+    /// Gives the key focus to an open editor that does not have it. Returns `true` if the focus has changed.
     pub(super) fn gives_focus_to_editor(&mut self) -> bool {
         let waits = self.interface.is_edited() && !self.interface.editor_has_focus();
         if waits {

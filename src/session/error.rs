@@ -10,7 +10,7 @@ use mariana_player::PlayerError;
 /// An error that ends a session.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
-    /// No display to open a window on.
+    /// There is no display to open a window on.
     #[error(
         "cannot open a window ({0}): start Mariana in a graphical session, or use 'mariana still' or 'mariana \
          video', which need none"
@@ -45,7 +45,7 @@ pub enum SessionError {
         /// The system's message.
         reason: String,
     },
-    /// No usable OpenGL for the window.
+    /// There is no usable OpenGL for the window.
     #[error(
         "the window cannot get an OpenGL 3.3 core context ({0}): update the graphics driver, or set \
          LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"

@@ -24,7 +24,7 @@ impl Sends {
     /// Starts to send frames of at most `size` pixels, `fps` times a second.
     ///
     /// # Errors
-    /// A target that cannot be reached.
+    /// Fails if a target cannot be reached.
     pub(crate) fn start(targets: &[SenderTarget], size: (u32, u32), fps: f64) -> Result<Self, SendError> {
         // Groups of four pixels share their colour, so sides must be even.
         let size = (even(size.0), even(size.1));
@@ -85,7 +85,7 @@ impl FrameSenders {
                 Some(reader) => reader,
                 none => none.insert(PictureReader::new(gl, self.size)?),
             };
-            // The whole frame is sent, however it is placed in the window.
+            // Send the whole frame, regardless of its placement in the window.
             let whole = Placement::default();
             let area = renderer.shape().map_or([0.0, 0.0, 1.0, 1.0], |shape| fitted(shape, self.size));
             if renderer.send_placed(reader, &within(area, &whole.map()), whole.part())? {

@@ -6,7 +6,7 @@ const KEPT: usize = 4096;
 
 #[derive(Debug, Default)]
 pub(crate) struct FrameTimes {
-    /// In milliseconds; a ring buffer once it is full.
+    /// The last times in milliseconds; a ring buffer once the list is full.
     last: Vec<f32>,
     count: usize,
 }
@@ -24,7 +24,7 @@ impl FrameTimes {
 }
 
 impl std::fmt::Display for FrameTimes {
-    /// The number of frames; then the median, the 99th percentile and the maximum of the last ones.
+    /// Writes the number of frames, and then the median, the 99th percentile and the maximum of the last times.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut sorted = self.last.clone();
         sorted.sort_by(f32::total_cmp);

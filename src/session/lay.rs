@@ -1,4 +1,4 @@
-//! The placement of a frame on its screen, and copies of it.
+//! The placement of a frame on its screen, and copies of the frame.
 
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
@@ -8,7 +8,7 @@ pub(crate) struct Lay {
     pub(crate) placement: Placement,
     /// Width and height of the target screen in pixels.
     pub(crate) screen: (u32, u32),
-    /// True for a frozen frame, which keeps its aspect ratio on a screen of another one.
+    /// True for a frozen frame, which keeps its aspect ratio on a screen with another aspect ratio.
     pub(crate) is_held: bool,
 }
 
@@ -23,7 +23,7 @@ pub(crate) struct Panel {
 }
 
 impl Lay {
-    /// Copies the frame to the current window of `size` pixels. `area` is the part used as the screen.
+    /// Copies the frame to the current window of `size` pixels. `area` is the part of the window for the screen.
     pub(crate) fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
         let inner = self.inner(renderer);
         if self.placement.is_plain() && inner == WHOLE && area == WHOLE {
@@ -60,7 +60,7 @@ impl Lay {
         renderer.show_in_part(size, area, &map, self.placement.part())
     }
 
-    /// Maps positions in a window to positions in the frame, as fractions. `area` is the part used as the screen.
+    /// Maps positions in a window to positions in the frame, as fractions. `area` is the window's part for the screen.
     pub(crate) fn map(&self, renderer: &Renderer, area: Area) -> Map {
         within(area, &within(self.inner(renderer), &self.placement.map()))
     }

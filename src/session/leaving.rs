@@ -1,5 +1,5 @@
-//! The state saved for the next run: volume, window, scene, sliders, tracks and position. It is written soon after
-//! each change: a driver may block, so that the program never ends normally.
+//! The state saved for the next run: volume, window, scene, sliders, tracks and position. It is written soon after each
+//! change, because a blocking driver can prevent a normal end of the program.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

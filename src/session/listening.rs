@@ -31,7 +31,7 @@ pub(crate) struct Listening {
     clock: Option<ClockReading>,
     /// The device's clock in seconds at the last update, and the time of that update.
     clock_now: (f64, Instant),
-    /// The user's request. The player always waits for the first frame.
+    /// True if the user has paused the sound. The player waits for the first frame in any case.
     paused: bool,
     started: bool,
     /// The volume at the last call of `now`, 0..1.
@@ -217,7 +217,7 @@ impl Listening {
         Some(now)
     }
 
-    /// Follows the clock of a device, given as a reading and the device's seconds; `None` ends that.
+    /// Follows the clock of a device, given as a reading and the device's seconds; `None` stops following.
     pub(crate) fn set_clock(&mut self, clock: Option<(ClockReading, f64)>) {
         self.clock = clock.map(|(reading, _)| reading);
         self.clock_now = (clock.map_or(0.0, |(_, now)| now), clock::now());

@@ -18,7 +18,7 @@ pub(crate) struct BackgroundWork {
 }
 
 impl BackgroundWork {
-    /// Starts it and waits for the first scene.
+    /// Starts the senders and the loaders, and waits for the first scene.
     ///
     /// # Errors
     /// A sender or the scene fails, or the system has no thread left.
@@ -27,7 +27,7 @@ impl BackgroundWork {
         scene: &SceneChoice,
         waker: &Waker,
     ) -> Result<Self, SessionError> {
-        // First, so that a failing sender ends the program before a window opens.
+        // Start the senders first, so that a failing sender ends the program before a window opens.
         let size = settings.send_size.unwrap_or(settings.size);
         let sends = Sends::start(&settings.sends, size, settings.send_fps)?;
         let drafts = Drafts::default();

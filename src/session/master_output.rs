@@ -50,7 +50,7 @@ impl MasterOutput {
 
     /// Starts or ends a blackout. Returns `true` if it starts.
     pub(crate) fn toggle_blackout(&mut self, now: Instant) -> bool {
-        // The change so far was in the other direction.
+        // Start from the current light: an opposite fade may be unfinished.
         self.light = (self.light_at(now), Some(now));
         self.is_black = !self.is_black;
         self.is_black
@@ -89,7 +89,7 @@ impl MasterOutput {
         !self.is_frozen && self.brightness >= 1.0 && self.light_at(now) >= 1.0
     }
 
-    /// Fraction of its light that a frame shown at `now` has, 0..1. A fade is linear in light, not in encoded values.
+    /// Fraction of the light in a frame shown at `now`, 0..1. A fade is linear in light, not in encoded values.
     pub(crate) fn gain(&self, now: Instant) -> f32 {
         self.brightness * self.light_at(now) * self.shown.brightness
     }
@@ -121,7 +121,7 @@ mod tests {
         assert_eq!([0, 500, 1_000, 9_000].map(|ms| master_output.gain(at(ms))), [0.5, 0.25, 0.0, 0.0]);
         assert!(!master_output.toggle_blackout(at(9_000)));
         assert_eq!([9_000, 9_750, 10_000].map(|ms| master_output.gain(at(ms))), [0.0, 0.375, 0.5]);
-        // Turned back before it was complete.
+        // The second toggle follows before the first fade is complete.
         master_output.toggle_blackout(at(20_000));
         master_output.toggle_blackout(at(20_400));
         assert!((master_output.gain(at(20_600)) - 0.4).abs() < 1e-6);

@@ -33,7 +33,7 @@ impl Session {
 
     pub(super) fn show_corners(&mut self, open: bool) {
         if !open && self.interface.ui_state.corners.is_some() {
-            // A handle may still be dragged.
+            // A handle may still be dragged, so save the corners now.
             let setting = Setting::Corners(self.choices.stage.corners);
             self.change_setting(SetSetting { setting, settled: true });
         }
@@ -98,7 +98,7 @@ impl Playback {
             self.scene.composer_mut().fading_mut().hold_anew();
         }
         match is {
-            // Completely held: the current frame stays.
+            // The show holds the frame completely, so keep the current frame.
             Some(1.0..) => self.scene.composer_mut().give_picture_up(),
             fraction => self.scene.composer_mut().mix_held(fraction),
         }
@@ -130,8 +130,8 @@ impl Playback {
 }
 
 impl Interface {
-    /// The part of a window of `size` pixels for the frame: as large as possible, or small beside the panels while an
-    /// output shows it. Always large while its corners are moved and while the panels are hidden.
+    /// The part of a window of `size` pixels for the frame. It is as large as possible, or small beside the panels
+    /// while an output shows the frame. It is always large while corners are moved or the panels are hidden.
     pub(super) fn note_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
         let is_small = screen.has_output() && !self.ui_state.bare && self.ui_state.corners.is_none();
         self.ui_state.picture = is_small.then(|| small_in(size, lay.screen));

@@ -87,7 +87,7 @@ use mariana_player::Player;
 
 /// Interval at which an idle session looks for changes.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
-/// The same while the session waits for sound that would change the frame.
+/// Interval while the session waits for sound that would change the frame.
 const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 
 pub(crate) struct Session {
@@ -100,7 +100,7 @@ pub(crate) struct Session {
     /// Time and window size of the last texts shown without a frame.
     waited: Option<(Instant, (u32, u32))>,
     legacy: leaving::Legacy,
-    // Last, so that everything above that holds OpenGL objects is dropped first.
+    // The last field, because the fields above hold OpenGL objects and must be dropped first.
     screen: Box<dyn Screen>,
 }
 
@@ -233,7 +233,7 @@ impl Session {
         Ok(status.ended && settings.once)
     }
 
-    /// Takes the results of other threads and requests a frame if one is due. Returns the latest time of the next look.
+    /// Takes the results of other threads and requests a frame if one is due. Returns the latest time of the next call.
     pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
         let dropped = self.interface.input.take_dropped();
         if !dropped.is_empty() {
@@ -296,7 +296,7 @@ impl Session {
             || self.playback.pace.shown().is_none()
             || self.playback.frame_senders.are_any();
         if !moving || !seen {
-            // Paused, ended or covered: wait for an event before drawing. In silence, sound may start at any time.
+            // While paused, ended or covered, the show waits for an event. In silence, sound may start at any time.
             if seen {
                 self.update_preview(now, None)?;
             }

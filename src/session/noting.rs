@@ -36,7 +36,7 @@ impl Playback {
         let picture = self.finish(begun);
         let Some(performed) = self.scene.performed(moment.song_time) else { return };
         let performed = Performed { picture, ..performed };
-        // A still scene was drawn for the moment at which it became still.
+        // A still scene has an old moment: the moment at which the scene became still.
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
         let time = now.map_or(moment.song_time, |now| now.song_time);
         let of = (track, self.reports.playing().title.as_str());

@@ -73,7 +73,7 @@ impl Offscreen {
         let started = clock::now();
         let (wakes, woken) = channel();
         let waker = Waker::new(move || {
-            // After the end there is no receiver.
+            // Sending fails after the end of the session.
             let _ = Channel::send(&wakes, ());
         });
         let background = BackgroundWork::start(&settings, &scene, &waker)?;
@@ -172,7 +172,7 @@ struct OffscreenWindow {
     shared: Rc<RefCell<Shared>>,
     woken: Receiver<()>,
     has_compiler: bool,
-    // Last, because the target belongs to it.
+    // The last field, because the target belongs to the context.
     context: Headless,
 }
 
@@ -234,7 +234,7 @@ impl Screen for OffscreenWindow {
         }
         while self.woken.try_recv().is_ok() {}
         let mut shared = self.shared.borrow_mut();
-        // One at a time, so that the effect of each key is drawn before the next one.
+        // Take one event per step, so that the effect of each key is drawn before the next key.
         let events: Vec<Event> = shared.events.pop_front().into_iter().collect();
         let redraw = std::mem::take(&mut shared.is_due).then_some(Event::Redraw);
         events.into_iter().chain(redraw).collect()

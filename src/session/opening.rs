@@ -2,7 +2,7 @@
 //!
 //! **A lost context is replaced.** When the driver reports a lost context, everything that belongs to it is dropped
 //! while it is still current and recreated from the worlds, which are plain values (`renewed`); the song is not
-//! affected. If the driver has no memory for a frame, a smaller one is drawn. `faults` lets tests cause both.
+//! affected. If the driver has no memory for a frame, a smaller one is drawn. `faults` lets tests cause both failures.
 
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ impl Opening<'_> {
         let BackgroundWork { loaders, first, drafts, sends } = background;
         let choices = settings.choices.clone();
         tracing::info!("choices of this run: {choices:?}");
-        // First, so that the song is analysed before its first frame.
+        // Start the analysis first, so that the song is analysed before its first frame.
         let folders = memory.folders.clone();
         let songs = start_song_reader(&folders, waker);
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
@@ -87,7 +87,7 @@ impl Opening<'_> {
             screen.set_fullscreen(true);
         }
         let (choice, title) = (scene, first.source.title());
-        // Requested first: the driver compiles it while everything else is created.
+        // Request the scene first: the driver compiles its program while everything else is created.
         let mut scene = start_scene(&*screen, (settings, choice), loaders, first, waker)?;
         scene.parameters_mut().remember(&title, &settings.sliders);
         let of_fonts = waker.clone();
@@ -217,7 +217,7 @@ fn start_direction(settings: &PlaySettings, waker: &Waker) -> Result<Direction, 
         .map_err(|error| SessionError::Window { doing: "a thread", reason: error.to_string() })
 }
 
-/// Starts the analysis of whole songs. Without it their data stay unknown.
+/// Starts the analysis of whole songs. Without the thread, the data of the songs stay unknown.
 fn start_song_reader(folders: &Folders, waker: &Waker) -> Option<SongReader> {
     let waker = waker.clone();
     let started = SongReader::start(StructureCache::among(folders), move || waker.wake());
@@ -262,7 +262,7 @@ pub(super) fn renewed(
     let Session { playback, interface, screen, .. } = session;
     let Playback { renderer: old_renderer, scene: old_scene, mut frame_senders, mut reports, .. } = playback;
     let Interface { overlay, .. } = interface;
-    // Objects of the old context are dropped while it is current: in the new one their names mean other objects.
+    // Drop the objects of the old context while it is current: in the new context, their names are other objects.
     let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);

@@ -16,15 +16,15 @@ impl Pacing {
         Self { interval, due: now }
     }
 
-    /// The time of the next frame. One that `answers` a controller may begin an interval early and replaces the next.
+    /// The time of the next frame. A frame that `answers` a controller may begin an interval early.
     pub fn due(&self, answers: bool) -> Instant {
         let early = if answers { self.interval } else { Duration::ZERO };
         self.due.checked_sub(early).unwrap_or(self.due)
     }
 
-    /// Notes a frame that was begun at `now`. A late frame delays the following ones: no burst makes up for it. Extra
-    /// frames, such as those drawn while a window is resized, delay the next one by at most an interval. A frame that
-    /// `answers` a controller replaces the next one, which may then be two intervals later.
+    /// Notes a frame that was begun at `now`. A late frame delays the following frames, so that they do not come in a
+    /// burst. Extra frames, such as those drawn while a window is resized, delay the next one by at most an interval. A
+    /// frame that `answers` a controller replaces the next one, which may then be two intervals later.
     pub fn begun(&mut self, now: Instant, answers: bool) {
         let latest = now + if answers { 2 * self.interval } else { self.interval };
         self.due = (self.due + self.interval).clamp(now, latest);
@@ -42,10 +42,10 @@ mod tests {
         let ms = |n: u64| start + Duration::from_millis(n);
         pacing.begun(ms(0), false);
         assert_eq!(pacing.due(false), ms(10));
-        // A little late: the rhythm stays.
+        // A frame that is a little late does not change the rhythm.
         pacing.begun(ms(12), false);
         assert_eq!(pacing.due(false), ms(20));
-        // Very late: the next frame is due at once, and only one.
+        // After a very late frame, a single frame is due at once.
         pacing.begun(ms(95), false);
         assert_eq!(pacing.due(false), ms(95));
         pacing.begun(ms(95), false);
@@ -69,7 +69,7 @@ mod tests {
         let mut pacing = Pacing::new(100.0, start);
         pacing.begun(ms(0), false);
         assert_eq!((pacing.due(true), pacing.due(false)), (ms(0), ms(10)));
-        // Replaces the frame at 10.
+        // This frame replaces the frame at 10 ms.
         pacing.begun(ms(3), true);
         assert_eq!((pacing.due(true), pacing.due(false)), (ms(10), ms(20)));
         // A constantly moving controller gets one frame per interval, like an animated scene.

@@ -1,4 +1,4 @@
-//! The panels over the frame, plain values that keys and the pointer change. This module carries out their commands.
+//! The panels over the frame. They are plain values, which this module changes by commands of keys and the pointer.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -146,7 +146,7 @@ impl Interface {
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         if let Some(scene) = scenes.into_iter().next_back() {
             playback.scene.show_source(SceneSource::File(scene));
-            // The file may be in another folder.
+            // The file may be in another folder, whose thumbnails are not drawn yet.
             self.thumbnails_ahead = Some(thumbnails_ahead_at(clock::now()));
         }
         if !music.is_empty() {

@@ -1,8 +1,9 @@
-//! A small preview of the next scene in the window: beside an output, or if the settings ask for it.
+//! A small preview of the next scene in the window. It is shown while there is an output, or if the settings ask for
+//! it.
 //!
-//! **It takes no time from the show.** It is drawn a few times a second, and only if the time until the next frame is
-//! longer than the last previews took. It is read back without waiting. Only the first preview of each scene is drawn
-//! in any case, because every scene is drawn once before it is shown.
+//! **The preview takes no time from the show.** It is drawn a few times a second, and only if the time until the next
+//! frame is longer than the last previews took. It is read back without waiting. Only the first preview of a scene is
+//! drawn in any case, because every scene is drawn once before it is shown.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -106,7 +106,7 @@ impl Recording {
         is_news.then_some("the recording has reached the maximum length of a show: the rest is not recorded")
     }
 
-    /// Records that the last frame of a track is still shown at `time` seconds, and the effects on it.
+    /// Records that the last frame of a track is still shown at `time` seconds, with the effects of the master output.
     pub(crate) fn note_picture(&mut self, track: OfTrack, time: f64, picture: &Finish, is_held: bool) {
         let Some(take) = self.take.as_mut().filter(|take| take.track == track) else { return };
         if is_held && !take.is_held {
@@ -152,7 +152,7 @@ impl Take {
             (None, Some(directed)) => directed,
             (Some(shown), Some(directed)) if directed.1 >= shown.start => directed,
             (None, None) => (TimedTransition::CUT, time),
-            // A scene that is no longer directed stays, and so does one that the show takes over in the middle.
+            // The entry is unchanged if the scene is no longer directed, or if the show takes it over in the middle.
             (Some(shown), _) if shown.goes_on_in(&seen, time) => (shown.transition, shown.start),
             (Some(shown), _) if shown.source == *seen.source => (TimedTransition::CUT, time),
             (Some(_), _) => changes,
@@ -173,7 +173,7 @@ impl Take {
 impl Showing {
     fn goes_on_in(&self, seen: &Performed<'_>, time: f64) -> bool {
         let is_same = self.source == *seen.source && self.camera.as_deref() == seen.camera;
-        // A frozen frame ends a manual fade: behind it the scene is alone.
+        // A frozen frame ends a manual fade: only one scene is drawn behind the frozen frame.
         let fades =
             self.transition.kind == TransitionKind::Fade && time < self.start + self.transition.seconds;
         is_same && self.start <= time && (seen.directed.is_some() || seen.fades || !fades)
@@ -278,7 +278,7 @@ mod tests {
         recording.note((Some(0), "one"), 2.0, seen(&orb, None), start);
         recording.update(start);
         assert!(recording.files.is_idle(), "not every frame is written");
-        // The frame is still: nothing more is recorded.
+        // The frame does not change, so the file is not written.
         recording.update(start + KEPT_EVERY);
         assert!(!recording.files.is_idle());
         let mut path = None;

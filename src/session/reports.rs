@@ -81,8 +81,8 @@ impl Reports {
         self.announcer.notice()
     }
 
-    /// Reports, once each, why the chosen output is not used, and why there is no sound unless `silence_asked`. A
-    /// changed reason for the silence is not reported again: a sound server that died has no devices either.
+    /// Reports once why the chosen output is not used. Unless `silence_asked`, also reports once why there is no sound;
+    /// a later reason is not reported, because a sound server that has died has no devices either.
     pub(crate) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
         if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.reported_silent) {
             tell(&format!("the song plays without sound: {reason}"));

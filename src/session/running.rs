@@ -56,7 +56,7 @@ impl Run {
         }
     }
 
-    /// Returns `true` for a lost context that a new one may replace: the first loss in [`RENEWED_AGAIN`].
+    /// Returns `true` if a lost context may be replaced: for the first loss within [`RENEWED_AGAIN`].
     pub(super) fn can_go_on_after(&self, error: &SessionError) -> bool {
         let Some(doing) = doing_at_loss(error) else { return false };
         let is_first = self.renewed_at.is_none_or(|at| clock::since(at) > RENEWED_AGAIN);

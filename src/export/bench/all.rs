@@ -11,7 +11,7 @@ use crate::scenes::{SceneSource, shipped_names};
 pub struct AllRequest {
     /// Options for each scene; its `scene` is replaced.
     pub each: BenchRequest,
-    /// Parts of names; scenes with any of them are measured. Empty for all scenes.
+    /// Scenes whose names contain one of these texts are measured; all scenes if the list is empty.
     pub only: Vec<String>,
 }
 
@@ -43,7 +43,7 @@ pub struct SceneEntry {
     pub error: Option<String>,
 }
 
-/// Measures all shipped scenes in turn. A scene that fails becomes an entry with an error. Calls `progress` before each
+/// Measures all shipped scenes. A scene that fails becomes an entry with an error. Calls `progress` before each
 /// scene with its name, its number from 1, and the number of scenes.
 pub fn measure_all(request: &AllRequest, progress: &mut dyn FnMut(&str, usize, usize)) -> AllReport {
     let is_wanted =

@@ -42,7 +42,7 @@ pub struct BenchReport {
 pub struct EditReport {
     /// Time to the interpreted frame, in ms; `None` if the tape does not fit the driver.
     pub interpreted_ms: Option<f64>,
-    /// True if another interpreter had to be linked for it.
+    /// True if another interpreter had to be linked for that frame.
     pub new_interpreter: bool,
     /// Time to the compiled frame, in ms.
     pub compiled_ms: f64,
@@ -70,7 +70,7 @@ pub struct ModeReport {
     pub frames: usize,
     /// Median time of building the tree of regions, in ms; in interpreted mode also of shortening materials and light.
     pub build_ms: f64,
-    /// The same for the next frames, each of which reuses the previous tree; 0 at the end of the song.
+    /// The same time for the next frames, each of which reuses the previous tree; 0 at the end of the song.
     pub next_build_ms: f64,
     /// Statistics of the tree.
     pub tree: RegionStats,
@@ -80,7 +80,7 @@ pub struct ModeReport {
     pub first_draw_ms: f64,
     /// Time of linking the same program again, when the driver has cached it, in ms.
     pub shader_again_ms: f64,
-    /// Time of that program's first frame, in ms.
+    /// Time of the first frame after linking again, in ms.
     pub first_draw_again_ms: f64,
     /// Wall time of a frame, median, in ms.
     pub wall_p50_ms: f64,

@@ -1,4 +1,4 @@
-//! Encodes a video with ffmpeg: builds its command line and feeds it frames. The process: [`super::encoder_process`].
+//! Encodes a video with ffmpeg: builds its command line and feeds it frames. [`super::encoder_process`] runs ffmpeg.
 
 use std::ffi::OsStr;
 use std::io::Cursor;
@@ -17,15 +17,15 @@ use mariana_player::decode::{Cover, CoverKind, Decoder};
 use mariana_player::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, file_address};
 use mariana_player::song::Song;
 
-/// Extensions of formats with several files, which ffmpeg names after the temporary file.
+/// Extensions of formats that consist of several files. ffmpeg would name these files after the temporary file.
 const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
 
-/// Largest side of a cover, in pixels: one megabyte can hold 100 megapixels, which take many seconds to decode.
+/// Largest side of a cover, in pixels. A cover of 1 MB can have 100 megapixels, which take many seconds to decode.
 const COVER_SIDE_MAX: u32 = 4096;
 
 pub(super) struct Encoder {
     process: EncoderProcess,
-    /// Taken when the finished video replaces the output.
+    /// `None` once the finished video has replaced the output.
     output: Option<AtomicFile>,
     path: PathBuf,
     _inputs: Vec<Unfinished>,
@@ -67,7 +67,7 @@ impl Encoder {
         }
         let mut tail = self.process.complaint();
         if let Some(output) = &self.output {
-            // The message contains the name of the temporary output.
+            // Remove the name of the temporary output from the message.
             let url = file_address(output.temporary());
             tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
         }

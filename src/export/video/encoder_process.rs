@@ -1,4 +1,4 @@
-//! The encoder's process: fed through a pipe, and killed when it makes no progress for too long.
+//! The encoder's process. It reads frames from a pipe, and is killed when it makes no progress for too long.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -11,42 +11,42 @@ use std::time::{Duration, Instant, SystemTime};
 
 use crate::ending::{self, Undo};
 
-/// Bytes of the end of its messages that are read.
+/// Number of bytes that are read from the end of the process's messages.
 const COMPLAINT_BYTES: u64 = 4096;
-/// Period of checks for its end.
+/// Interval of the checks for the end of the process.
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
-/// Longest period of checks for its progress.
+/// Longest interval of the checks for the progress of the process.
 const WATCH_PERIOD: Duration = Duration::from_secs(1);
 /// Longest wait for the end of a killed process, which may be stuck in a system call.
 const KILL_LIMIT: Duration = Duration::from_secs(2);
 /// Bytes written to the pipe at once. Each piece counts as progress.
 const PIECE_BYTES: usize = 1 << 16;
 
-/// A running encoder. It ends when this process ends, or when it is dropped.
+/// A running encoder. The encoder is killed when Mariana ends, or when this value is dropped.
 pub(super) struct EncoderProcess {
     child: Arc<Mutex<Child>>,
     /// `None` once the process has all its input.
     input: Option<ChildStdin>,
-    /// Its messages. A file, because a full pipe would block the process.
+    /// The process writes its messages into this file. A pipe could become full and block the process.
     reported_problems: File,
     wait: Arc<Mutex<Wait>>,
-    /// Dropping it stops the watching thread.
+    /// Dropping this sender stops the watching thread.
     _watch: SyncSender<()>,
     _end: Undo,
 }
 
 #[derive(Default)]
 struct Wait {
-    /// Start of the wait, or the last progress since then; `None` outside of waits.
+    /// Time of the last progress, at first the start of the wait; `None` outside of waits.
     since: Option<Instant>,
     has_stalled: bool,
 }
 
 impl EncoderProcess {
-    /// Starts a process that writes `output`; kills it if, while waited for, it is idle for `patience`.
+    /// Starts a process that writes `output`. During a wait, the process is killed after `patience` without progress.
     ///
     /// # Errors
-    /// The system's error for the program, the file for its messages (`reported_problems`) or the watching thread.
+    /// Fails if the system cannot start the program or the watching thread, or cannot share the file for messages.
     pub(super) fn start(
         mut command: Command,
         output: &Path,
@@ -55,7 +55,7 @@ impl EncoderProcess {
     ) -> io::Result<Self> {
         let heard = reported_problems.try_clone()?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
-        // In its own group, Ctrl-C reaches only this process, which then ends the encoder. Otherwise both end at once.
+        // The encoder gets its own process group, so that Ctrl-C reaches only Mariana, which then ends the encoder.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let (child, end) = ending::begin(|| {
@@ -94,7 +94,7 @@ impl EncoderProcess {
     /// Writes input.
     ///
     /// # Errors
-    /// The process has ended.
+    /// Fails if the process has ended.
     pub(super) fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         let Some(input) = &mut self.input else { return Ok(()) };
         lock(&self.wait).since = Some(Instant::now());
@@ -107,10 +107,10 @@ impl EncoderProcess {
         written
     }
 
-    /// Closes its input and waits for its end. The mutex is free meanwhile, so that a signal handler can kill it.
+    /// Closes the input and waits until the process ends. A signal handler can kill it meanwhile: the mutex is free.
     ///
     /// # Errors
-    /// The system's error, or the process made no progress and was ended.
+    /// Fails if the system reports an error, or if the process made no progress and was killed.
     pub(super) fn wait(&mut self) -> io::Result<ExitStatus> {
         self.input = None;
         lock(&self.wait).since = Some(Instant::now());
@@ -144,13 +144,14 @@ impl EncoderProcess {
 
 impl Drop for EncoderProcess {
     fn drop(&mut self) {
-        // After an error its output is useless.
+        // The output is useless after an error.
         end_child(&mut lock(&self.child));
     }
 }
 
 impl Wait {
-    /// True if the wait has lasted for `patience` at `now`. `writes` is true if output was written since the last call.
+    /// True if there was no progress for `patience` at `now`. `writes` is true if output was written since the last
+    /// call.
     fn is_too_long(&mut self, now: Instant, writes: bool, patience: Duration) -> bool {
         let Some(since) = &mut self.since else { return false };
         if writes {
@@ -230,7 +231,7 @@ mod tests {
         assert!(!wait.is_too_long(after(9), true, patience));
         assert!(!wait.is_too_long(after(18), false, patience));
         assert!(wait.is_too_long(after(19), false, patience));
-        // Drawing a frame may be slow, but is no wait.
+        // Slow drawing of a frame does not count as a wait.
         wait.since = None;
         assert!(!wait.is_too_long(after(1000), false, patience));
     }

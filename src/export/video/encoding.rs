@@ -38,8 +38,8 @@ pub enum EncodingQuality {
 const TRANSPARENT_PICTURES: &str =
     "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=black@0,scale=out_color_matrix=bt709:out_range=tv";
 const PICTURES: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
-/// The colours in the video's header. Without it, players assume BT.709 for large and BT.601 for small videos. ffmpeg
-/// converts RGB to BT.601 by default.
+/// The colours that the video's header names. Without this entry, players assume BT.709 for large and BT.601 for small
+/// videos. ffmpeg converts RGB to BT.601 by default.
 const COLORS: [[&str; 2]; 4] = [
     ["-colorspace:v:0", "bt709"],
     ["-color_primaries:v:0", "bt709"],
@@ -62,7 +62,7 @@ enum Animation {
     WebP,
 }
 
-/// Frame times of GIFs are multiples of 1/100 s, and browsers show each frame for at least two of them.
+/// Frame times of GIFs are multiples of 1/100 s, and browsers show each frame for at least 2/100 s.
 const GIF_FPS_MAX: f64 = 50.0;
 
 /// A palette for each frame. For a common palette, ffmpeg would hold all frames in memory.
@@ -180,7 +180,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
             Some(Codec::Av1) => {
                 say(&["-c:v:0", "libaom-av1", "-b:v:0", "0", "-row-mt", "1", "-cpu-used", "6"])
             }
-            // ffmpeg chooses by the file's extension.
+            // ffmpeg chooses the codec by the file's extension.
             None => {}
         }
         say(&[
@@ -206,7 +206,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     arguments
 }
 
-/// The constant rate factor: higher for fewer bytes. The values of one row have about the same quality.
+/// The constant rate factor. A higher factor gives fewer bytes. The factors of one row give about the same quality.
 fn rate_factor(codec: Option<Codec>, quality: EncodingQuality) -> &'static str {
     let of = |[h264, h265, vp9, av1]: [&'static str; 4]| match codec {
         None | Some(Codec::H264) => h264,

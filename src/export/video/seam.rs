@@ -1,7 +1,7 @@
-//! The seam of a loop: the frames after its end fade into its first frames.
+//! The seam of a loop: the frames after the loop's end fade into the loop's first frames.
 //!
-//! A loop of n frames with a seam of m draws n + m frames of the song. The first m are stored; at the end, the last m
-//! fade into them. The loop therefore begins with frame m and ends at frame m - 1.
+//! A loop of n frames with a seam of m frames draws n + m frames of the song. The first m frames are stored; at the
+//! end, the last m frames fade into the stored frames. The loop therefore begins with frame m and ends at frame m - 1.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -17,7 +17,7 @@ pub(super) struct Seam {
 }
 
 impl Seam {
-    /// A loop of `loop_frames` frames. The seam is at most half of it.
+    /// The seam of a loop of `loop_frames` frames. It has at most half of these frames.
     pub(super) fn new(loop_frames: u64, seam_frames: u64) -> Result<Self, ExportError> {
         let aside = tempfile::tempfile().map_err(no_room)?;
         Ok(Self { aside, loop_frames, seam_frames: seam_frames.min(loop_frames / 2), drawn: 0 })
@@ -27,7 +27,7 @@ impl Seam {
         self.loop_frames + self.seam_frames
     }
 
-    /// Takes the next frame of the song. Returns one of the loop, or `None` while the first frames are stored.
+    /// Takes the next frame of the song. Returns a frame of the loop, or `None` while the first frames are stored.
     pub(super) fn pass(&mut self, mut picture: Vec<u8>) -> Result<Option<Vec<u8>>, ExportError> {
         let index = self.drawn;
         self.drawn += 1;

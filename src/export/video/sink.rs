@@ -69,7 +69,7 @@ impl Sink {
     }
 }
 
-/// Frames that may wait for the thread, in addition to the one being drawn and the one being written.
+/// Maximum number of frames that wait for the thread. Another frame is being drawn, and another is being written.
 const WAITING_MAX: usize = 1;
 
 /// A [`Sink`] on its thread. If it is dropped before it is finished, the output is not replaced.
@@ -87,7 +87,7 @@ impl FrameWriter {
         Ok(Self { frames, thread })
     }
 
-    /// Passes on a frame. Returns false if the output was closed or failed; [`FrameWriter::finish`] returns the error.
+    /// Passes a frame to the thread. Returns false if writing has ended; [`FrameWriter::finish`] returns the error.
     pub(super) fn take(&self, rgba: Vec<u8>) -> bool {
         self.frames.send(rgba).is_ok()
     }

@@ -4,7 +4,7 @@ use crate::export::error::ExportError;
 use crate::view::caption::Caption;
 use mariana_player::song::{Song, display_name, one_line};
 
-/// Duration in seconds, and the part of it for fading in and out.
+/// Duration of the title card, and of fading it in and out, in seconds.
 const SEEN: f64 = 5.0;
 const FADE: f64 = 0.6;
 

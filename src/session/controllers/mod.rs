@@ -30,7 +30,7 @@ use mariana_music::{Features, SongMoment};
 const INTERVAL: Duration = Duration::from_millis(4);
 /// The longest time between two updates of the published state, while the session is awake.
 const BOARD_AGE: Duration = Duration::from_millis(40);
-/// The same for the controllers panel.
+/// The longest time between two updates of the controllers panel.
 const PANEL_AGE: Duration = Duration::from_millis(100);
 
 pub(crate) struct Controllers {
@@ -157,7 +157,7 @@ impl Controllers {
         self.midi.edit(edit);
     }
 
-    /// The reason why MIDI is not available, if so, as the end of a message.
+    /// The reason why MIDI is not available, as the end of a message; `None` if MIDI is available.
     pub(crate) fn midi_trouble(&self) -> Option<String> {
         match self.midi.state() {
             None => Some("it is off (--midi off)".to_owned()),
@@ -197,7 +197,7 @@ impl Controllers {
         self.unseen.is_some()
     }
 
-    /// Notes that input since `since` has changed the scene, which shows it from this revision on.
+    /// Notes that input, which arrived at `since`, has changed the scene. The scene shows the input from `revision` on.
     pub(crate) fn note_turned(&mut self, since: Option<Instant>, revision: u64) {
         self.unseen = self.unseen.or(since.map(|since| (since, revision)));
     }

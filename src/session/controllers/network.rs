@@ -16,7 +16,7 @@ pub(super) struct Network {
     sender: Option<OscSender>,
     interval: Duration,
     sample_due: Instant,
-    /// The reported state of the receiver; `true` once a problem of the sender was reported.
+    /// The last reported state of the receiver, and `true` once a problem of the sender was reported.
     reported: (ReceiverState, bool),
     trouble: Option<String>,
 }
