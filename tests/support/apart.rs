@@ -1,7 +1,7 @@
 //! Runs each session test in a separate process.
 //!
 //! In Mesa 22.3, llvmpipe reads all contexts of a display while other threads change them, so two sessions in one
-//! process can crash. A separate process also allows environment variables, and a log, for each test.
+//! process can crash. In a separate process, each test can also have separate environment variables and a separate log.
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -10,10 +10,10 @@ use std::process::{Command, ExitStatus, Stdio};
 #[cfg(unix)]
 use mariana_testing::process::{private_folder, session_environment};
 
-/// The variable that holds the test's name in the process of a test.
+/// This variable contains the test's name in the separate process of a test.
 const TEST: &str = "MARIANA_TEST_APART";
 
-/// Runs the calling test in a separate process with environment variables: `apart!("NAME" = "value");`. Must be the
+/// Runs the calling test in a separate process, with environment variables: `apart!("NAME" = "value");`. Must be the
 /// first statement of the test.
 macro_rules! apart {
     ($($name:literal = $value:expr),*) => {
@@ -25,8 +25,8 @@ macro_rules! apart {
 }
 pub(crate) use apart;
 
-/// Like [`apart!`], but in a separate user session with the home folder [`home`]. No sound server runs there unless the
-/// test starts one.
+/// Like [`apart!`], but in a separate user session with the home folder [`home`]. That session has no sound server
+/// unless the test starts one.
 #[cfg(unix)]
 macro_rules! apart_at_home {
     () => {
@@ -39,7 +39,7 @@ macro_rules! apart_at_home {
 #[cfg(unix)]
 pub(crate) use apart_at_home;
 
-/// Runs the test of [`apart_at_home`] in a separate process; returns false in that process itself.
+/// Like [`runs_elsewhere`], for [`apart_at_home`].
 #[cfg(unix)]
 pub(crate) fn runs_at_another_home(path: &str) -> bool {
     if is_apart() {
@@ -48,7 +48,7 @@ pub(crate) fn runs_at_another_home(path: &str) -> bool {
     let folder = private_folder();
     let session = session_environment(folder.path());
     let variables: Vec<(&str, &str)> = session.iter().map(|(name, value)| (*name, value.as_str())).collect();
-    // Drivers keep compiled shaders below the user's home; a shared cache saves compiling them for each test.
+    // Drivers store compiled shaders in the user's home. A shared folder saves each test from compiling all shaders.
     let kept = [("MESA_SHADER_CACHE_DIR", env!("CARGO_TARGET_TMPDIR"))];
     runs_elsewhere(path, &[&variables[..], &kept].concat())
 }
@@ -58,11 +58,8 @@ pub(crate) fn home() -> PathBuf {
     std::env::var_os("HOME").unwrap().into()
 }
 
-/// Runs the test that contains the function `path` in a separate process. Returns true if it did, and false in that
-/// process itself.
-///
-/// # Panics
-/// If the test fails.
+/// Runs the test that contains the function `path` in a separate process. Returns false in that process, and true in
+/// the calling process. Panics if the test fails.
 pub(crate) fn runs_elsewhere(path: &str, variables: &[(&str, &str)]) -> bool {
     if is_apart() {
         return false;
@@ -79,7 +76,7 @@ pub(crate) fn runs_elsewhere(path: &str, variables: &[(&str, &str)]) -> bool {
     true
 }
 
-/// Runs the test of this process once more, in another process with additional variables.
+/// Runs the test of this process once more, in a second process with additional variables.
 pub(crate) fn run_again(variables: &[(&str, &OsStr)]) -> ExitStatus {
     let mut again = process_of(&std::env::var(TEST).unwrap());
     again.envs(variables.iter().copied()).stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap()
@@ -91,7 +88,6 @@ fn process_of(test: &str) -> Command {
     process
 }
 
-/// True if this is the process of a single test.
 pub(crate) fn is_apart() -> bool {
     std::env::var_os(TEST).is_some()
 }

@@ -1,7 +1,7 @@
-//! A simulated phone: a page of a phone's size in a headless browser, controlled through the DevTools protocol.
+//! A simulated phone: a page of a phone's size in a headless browser, controlled by the DevTools protocol.
 //!
-//! Each page has a separate browser, because browsers pause `requestAnimationFrame` in background pages, and of several
-//! pages in one browser all but the newest are in the background.
+//! Each page has a separate browser. If a browser has several pages, only the newest is in the foreground, and browsers
+//! pause `requestAnimationFrame` in background pages.
 
 use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
@@ -14,22 +14,20 @@ use tungstenite::{Message, WebSocket};
 
 use mariana_testing::process::{LOOK_PERIOD, Process, WAIT_LIMIT, private_folder, session_environment};
 
-/// The names under which distributions package headless Chromium.
+/// Distributions package headless Chromium under these names.
 const PROGRAMS: [&str; 4] = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"];
 /// Width and height of a phone's window, in CSS pixels.
 pub(crate) const PHONE: (u32, u32) = (390, 844);
 
-/// A headless browser. Dropping it ends the process.
+/// Dropping the browser ends its process.
 struct Browser {
     _process: Process,
-    /// Host and port of the DevTools server.
     address: String,
     whole: String,
     _folder: TempDir,
 }
 
 impl Browser {
-    /// Starts the browser with a new profile.
     fn start() -> Self {
         let folder = private_folder();
         let path = std::env::var_os("PATH").unwrap_or_default();
@@ -39,7 +37,7 @@ impl Browser {
         let mut command = Command::new(program);
         command.envs(session_environment(folder.path())).args([
             "--headless",
-            // Chromium has no sandbox for root. It only opens the program's pages.
+            // Chromium has no sandbox for root. The browser opens only pages of the program under test.
             "--no-sandbox",
             "--disable-gpu",
             "--disable-dev-shm-usage",
@@ -72,11 +70,10 @@ impl Browser {
     }
 }
 
-/// The page on a phone.
 pub(crate) struct Page {
     socket: WebSocket<TcpStream>,
     number: u64,
-    /// The last field, so that the connection closes before the browser ends.
+    /// The last field, because the connection must close before the browser ends.
     browser: Browser,
 }
 
@@ -94,7 +91,6 @@ impl Page {
         page
     }
 
-    /// Navigates to another address.
     pub(crate) fn go_to(&mut self, url: &str) {
         self.ask("Page.navigate", json!({ "url": url }));
     }
@@ -105,7 +101,6 @@ impl Page {
         self.ask("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// Evaluates a JavaScript expression.
     pub(crate) fn value(&mut self, expression: &str) -> Value {
         let asked = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
         let answer = self.ask("Runtime.evaluate", asked);
@@ -113,13 +108,12 @@ impl Page {
         answer["result"]["value"].clone()
     }
 
-    /// The text of the first element that matches a selector; empty if there is no such element.
+    /// The text of the first element that matches a selector; empty if no element matches.
     pub(crate) fn text(&mut self, selector: &str) -> String {
         let text = self.value(&format!("document.querySelector({})?.textContent", json!(selector)));
         text.as_str().unwrap_or_default().to_owned()
     }
 
-    /// Waits until an expression is true.
     pub(crate) fn wait_until(&mut self, what: &str, expression: &str) {
         let start = Instant::now();
         while self.value(expression) != json!(true) {
@@ -131,14 +125,13 @@ impl Page {
         }
     }
 
-    /// Waits until the text of an element equals `wanted`.
     pub(crate) fn wait_for_text(&mut self, selector: &str, wanted: &str) {
         let (selector, text) = (json!(selector), json!(wanted));
         self.wait_until(wanted, &format!("document.querySelector({selector})?.textContent === {text}"));
     }
 
-    /// Touches an element at the fraction `from` of its width, moves to the fraction `to`, and lifts the finger. The
-    /// finger moves along the element's middle line.
+    /// Touches an element at the fraction `from` of its width, moves the finger to the fraction `to` along the
+    /// element's middle line, and lifts the finger.
     pub(crate) fn drag(&mut self, selector: &str, from: f64, to: f64) {
         let (place, width) = self.bring_into_view(selector);
         let at = |fraction: f64| (place.0 + fraction * width, place.1);
@@ -149,7 +142,8 @@ impl Page {
         self.touch("touchEnd", None);
     }
 
-    /// Touches the middle of an element, moves down by `far` CSS pixels (up if negative), and lifts the finger.
+    /// Touches the middle of an element, moves the finger down by `far` CSS pixels (up if negative), and lifts the
+    /// finger.
     pub(crate) fn push(&mut self, selector: &str, far: f64) {
         let (place, width) = self.bring_into_view(selector);
         let at = |fraction: f64| (place.0 + 0.5 * width, place.1 + fraction * far);
@@ -159,14 +153,12 @@ impl Page {
         self.touch("touchEnd", None);
     }
 
-    /// Taps the middle of an element.
     pub(crate) fn tap(&mut self, selector: &str) {
         let (place, width) = self.bring_into_view(selector);
         self.touch("touchStart", Some((place.0 + 0.5 * width, place.1)));
         self.touch("touchEnd", None);
     }
 
-    /// A screenshot of the page, as a PNG.
     pub(crate) fn picture(&mut self) -> Vec<u8> {
         let answer = self.ask("Page.captureScreenshot", json!({ "format": "png" }));
         let letters = answer["data"].as_str().unwrap().bytes().filter(|byte| *byte != b'=');
@@ -188,8 +180,8 @@ impl Page {
         bytes
     }
 
-    /// Scrolls an element into view and waits until the scrolling ends. Returns the middle of its left edge, and its
-    /// width.
+    /// Scrolls an element into view and waits until scrolling ends. Returns the middle of the element's left edge, and
+    /// the element's width.
     fn bring_into_view(&mut self, selector: &str) -> ((f64, f64), f64) {
         let name = json!(selector);
         let place = self.value(&format!(
@@ -209,7 +201,6 @@ impl Page {
         self.ask("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
     }
 
-    /// Calls a DevTools method and returns its result.
     fn ask(&mut self, method: &str, params: Value) -> Value {
         self.number += 1;
         let message = json!({ "id": self.number, "method": method, "params": params });

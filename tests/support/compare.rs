@@ -1,27 +1,26 @@
-//! The comparison of images: one measure, two tolerances.
+//! Comparison of images, with one measure and two tolerances.
 
 use std::path::{Path, PathBuf};
 
 use image::{Rgba, RgbaImage};
 
-/// The largest accepted difference of two images. Colours are measured in steps of 0..255; alpha is ignored.
+/// The maximum difference of two images. Colours are measured in steps of 0..255. Alpha is ignored.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tolerance {
-    /// Largest mean difference over all colour channels, in steps.
+    /// Maximum mean difference over all colour channels, in steps.
     pub mean_max: f64,
-    /// A pixel differs visibly if one of its channels differs by more than this, in steps.
+    /// A pixel differs visibly if a channel differs by more than this number of steps.
     pub visible: u8,
-    /// Largest fraction of pixels that may differ visibly, 0..1.
+    /// Maximum fraction of pixels that differ visibly, 0..1.
     pub fraction_max: f64,
 }
 
-/// For images from one machine that should be equal but were computed in another way.
+/// For images from one machine that should be equal although they are computed in different ways.
 pub(crate) const TIGHT: Tolerance = Tolerance { mean_max: 0.5, visible: 8, fraction_max: 0.001 };
 
-/// For images from different drivers: rounding moves edges and penumbras, and texture filters differ.
+/// For images from different drivers. Rounding moves edges and penumbras, and texture filters differ.
 pub(crate) const LOOSE: Tolerance = Tolerance { mean_max: 1.0, visible: 16, fraction_max: 0.005 };
 
-/// The measured difference of two images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Difference {
     /// Mean over all colour channels, in steps of 0..255.
@@ -37,7 +36,6 @@ pub(crate) fn pixel_difference(a: &Rgba<u8>, b: &Rgba<u8>) -> u8 {
     (0..3).map(|channel| a.0[channel].abs_diff(b.0[channel])).max().unwrap_or(0)
 }
 
-/// Measures the difference of two images of equal size; for `visible` see [`Tolerance::visible`].
 pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage, visible: u8) -> Difference {
     assert_eq!(a.dimensions(), b.dimensions(), "the images have different sizes");
     let (mut sum, mut seen, mut largest) = (0_u64, 0_u64, 0);
@@ -59,7 +57,7 @@ pub(crate) fn assert_alike(name: &str, actual: &RgbaImage, expected: &RgbaImage,
 }
 
 /// Compares `actual` with `tests/golden/NAME.png` within [`LOOSE`]. With MARIANA_BLESS=1 in the environment, replaces
-/// that file by `actual`.
+/// the golden file by `actual`.
 pub(crate) fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(format!("{name}.png"));
     if std::env::var_os("MARIANA_BLESS").is_some_and(|value| value == "1") {
@@ -74,7 +72,7 @@ pub(crate) fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String>
     compare(name, actual, &golden, LOOSE).map_err(|reason| format!("{reason}; {advice}"))
 }
 
-/// Compares two images. On an error it saves them for inspection.
+/// Compares two images. If they differ too much, saves them for inspection.
 pub(crate) fn compare(
     name: &str,
     actual: &RgbaImage,
@@ -102,7 +100,7 @@ pub(crate) fn compare(
     Err(reason)
 }
 
-/// The channels' differences, multiplied by eight to make them visible.
+/// The channels' differences, multiplied by eight so that they are visible.
 fn difference_picture(a: &RgbaImage, b: &RgbaImage) -> RgbaImage {
     RgbaImage::from_fn(a.width(), a.height(), |x, y| {
         let (a, b) = (a.get_pixel(x, y).0, b.get_pixel(x, y).0);

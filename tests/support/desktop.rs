@@ -1,4 +1,4 @@
-//! A private desktop (an X server without a screen, and a window manager) and the program in a window on it.
+//! A private desktop (an X server without a screen, and a window manager), and the program in a window on this desktop.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -19,20 +19,19 @@ use mariana_testing::process::{
     LOOK_PERIOD, Process, WAIT_LIMIT, output_of, private_folder, session_environment, wait_until,
 };
 
-/// The path of the program under test.
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_mariana");
 
-/// Width and height of the screen, in pixels. It is small because it is drawn without a graphics card.
+/// Width and height of the screen, in pixels. The screen is small, because it is drawn without a graphics card.
 pub(crate) const SCREEN: (u32, u32) = (800, 600);
 
-/// Options of most tests. They turn off preparing other scenes ahead, which would take processor time from tests that
-/// run in parallel. They also hide the overlay and ignore the state that an earlier run saved.
+/// Options of most tests. They turn off preparing scenes ahead, because tests run in parallel and share the processors.
+/// They also hide the overlay and ignore the state that an earlier run saved.
 const ALONE: [&str; 4] = ["--prepare-ahead", "off", "--clean", "--new"];
 
-/// The unit of processor times in `/proc`, in ticks per second.
+/// The unit of processor times in `/proc`.
 const TICKS_PER_SECOND: f64 = 100.0;
 
-/// Limits the number of desktops at a time: the programs on them share the processors.
+/// Limits the number of simultaneous desktops, because the programs on them share the processors.
 static PLACES: Places = Places { free: Mutex::new(2), freed: Condvar::new() };
 
 struct Places {
@@ -40,11 +39,10 @@ struct Places {
     freed: Condvar,
 }
 
-/// A permit to run a desktop, returned when dropped.
+/// A permit to run a desktop. Dropping it lets the next desktop start.
 pub(crate) struct Place;
 
 impl Place {
-    /// Waits for a permit.
     pub(crate) fn wait_for() -> Self {
         let free = PLACES.free.lock().unwrap_or_else(PoisonError::into_inner);
         let mut free =
@@ -61,7 +59,7 @@ impl Drop for Place {
     }
 }
 
-/// An X server with a window manager, and a folder for the session. All end when dropped.
+/// An X server with a window manager, and a folder for the session. Dropping it ends both and deletes the folder.
 pub(crate) struct Desktop {
     // Field order matters: the window manager ends before its server.
     _manager: Process,
@@ -72,7 +70,6 @@ pub(crate) struct Desktop {
 }
 
 impl Desktop {
-    /// Starts the desktop on a free display.
     pub(crate) fn start() -> Self {
         let place = Place::wait_for();
         let folder = private_folder();
@@ -89,22 +86,20 @@ impl Desktop {
         desktop
     }
 
-    /// The session's folder; songs may be written to it.
     pub(crate) fn folder(&self) -> &Path {
         self.folder.path()
     }
 
-    /// A command that runs on this desktop.
     pub(crate) fn command(&self, name: &str) -> Command {
         command_in(name, self.folder(), Some(&self.display))
     }
 
-    /// Opens the program with `song` and waits for its window. The window shows no overlay unless `options` ask for it.
+    /// Opens the program with `song` and waits for its window. The window shows no overlay unless `options` turn it on.
     pub(crate) fn open(&self, song: &Path, options: &[&str]) -> App<'_> {
         self.open_printing_to(Stdio::piped(), song, options)
     }
 
-    /// Like [`Self::open`], but with the overlay that the program shows by default.
+    /// Like [`Self::open`], with the default overlay.
     pub(crate) fn open_with_words(&self, song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.arg(song).args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -116,14 +111,12 @@ impl Desktop {
         self.listen_printing_to(Stdio::piped(), options)
     }
 
-    /// Like [`Self::listen`], with another standard output.
     pub(crate) fn listen_printing_to(&self, stdout: Stdio, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.args(ALONE).args(options).stdout(stdout).stderr(Stdio::piped());
         self.show(command, Path::new(""))
     }
 
-    /// Like [`Self::open`], with additional environment variables.
     pub(crate) fn open_with(&self, variables: &[(&str, &str)], song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.envs(variables.iter().copied()).arg(song).args(ALONE).args(options);
@@ -131,12 +124,11 @@ impl Desktop {
         self.show(command, song)
     }
 
-    /// Kills the X server, and with it the display.
     pub(crate) fn kill_server(&self) {
         self.signal_server("-KILL");
     }
 
-    /// Stops the X server or resumes it. A stopped server still accepts requests, and answers them when resumed.
+    /// Stops the X server, or resumes it. A stopped server accepts requests and answers them after it is resumed.
     pub(crate) fn halt_server(&self, halt: bool) {
         self.signal_server(if halt { "-STOP" } else { "-CONT" });
     }
@@ -146,7 +138,6 @@ impl Desktop {
         output_of(Command::new("kill").args([signal, &number]), "procps").unwrap();
     }
 
-    /// A screenshot of the whole screen.
     pub(crate) fn screen(&self) -> RgbaImage {
         let (server, root) = self.connect();
         let (width, height) = (SCREEN.0 as u16, SCREEN.1 as u16);
@@ -159,8 +150,8 @@ impl Desktop {
         })
     }
 
-    /// Declares a part of the screen as a monitor, by its left edge and width. Until the first call the whole screen is
-    /// one monitor.
+    /// Declares a part of the screen as a monitor, by its left edge and width. Before the first call, the whole screen
+    /// is a monitor.
     pub(crate) fn plug_monitor(&self, name: &str, left: i16, width: u16) {
         let (server, root) = self.connect();
         let outputs = server.randr_get_screen_resources_current(root).unwrap().reply().unwrap().outputs;
@@ -180,33 +171,31 @@ impl Desktop {
         server.randr_set_monitor(root, info).unwrap().check().unwrap();
     }
 
-    /// Removes a monitor of [`Self::plug_monitor`].
+    /// Removes a monitor that [`Self::plug_monitor`] has declared.
     pub(crate) fn pull_monitor(&self, name: &str) {
         let (server, root) = self.connect();
         let name = server.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom;
         server.randr_delete_monitor(root, name).unwrap().check().unwrap();
     }
 
-    /// A connection to the X server, and its root window.
+    /// A connection to the X server, and the server's root window.
     pub(crate) fn connect(&self) -> (RustConnection, u32) {
         let (server, number) = x11rb::connect(Some(&self.display)).unwrap();
         let root = server.setup().roots[number].root;
         (server, root)
     }
 
-    /// The display's name.
     pub(crate) fn display(&self) -> &str {
         &self.display
     }
 
-    /// Like [`Self::open`], with another standard output.
     pub(crate) fn open_printing_to(&self, stdout: Stdio, song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.arg(song).args(ALONE).args(options).stdout(stdout).stderr(Stdio::piped());
         self.show(command, song)
     }
 
-    /// Runs `command`, which is the program with `song`, and waits until its window is visible and focused.
+    /// Runs `command`, which starts the program with `song`. Waits until its window is visible and focused.
     pub(crate) fn show(&self, command: Command, song: &Path) -> App<'_> {
         let mut app = self.show_without_focus(command, song);
         app.wait("the keyboard focus", |app| {
@@ -216,7 +205,6 @@ impl Desktop {
         app
     }
 
-    /// Like [`Self::show`], without waiting for the keyboard focus.
     pub(crate) fn show_without_focus(&self, mut command: Command, song: &Path) -> App<'_> {
         let mut process = Process::start(&mut command, "mariana");
         let printed = process.child().stdout.take().map(collect).unwrap_or_default();
@@ -236,13 +224,13 @@ impl Desktop {
     }
 }
 
-/// Starts an X server without a window manager on a free display. Returns its process and the display's name.
+/// Starts an X server without a window manager on a free display. Also returns the display's name.
 pub(crate) fn start_x_server() -> (Process, String) {
     let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
     let mut server = Process::start(
         Command::new("Xvfb")
-            // Without -noreset the server resets when its first client disconnects. If that is wmctrl, the reset ends
-            // the window manager.
+            // Without -noreset, the server resets when its first client disconnects. If that client is wmctrl, the
+            // reset ends the window manager.
             .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp", "-screen", "0", &screen])
             .stdout(Stdio::piped())
             .stderr(Stdio::null()),
@@ -254,7 +242,7 @@ pub(crate) fn start_x_server() -> (Process, String) {
     (server, display)
 }
 
-/// A command that runs in the session in `folder`, with or without a display.
+/// A command with the environment of the session in `folder`, with or without a display.
 pub(crate) fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Command {
     let mut command = Command::new(name);
     command.stdin(Stdio::null()).envs(session_environment(folder));
@@ -276,10 +264,9 @@ pub(crate) fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Co
     command
 }
 
-/// Width and height of an image or a window, in pixels.
 pub(crate) type Size = (u32, u32);
 
-/// The program in a window on a [`Desktop`]. It ends when dropped.
+/// The program in a window on a [`Desktop`]. Dropping it ends the program.
 pub(crate) struct App<'d> {
     desktop: &'d Desktop,
     process: Process,
@@ -290,19 +277,17 @@ pub(crate) struct App<'d> {
 }
 
 impl App<'_> {
-    /// Presses keys, one after the other, by their X11 names.
+    /// Presses keys one after the other, by their X11 names.
     pub(crate) fn press(&self, keys: &[&str]) {
         self.xdotool(&[&["key"], keys].concat());
     }
 
-    /// Runs xdotool and returns its output.
     pub(crate) fn xdotool(&self, arguments: &[&str]) -> String {
         let printed = output_of(self.desktop.command("xdotool").args(arguments), "xdotool");
         String::from_utf8_lossy(&printed.unwrap_or_else(|error| panic!("{error}; {}", self.reported())))
             .into_owned()
     }
 
-    /// The window's X11 id, as text.
     pub(crate) fn window(&self) -> &str {
         &self.window
     }
@@ -315,7 +300,6 @@ impl App<'_> {
         self.xdotool(&["getwindowname", &self.window]).trim().to_owned()
     }
 
-    /// Waits until `wanted` accepts the title.
     pub(crate) fn wait_for_title(&mut self, what: &str, wanted: impl Fn(&str) -> bool) {
         let start = Instant::now();
         self.wait(&format!("a title with {what}"), |app| {
@@ -329,7 +313,6 @@ impl App<'_> {
         });
     }
 
-    /// Size of the window without its frame.
     pub(crate) fn size(&self) -> Size {
         let text = self.xdotool(&["getwindowgeometry", "--shell", &self.window]);
         let number = |name: &str| {
@@ -339,12 +322,10 @@ impl App<'_> {
         (number("WIDTH"), number("HEIGHT"))
     }
 
-    /// Waits until the window has the size.
     pub(crate) fn wait_for_size(&mut self, size: Size) {
         self.wait(&format!("a window of {size:?}"), |app| (app.size() == size).then_some(()));
     }
 
-    /// Waits for a screenshot of the window.
     pub(crate) fn picture(&self) -> RgbaImage {
         let mut picture = None;
         wait_until("a screenshot of the window", || {
@@ -357,7 +338,7 @@ impl App<'_> {
     fn try_picture(&self) -> Result<RgbaImage, String> {
         let mut command = self.desktop.command("xwd");
         let dump = output_of(command.args(["-silent", "-id", &self.window]), "x11-apps")?;
-        // While a window opens or closes, the server returns only a part of it.
+        // While a window opens or closes, the server returns only a part of the window.
         let picture = decode_window_dump(&dump)?;
         if picture.dimensions() == self.size() {
             Ok(picture)
@@ -366,7 +347,6 @@ impl App<'_> {
         }
     }
 
-    /// The output of `mariana still` for a moment of the song.
     pub(crate) fn still(&self, at: f64, size: Size) -> RgbaImage {
         let path = self.desktop.folder().join("still.png");
         let mut command = command_in(PROGRAM, self.desktop.folder(), None);
@@ -376,12 +356,12 @@ impl App<'_> {
         image::open(&path).unwrap().to_rgba8()
     }
 
-    /// Waits until the window shows the same image as `mariana still` for that moment at the window's size.
+    /// Waits until the window's image equals the image of `mariana still` for this time, at the window's size.
     pub(crate) fn wait_for_moment(&mut self, at: f64) -> RgbaImage {
         let size = self.size();
         let wanted = self.still(at, size);
         let start = Instant::now();
-        // The image may differ for a while, during a resize or a redraw.
+        // The image may differ for a while during a resize or a redraw.
         let alike = |seen: &RgbaImage| {
             let found = difference(seen, &wanted, TIGHT.visible);
             found.mean <= TIGHT.mean_max && found.fraction <= TIGHT.fraction_max
@@ -404,40 +384,35 @@ impl App<'_> {
         load_of(self.process.id(), || std::thread::sleep(time))
     }
 
-    /// Resident memory of the program, in MiB.
+    /// The resident memory of the program.
     pub(crate) fn memory_mib(&self) -> f64 {
         let text = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
         let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
         line.trim().trim_end_matches(" kB").trim().parse::<f64>().unwrap() / 1024.0
     }
 
-    /// The program's standard output so far.
     pub(crate) fn printed(&self) -> String {
         lock(&self.printed).clone()
     }
 
-    /// The program's standard error so far.
     pub(crate) fn reported(&self) -> String {
         lock(&self.reported).clone()
     }
 
-    /// Waits until standard error contains `what`.
     pub(crate) fn wait_until_reported(&mut self, what: &str) {
         self.wait(&format!("'{what}'"), |app| app.reported().contains(what).then_some(()));
     }
 
-    /// Waits until standard error contains `what` at least `times` times.
     pub(crate) fn wait_until_reported_times(&mut self, what: &str, times: usize) {
         let reported = |app: &mut Self| (app.reported().matches(what).count() >= times).then_some(());
         self.wait(&format!("'{what}', {times} times"), reported);
     }
 
-    /// True if the program is still running.
     pub(crate) fn runs(&mut self) -> bool {
         self.process.ended().is_none()
     }
 
-    /// Waits for the program to end, and fails after `limit`.
+    /// Waits for the program to end. Fails after `limit`.
     pub(crate) fn wait_for_end(mut self, limit: Duration) -> (ExitStatus, String) {
         let start = Instant::now();
         loop {
@@ -449,7 +424,7 @@ impl App<'_> {
         }
     }
 
-    /// Polls `look` until it returns a value. Fails on a timeout or when the program ends.
+    /// Polls `look` until it returns a value. Fails on a timeout, or if the program ends.
     fn wait<T>(&mut self, what: &str, mut look: impl FnMut(&mut Self) -> Option<T>) -> T {
         let start = Instant::now();
         loop {
@@ -476,17 +451,15 @@ pub(crate) fn load_of(process: u32, act: impl FnOnce()) -> f64 {
     (processor_seconds(process) - worked) / since.elapsed().as_secs_f64()
 }
 
-/// Processor time that a process has used, in seconds.
 fn processor_seconds(process: u32) -> f64 {
     let text = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap();
-    // The name in brackets may contain any character. User and system time are the 14th and 15th field.
+    // The name in brackets may contain any character. User and system time are the 14th and the 15th field.
     let (_, fields) = text.rsplit_once(')').unwrap();
     let ticks: f64 =
         fields.split_whitespace().skip(11).take(2).map(|field| field.parse::<f64>().unwrap()).sum();
     ticks / TICKS_PER_SECOND
 }
 
-/// The output of a program so far.
 pub(crate) type Text = Arc<Mutex<String>>;
 
 /// Reads a stream to its end on a separate thread.
@@ -506,7 +479,7 @@ pub(crate) fn lock(text: &Mutex<String>) -> MutexGuard<'_, String> {
     text.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Reads the format of xwd (X11/XWDFile.h): big-endian numbers, colour cells, then rows of pixels.
+/// Decodes an image of xwd (X11/XWDFile.h): big-endian numbers, colour cells, then rows of pixels.
 fn decode_window_dump(bytes: &[u8]) -> Result<RgbaImage, String> {
     let field = |index: usize| {
         let bytes = bytes.get(4 * index..)?.first_chunk::<4>()?;

@@ -1,8 +1,8 @@
-//! OpenGL contexts in the test process, used by one thread at a time.
+//! OpenGL contexts in the test process. Only one thread at a time uses its contexts.
 //!
-//! Tests run in parallel threads, and all their contexts share one EGL display. llvmpipe up to Mesa 22.3 reads all
-//! contexts of a display before it allocates a buffer, without locking them against changes by their threads
-//! (`lp_scene_is_resource_referenced`). Two tests that draw at the same time could crash the process.
+//! Tests run in parallel threads, and all their contexts share an EGL display. Before llvmpipe (up to Mesa 22.3)
+//! allocates a buffer, it reads all contexts of a display (`lp_scene_is_resource_referenced`). It does not lock them,
+//! so a thread that draws meanwhile could crash the process.
 
 use std::ops::Deref;
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -14,11 +14,10 @@ use mariana::gpu::headless::Headless;
 static DRAWING: Mutex<Option<(ThreadId, usize)>> = Mutex::new(None);
 static DONE: Condvar = Condvar::new();
 
-/// A guard: no other thread draws while it exists.
+/// While this guard exists, no other thread draws.
 pub(crate) struct DrawsAlone(());
 
 impl DrawsAlone {
-    /// Waits until no other thread draws.
     pub(crate) fn wait() -> Self {
         let own = std::thread::current().id();
         let mut drawing = DRAWING.lock().unwrap_or_else(PoisonError::into_inner);
@@ -46,9 +45,9 @@ impl Drop for DrawsAlone {
     }
 }
 
-/// A context without a window, with the guard that keeps other threads from drawing.
+/// A context without a window. Its guard keeps other threads from drawing.
 pub(crate) struct Context {
-    // Dropped before the guard.
+    // The first field, because it is dropped before the guard.
     headless: Headless,
     _alone: DrawsAlone,
 }

@@ -1,7 +1,7 @@
 //! Checks shader text with two strict compilers: glslang and naga.
 //!
-//! naga reads Vulkan GLSL 4.50; the renderer uses OpenGL GLSL 3.30. [`vulkan_form`] converts the text line by line, so
-//! that line numbers stay the same:
+//! naga reads Vulkan GLSL 4.50, but the renderer uses OpenGL GLSL 3.30. [`vulkan_form`] converts the text line by line,
+//! so that the line numbers stay the same:
 //!
 //! | OpenGL 3.30 | Vulkan 4.50 |
 //! |---|---|
@@ -32,7 +32,6 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    /// The stage for a file's extension.
     pub(crate) fn of(file: &str) -> Self {
         match file.rsplit_once('.').map(|(_, extension)| extension) {
             Some("vert") => Self::Vertex,
@@ -42,7 +41,7 @@ impl Stage {
     }
 }
 
-/// Runs glslangValidator on `text`. Returns its output, as an error if it rejects the text.
+/// Runs glslangValidator on `text`. Returns its output, as an error if the validator rejects the text.
 fn run_glslang(stage: Stage, text: &str, options: &[&str]) -> Result<String, String> {
     let suffix = if stage == Stage::Vertex { ".vert" } else { ".frag" };
     let mut file = tempfile::Builder::new().suffix(suffix).tempfile().unwrap();
@@ -62,12 +61,12 @@ fn run_glslang(stage: Stage, text: &str, options: &[&str]) -> Result<String, Str
     Err(with_quoted_lines(text, reported_problems.trim()))
 }
 
-/// Checks a whole shader with glslang. The error quotes the offending lines.
+/// Checks a whole shader with glslang. The error quotes the rejected lines.
 pub(crate) fn check_with_glslang(stage: Stage, text: &str) -> Result<(), String> {
     run_glslang(stage, text, &[]).map(drop)
 }
 
-/// Appends the line of the text to each message `ERROR: FILE:LINE: ...` of glslang.
+/// Adds the quoted line to each message `ERROR: FILE:LINE: ...` of glslang.
 fn with_quoted_lines(text: &str, reported_problems: &str) -> String {
     let mut quoted = String::new();
     for complaint in reported_problems.lines() {
@@ -82,11 +81,11 @@ fn with_quoted_lines(text: &str, reported_problems: &str) -> String {
     quoted
 }
 
-/// The file name in naga's messages. Their line numbers count in the whole text, with its includes.
+/// The file name in naga's messages. Their line numbers refer to the whole text, with its includes.
 const REWRITTEN: &str = "rewritten, whole shader";
 
-/// Checks a whole OpenGL shader with naga's GLSL front end and its validator. The error quotes the offending line of
-/// the rewritten text.
+/// Checks a whole OpenGL shader with naga's GLSL front end and validator. The error quotes the rejected line of the
+/// converted text.
 pub(crate) fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
     let expanded = run_glslang(stage, text, &["-E"])?;
     let vulkan = vulkan_form(&expanded)?;
@@ -103,10 +102,8 @@ pub(crate) fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Converts OpenGL 3.30 text to Vulkan 4.50 text, by the table in the module's documentation.
-///
-/// # Errors
-/// If a uniform block or a texture has no fixed binding: the renderer would not bind it.
+/// Converts OpenGL 3.30 text to Vulkan 4.50 text, by the table in the module's documentation. Fails if a uniform block
+/// or a texture has no fixed binding, because the renderer would not bind it.
 pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
     let samplers: Vec<(&str, &str)> = text.lines().filter_map(declared_sampler).collect();
     let mut vulkan = String::new();
@@ -148,13 +145,13 @@ pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
     Ok(vulkan)
 }
 
-/// The prefix of `sampler2D` (empty or "u") and the name in a line `uniform sampler2D name;`.
+/// Parses a line `uniform sampler2D name;`. Returns the prefix of `sampler2D` (empty or "u") and the name.
 fn declared_sampler(line: &str) -> Option<(&str, &str)> {
     let (kind, rest) = line.trim().strip_prefix("uniform ")?.split_once("sampler2D ")?;
     Some((kind, rest.split_once(';')?.0.trim()))
 }
 
-/// The name in a line `layout(std140) uniform Name {`.
+/// Parses a line `layout(std140) uniform Name {` and returns the name.
 fn declared_block(line: &str) -> Option<&str> {
     let (layout, rest) = line.split_once("uniform ")?;
     layout.contains("std140").then(|| rest.split('{').next().unwrap_or(rest).trim())
@@ -165,7 +162,7 @@ fn place_of(places: &[(&str, u32)], name: &str) -> Result<u32, String> {
     place.map(|(_, place)| *place).ok_or_else(|| format!("'{name}' has no fixed binding in the program"))
 }
 
-/// The texture unit of a scene texture or of one of the renderer's textures.
+/// The texture unit of a scene texture, or of another texture of the renderer.
 fn unit_of(name: &str) -> Result<u32, String> {
     let of_scene =
         (0..FIELD_LIMITS.scene_textures_max).zip(0..).find(|(index, _)| scene_texture(*index) == name);

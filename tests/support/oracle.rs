@@ -1,11 +1,11 @@
-//! The hand-written speakers, which check the compiled scene, and the positions of their parts for tests.
+//! The speakers, written by hand in GLSL. They check the compiled scene, and tell tests the positions of the speakers'
+//! parts.
 
 use glam::DVec3;
 
-/// The functions of the scene, written by hand in GLSL.
 pub(crate) const BY_HAND: &str = include_str!("../oracle/speakers.glsl");
 
-/// The arguments of `const TYPE NAME = ...;`.
+/// Reads the arguments of `const TYPE NAME = ...;`.
 fn constant_numbers(name: &str) -> Vec<f64> {
     let value = BY_HAND
         .lines()
@@ -21,14 +21,14 @@ fn constant_numbers(name: &str) -> Vec<f64> {
         .collect()
 }
 
-/// `const float NAME = number;` of the oracle.
+/// Reads `const float NAME = number;`.
 pub(crate) fn constant(name: &str) -> f64 {
     let numbers = constant_numbers(name);
     assert_eq!(numbers.len(), 1, "{name} is not a single number");
     numbers[0]
 }
 
-/// `const vec3 NAME = vec3(x, y, z);` of the oracle.
+/// Reads `const vec3 NAME = vec3(x, y, z);`.
 pub(crate) fn vector_constant(name: &str) -> DVec3 {
     let numbers = constant_numbers(name);
     assert_eq!(numbers.len(), 3, "{name} is not a vector of three numbers");

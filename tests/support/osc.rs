@@ -1,35 +1,31 @@
-//! An OSC client for tests. It follows the OSC 1.0 specification without using the program's own library.
+//! An OSC client for tests. It implements the OSC 1.0 specification without the program's library.
 
 use std::net::UdpSocket;
 
-/// A client that sends OSC messages to Mariana and receives the answers.
 pub(crate) struct Sender {
     socket: UdpSocket,
-    /// The port at which Mariana listens.
     pub(crate) port: u16,
 }
 
 impl Sender {
     pub(crate) fn new() -> Self {
-        // A port that was free just now.
+        // This port was free just now.
         let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         socket.set_nonblocking(true).unwrap();
         Self { socket, port }
     }
 
-    /// Sends a message with numbers.
     pub(crate) fn send(&self, address: &str, numbers: &[f32]) {
         self.send_bytes(&message(address, numbers));
     }
 
-    /// Sends bytes of any kind.
     pub(crate) fn send_bytes(&self, bytes: &[u8]) {
-        // While no program listens, the system refuses some packets.
+        // The system refuses some packets while no program listens.
         let _ = self.socket.send_to(bytes, ("127.0.0.1", self.port));
     }
 
-    /// Receives an answer; `None` if there is none yet.
+    /// Receives an answer; `None` if no answer has arrived.
     pub(crate) fn receive(&self) -> Option<Vec<u8>> {
         let mut buffer = [0; 2_048];
         let (length, _) = self.socket.recv_from(&mut buffer).ok()?;
@@ -37,14 +33,13 @@ impl Sender {
     }
 }
 
-/// A string in OSC's format: terminated by a zero and padded to four bytes.
+/// A string in OSC's format, terminated by a zero and padded to a multiple of four bytes.
 pub(crate) fn padded(text: &str) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     bytes.resize((text.len() / 4 + 1) * 4, 0);
     bytes
 }
 
-/// Encodes a message.
 pub(crate) fn message(address: &str, numbers: &[f32]) -> Vec<u8> {
     let mut bytes = padded(address);
     bytes.extend(padded(&format!(",{}", "f".repeat(numbers.len()))));
@@ -52,7 +47,7 @@ pub(crate) fn message(address: &str, numbers: &[f32]) -> Vec<u8> {
     bytes
 }
 
-/// A sound value in the newest bundle that was received; `None` if it is missing.
+/// The sound value in the newest received bundle; `None` if the bundle does not contain it.
 pub(crate) fn sent_number(lights: &UdpSocket, address: &str) -> Option<f32> {
     lights.set_nonblocking(true).unwrap();
     let (mut buffer, mut newest) = ([0; 2_048], None);

@@ -1,5 +1,4 @@
-//! Measures the response time of a window with the pings of the window protocol (Extended Window Manager Hints,
-//! `_NET_WM_PING`), as compositors do.
+//! Measures the response time of a window, as compositors do, by pings (Extended Window Manager Hints, `_NET_WM_PING`).
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,37 +13,31 @@ use x11rb::protocol::xproto::{
 };
 use x11rb::rust_connection::RustConnection;
 
-/// The time between two pings.
 const PERIOD: Duration = Duration::from_millis(20);
-/// The longest wait for an answer.
+/// The maximum time to wait for an answer.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A thread that pings a window until it is stopped.
 pub(crate) struct Pings {
     thread: Option<JoinHandle<()>>,
     over: Arc<AtomicBool>,
     answers: Arc<Mutex<Vec<Answer>>>,
 }
 
-/// The response time of a ping, and when the ping was sent.
+/// The response time of a ping, and the time at which the ping was sent.
 type Answer = (Duration, Instant);
 
-/// Statistics of the response times.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Answers {
-    /// The number of answers.
     pub count: usize,
     pub median: Duration,
     /// The 99.9th percentile.
     pub permille: Duration,
-    /// The slowest answer.
     pub worst: Duration,
-    /// When the slowest answer's ping was sent, counted from the first ping.
+    /// The time from the first ping to the ping with the slowest answer.
     pub worst_at: Duration,
 }
 
 impl Pings {
-    /// Starts pinging a window of a display.
     pub(crate) fn start(display: &str, window: Window) -> Self {
         let over = Arc::new(AtomicBool::new(false));
         let answers = Arc::<Mutex<Vec<Answer>>>::default();
@@ -53,7 +46,6 @@ impl Pings {
         Self { thread: Some(thread), over, answers }
     }
 
-    /// Stops pinging. Returns the statistics.
     pub(crate) fn stop(mut self) -> Answers {
         self.over.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap();
@@ -71,23 +63,21 @@ impl Pings {
     }
 }
 
-/// Pings a window over a separate connection.
+/// Pings a window over a separate connection to the X server.
 pub(crate) struct Pinger {
     connection: RustConnection,
     root: Window,
     window: Window,
     /// The atoms `WM_PROTOCOLS` and `_NET_WM_PING`.
     atoms: [u32; 2],
-    /// The number of the last ping.
     number: u32,
 }
 
 impl Pinger {
-    /// Connects to a display, for pings of a window.
     pub(crate) fn connect(display: &str, window: Window) -> Self {
         let (connection, screen) = RustConnection::connect(Some(display)).unwrap();
         let root = connection.setup().roots[screen].root;
-        // Answers go to the root window.
+        // The root window receives the answers.
         let mask = ChangeWindowAttributesAux::new().event_mask(EventMask::SUBSTRUCTURE_NOTIFY);
         connection.change_window_attributes(root, &mask).unwrap().check().unwrap();
         let atoms = ["WM_PROTOCOLS", "_NET_WM_PING"]
@@ -106,8 +96,7 @@ impl Pinger {
         sent
     }
 
-    /// Waits for the answer to the last ping. Polls `gives_up` and stops waiting when it returns true. Returns true if
-    /// the answer came.
+    /// Waits for the answer to the last ping, until `gives_up` returns true. Returns true if the answer arrived.
     pub(crate) fn wait(&self, mut gives_up: impl FnMut() -> bool) -> bool {
         loop {
             match self.connection.poll_for_event().unwrap() {
@@ -129,7 +118,6 @@ fn ask(display: &str, window: Window, over: &AtomicBool, answers: &Mutex<Vec<Ans
     while !over.load(Ordering::Relaxed) {
         let asked = Instant::now();
         if pinger.send().check().is_err() {
-            // The window is gone.
             return;
         }
         pinger.wait(|| {

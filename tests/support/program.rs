@@ -1,4 +1,4 @@
-//! The program as a command-line user runs it: arguments in; exit code, text and files out.
+//! The program as a command-line user runs it. Tests set arguments, and check exit code, text and files.
 
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -12,43 +12,40 @@ use super::desktop::{PROGRAM, command_in};
 use mariana_testing::process::{LOOK_PERIOD, Process, output_of, private_folder};
 use mariana_testing::wave::write_wav;
 
-/// The longest run of the program in these tests.
+/// The maximum duration of a run in these tests.
 pub(crate) const RUN_LIMIT: Duration = Duration::from_secs(60);
 
-/// Words of advice to the user; every refusal contains at least one.
+/// Words of advice to the user. Each refusal contains at least one of them.
 const ADVICE: &[&str] = &[
     "split", "change", "check", "choose", "convert", "correct", "end", "export", "fetch", "give", "install",
     "name", "remove", "save", "send", "set", "start", "unset", "update", "write",
 ];
 
-/// Texts that must not appear in messages to users: panics, paths of source code, temporary files.
+/// Internal details that messages to users must not contain: panics, paths of source code, temporary files.
 const INTERNALS: &[&str] =
     &["panicked", "RUST_BACKTRACE", "stack backtrace", ".rs:", ".cargo", "unwrap()", ".mariana-"];
 
-/// A working folder for the program, without a display and without sound.
+/// A working folder for the program. The program has neither a display nor sound.
 pub(crate) struct Workplace {
     folder: TempDir,
-    /// A separate folder, so that `folder` contains only the test's files and the program's output.
+    /// The folder of the user session. It is separate, so that `folder` contains only files of the test and output of
+    /// the program.
     session: TempDir,
 }
 
 impl Workplace {
-    /// An empty workplace.
     pub(crate) fn new() -> Self {
         Self { folder: tempfile::tempdir().unwrap(), session: private_folder() }
     }
 
-    /// The path of a file in the folder.
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    /// Writes a file in the folder.
     pub(crate) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
         std::fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// The bytes of a file in the folder.
     pub(crate) fn read(&self, name: &str) -> Vec<u8> {
         let path = self.path(name);
         std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
@@ -63,7 +60,7 @@ impl Workplace {
         names
     }
 
-    /// Writes a stereo wave file at 48 kHz: `seconds` of a sine of `hz` with the peaks `left` and `right`.
+    /// Writes a stereo wave file at 48 kHz: `seconds` of a sine of `hz`, with the peaks `left` and `right`.
     pub(crate) fn write_tone(&self, name: &str, hz: f64, seconds: f64, [left, right]: [f64; 2]) {
         let frames = (seconds * 48_000.0) as usize;
         let samples = (0..frames).flat_map(|frame| {
@@ -73,7 +70,7 @@ impl Workplace {
         write_wav(&self.path(name), 48_000, 2, samples);
     }
 
-    /// Lets ffmpeg write `output`; fails if ffmpeg fails.
+    /// Writes `output` with ffmpeg. Fails if ffmpeg fails.
     pub(crate) fn ffmpeg(&self, arguments: &[&str], output: &str) {
         let mut command = Command::new("ffmpeg");
         command.args(["-v", "error", "-nostdin", "-y"]).args(arguments).arg(self.path(output));
@@ -81,42 +78,35 @@ impl Workplace {
             .unwrap_or_else(|error| panic!("{error}"));
     }
 
-    /// The command that runs the program with `arguments` in the folder.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = command_in(PROGRAM, self.session.path(), None);
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
-        // Hides the messages of the driver. Its shader cache is shared by all tests.
+        // EGL_LOG_LEVEL hides the driver's messages. All tests share a shader cache.
         command.env("EGL_LOG_LEVEL", "fatal").env("MESA_SHADER_CACHE_DIR", env!("CARGO_TARGET_TMPDIR"));
         command
     }
 
-    /// Runs the program with `arguments`.
     pub(crate) fn run(&self, arguments: &[&str]) -> Outcome {
         Outcome::of(&mut self.command(arguments), RUN_LIMIT)
     }
 }
 
-/// The result of a run of the program.
 #[derive(Debug)]
 pub(crate) struct Outcome {
-    /// The command line.
     pub command: String,
     pub code: i32,
-    /// Standard output.
     pub stdout: String,
-    /// Standard error.
     pub stderr: String,
 }
 
 impl Outcome {
-    /// Runs `command`, which must end within `limit` and not by a signal.
+    /// Runs `command`. Fails unless it exits (not by a signal) within `limit`.
     pub(crate) fn of(command: &mut Command, limit: Duration) -> Self {
         let (stdout, stderr) = (tempfile::tempfile().unwrap(), tempfile::tempfile().unwrap());
         command.stdout(stdout.try_clone().unwrap()).stderr(stderr.try_clone().unwrap());
         Self::with_files(command, limit, stdout, stderr)
     }
 
-    /// Like [`Self::of`], with another standard output.
     pub(crate) fn printing_elsewhere(command: &mut Command, stdout: impl Into<Stdio>) -> Self {
         let stderr = tempfile::tempfile().unwrap();
         command.stdout(stdout).stderr(stderr.try_clone().unwrap());
@@ -144,13 +134,14 @@ impl Outcome {
         Self { command: shown, code, stdout, stderr }
     }
 
-    /// Returns standard output; fails unless the run succeeded without a message.
+    /// Returns standard output. Fails unless the run succeeded without a message.
     pub(crate) fn done(self) -> String {
         assert!(self.code == 0 && self.stderr.is_empty(), "{self:?}");
         self.stdout
     }
 
-    /// Fails unless the program refused the job: exit code 1 and one line that contains all `parts`. Returns that line.
+    /// Returns the message of a refusal. Fails unless the exit code is 1 and the message is one line that contains all
+    /// `parts`.
     pub(crate) fn refused(self, parts: &[&str]) -> String {
         assert!(self.stderr.lines().count() == 1, "expected a message of one line: {self:?}");
         self.refused_with_details(parts)
@@ -166,7 +157,7 @@ impl Outcome {
         self.stderr
     }
 
-    /// Fails unless the message begins with the program's name and advises the user.
+    /// Fails unless the message begins with the program's name and contains advice for the user.
     pub(crate) fn assert_advises(&self) {
         assert!(self.stderr.starts_with("mariana: "), "{self:?}");
         assert!(
@@ -193,10 +184,9 @@ fn text_of(mut file: File) -> String {
     text
 }
 
-/// An audio format.
 pub(crate) struct Format {
     pub file: &'static str,
-    /// The arguments with which ffmpeg writes it.
+    /// The arguments with which ffmpeg writes this format.
     pub arguments: &'static [&'static str],
 }
 

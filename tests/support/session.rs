@@ -1,4 +1,4 @@
-//! The program without a window: a session that draws into memory, in the test's process and on its thread.
+//! The program without a window. A session draws into memory, in the test's process and on the test's thread.
 
 use std::cell::RefCell;
 use std::io::Write;
@@ -24,15 +24,14 @@ use mariana_testing::wave::write_wav;
 /// Options of most tests: no scenes prepared ahead, no overlay, no state from an earlier session, no sound.
 const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silent"];
 
-/// The duration of a frame, and a little more.
+/// A little more than the duration of a frame.
 const PICTURE: Duration = Duration::from_millis(20);
 
 /// A folder with the input and output files of sessions.
 pub(crate) struct Place {
     folder: PathBuf,
-    /// Removes the folder; `None` if another process owns it.
+    /// Removes the folder when it is dropped; `None` if another process owns the folder.
     _own: Option<TempDir>,
-    /// The program that renders thumbnails of scenes.
     drawer: PathBuf,
 }
 
@@ -52,37 +51,30 @@ impl Place {
         place
     }
 
-    /// The song of [`Self::with_song`].
     pub(crate) fn song(&self) -> PathBuf {
         self.path("quiet.wav")
     }
 
-    /// An existing folder.
     pub(crate) fn at(folder: &Path) -> Self {
         Self { folder: folder.to_owned(), _own: None, drawer: env!("CARGO_BIN_EXE_mariana").into() }
     }
 
-    /// Sets the program that renders thumbnails.
     pub(crate) fn draw_by(&mut self, program: PathBuf) {
         self.drawer = program;
     }
 
-    /// The folder.
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// A file in it.
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// The path of the settings file.
     pub(crate) fn settings(&self) -> PathBuf {
         self.path("config/settings.toml")
     }
 
-    /// Writes a text file into the folder.
     pub(crate) fn save(&self, name: &str, text: &str) -> PathBuf {
         let path = self.path(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -90,17 +82,17 @@ impl Place {
         path
     }
 
-    /// A session with `song`, without sound output and overlay.
+    /// A session with `song`, without sound output and without overlay.
     pub(crate) fn open(&self, song: &Path, options: &[&str]) -> App {
         self.begin(&[&[song.to_str().unwrap()], &ALONE[..], options].concat())
     }
 
-    /// A session with the demo track, without sound output and overlay.
+    /// A session with the demo track, without sound output and without overlay.
     pub(crate) fn listen(&self, options: &[&str]) -> App {
         self.begin(&[&ALONE[..], options].concat())
     }
 
-    /// Like [`Self::open`], with a thread that compiles shaders.
+    /// Like [`Self::open`], with a separate thread that compiles shaders.
     pub(crate) fn open_with_compiler(&self, song: &Path, options: &[&str]) -> App {
         let platform = std::env::var("EGL_PLATFORM").unwrap_or_default();
         assert_eq!(
@@ -117,14 +109,13 @@ impl Place {
         app
     }
 
-    /// A session with sound output, with or without a song, and without overlay.
+    /// A session with sound output and without overlay, with or without a song.
     pub(crate) fn hear(&self, song: Option<&Path>, options: &[&str]) -> App {
         let song: Vec<&str> = song.iter().map(|song| song.to_str().unwrap()).collect();
         let alone: Vec<&str> = ALONE.into_iter().filter(|option| *option != "--silent").collect();
         self.begin(&[&song[..], &alone, options].concat())
     }
 
-    /// A session with exactly these arguments.
     pub(crate) fn begin(&self, arguments: &[&str]) -> App {
         self.start(arguments, Offscreen::open)
     }
@@ -144,19 +135,19 @@ impl Place {
         App { session: RefCell::new(session), held: RefCell::default(), log }
     }
 
-    /// The contents of the settings file; empty if it does not exist.
+    /// The contents of the settings file; empty if the file does not exist.
     pub(crate) fn saved_settings(&self) -> String {
         std::fs::read_to_string(self.settings()).unwrap_or_default()
     }
 
-    /// Writes a song of `seconds` of silence.
     pub(crate) fn quiet_song(&self, name: &str, seconds: usize) -> PathBuf {
         let song = self.path(name);
         write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * seconds));
         song
     }
 
-    /// Ends a session as a power cut would: files that it writes at its end are discarded.
+    /// Ends a session as a power cut would. Restores the folder to its state before the end, without the files that the
+    /// session writes at its end.
     pub(crate) fn cut_off(&self, app: App) {
         let kept = tempfile::tempdir().unwrap();
         copy_folder(self.folder(), kept.path());
@@ -169,7 +160,7 @@ impl Place {
     }
 }
 
-/// Copies a folder recursively. Files that disappear meanwhile are skipped.
+/// Copies a folder recursively. Skips files that disappear meanwhile.
 fn copy_folder(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).into_iter().flatten().flatten() {
@@ -186,11 +177,11 @@ fn copy_folder(from: &Path, to: &Path) {
 #[derive(Clone, Default)]
 struct Log(Arc<Mutex<Vec<u8>>>);
 
-/// The log of the newest session.
+/// All sessions of a process share a subscriber, which writes to this log.
 static NEWEST: LazyLock<Mutex<Log>> = LazyLock::new(Mutex::default);
 
 impl Log {
-    /// Collects the log of all threads of this process from now on.
+    /// Redirects the log of all threads of this process to `self`.
     fn listen(&self) {
         static STARTED: Once = Once::new();
         *NEWEST.lock().unwrap() = self.clone();
@@ -220,7 +211,7 @@ impl Write for Log {
     }
 }
 
-/// A session and its user. It advances only during calls of its methods.
+/// A session and its user. The session advances only during calls of these methods.
 pub(crate) struct App {
     session: RefCell<Offscreen>,
     held: RefCell<Modifiers>,
@@ -228,7 +219,7 @@ pub(crate) struct App {
 }
 
 impl App {
-    /// Presses keys, one after the other, by their names in X11, such as `space`, `shift+v` or `Return`.
+    /// Presses keys one after the other, by their X11 names such as `space`, `shift+v` or `Return`.
     pub(crate) fn press(&self, keys: &[&str]) {
         for key in keys {
             self.press_one(key);
@@ -260,7 +251,6 @@ impl App {
         self.send(Input::Modifiers(before));
     }
 
-    /// Types a text.
     pub(crate) fn type_text(&self, text: &str) {
         for letter in text.chars() {
             let key = match letter {
@@ -285,9 +275,8 @@ impl App {
         self.send(Input::PointerMoved([x, y]));
     }
 
-    /// Presses or releases the primary pointer button.
-    /// The overlay sees that before the pointer moves on: a press and a move in one frame would grab the target of the
-    /// move.
+    /// Presses or releases the primary pointer button. The overlay processes the button before the pointer moves. If
+    /// both happened in one frame, a press would grab the widget at the pointer's new position.
     pub(crate) fn hold_button(&self, pressed: bool) {
         clock::by_hand(|| {
             self.send(Input::PointerButton { button: PointerButton::Primary, pressed });
@@ -295,47 +284,40 @@ impl App {
         });
     }
 
-    /// Clicks at the pointer's position.
     pub(crate) fn click(&self) {
         self.hold_button(true);
         self.hold_button(false);
     }
 
-    /// Turns the wheel by notches, positive away from the user.
+    /// Turns the wheel by a number of notches. Positive numbers turn it away from the user.
     pub(crate) fn turn_wheel(&self, notches: f64) {
         self.send(Input::Wheel(Wheel::Notches([0.0, notches])));
     }
 
-    /// Sends an input to the session and takes a step.
     pub(crate) fn send(&self, input: Input) {
         self.session.borrow_mut().send(input);
         self.step();
     }
 
-    /// Runs a command.
     pub(crate) fn command(&self, command: Command) {
         self.session.borrow_mut().command(command);
         self.step();
     }
 
-    /// Changes the window's size.
     pub(crate) fn resize(&self, size: (u32, u32)) {
         self.session.borrow_mut().resize(size);
         self.step();
     }
 
-    /// Advances the session by one step. Returns false if it has ended.
     pub(crate) fn step(&self) -> bool {
         self.session.borrow_mut().step().unwrap_or_else(|error| panic!("{error}; {}", self.reported()))
     }
 
-    /// Advances the session for a while.
     pub(crate) fn run_for(&self, time: Duration) {
         let start = Instant::now();
         while start.elapsed() < time && self.step() {}
     }
 
-    /// Advances the session until `is_so` returns true.
     pub(crate) fn wait_until(&self, what: &str, mut is_so: impl FnMut(&Self) -> bool) {
         let start = Instant::now();
         loop {
@@ -354,12 +336,10 @@ impl App {
         self.session.borrow().picture()
     }
 
-    /// Advances the session until `is_wanted` accepts the title.
     pub(crate) fn wait_for_title(&self, what: &str, is_wanted: impl Fn(&str) -> bool) {
         self.wait_until(&format!("a title with {what}"), |app| is_wanted(&app.session.borrow().title()));
     }
 
-    /// Advances the session until the log contains `what`.
     pub(crate) fn wait_until_reported(&self, what: &str) {
         self.wait_until(what, |app| app.reported().contains(what));
     }
@@ -383,33 +363,29 @@ impl App {
         self.session.borrow().picture()
     }
 
-    /// Takes a step and returns the window's title.
     pub(crate) fn title(&self) -> String {
         self.step();
         self.session.borrow().title()
     }
 
-    /// The state of everything that commands can change.
     pub(crate) fn state(&self) -> ShowState {
         self.session.borrow_mut().state()
     }
 
-    /// The messages and the log; messages to the user follow `message: `.
+    /// The log with the messages. Each message to the user follows `message: `.
     pub(crate) fn reported(&self) -> String {
         self.log.text()
     }
 
-    /// Takes a step. Returns false if the session has ended.
     pub(crate) fn runs(&self) -> bool {
         self.step()
     }
 
-    /// The number of frames shown.
     pub(crate) fn shown(&self) -> u64 {
         self.session.borrow().shown()
     }
 
-    /// Messages to the user, warnings and errors: everything that a terminal would show.
+    /// Messages to the user, warnings and errors, as a terminal shows them.
     pub(crate) fn reported_problems(&self) -> Vec<String> {
         reported_problems(&self.reported())
     }
@@ -421,12 +397,11 @@ impl App {
         log.text()
     }
 
-    /// Advances the session until the log contains `what` at least `times` times.
     pub(crate) fn wait_until_reported_times(&self, what: &str, times: usize) {
         self.wait_until(what, |app| app.reported().matches(what).count() >= times);
     }
 
-    /// Advances the session while `act` runs on another thread, and returns the result of `act`.
+    /// Advances the session while `act` runs on another thread. Returns the result of `act`.
     pub(crate) fn meanwhile<T: Send>(&self, act: impl FnOnce() -> T + Send) -> T {
         std::thread::scope(|scope| {
             let acting = scope.spawn(act);
@@ -437,7 +412,7 @@ impl App {
         })
     }
 
-    /// Moves the pointer to a position in the window and lets the overlay process it.
+    /// Moves the pointer to a position in the window and lets the overlay process the movement.
     pub(crate) fn point_at(&self, x: u32, y: u32) {
         clock::by_hand(|| {
             self.move_pointer(x.into(), y.into());
@@ -446,14 +421,14 @@ impl App {
         });
     }
 
-    /// Lets the overlay process the input. Its clock advances by one frame, whatever the time that drawing takes.
+    /// Lets the overlay process the input. The clock advances by one frame, even if drawing takes longer.
     fn see(&self) {
         clock::advance(PICTURE);
         self.take_steps(2);
     }
 
-    /// Clicks at a position in the window. The clock stops meanwhile, so that slow frames do not make it a long
-    /// press.
+    /// Clicks at a position in the window. The clock stops meanwhile, so that a slow frame does not turn the click into
+    /// a long press.
     pub(crate) fn click_at(&self, x: u32, y: u32) {
         self.point_at(x, y);
         clock::by_hand(|| {
@@ -462,7 +437,6 @@ impl App {
         });
     }
 
-    /// Drags from one position in the window to another.
     pub(crate) fn drag(&self, from: (u32, u32), to: (u32, u32)) {
         self.point_at(from.0, from.1);
         self.hold_button(true);
@@ -470,7 +444,6 @@ impl App {
         self.hold_button(false);
     }
 
-    /// Double-clicks at a position in the window.
     pub(crate) fn double_click_at(&self, x: u32, y: u32) {
         clock::by_hand(|| {
             self.click_at(x, y);
@@ -494,7 +467,7 @@ impl App {
         self.quit()
     }
 
-    /// Like [`Self::quit_by_key`]; fails if the session printed a message on standard error.
+    /// Like [`Self::quit_by_key`], but fails if the session printed a message on standard error.
     pub(crate) fn quit_content(self) -> String {
         let reported = self.quit_by_key();
         assert!(!complains(&reported), "it complains: {reported}");
@@ -507,7 +480,6 @@ fn complains(reported: &str) -> bool {
     reported.lines().any(|line| line.trim_start().starts_with("DEBUG message: "))
 }
 
-/// The messages to the user, warnings and errors in a log.
 pub(crate) fn reported_problems(reported: &str) -> Vec<String> {
     let is_complaint = |line: &&str| {
         let line = line.trim_start();

@@ -1,27 +1,25 @@
-//! The folder `shaders/` and modified copies of it.
+//! The folder `shaders/` and changed copies of it.
 
 use std::path::{Path, PathBuf};
 
 use mariana::gpu::shader_source::ShaderLibrary;
 use tempfile::TempDir;
 
-/// The folder `shaders/` of the repository.
 pub(crate) fn shader_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders")
 }
 
-/// The names of all shader files, sorted, without the folder's README.
+/// The names of all shader files, sorted. The folder's README is left out.
 pub(crate) fn shader_names() -> Vec<String> {
     ShaderLibrary::embedded_names().into_iter().filter(|name| name != "README.md").collect()
 }
 
-/// The text of one file of `shaders/`.
 pub(crate) fn shader_text(name: &str) -> String {
     let path = shader_folder().join(name);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// A copy of the shaders with the files of `replaced` replaced. The library is valid while the folder exists.
+/// A copy of the shaders in which the files of `replaced` have new texts. The library is valid while the folder exists.
 pub(crate) fn changed_shaders(replaced: &[(&str, &str)]) -> (TempDir, ShaderLibrary) {
     let folder = tempfile::tempdir().unwrap();
     for name in shader_names() {

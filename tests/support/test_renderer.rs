@@ -1,4 +1,4 @@
-//! A headless renderer with a scene, and audio features to draw it with.
+//! A headless renderer with a scene, and audio features for its frames.
 
 use std::sync::Arc;
 
@@ -17,18 +17,17 @@ use mariana::scenes::{ReadyScene, SceneSource};
 use mariana_field::world::World;
 use mariana_music::{Features, HISTORY_POINTS, SPECTRUM_POINTS, Sound, Tables, WAVEFORM_POINTS};
 
-/// The speakers of the thesis; the same scene is written by hand in GLSL, see [`super::oracle`].
+/// The speakers of the thesis. [`super::oracle`] contains the same scene, written by hand in GLSL.
 pub(crate) fn speakers() -> SceneSource {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/oracle/speakers.scene");
     SceneSource::find(path).unwrap()
 }
 
-/// Prepares a scene for drawing; panics with its error.
 pub(crate) fn ready(scene: &SceneSource) -> ReadyScene {
     scene.ready().unwrap_or_else(|error| panic!("{}: {error}", scene.name()))
 }
 
-/// An imaginary driver with only the minimum limits of OpenGL 3.3.
+/// An imaginary driver whose limits are the minimum limits of OpenGL 3.3.
 pub(crate) fn driver(software: bool) -> GlInfo {
     GlInfo {
         vendor: String::new(),
@@ -43,29 +42,27 @@ pub(crate) fn driver(software: bool) -> GlInfo {
     }
 }
 
-/// A renderer with its context, a scene, and the program that draws the scene.
 pub(crate) struct TestRenderer {
-    // Field order matters: these are dropped before their context.
+    // Field order matters: these fields are dropped before their context.
     pub renderer: Renderer,
     pub program: Program,
     pub resources: SceneResources,
-    /// Changes the frame's exposure and other settings of its `picture` block.
+    /// Changes the settings of the frame's `picture` block, such as its exposure.
     pub adjust: fn(&mut Picture),
     pub context: Context,
 }
 
 impl TestRenderer {
-    /// A renderer for the speakers, compiled.
+    /// A renderer for the compiled speakers.
     pub(crate) fn new() -> Self {
         Self::of(&speakers(), Mode::Compiled, Counting::Off)
     }
 
-    /// A renderer for a scene in a mode, optionally with the counting variant.
+    /// A renderer for a scene in a mode. With [`Counting::On`], the program counts evaluations.
     pub(crate) fn of(scene: &SceneSource, mode: Mode, counting: Counting) -> Self {
         Self::of_ready(ready(scene), mode, counting)
     }
 
-    /// Like [`Self::of`], for a prepared scene.
     pub(crate) fn of_ready(scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
         let ReadyScene { world, buffers, plan, .. } = scene;
         let context = Context::new();
@@ -79,7 +76,7 @@ impl TestRenderer {
         Self { renderer, program, resources, adjust: |_| {}, context }
     }
 
-    /// Another program for the scene, in the given mode; see [`Self::program`].
+    /// Another program for the scene, for example in a second mode.
     pub(crate) fn program_of(&self, mode: Mode, counting: Counting) -> Program {
         let (world, buffers, plan) = (self.world(), self.resources.buffers(), self.resources.plan());
         let variant = variant_of(world, buffers, plan, mode, self.context.gl().info(), counting)
@@ -87,7 +84,6 @@ impl TestRenderer {
         self.link(&ShaderLibrary::embedded(), &variant)
     }
 
-    /// Links a program in the renderer's context.
     pub(crate) fn link(&self, library: &ShaderLibrary, variant: &Variant) -> Program {
         link(&self.context, library, variant)
     }
@@ -96,19 +92,17 @@ impl TestRenderer {
         self.resources.world()
     }
 
-    /// The frame at a time, in seconds.
     pub(crate) fn frame(&self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Frame {
         let mut frame = Frame::new(self.world(), time, sound, size);
         (self.adjust)(&mut frame.picture);
         frame
     }
 
-    /// The finished image at a time, in seconds.
+    /// The finished image at `time` (in seconds).
     pub(crate) fn picture(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> RgbaImage {
         self.try_picture(time, sound, size).unwrap_or_else(|error| panic!("{size:?} at {time} s: {error}"))
     }
 
-    /// Like [`Self::picture`], but returns errors.
     pub(crate) fn try_picture(
         &mut self,
         time: f64,
@@ -126,12 +120,11 @@ fn link(context: &Context, library: &ShaderLibrary, variant: &Variant) -> Progra
     link_scene(context.gl(), library, variant).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The audio features of silence.
 pub(crate) fn silence() -> Features {
     Features::default()
 }
 
-/// Loud music: much bass, less treble, a little louder on the left.
+/// Loud music with much bass and less treble, a little louder on the left.
 pub(crate) fn loud_music() -> Features {
     let bands = std::array::from_fn(|i| {
         let slope = 0.95 - 0.018 * i as f32;
@@ -162,7 +155,6 @@ pub(crate) fn loud_sound() -> Sound {
     Sound { features: loud_music(), tables, ..Sound::default() }
 }
 
-/// Music of medium loudness.
 pub(crate) fn soft_music() -> Features {
     let loud = loud_music();
     Features { volume: loud.volume.map(|v| 0.3 * v), bands: loud.bands.map(|b| 0.6 * b), ..loud }

@@ -1,4 +1,4 @@
-//! Scenes whose images follow from their texts alone, and checks of those images.
+//! Scenes whose images follow from their texts alone, and checks of these images.
 
 use std::time::{Duration, Instant};
 
@@ -15,9 +15,9 @@ pub(crate) fn wall(emission: &str) -> String {
     )
 }
 
-/// The emission of a motionless wall, red on the left and blue on the right.
+/// The emission of a motionless wall that is red on the left and blue on the right.
 pub(crate) const TWO_COLOURS: &str = "mix(vec3(0.5, 0.01, 0.01), vec3(0.01, 0.01, 0.5), step(0, p.x))";
-/// The emission of a wall that slowly becomes brighter and darker, without flashes.
+/// The emission of a wall that slowly becomes brighter and darker. The change is no flash.
 pub(crate) const BREATHES: &str = "vec3(0.3 + 0.2 * sin(2 * t))";
 
 /// The colour at a position, given in fractions of the image's size.
@@ -39,8 +39,8 @@ pub(crate) fn is_black(color: [u8; 3]) -> bool {
     color == [0; 3]
 }
 
-/// Waits until the log reports that the scene `p_foam` is refused. Meanwhile `wait_for_motion` waits for the next
-/// frame, which shows that the last good scene keeps moving.
+/// Waits until the log reports that the scene `p_foam` is refused. Meanwhile, `wait_for_motion` checks that the last
+/// good scene keeps moving.
 pub(crate) fn wait_for_refusal(log: impl Fn() -> String, wait_for_motion: impl Fn()) {
     let begun = Instant::now();
     while !log().contains("p_foam is too much for this machine; the last good scene stays") {
@@ -49,7 +49,7 @@ pub(crate) fn wait_for_refusal(log: impl Fn() -> String, wait_for_motion: impl F
     }
 }
 
-/// A scene of spheres that blend into each other: too many for building a region tree in reasonable time.
+/// A scene of spheres that blend into each other. If there are many spheres, building a region tree takes too long.
 pub(crate) fn foam(count: usize) -> String {
     format!(
         "object foam {{ shape = smooth_union(for i in 0..{count}: sphere(p - vec3(3 * sin(i * 12.9898), \

@@ -1,5 +1,4 @@
-//! Private Wayland compositors, and the program on them: sway, which supports the layer shell, and weston, which does
-//! not.
+//! Private Wayland compositors, and the program on them. sway supports the layer shell, and weston does not.
 
 use std::fs::Permissions;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -14,18 +13,18 @@ use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt as _, EventMask}
 use super::desktop::{PROGRAM, Place, Text, collect, command_in, lock, start_x_server};
 use mariana_testing::process::{Process, output_of, private_folder, wait_until};
 
-/// The user id of "nobody", for programs that refuse to run as root.
+/// The user id of "nobody". Programs that refuse to run as root use it.
 const NOBODY: u32 = 65_534;
 
-/// Common lines of each sway configuration.
+/// Lines at the start of each sway configuration.
 const PLAIN: &str = "xwayland disable\ndefault_border none\n";
 
-/// The X11 atoms that find a window by its title and ask it to close.
+/// X11 atoms for finding a window by its title and for asking it to close.
 const X11_NAMES: [&str; 4] = ["_NET_WM_NAME", "UTF8_STRING", "WM_PROTOCOLS", "WM_DELETE_WINDOW"];
 
-/// A compositor and its session folder. Both end when dropped.
+/// A compositor and its session folder. Dropping it ends the compositor and deletes the folder.
 pub(crate) struct Compositor {
-    // Field order matters: the compositor ends before the X server whose windows are its outputs.
+    // Field order matters: the compositor ends before the X server that shows its outputs.
     process: Process,
     x_server: Option<(Process, String)>,
     folder: TempDir,
@@ -34,17 +33,17 @@ pub(crate) struct Compositor {
 }
 
 impl Compositor {
-    /// Sway with headless outputs. `outputs` are lines of its configuration; the first output is HEADLESS-1.
+    /// Sway with headless outputs. `outputs` contains lines of its configuration. The first output is HEADLESS-1.
     pub(crate) fn sway(outputs: &str) -> Self {
         Self::start_sway(outputs, None)
     }
 
-    /// Sway whose outputs are windows of an X server and can be disconnected. The first output is X11-1.
+    /// Sway with outputs that can be disconnected, because they are windows of an X server. The first output is X11-1.
     pub(crate) fn sway_in_windows(outputs: &str) -> Self {
         let (server, display) = start_x_server();
         let (connection, _) = x11rb::connect(Some(&display)).unwrap();
         for name in X11_NAMES {
-            // Sway only looks up atoms that exist already, such as those of a window manager.
+            // Sway finds only atoms that exist already. Usually a window manager has created them.
             connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap();
         }
         Self::start_sway(outputs, Some((server, display)))
@@ -58,7 +57,7 @@ impl Compositor {
         let is_administrator = std::fs::metadata(folder.path()).unwrap().uid() == 0;
         let display = x_server.as_ref().map(|(_, display)| display.as_str());
         let mut command = if is_administrator {
-            // Sway refuses to run as root; root may still use its socket.
+            // Sway refuses to run as root. Root may still use its socket.
             std::os::unix::fs::chown(folder.path(), Some(NOBODY), Some(NOBODY)).unwrap();
             std::fs::set_permissions(&configuration, Permissions::from_mode(0o644)).unwrap();
             let number = NOBODY.to_string();
@@ -78,7 +77,7 @@ impl Compositor {
         compositor
     }
 
-    /// Weston with one headless output of 640 by 360 pixels. It has no layer shell.
+    /// Weston with one headless output of 640 by 360 pixels. Weston has no layer shell.
     pub(crate) fn weston() -> Self {
         let place = Place::wait_for();
         let folder = private_folder();
@@ -101,19 +100,16 @@ impl Compositor {
         });
     }
 
-    /// The session's folder; scenes may be written to it.
     pub(crate) fn folder(&self) -> &Path {
         self.folder.path()
     }
 
-    /// A command that runs in this session.
     pub(crate) fn command(&self, name: &str) -> Command {
         let mut command = command_in(name, self.folder(), None);
         command.env("WAYLAND_DISPLAY", self.socket).env("SWAYSOCK", self.folder().join("orders"));
         command
     }
 
-    /// Sends a command to sway.
     pub(crate) fn order(&self, words: &str) {
         let words = words.split_whitespace();
         output_of(self.command("swaymsg").args(words), "sway").unwrap_or_else(|error| panic!("{error}"));
@@ -126,7 +122,6 @@ impl Compositor {
         Some(image::open(&path).unwrap().to_rgba8())
     }
 
-    /// Waits until `wanted` accepts the screenshot of an output.
     pub(crate) fn wait_for_screen(
         &self,
         output: &str,
@@ -141,7 +136,7 @@ impl Compositor {
         found.unwrap()
     }
 
-    /// Disconnects an output whose screen is a window.
+    /// Disconnects an output of [`Self::sway_in_windows`] by closing its window.
     pub(crate) fn pull(&self, output: &str) {
         let (_, display) = self.x_server.as_ref().expect("the outputs are windows");
         let (server, number) = x11rb::connect(Some(display)).unwrap();
@@ -164,22 +159,19 @@ impl Compositor {
         wait_until("the end of an output", || self.screen(output).is_none());
     }
 
-    /// Kills the compositor.
     pub(crate) fn kill(&mut self) {
         self.process.kill();
     }
 
-    /// Stops the compositor's process.
+    /// Stops the compositor's process, so that it does not respond.
     pub(crate) fn stop(&self) {
         signal(&self.process, "-STOP");
     }
 
-    /// Resumes the compositor's process.
     pub(crate) fn go_on(&self) {
         signal(&self.process, "-CONT");
     }
 
-    /// Starts the program in this session.
     pub(crate) fn open(&self, variables: &[(&str, &str)], options: &[&str]) -> Show {
         let mut command = self.command(PROGRAM);
         command.envs(variables.iter().copied()).args(["--silent", "-v", "--new", "--prepare-ahead", "off"]);
@@ -190,19 +182,17 @@ impl Compositor {
     }
 }
 
-/// The program on Wayland. It ends when dropped.
+/// The program on Wayland. Dropping it ends the program.
 pub(crate) struct Show {
     process: Process,
     reported: Text,
 }
 
 impl Show {
-    /// The program's standard error so far.
     pub(crate) fn reported(&self) -> String {
         lock(&self.reported).clone()
     }
 
-    /// Waits until standard error contains `what`.
     pub(crate) fn wait_until_reported(&mut self, what: &str) {
         wait_until(what, || {
             assert!(self.runs(), "the program ended while the test waited for '{what}': {}", self.reported());
@@ -210,7 +200,6 @@ impl Show {
         });
     }
 
-    /// True if the program is still running.
     pub(crate) fn runs(&mut self) -> bool {
         self.process.ended().is_none()
     }
@@ -220,7 +209,7 @@ impl Show {
         signal(&self.process, "-TERM");
     }
 
-    /// Asks the program to end and waits for its end. Returns its standard error.
+    /// Asks the program to end and waits for the end. Returns the program's standard error.
     pub(crate) fn end(self) -> String {
         self.ask_to_end();
         let (_, reported) = self.wait_for_end();
@@ -228,10 +217,9 @@ impl Show {
         reported
     }
 
-    /// Waits for the program to end.
     pub(crate) fn wait_for_end(mut self) -> (ExitStatus, String) {
         wait_until("its end", || !self.runs());
-        // The output thread may still read from the pipe; the program's last message ends with a line break.
+        // The thread that reads the output may lag behind. The program's last message ends with a line break.
         let status = self.process.ended().unwrap();
         wait_until("the last message", || self.reported().is_empty() || self.reported().ends_with('\n'));
         (status, self.reported())

@@ -2,7 +2,7 @@
 
 use image::RgbaImage;
 
-/// Fraction of the pixels in these columns that have the colour of wood, lit or not.
+/// The fraction of the pixels in these columns that have the colour of wood, lit or unlit.
 fn wood_fraction(picture: &RgbaImage, columns: std::ops::Range<u32>) -> f64 {
     let (mut wood, mut all) = (0_u32, 0_u32);
     for (x, _, pixel) in picture.enumerate_pixels() {
@@ -15,7 +15,6 @@ fn wood_fraction(picture: &RgbaImage, columns: std::ops::Range<u32>) -> f64 {
     f64::from(wood) / f64::from(all)
 }
 
-/// Fails unless both speakers are in the image.
 pub(crate) fn assert_shows_the_speakers(picture: &RgbaImage) {
     let middle = picture.width() / 2;
     let [left, right] = [0..middle, middle..picture.width()].map(|columns| wood_fraction(picture, columns));

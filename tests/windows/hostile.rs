@@ -1,4 +1,4 @@
-//! Failures around the program: displays that end, compositors that hang, and too little memory.
+//! Failures of the program's environment: displays that end, compositors that hang, and too little memory.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -10,14 +10,14 @@ use crate::support::desktop::{Desktop, PROGRAM};
 use crate::support::wayland::Compositor;
 use mariana_testing::wave::write_wav;
 
-/// Options for a small window with a scene that is ready at once.
+/// Options for a small window with a scene that compiles quickly.
 const SMALL: [&str; 5] = ["--silent", "--size", "160x90", "--scene", "length(p) - 1"];
 
-/// The message after the display has ended.
+/// The program's message after its display has ended.
 pub(crate) const DISPLAY_LOST: &str = "mariana: the window is gone because its display ended or closed the connection: start \
                             Mariana in a running session\n";
 
-/// The longest time until the program notices that.
+/// The maximum time from the end of the display to the end of the program.
 const END_LIMIT: Duration = Duration::from_secs(30);
 
 #[test]
@@ -35,9 +35,9 @@ fn a_killed_x_server_ends_the_program_with_a_message() {
 
 /// Fails if each thread has a separate heap.
 fn assert_threads_share_heaps(process: u32) {
-    /// glibc's heaps, except the first, begin at multiples of this size and are at most this large.
+    /// glibc's heaps, except the first, begin at multiples of this size. They are at most this large.
     const HEAP: u64 = 64 << 20;
-    /// A full heap continues in another one. Before the limit there were fifteen.
+    /// If a heap is full, glibc starts a new heap. Without the program's limit, this test found fifteen heaps.
     const HEAPS_MAX: usize = 4;
     let of_process = |name: &str| format!("/proc/{}/{name}", process);
     let threads = std::fs::read_dir(of_process("task")).unwrap().count();
@@ -46,7 +46,7 @@ fn assert_threads_share_heaps(process: u32) {
         let mut words = line.split_whitespace();
         let range = words.next().and_then(|range| range.split_once('-'));
         let start = range.and_then(|(start, _)| u64::from_str_radix(start, 16).ok()).unwrap();
-        // Writable memory without a file.
+        // Heaps are writable memory without a file.
         start.is_multiple_of(HEAP) && words.next() == Some("rw-p") && words.count() == 3
     };
     let heaps: Vec<&str> = maps.lines().filter(is_heap).collect();

@@ -1,8 +1,8 @@
-//! Random keys in a window, pressed quickly for a long time: the program must keep running and responding.
+//! Random keys in a window, pressed quickly for a long time. The program must keep running and responding.
 //!
-//! A few runs are part of the tests. `scripts/storm` runs more, controlled by these variables: `STORM_RUNS`,
-//! `STORM_KEYS` (per run), `STORM_LETTERS` (keys by their X11 names), `STORM_PAUSE_MS` (the longest pause between two
-//! keys), `STORM_CACHE` (`fresh` or `warm`), `STORM_SEED`, `STORM_SIZE`.
+//! The tests include a few runs. `scripts/storm` starts more runs and sets these variables: `STORM_RUNS`, `STORM_KEYS`
+//! (per run), `STORM_LETTERS` (keys by their X11 names), `STORM_PAUSE_MS` (maximum pause between two keys),
+//! `STORM_CACHE` (`fresh` or `warm`), `STORM_SEED`, `STORM_SIZE`.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -13,10 +13,10 @@ use crate::support::desktop::Desktop;
 use crate::support::pings::{Answers, Pings};
 use mariana_testing::wave::write_wav;
 
-/// Keys that change the frame and the shader program, because they stress drivers most.
+/// Keys that change the frame and the shader program, because these changes stress drivers most.
 const LETTERS: &str = "n p c v n v r Tab i h space Left Right";
 
-/// The value of an environment variable, or `otherwise`.
+/// The value of an environment variable, or `otherwise` if it is not set.
 fn change<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
     std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(otherwise)
 }
@@ -25,7 +25,6 @@ fn change<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
 struct Dice(u64);
 
 impl Dice {
-    /// A number below `limit`.
     fn below(&mut self, limit: u64) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -84,7 +83,7 @@ fn the_program_survives_random_keys() {
             worst = answers;
         }
     }
-    // The event thread never blocks, not even while a driver compiles.
+    // The event thread must never block, even while a driver compiles.
     assert!(
         worst.count > 0 && worst.worst < Duration::from_secs(10),
         "the window did not answer in time: \

@@ -1,4 +1,4 @@
-//! The program in a real window, on a private X server or Wayland compositor.
+//! The program in a real window, on a private X server or on a Wayland compositor.
 
 mod hostile;
 mod key_storm;

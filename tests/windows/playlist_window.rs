@@ -1,4 +1,4 @@
-//! Control of the player over D-Bus, as by media keys and other programs.
+//! Control of the player over D-Bus, as media keys and other programs do it.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
@@ -15,7 +15,6 @@ use mariana_testing::wave::write_wav;
 const SMALL: &[&str] = &["--silent", "--size", "320x180"];
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
-/// Writes a tone of `seconds`.
 fn write_song(path: &Path, seconds: f64) {
     let samples = (0..(seconds * 96_000.0) as usize).map(|n| (f64::from(n as u32) * 0.02).sin() as f32 * 0.4);
     write_wav(path, 48_000, 2, samples);
@@ -37,7 +36,7 @@ fn the_player_is_controlled_over_d_bus() {
     let desktop = Desktop::start();
     let bus = SessionBus::start(desktop.folder());
     let folder = folder_of(&desktop, &["1.wav", "2.wav"], 60.0);
-    // The first frame is delayed. The song must not start before it.
+    // The fault delays the first frame. The song must not start before the first frame is shown.
     let slow = [("MARIANA_FAULT", "slow-compiler@0")];
     let mut app = desktop.open_with(&slow, &folder, &[SMALL, &["-v"]].concat());
     wait_until("the player on the bus", || bus.players().len() == 1);
@@ -69,7 +68,7 @@ fn the_player_is_controlled_over_d_bus() {
     let before = position();
     bus.call("Player.Seek", &["int64:20000000"]);
     wait_until("the seek", || (position() - before - 20_000_000).abs() < 1_000_000);
-    // Positions of another track or beyond the end are ignored.
+    // The player ignores a position that belongs to another track or is beyond the end.
     bus.call("Player.SetPosition", &["objpath:/org/mariana/track/1", "int64:50000000"]);
     bus.call("Player.SetPosition", &["objpath:/org/mariana/track/0", "int64:61000000"]);
     bus.call("Player.SetPosition", &["objpath:/org/mariana/track/0", "int64:40000000"]);
@@ -91,7 +90,7 @@ fn the_player_is_controlled_over_d_bus() {
         bus.set_property("Player.Volume", volume);
     }
     wait_for("Player.Volume", "double 1");
-    // A second program registers under a different name, and removes that name when it ends.
+    // A second program registers a second name, and removes that name when it ends.
     let second = desktop.open(&folder, SMALL);
     wait_until("the second player", || bus.players().len() == 2);
     drop(second);
@@ -102,7 +101,7 @@ fn the_player_is_controlled_over_d_bus() {
     end_with_the_bus(&desktop, bus, &folder);
 }
 
-/// The program works without a message when the bus ends, and without a bus.
+/// Fails if the program ends or prints a message when the bus ends, or when it starts without a bus.
 fn end_with_the_bus(desktop: &Desktop, bus: SessionBus, folder: &Path) {
     let mut app = desktop.open(folder, SMALL);
     wait_until("the player on the bus", || bus.players().len() == 1);

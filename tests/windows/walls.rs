@@ -13,7 +13,6 @@ use mariana_testing::process::wait_until;
 
 pub(crate) const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
-/// A desktop whose folder contains scenes.
 pub(crate) struct Place {
     pub(crate) desktop: Desktop,
 }
@@ -27,12 +26,11 @@ impl Place {
         Self { desktop }
     }
 
-    /// Opens a scene without overlay and waits for its first frame.
+    /// Opens a scene without an overlay and waits for the first frame.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App<'_> {
         self.open_with(&[], scene, options)
     }
 
-    /// Like [`Self::open`], with these environment variables.
     pub(crate) fn open_with(&self, variables: &[(&str, &str)], scene: &str, options: &[&str]) -> App<'_> {
         let scene = self.path(scene);
         let own = ["-v", "--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];
@@ -54,7 +52,6 @@ pub(crate) fn fills(picture: &RgbaImage) -> bool {
         && is_blue(at(picture, 1.0, 1.0))
 }
 
-/// Waits until `wanted` accepts a screenshot of the window.
 pub(crate) fn wait_for(app: &App, what: &str, wanted: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
     let mut found = None;
     wait_until(what, || {

@@ -1,4 +1,4 @@
-//! The window on a private desktop: keys are pressed, frames are compared and the sound is recorded.
+//! The window on a private desktop. Tests press keys, compare frames and record the sound.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -18,12 +18,12 @@ use mariana_testing::wave::write_wav;
 use x11rb::protocol::xproto::{AtomEnum, ConnectionExt};
 use x11rb::rust_connection::RustConnection;
 
-/// The longest time from the request to quit to the end.
+/// The maximum time from the request to quit to the end of the program.
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
-/// The window size of most tests: small, because there is no graphics card.
+/// The window size of most tests. It is small, because there is no graphics card.
 const SMALL: &str = "320x180";
 
-/// Writes a song that is silent until `loud_from` seconds. Then it has noise on the left and a tone on the right.
+/// Writes a song that is silent until `loud_from` seconds. Then it contains noise on the left and a tone on the right.
 fn song(folder: &Path, name: &str, seconds: f64, loud_from: f64) -> PathBuf {
     let path = folder.join(name);
     let rate = f64::from(SINK_RATE);
@@ -43,7 +43,7 @@ fn silent_song(folder: &Path, seconds: f64) -> PathBuf {
     song(folder, "quiet.wav", seconds, f64::INFINITY)
 }
 
-/// Pauses and seeks to the song's start, the only time that is known exactly.
+/// Pauses and seeks to the song's start. It is the only time that the test knows exactly.
 fn pause_at_start(app: &mut App) -> RgbaImage {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
@@ -51,13 +51,11 @@ fn pause_at_start(app: &mut App) -> RgbaImage {
     app.wait_for_moment(0.0)
 }
 
-/// Fails unless the frames change.
 fn assert_moves(app: &App) {
     let before = app.picture();
     wait_until("another picture", || difference(&before, &app.picture(), TIGHT.visible).fraction > 0.0);
 }
 
-/// The root mean square of both channels.
 fn level(frames: &[StereoFrame]) -> f64 {
     let sum: f64 = frames.iter().flatten().map(|sample| f64::from(*sample).powi(2)).sum();
     (sum / (2 * frames.len()) as f64).sqrt()
@@ -90,8 +88,8 @@ fn a_song_is_shown_and_played_and_keys_control_it() {
     assert_moves(&app);
     let playing = app.load(Duration::from_millis(500));
 
-    // While paused at the start, the frame does not change, and needs no processor time once the whole song has been
-    // analysed.
+    // While the song is paused at its start, the frame must not change. After the whole song has been analysed, the
+    // program must not need processor time.
     let start = pause_at_start(&mut app);
     assert_shows_the_speakers(&start);
     app.wait_until_reported("is known after");
@@ -99,7 +97,7 @@ fn a_song_is_shown_and_played_and_keys_control_it() {
     assert!(app.picture() == start, "the frame changes while paused");
     assert!(is_silent(level(&recorder.next(0.2))), "sound is played while paused");
 
-    // A seek while paused shows the frame of the new time, with its sound bars.
+    // A seek during a pause shows the frame of the new time, with its sound bars.
     app.press(&["Right", "Right", "Right"]);
     let loud = app.wait_for_moment(15.0);
     assert!(difference(&start, &loud, TIGHT.visible).fraction > 0.05, "the sound does not change the frame");
@@ -109,7 +107,7 @@ fn a_song_is_shown_and_played_and_keys_control_it() {
     app.wait_for_title("a title without a pause", |title| !title.contains("paused"));
     assert_moves(&app);
     wait_for_level(&recorder, "sound", is_loud);
-    // While minimized, the song plays and no frames are drawn.
+    // While the window is minimized, the song plays, but the program draws no frames.
     app.xdotool(&["windowminimize", app.window()]);
     wait_until("rest", || app.load(Duration::from_millis(300)) < 0.5 * playing);
     wait_for_level(&recorder, "sound", is_loud);
@@ -120,7 +118,6 @@ fn a_song_is_shown_and_played_and_keys_control_it() {
     app.press(&["Right", "Right", "Right"]);
     wait_for_level(&recorder, "the loud part", is_loud);
 
-    // The volume changes the sound and the title.
     let full = level(&recorder.next(0.5));
     app.press(&["Down"; 10]);
     app.wait_for_title("volume 50 %", |title| title.contains("volume 50 %"));
@@ -136,7 +133,7 @@ fn a_song_is_shown_and_played_and_keys_control_it() {
     app.wait_for_title("a title without mute", |title| !title.contains("muted"));
     wait_for_level(&recorder, "sound again", is_loud);
 
-    // With Ctrl, a letter is a different key. Q alone ends the program.
+    // Ctrl+Q is not Q, so it does not end the program.
     app.press(&["ctrl+q"]);
     assert_moves(&app);
     app.press(&["q"]);
@@ -145,7 +142,6 @@ fn a_song_is_shown_and_played_and_keys_control_it() {
     assert!(!reported.contains("mariana: "), "it complains: {reported}");
 }
 
-/// Checks the window's class and icon.
 fn assert_is_known(desktop: &Desktop, app: &App<'_>) {
     let (connection, _) = RustConnection::connect(Some(desktop.display())).unwrap();
     let property = |name: &str| {
@@ -155,7 +151,7 @@ fn assert_is_known(desktop: &Desktop, app: &App<'_>) {
     };
     let class = String::from_utf8(property("WM_CLASS").value).unwrap();
     assert_eq!(class, format!("mariana\0{APP_ID}\0"));
-    // Width and height, then ARGB pixels: the wood above the woofer is opaque.
+    // The property contains the width, the height and ARGB pixels. The wood above the woofer is opaque.
     let icon: Vec<u32> = property("_NET_WM_ICON").value32().unwrap().collect();
     assert_eq!((&icon[..2], icon.len()), (&[128, 128][..], 2 + 128 * 128));
     assert_eq!(icon[2 + 10 * 128 + 64], 0xFFB3_561F);
@@ -188,7 +184,7 @@ fn full_screen_is_entered_and_left_in_different_ways() {
     app.wait_for_title("paused alone", |title| {
         title.starts_with("quiet.wav - Mariana (speakers, ") && title.ends_with("compiled, paused)")
     });
-    // Closes the window as a window manager does.
+    // wmctrl closes the window as a window manager does.
     output_of(desktop.command("wmctrl").args(["-i", "-c", app.window()]), "wmctrl").unwrap();
     let (status, reported) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success(), "{status}: {reported}");
@@ -203,11 +199,11 @@ fn a_window_takes_any_size_prints_nothing_and_closes_at_once() {
     for part in ["renderer ", "version "] {
         assert!(info.contains(part), "no {part} in {info}");
     }
-    // This OpenGL version is too old for a window.
+    // This OpenGL version is too old for Mariana.
     let mut command = desktop.command(PROGRAM);
     let error = output_of(command.env("MESA_GL_VERSION_OVERRIDE", "3.1"), "mariana").unwrap_err();
     assert!(error.contains("OpenGL") && error.contains("3.3") && !error.contains("panicked"), "{error}");
-    // Standard output cannot be written. The window still shows the keys and prints nothing.
+    // Standard output cannot be written. The window still shows the keys, and standard error stays empty.
     let song = silent_song(desktop.folder(), 60.0);
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let mut app = desktop.open_printing_to(full.into(), &song, &["--silent", "--size", SMALL]);
@@ -218,7 +214,7 @@ fn a_window_takes_any_size_prints_nothing_and_closes_at_once() {
     let resize = |app: &App<'_>, (width, height): (u32, u32)| {
         app.xdotool(&["windowsize", app.window(), &width.to_string(), &height.to_string()]);
     };
-    // Sizes larger than the screen, and many sizes in a row, like dragging a corner.
+    // Test a tiny and a huge size, and then many sizes in a row, as dragging a corner causes them.
     for size in [(1, 1), (1_700, 900)] {
         resize(&app, size);
         app.wait_for_size(size);

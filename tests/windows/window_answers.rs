@@ -1,4 +1,4 @@
-//! The window responds while the show is idle, while a scene takes minutes and while a driver compiles.
+//! The window responds while the show is idle, while a scene loads for minutes, and while a driver compiles.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -11,16 +11,15 @@ use crate::walls::{QUIT_LIMIT, foam, wait_for, wait_for_refusal, wall};
 use mariana_testing::process::wait_until;
 use mariana_testing::wave::write_wav;
 
-/// A desktop with a silent song.
 fn desktop() -> Desktop {
     let desktop = Desktop::start();
     write_wav(&desktop.folder().join("quiet.wav"), 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 200));
     desktop
 }
 
-/// The number of times that a ping arrives together with the reply for the last frame.
+/// The number of attempts to deliver a ping together with the reply for the last frame.
 const STOPS: usize = 12;
-/// A paused show draws one more frame after 0.4 s. This time is longer.
+/// A paused show draws one more frame after 0.4 s, so this time is longer.
 const LAST_FRAME: Duration = Duration::from_millis(700);
 
 #[test]
@@ -37,7 +36,7 @@ fn pings_are_answered_while_paused_and_while_a_scene_takes_minutes() {
     for stop in 0..STOPS {
         app.press(&["space"]);
         app.wait_for_title("paused", |title| title.contains("paused"));
-        // The last frame waits for a reply of the X server, which arrives together with the ping.
+        // The last frame waits for a reply of the stopped X server. That reply and the ping arrive together.
         desktop.halt_server(true);
         drop(pinger.send());
         std::thread::sleep(LAST_FRAME);
@@ -78,7 +77,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
         ["--silent", "--size", "32x18", "--scene", scene.to_str().unwrap(), "--sdf", "compiled", "-v"];
     let stuck = [("MARIANA_FAULT", "endless-compiler@0")];
     let mut app = desktop.open_with(&stuck, &song, &options);
-    // The majority of the upper half, which error panels do not cover.
+    // Look only at the upper half, which error panels do not cover.
     let is_red = |picture: &image::RgbaImage| {
         let upper = picture.enumerate_pixels().filter(|(_, y, _)| 2 * y < picture.height());
         let (red, others): (Vec<_>, Vec<_>) = upper.partition(|(_, _, pixel)| {
@@ -90,7 +89,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
     wait_for(&app, "the first scene", is_red);
     app.press(&["n"]);
     app.wait_until_reported("own2 is requested, compiled");
-    // Meanwhile the first scene is drawn in another size, next to the message about the scene in preparation.
+    // Meanwhile the window shows the first scene in another size, and the message that the driver is still compiling.
     app.xdotool(&["windowsize", app.window(), "160", "240"]);
     app.wait_for_size((160, 240));
     wait_for(&app, "the first scene in another size", |picture| {

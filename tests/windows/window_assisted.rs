@@ -1,4 +1,4 @@
-//! The window for a screen reader, through Linux's accessibility interface (AT-SPI).
+//! The window with a screen reader, which uses Linux's accessibility interface (AT-SPI).
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
@@ -55,7 +55,7 @@ fn a_screen_reader_finds_the_buttons_and_controls_the_song() {
     wait_until("the seek", || {
         reader.value(&position).parse().is_ok_and(|value: f64| (value - 30.0).abs() < 1.0)
     });
-    // Lists can be opened, and their entries are found.
+    // The screen reader can open a list and find the list's entries.
     reader.press(&wait_for(&reader, TOGGLE, "track list"));
     wait_until("the track in the list", || {
         reader.controls().iter().any(|control| control.name.starts_with("song.wav") && control.role != LABEL)

@@ -7,7 +7,7 @@ use crate::hostile::DISPLAY_LOST;
 use crate::support::wayland::{Compositor, Show};
 use crate::walls::{BREATHES, TWO_COLOURS, at, fills, is_blue, is_red, wall};
 
-/// Starts a wallpaper with a wall in these colours and waits for its first frame.
+/// Starts a wallpaper that shows a wall, and waits for its first frame.
 fn wallpaper(compositor: &Compositor, emission: &str, variables: &[(&str, &str)]) -> Show {
     let scene = compositor.folder().join("wallpaper.scene");
     std::fs::write(&scene, wall(emission)).unwrap();
@@ -27,19 +27,19 @@ fn a_wayland_wallpaper_fills_every_monitor_at_its_resolution() {
     compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| {
         screen.dimensions() == (320, 180) && fills(screen)
     });
-    // A monitor is connected, at a scale of 1.5.
+    // Connect a monitor with a scale of 1.5.
     compositor.order("create_output");
     compositor.wait_for_screen("HEADLESS-2", "the wallpaper", |screen| {
         screen.dimensions() == (300, 240) && fills(screen)
     });
     show.wait_until_reported("the wallpaper is on HEADLESS-2 (300x240)");
-    // A monitor is rotated.
+    // Rotate a monitor.
     compositor.order("output HEADLESS-1 transform 90");
     compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| {
         screen.dimensions() == (180, 320) && fills(screen)
     });
     show.wait_until_reported("the wallpaper is on HEADLESS-1 (180x320)");
-    // A window opens above the wallpaper.
+    // Open a window above the wallpaper.
     compositor.order("workspace 1");
     let scene = compositor.folder().join("other.scene");
     std::fs::write(&scene, wall(TWO_COLOURS)).unwrap();
@@ -64,7 +64,7 @@ fn a_wayland_wallpaper_survives_a_lost_context_pauses_when_covered_and_ends_with
     assert!(!show.reported().contains("the wallpaper pauses"), "{}", show.reported());
     let options = ["--clean", "--fullscreen", "--scene", "length(p) - 1"];
     let window = compositor.open(&[], &options);
-    // The wallpaper reports the pause when no frame has been shown for a second.
+    // The wallpaper reports a pause if it could not show a frame for a second.
     show.wait_until_reported("the wallpaper pauses");
     window.end();
     show.wait_until_reported("the wallpaper continues");
@@ -73,7 +73,7 @@ fn a_wayland_wallpaper_survives_a_lost_context_pauses_when_covered_and_ends_with
     compositor.kill();
     let (status, reported) = show.wait_for_end();
     assert_eq!(status.code(), Some(1), "{reported}");
-    // The wallpaper's thread may log the end of its connection before or after.
+    // The wallpaper's thread may log the end of its connection before or after the message.
     let is_own = |line: &&str| !line.contains("the compositor tells no more");
     let reported: String = reported.split_inclusive('\n').filter(is_own).collect();
     assert!(reported.ends_with(DISPLAY_LOST), "{reported}");
@@ -84,7 +84,7 @@ fn a_wayland_wallpaper_takes_no_input_and_survives_disconnected_monitors() {
     let compositor = Compositor::sway_in_windows(
         "output X11-1 resolution 320x180\noutput X11-2 resolution 200x240\noutput X11-3 resolution 240x160\n",
     );
-    // The Wayland library logs all messages of the compositor.
+    // With this variable, the Wayland library logs all messages of the compositor.
     let mut show = wallpaper(&compositor, TWO_COLOURS, &[("WAYLAND_DEBUG", "client")]);
     assert!(show.reported().contains(".get_pointer("), "there is no pointer: {}", show.reported());
     compositor.order("seat * cursor set 40 40");
@@ -103,7 +103,7 @@ fn a_wayland_wallpaper_takes_no_input_and_survives_disconnected_monitors() {
     compositor.wait_for_screen("X11-1", "the remaining wallpaper", fills);
     compositor.pull("X11-1");
     show.wait_until_reported("the wallpaper leaves X11-1");
-    // No monitor is left; the next one gets the wallpaper.
+    // All monitors are disconnected now. The next monitor gets the wallpaper.
     compositor.order("create_output");
     compositor.wait_for_screen("X11-3", "the wallpaper", |screen| {
         screen.dimensions() == (240, 160) && fills(screen)

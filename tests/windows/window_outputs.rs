@@ -1,4 +1,4 @@
-//! Output on another monitor, as wallpaper and in the window of a screen saver.
+//! Output on another monitor, as a wallpaper, and in the window of a screen saver.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -41,7 +41,7 @@ fn small_picture(desk: &RgbaImage) -> Option<[u32; 4]> {
         }
     }
     let is_small = |[left, _, right, _]: &[u32; 4]| right - left < desk.width() / 2;
-    // The image is red on the left and blue on the right.
+    // The small image must be red on the left and blue on the right.
     found.filter(is_small).filter(|[left, top, right, bottom]| {
         let row = (top + bottom) / 2;
         let colour = |x: u32| desk.get_pixel(x, row).0;
@@ -55,11 +55,11 @@ fn is_dark(half: &RgbaImage) -> bool {
     half.pixels().all(|pixel| pixel.0[..3].iter().all(|value| *value < 80))
 }
 
-/// The largest difference of a pixel from the colour of its half, per channel. Dithering causes it.
+/// By dithering, a channel of a pixel may differ from the colour of its half by this number of steps.
 const GRAIN: u8 = 2;
 
-/// True if [`TWO_COLOURS`] fill an image without an overlay. The middle columns are skipped: they contain the edge
-/// between the colours, which later frames draw with more samples.
+/// True if [`TWO_COLOURS`] fill an image without an overlay. Skips the middle columns with the edge between the
+/// colours, which later frames draw with more samples.
 fn fills_cleanly(picture: &RgbaImage) -> bool {
     let is_near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= GRAIN);
     let (red, blue) = (at(picture, 0.0, 0.0), at(picture, 1.0, 0.0));
@@ -71,7 +71,7 @@ fn fills_cleanly(picture: &RgbaImage) -> bool {
         })
 }
 
-/// Half the width of the edge between the colours, in pixels, in a first frame of reduced resolution.
+/// Half of the edge's width, in pixels, in a first frame of reduced resolution.
 const EDGE: u32 = 8;
 
 #[test]
@@ -85,7 +85,7 @@ fn an_output_fills_its_monitor_and_survives_a_lost_context_and_a_lost_monitor() 
     app.wait_until_reported("the driver has lost its context");
     app.xdotool(&["windowmove", "--sync", app.window(), "20", "60"]);
     wait_for_half(&place, true, "the output without overlay", fills_cleanly);
-    // The control window shows only the output image, small and in its aspect ratio.
+    // The control window shows only the output image, small and with the output's aspect ratio.
     let (width, height) = app.size();
     let desk = wait_for(&app, "the desk", |picture| small_picture(picture).is_some());
     let [left, top, right, bottom] = small_picture(&desk).unwrap();
@@ -97,7 +97,7 @@ fn an_output_fills_its_monitor_and_survives_a_lost_context_and_a_lost_monitor() 
     );
     let around = at(&desk, 0.3, 0.5);
     assert!(around == at(&desk, 0.99, 0.9) && !is_black(around) && around.iter().all(|part| *part < 40));
-    // Messages, panels and the keyboard focus belong to the control window only, and the overlay does not cover the
+    // Messages, panels and the keyboard focus belong to the control window only. There, the overlay does not cover the
     // small image.
     app.press(&["h"]);
     let keys =
@@ -109,7 +109,7 @@ fn an_output_fills_its_monitor_and_survives_a_lost_context_and_a_lost_monitor() 
     wait_for_half(&place, true, "black", is_dark);
     app.press(&["x"]);
     wait_for_half(&place, true, "the output", fills);
-    // The image is enlarged when everything else is hidden, and while its corners are moved.
+    // The control window enlarges the image while everything else is hidden, and while its corners are moved.
     let shown = f64::from(height) * f64::from(half) / f64::from(SCREEN.1) / f64::from(width);
     let edge = 0.5 - 0.5 * shown as f32;
     for key in ["w", "y"] {
@@ -128,7 +128,7 @@ fn an_output_fills_its_monitor_and_survives_a_lost_context_and_a_lost_monitor() 
         app.wait_until_reported("the monitor RIGHT was disconnected: the image returns with it");
         wait_for_half(&place, true, "an empty disconnected monitor", is_dark);
         wait_for(&app, "the output in the window", |picture| is_red(at(picture, 0.02, 0.5)));
-        // The output returns every time.
+        // The output must return after each disconnection.
         place.desktop.plug_monitor("right", half as i16, half);
         wait_for_half(&place, true, "the output", fills);
     }
@@ -158,7 +158,8 @@ fn a_monitor_is_selected_by_number_and_the_small_image_takes_pointer_input() {
     let to = |app: &App<'_>, x: u32, y: u32| {
         app.xdotool(&["mousemove", "--window", app.window(), &x.to_string(), &y.to_string()]);
     };
-    // A drag outside the image does nothing. A drag on it turns the camera, by the same angle as on a large image.
+    // A drag outside the image has no effect. A drag on the image turns the camera by the same angle as on a large
+    // image.
     let drag = |app: &App<'_>, from: (u32, u32), way: u32| {
         to(app, from.0, from.1);
         app.xdotool(&["mousedown", "1"]);
@@ -175,7 +176,7 @@ fn a_monitor_is_selected_by_number_and_the_small_image_takes_pointer_input() {
     wait_for_half(&place, true, "another view", |half| !fills(half));
     app.press(&["Home"]);
     wait_for_half(&place, true, "the scene's own view", fills);
-    // The editor's probe finds the wall under the pointer.
+    // In the editor, a click on the small image probes the wall under the pointer.
     app.press(&["e"]);
     let (middle, quarter) = ((left + right) / 2, (right - left) / 4);
     for (number, x) in [middle - quarter, middle + quarter].into_iter().enumerate() {
@@ -186,15 +187,14 @@ fn a_monitor_is_selected_by_number_and_the_small_image_takes_pointer_input() {
         let probed = reported.lines().filter(|line| line.contains("probed: Probed")).nth(number).unwrap();
         let (_, position) = probed.split_once("position: [").unwrap();
         let wall: Vec<f64> = position.split([',', ']']).map_while(|part| part.trim().parse().ok()).collect();
-        // A quarter of the image's width from its middle, on the wall at z = 5.
+        // The click was a quarter of the image's width from the image's middle, on the wall at z = 5.
         assert!(wall[0].signum() == [-1.0, 1.0][number] && wall[1].abs() < 0.4, "{probed}");
     }
-    // The output window closes with the control window, even while a panel is open.
+    // The output window closes together with the control window.
     quit(app);
     wait_for_half(&place, true, "an empty monitor after the end", is_dark);
 }
 
-/// Starts a wallpaper or screen saver with these environment variables.
 fn ground<'d>(place: &'d Place, variables: &[(&str, &str)], options: &[&str]) -> App<'d> {
     let mut command = place.desktop.command(PROGRAM);
     let scene = place.path("two.scene");
@@ -215,7 +215,7 @@ fn a_wallpaper_is_below_all_windows_takes_no_input_and_pauses_when_covered() {
     for right in [false, true] {
         wait_for_half(&place, right, "the wallpaper", fills);
     }
-    // Clicks go to the window below.
+    // The wallpaper lets clicks through to the window below.
     let under_pointer = wallpaper.xdotool(&["mousemove", "100", "300", "getmouselocation", "--shell"]);
     assert!(!under_pointer.contains(&format!("WINDOW={}\n", wallpaper.window())), "{under_pointer}");
     // A window that opens later is above the wallpaper.
@@ -227,7 +227,7 @@ fn a_wallpaper_is_below_all_windows_takes_no_input_and_pauses_when_covered() {
     wallpaper.xdotool(&["windowraise", wallpaper.window()]);
     wait_for(&app, "the window above the wallpaper", |picture| is_blue(at(picture, 0.2, 0.5)));
     quit(app);
-    // The monitors are replaced by one.
+    // One monitor replaces both monitors.
     place.desktop.pull_monitor("right");
     place.desktop.pull_monitor("left");
     wait_until("the wallpaper of one monitor", || fills(&place.desktop.screen()));

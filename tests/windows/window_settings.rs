@@ -11,7 +11,6 @@ use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN};
 use crate::walls::quit;
 use mariana_testing::process::wait_until;
 
-/// A simple scene.
 const SCENE: &str = "length(p - vec3(0, 1, 0)) - 1";
 
 fn settings_file(desktop: &Desktop) -> PathBuf {
