@@ -21,7 +21,10 @@ pub(super) struct Look {
 pub(super) enum Content {
     Missing,
     /// Length and hash of a file. If the file is larger than any scene may read, `hash` is 0.
-    Bytes { length: u64, hash: u64 },
+    Bytes {
+        length: u64,
+        hash: u64,
+    },
     /// A folder, a pipe, or a file that the system refuses to read.
     Unreadable(String),
 }

@@ -8,7 +8,7 @@ const BAR_WITHOUT_BEATS: f64 = 2.0;
 /// The bar lines of a song.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarLines {
-    /// Start of each bar in seconds, ascending; at least one.
+    /// Start of each bar in seconds, ascending. The list has at least one entry.
     starts: Vec<f64>,
     /// Length of the bars before the first and after the last start, in seconds.
     usual: f64,
@@ -68,7 +68,7 @@ mod tests {
     fn bars_and_seconds_convert_both_ways() {
         let lines = BarLines::of(&song());
         assert_eq!((lines.time_of(1.0), lines.time_of(3.0), lines.time_of(2.5)), (0.5, 4.5, 3.5));
-        // Before the first and after the last bar line.
+        // These times are before the first and after the last bar line.
         assert_eq!(lines.time_of(0.75), 0.0);
         assert_eq!(lines.time_of(1001.0), 2000.5);
         for time in [-3.0, 0.0, 0.5, 1.7, 2.5, 63.9, 64.5, 1e4] {

@@ -19,7 +19,7 @@ pub struct Entry {
     pub scene: String,
     /// Name of a camera; `None` for the scene's default camera.
     pub camera: Option<String>,
-    /// The transition; `None` for the scene's preferred one, or else a short fade.
+    /// The transition. `None` uses the scene's preferred transition, or else a short fade.
     pub transition: Option<Transition>,
     /// The settings of parameters and cameras.
     pub settings: Vec<Setting>,
@@ -50,7 +50,7 @@ impl Entry {
 pub struct When {
     /// The reference point.
     pub anchor: Anchor,
-    /// Offset from the anchor; negative is before it.
+    /// Offset from the anchor; negative offsets are before the anchor.
     pub offset: Length,
 }
 
@@ -65,13 +65,13 @@ pub enum Anchor {
     Time(f64),
     /// The start of a bar; 1 is the first whole bar.
     Bar(u32),
-    /// The start of a section: its letter, and the number among the sections with that letter, from 1.
+    /// The start of a section: its letter, and its number among the sections with that letter, counted from 1.
     Section(String, u32),
     /// A drop, counted from 1.
     Drop(u32),
     /// The start of a build, counted from 1.
     Build(u32),
-    /// A press of the cue key. Each press triggers the next entry of this kind.
+    /// A press of the cue key. Each press triggers the next entry with this anchor.
     Cue,
 }
 
@@ -114,7 +114,7 @@ impl Length {
 pub(super) struct Unit {
     /// Constructor of a length in this unit.
     pub of: fn(f64) -> Length,
-    /// Names in show files; the first is printed for 1, the last for other numbers.
+    /// Names in show files. The first name is printed for the number 1, the last name for other numbers.
     pub names: &'static [&'static str],
 }
 
@@ -130,7 +130,7 @@ pub enum TransitionKind {
 }
 
 impl TransitionKind {
-    /// The kind in the scene language, which has no portal shapes.
+    /// Returns the kind in the scene language, which has no portal shapes.
     pub fn way(self) -> Way {
         match self {
             Self::Cut => Way::Cut,
@@ -139,7 +139,7 @@ impl TransitionKind {
         }
     }
 
-    /// The kind of the blend, if the worlds are blended.
+    /// Returns the kind of the blend if the two worlds are blended.
     pub fn blend(self) -> Option<BlendKind> {
         match self {
             Self::Blend(kind) => Some(kind),
@@ -167,8 +167,8 @@ pub struct Transition {
     pub kind: TransitionKind,
     /// Duration; zero for a cut.
     pub length: Length,
-    /// True if the next entry may cut the transition off. If false, the transition is shortened to be complete by
-    /// then.
+    /// True if the next entry may cut the transition off. Otherwise the transition is shortened to end before that
+    /// entry.
     pub unfinished: bool,
 }
 
@@ -206,17 +206,17 @@ pub struct Step {
     pub over: Length,
 }
 
-/// Names of the camera settings, which turn the camera of any scene like a drag in the window: yaw and pitch in
-/// degrees to the left and upwards, and a factor on the distance to the target. They contain a space, so no parameter
-/// has such a name.
+/// Names of the camera settings, which turn the camera of any scene like a drag in the window. Yaw is in degrees to
+/// the left, pitch in degrees upwards, and zoom is a factor on the distance to the target. The names contain a space,
+/// so no parameter has such a name.
 pub const CAMERA_TURNS: [&str; 3] = ["camera yaw", "camera pitch", "camera zoom"];
 
 /// Values of [`CAMERA_TURNS`] for an unchanged camera.
 pub const UNTURNED: [f32; 3] = [0.0, 0.0, 1.0];
 
 /// Names of the image settings, which affect the whole image of any scene: its brightness, and the opacity of a
-/// frozen frame over later ones. Both are in 0..1. They contain a space, so no parameter has such a name. A value
-/// stays across scenes until the show sets another one.
+/// frozen frame over later frames. Both values are in 0..1. The names contain a space, so no parameter has such a
+/// name. A value stays across scenes until the show sets another value.
 pub const PICTURE_NUMBERS: [&str; 2] = ["picture brightness", "picture freeze"];
 
 /// Values of [`PICTURE_NUMBERS`] for an unchanged image.

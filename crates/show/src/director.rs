@@ -2,13 +2,14 @@
 //!
 //! - Scenes change at the starts of sections, and about every eighth bar in long sections. Scenes do not change
 //!   during a build; the drop brings the next scene at once.
-//! - A section that returns brings its scene back, seen by another camera if there is one.
-//! - A scene is chosen by the song's energy, by contrast to the previous scene, and by the time since it was last
+//! - A section that returns brings its scene back, with another camera if the scene has several.
+//! - The choice depends on the song's energy, the contrast to the previous scene, and the time since a scene was last
 //!   shown.
-//! - Calm music gets melts and fades, loud music gets cuts, also between the cameras of a scene.
+//! - Calm music gets melts and fades, and loud music gets cuts. Changes between the cameras of a scene follow the
+//!   same rule.
 //!
-//! Random numbers decide between equal scenes. The seed should be a hash of the song's content, so that a song has
-//! the same show on every machine.
+//! Random numbers decide between scenes with equal scores. The seed should be a hash of the song's content, so that a
+//! song has the same show on every machine.
 
 mod changes;
 
@@ -32,7 +33,7 @@ pub struct SceneCard {
     pub cameras: Vec<String>,
 }
 
-/// Energy below which music is calm, and from which it is loud.
+/// Music is calm below this energy, and loud from [`LOUD`] on.
 const CALM: f32 = 0.45;
 const LOUD: f32 = 0.6;
 /// Energy from which cameras change twice as often.
@@ -43,7 +44,7 @@ struct Turns {
     /// Upper limit of the energy.
     below: f32,
     bars: f64,
-    /// Shortest time for a camera, in seconds.
+    /// Minimum time for a camera, in seconds.
     seconds_min: f64,
     /// Duration of the fade in bars; 0 cuts.
     fade: f64,
@@ -57,23 +58,23 @@ const TURNS: [Turns; 4] = [
     Turns { below: f32::INFINITY, bars: 2.0, seconds_min: 4.0, fade: 0.0 },
 ];
 
-/// Weights of the score of a scene. A scene that fits perfectly scores 0 before the random part.
+/// Weights of a scene's score. Before the random bonus, a perfect scene scores 0.
 mod points {
-    /// Per unit of energy outside the scene's range.
+    /// Points per unit of energy outside the scene's range.
     pub(super) const OUTSIDE: f32 = -6.0;
-    /// Per unit of energy from the middle of the range.
+    /// Points per unit of energy from the middle of the scene's range.
     pub(super) const OFF_MIDDLE: f32 = -1.0;
-    /// Per mood in common with the previous scene.
+    /// Points per mood in common with the previous scene.
     pub(super) const SAME_MOOD: f32 = -0.3;
-    /// If the scene was shown in the previous change; divided by the number of changes since then.
+    /// Points for an earlier appearance of the scene, divided by the number of changes since then.
     pub(super) const SEEN: f32 = -2.0;
-    /// If the scene belongs to another section.
+    /// Points for a scene that belongs to another section.
     pub(super) const TAKEN: f32 = -1.0;
-    /// Largest random bonus.
+    /// Maximum random bonus.
     pub(super) const CHANCE: f32 = 0.6;
 }
 
-/// Creates a cue list for a song from these scenes. Empty if there are no scenes.
+/// Creates a cue list for a song from these scenes. The list is empty if there are no scenes.
 pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> CueList {
     let lines = BarLines::of(song);
     let mut director =
@@ -139,7 +140,6 @@ struct Director<'a> {
 }
 
 impl<'a> Director<'a> {
-    /// Chooses the scene for a change; `None` if there are no scenes.
     fn choose(&mut self, index: usize, change: &Change<'a>) -> Option<usize> {
         let last = self.seen.last().copied();
         let its_own = change.letter.and_then(|letter| self.of_letter.get(letter)).copied();

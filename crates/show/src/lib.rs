@@ -1,5 +1,5 @@
-//! Shows: which scene a song displays at what time. A cue list comes from a text or from the director, and resolving
-//! it for a song gives a timeline.
+//! A show defines the scene for each moment of a song. A cue list comes from a text or from the director. Resolving
+//! the cue list for a song gives a timeline.
 //!
 //! ```text
 //! song's structure ─► director ─► cue list ◄─ text of a show file
@@ -7,9 +7,9 @@
 //!        └────► bar lines ────► timeline ─► at a moment: scene, camera, transition, parameters
 //! ```
 //!
-//! Everything here is pure: the same song and the same text give the same timeline in the window, in a video and on
-//! every machine. A cue list names moments in musical terms (`section B`, `bar 17`, `drop 1`); a timeline has them in
-//! seconds. Scenes are names; the caller supplies facts about them:
+//! All functions are pure: the same song and the same text give the same timeline in the window, in a video and on
+//! every machine. A cue list names moments in musical terms (`section B`, `bar 17`, `drop 1`). A timeline has the
+//! moments in seconds. A show knows scenes by name, and the caller supplies facts about the scenes:
 //!
 //! ```
 //! use mariana_field::lang::About;

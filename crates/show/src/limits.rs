@@ -3,17 +3,17 @@
 /// Limits on show files and on the memory for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most bytes of a show's text.
+    /// Maximum size of a show's text, in bytes.
     pub bytes_max: usize,
-    /// Most entries of a show.
+    /// Maximum number of entries in a show.
     pub entries_max: usize,
-    /// Most settings of an entry.
+    /// Maximum number of settings in an entry.
     pub settings_max: usize,
-    /// Most steps of a setting.
+    /// Maximum number of steps in a setting.
     pub steps_max: usize,
-    /// Most frozen frames mixed into one image.
+    /// Maximum number of frozen frames in one image.
     pub held_max: usize,
-    /// Latest moment and longest length in a show file, in seconds (a day).
+    /// Maximum time and length in a show file, in seconds: a day.
     pub seconds_max: f64,
 }
 

@@ -1,19 +1,19 @@
 //! Chooses scenes for live input, without knowledge of the music to come.
 //!
-//! The next scene is chosen as soon as the previous one appears, so that it can be prepared. It appears when the
-//! music gets much louder or calmer, or when the current scene has been shown for long, and then on a beat.
+//! When a scene appears, the director chooses the next scene at once, so that the next scene can be prepared. The
+//! next scene appears on a beat after the music gets much louder or calmer, or after a long time.
 
 use super::director::{SceneCard, next_scene};
 use super::timeline::{Clip, TimedTransition, Timeline};
 use mariana_field::lang::Way;
 
-/// Shortest and approximate longest time for a scene, in seconds.
+/// Minimum time for a scene, and its approximate maximum time, in seconds.
 const CLIP: [f64; 2] = [12.0, 45.0];
 /// Time constants of the short and the long average of the energy, in seconds.
 const OVER: [f64; 2] = [2.0, 20.0];
-/// Smallest difference of the two averages that causes a change.
+/// Minimum difference of the two averages that causes a change.
 const NOVEL: f32 = 0.18;
-/// Energy below which music is calm and fades slowly, and from which it is loud and cuts.
+/// Below this energy, music is calm and scenes fade slowly. From [`LOUD`] on, scenes cut.
 const CALM: f32 = 0.4;
 const LOUD: f32 = 0.65;
 /// Number of past clips that stay in the timeline.
@@ -58,7 +58,7 @@ impl LiveDirector {
         let is_beat = heard.tempo <= 0.0 || self.last.is_some_and(|last| heard.phase < last.phase);
         self.last = Some(heard);
         if self.clips.is_empty() || has_jumped {
-            // The first moment, or another input.
+            // The input has just started, or has been replaced.
             self.energies = [heard.energy; 2];
             self.clips.clear();
             return self.enter(heard, TimedTransition::new(Way::Fade, 1.0));
@@ -147,7 +147,7 @@ mod tests {
         let loud = starts(60, |time| if time < 30.0 { 0.2 } else { 0.9 });
         let change = loud.iter().find(|(start, _)| *start > 1.0).unwrap();
         assert!((30.0..32.0).contains(&change.0) && change.1 == Way::Cut, "{loud:?}");
-        // Flickering energy is no change, and every scene has its shortest time.
+        // Flickering energy causes no change, and every scene has its minimum time.
         let flicker = starts(100, |time| if (time * 4.0).fract() < 0.5 { 0.1 } else { 0.9 });
         assert!(flicker.windows(2).all(|pair| pair[1].0 - pair[0].0 >= CLIP[0]), "{flicker:?}");
     }

@@ -45,7 +45,7 @@ impl Parsed {
     }
 }
 
-/// Largest value of a parameter. Differences of two such values are finite.
+/// Maximum absolute value of a parameter. The difference of two such values is finite.
 const VALUE_MAX: f32 = 1e30;
 
 pub(super) const DIAGNOSTICS_MAX: usize = 20;
@@ -70,7 +70,7 @@ pub fn parse(name: &str, text: &str) -> Parsed {
         }
         let first = line.first().map_or("", |word| word.text);
         if first == "->" && was_wrong {
-            // Steps of a `set` line with a mistake.
+            // These steps continue a `set` line with a mistake.
             continue;
         }
         let is_entry = !["set", "->"].contains(&first);
@@ -275,7 +275,6 @@ impl<'a> Reader<'a> {
         Ok(Some(Transition { kind, length, unfinished }))
     }
 
-    /// Reads the optional shape of a portal.
     fn portal_shape(&mut self) -> Read<PortalShape> {
         let Some(word) = self.peek() else { return Ok(PortalShape::default()) };
         match BlendKind::named(word.text) {
@@ -451,7 +450,8 @@ fn no_shape(word: Word<'_>) -> Box<Diagnostic> {
     })
 }
 
-/// The mistake for `set first second` with an unknown second word; `None` if no setting of two words is similar.
+/// Returns the mistake for `set first second` with an unknown second word; `None` if no setting of two words is
+/// similar.
 fn no_second_word(first: Word<'_>, second: Word<'_>) -> Option<Box<Diagnostic>> {
     let names = || CAMERA_TURNS.into_iter().chain(PICTURE_NUMBERS);
     let pairs = || names().filter_map(|name| name.split_once(' '));

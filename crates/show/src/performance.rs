@@ -1,7 +1,7 @@
 //! Records a performance, frame by frame, as a cue list that repeats it.
 //!
-//! At the recorded moments, the cue list reproduces all values bit for bit. Between two close moments it
-//! interpolates. When the song goes back, a new recording replaces the part after that moment.
+//! At the recorded moments, the cue list reproduces all values bit for bit. Between two close moments, it
+//! interpolates the values. When the song goes back, a new recording replaces the part after that moment.
 
 use std::collections::BTreeMap;
 
@@ -13,12 +13,12 @@ use super::timeline::{Move, TimedTransition};
 use crate::limits::LIMITS;
 use mariana_field::lang::Span;
 
-/// A value that is constant for longer than this, in seconds, is held until its next change; a shorter gap is
-/// interpolated.
+/// A longer gap between two recorded moments, in seconds, is not interpolated: the value is held until the next
+/// change.
 const REST: f64 = 0.1;
 /// Tolerance in seconds for the end of a transition.
 const EXACT: f64 = 1e-6;
-/// Durations of steps are whole nanoseconds, which a text represents exactly.
+/// Units per second in the durations of steps. A text represents whole nanoseconds exactly.
 const TICKS: f64 = 1e9;
 
 /// The state of the show in one frame.
@@ -87,10 +87,9 @@ struct Played {
     transition: TimedTransition,
     /// Start of the transition, as reported in [`OnStage::start`].
     begun: f64,
-    /// Start of this entry.
     start: f64,
-    /// True if the song went back and this replaces later frames. An earlier frame may then be less than a
-    /// millisecond before it.
+    /// True if the song went back and this entry replaces later frames. The previous frame may then be less than a
+    /// millisecond earlier.
     plays_over: bool,
     moves: Vec<Move>,
     lines: BTreeMap<String, Line>,
@@ -127,10 +126,10 @@ impl Performance {
                 self.is_full = true;
                 return;
             }
-            // An entry starts after the previous one.
+            // An entry starts after the previous entry.
             let earliest = self.scenes.last().map_or(0.0, |before| before.start);
             let (start, transition) = match last {
-                // The scene continues in a new entry, because the old one has the most steps.
+                // The scene continues in a new entry, because the old entry has the maximum number of steps.
                 Some(_) => (time, TimedTransition::CUT),
                 None => (seen.start.min(time).max(earliest), seen.transition),
             };
@@ -164,7 +163,7 @@ impl Performance {
         for Turned { name, value, own, is_shown } in seen.params.iter().copied().chain(turns) {
             if !played.lines.contains_key(name) {
                 if is_shown {
-                    // The show's own animation is smoother than recorded frames.
+                    // Keep the show's animation, which is smoother than recorded frames.
                     continue;
                 }
                 if played.lines.len() >= LIMITS.settings_max {
@@ -193,7 +192,7 @@ impl Performance {
         self.note_finish(time, before, picture);
     }
 
-    /// Records that the last recorded frame is frozen from its own moment on.
+    /// Records that the last recorded frame is frozen from that frame's moment on.
     pub fn hold(&mut self, picture: &Finish) {
         let [_, name] = PICTURE_NUMBERS;
         let [brightness, given_way] = self.finish;
@@ -225,7 +224,7 @@ impl Performance {
         self.finish = picture.numbers;
     }
 
-    /// Records changes of the image settings. They persist across scenes, so only changes are stored.
+    /// Records changes of the image settings. Image settings persist across scenes, so only changes are stored.
     fn note_finish(&mut self, time: f64, before: f64, picture: &Finish) {
         let Some(played) = self.scenes.last_mut() else { return };
         let known = PICTURE_NUMBERS.into_iter().zip(picture.numbers).zip(&mut self.finish);
@@ -297,7 +296,7 @@ impl Line {
             && *earlier == time
             && *latest == time
         {
-            // The song is paused: keep the last value.
+            // The song is paused, so keep the last value.
             *last = value;
             return;
         }
@@ -357,12 +356,12 @@ fn setting_of(one: &Move, start: f64) -> Setting {
 }
 
 impl Played {
-    /// True if this is the scene in `seen`.
+    /// True if this entry has the scene in `seen`.
     fn is_of(&self, seen: &OnStage<'_>) -> bool {
         (self.scene.as_str(), self.camera.as_deref(), self.begun) == (seen.scene, seen.camera, seen.start)
     }
 
-    /// True if a parameter has the most steps.
+    /// True if a parameter has the maximum number of steps.
     fn is_long(&self) -> bool {
         self.lines.values().any(|line| line.points.len() + 3 > LIMITS.steps_max)
     }
@@ -370,7 +369,7 @@ impl Played {
     fn entry(&self) -> Entry {
         let TimedTransition { kind, seconds, .. } = self.transition;
         let length = if kind == TransitionKind::Cut { Length::ZERO } else { Length::Seconds(seconds) };
-        // Keep whole milliseconds: rounding errors must not give the previous one.
+        // Keep whole milliseconds: rounding errors must not give the previous millisecond.
         let ticks = if self.plays_over { 1e6 } else { 1e3 };
         let whole = (self.start * ticks).round() / ticks;
         let start = if whole <= self.start { whole } else { (self.start * ticks).floor() / ticks };

@@ -4,7 +4,7 @@ use super::cue_list::{PICTURE_NUMBERS, PLAIN_PICTURE};
 use super::timeline::{Clip, Move};
 use crate::limits::LIMITS;
 
-/// Times in show files are whole nanoseconds: a sum of several is rounded to that.
+/// Units per second of times in show files. Sums of times are rounded to whole nanoseconds.
 const TICKS: f64 = 1e9;
 
 /// The image settings at a moment.
@@ -12,7 +12,7 @@ const TICKS: f64 = 1e9;
 pub struct Picture {
     /// Factor on the linear light of the image, 0..1.
     pub brightness: f32,
-    /// The frozen frame over it, if any.
+    /// The frozen frame over the image, if any.
     pub held: Option<Held>,
 }
 
@@ -21,7 +21,7 @@ pub struct Picture {
 pub struct Held {
     /// The moment of the song that the frame shows, in seconds.
     pub since: f64,
-    /// Its opacity, above 0; at 1 it covers everything.
+    /// The opacity of the frozen frame, above 0. At 1, the frame covers the image.
     pub fraction: f32,
 }
 
@@ -91,7 +91,8 @@ fn last_at(moves: &[Move], time: f64) -> Option<(usize, f32)> {
     moves.get(place).map(|one| (place, one.at(time)))
 }
 
-/// Returns the frozen frame at `time`, then the frame that was fading out when that one was frozen, and so on.
+/// Returns the frozen frame at `time`, then the earlier frame that was fading out when the first was frozen, and so
+/// on.
 fn held_at(freeze: &[Move], time: f64) -> impl Iterator<Item = Held> {
     let mut next = last_at(freeze, time).map(|(last, fraction)| (last, fraction, time));
     std::iter::from_fn(move || {
@@ -103,14 +104,14 @@ fn held_at(freeze: &[Move], time: f64) -> impl Iterator<Item = Held> {
     })
 }
 
-/// Finds the time when the frame that is frozen at `time` was frozen: when the opacity rose from zero or jumped up.
-/// `last` is the index of the animation in effect. Also returns the index of the animation that froze it; `None` if
-/// it was frozen from the start.
+/// Finds when the frame that is frozen at `time` was frozen: the opacity then rose from zero or jumped up. `last` is
+/// the index of the animation in effect. Also returns the index of the animation that froze the frame, or `None` if
+/// the frame was frozen from the start.
 fn begin_of_hold(freeze: &[Move], last: usize, time: f64) -> (f64, Option<usize>) {
     for (place, one) in freeze.iter().enumerate().take(last + 1).rev() {
         let before = place.checked_sub(1).and_then(|before| freeze.get(before));
         let before = before.map_or(0.0, |before| before.at(one.start));
-        // An animation without length is at its end at once.
+        // An animation without length has its final value at once.
         let first = if one.seconds > 0.0 { one.from } else { one.to };
         if (before <= 0.0 && first.max(one.to) > 0.0) || first > before {
             return (one.start, Some(place));

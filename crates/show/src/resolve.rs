@@ -6,7 +6,7 @@ use super::timeline::{Clip, Move, TimedTransition, Timeline};
 use mariana_field::lang::{Diagnostic, Span, Way};
 use mariana_music::SongStructure;
 
-/// The transition if neither the entry nor the scene specifies one.
+/// The transition if neither the entry nor the scene specifies a transition.
 const USUAL: Transition =
     Transition { kind: TransitionKind::Fade, length: Length::Seconds(1.0), ..Transition::CUT };
 /// Duration in bars of a scene's preferred transition.
@@ -14,8 +14,8 @@ const USUAL_BARS: f64 = 1.0;
 
 /// Resolves a cue list for a song. Returns the timeline, and a diagnostic for each entry that is left out because the
 /// song lacks its moment. The timeline is `None` if all entries are left out or wait for a key. `cues` are the
-/// moments in seconds when the cue key was pressed; each triggers the next waiting entry. `likes` returns the
-/// preferred transition from a scene, if there is one, to the next scene.
+/// moments in seconds when the cue key was pressed. Each press triggers the next waiting entry. `likes` returns the
+/// preferred transition between two scenes, if any. Its first argument is the outgoing scene, if any.
 pub fn resolve(
     cue_list: &CueList,
     song: &SongStructure,
@@ -41,7 +41,7 @@ pub fn resolve(
         };
         if let Some((before, span)) = last.filter(|(before, _)| start < *before && !is_cue) {
             let back =
-                format!("this entry is at {}, before the previous one at {}", clock(start), clock(before));
+                format!("this entry is at {}, before the previous entry at {}", clock(start), clock(before));
             let backwards =
                 Diagnostic::new(entry.span, back).label("left out").note(span, "the previous entry");
             left_out.push(backwards.hint("sort the entries by time"));
@@ -90,7 +90,7 @@ struct Missing {
     hint: String,
 }
 
-/// Returns the time of a moment in seconds; `None` if it waits for its cue.
+/// Returns the time of a moment in seconds; `None` if the moment waits for a press of the cue key.
 fn time_of(
     when: &When,
     song: &SongStructure,
@@ -149,7 +149,7 @@ fn lasting(length: Length, start: f64, lines: &BarLines) -> f64 {
     lines.time_of(lines.bar_at(start) + bars) - start
 }
 
-/// Formats a time as `1:23.5`, to the millisecond, which is shorter than any frame.
+/// Formats a time as `1:23.5`, rounded to milliseconds, because a frame is longer than a millisecond.
 pub(super) fn clock(seconds: f64) -> String {
     clock_to(seconds, 3)
 }
@@ -167,7 +167,8 @@ pub(super) fn clock_to(seconds: f64, decimals: usize) -> String {
 pub(super) mod testing {
     use mariana_music::{Section, SongBeat, SongStructure, Stretch};
 
-    /// 32 bars of two seconds from 0.5 s on: A, B with a build at its end, B with a drop, A.
+    /// Returns a song with 32 bars of two seconds from 0.5 s on. Its sections are A, B with a build at its end, B
+    /// with a drop, and A.
     pub(crate) fn song() -> SongStructure {
         let beat = |index: usize| SongBeat {
             time: 0.5 + 0.5 * index as f64,
@@ -250,7 +251,7 @@ mod tests {
             "the song has no section C",
             "the song has no section A 3",
             "the song has no drop 2",
-            "this entry is at 0:02.5, before the previous one at 0:30",
+            "this entry is at 0:02.5, before the previous entry at 0:30",
         ];
         assert_eq!(left_out, wanted);
     }

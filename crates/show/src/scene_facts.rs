@@ -11,9 +11,9 @@ use mariana_field::lang::{About, Diagnostic, Scene, Span, Way};
 pub struct SceneFacts {
     /// The scene's `about` block.
     pub about: About,
-    /// Names of its cameras.
+    /// Names of the scene's cameras.
     pub cameras: Vec<String>,
-    /// Names of its parameters.
+    /// Names of the scene's parameters.
     pub params: Vec<String>,
 }
 
@@ -115,7 +115,7 @@ impl NamedScenes {
     }
 }
 
-/// Returns a hint about a wrong name, with a list of the valid ones.
+/// Returns a hint about a wrong name, with a list of the valid names.
 fn listed(what: &str, names: &[String]) -> String {
     match names {
         [] => format!("it has no named {what}: leave it out"),

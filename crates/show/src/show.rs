@@ -24,7 +24,7 @@ pub enum CueListError {
     },
     /// Every entry names a moment that the song lacks.
     #[error(
-        "no entry of the show fits this song: give the first entry a moment of every song, such as `at start`\n{}",
+        "no entry of the show fits this song: begin with an entry that fits every song, such as `at start`\n{}",
         .report.trim_end()
     )]
     NothingFits {
@@ -59,8 +59,8 @@ impl Show {
     /// song. Messages call the text `name`. `find` is called once for each scene name.
     ///
     /// # Errors
-    /// [`CueListError::Mistakes`] with all mistakes of the text and of its scenes, and
-    /// [`CueListError::NothingFits`].
+    /// [`CueListError::Mistakes`] if the text or its scenes have mistakes, or [`CueListError::NothingFits`] if the
+    /// song has the moment of no entry.
     pub fn of_text(
         name: &str,
         text: &str,
@@ -120,7 +120,7 @@ impl Show {
         self.cue_list.cues().map(|entry| entry.scene.as_str()).collect()
     }
 
-    /// Returns the cards of the scenes. A directed show has the cards of all scenes it may choose.
+    /// Returns the cards of the scenes. A directed show has a card for each scene that it may choose.
     pub fn cards(&self) -> &[SceneCard] {
         &self.cards
     }
@@ -151,7 +151,7 @@ fn resolved(
     })
 }
 
-/// Returns the director's seed for a song. It depends only on rounded values, so that it is the same on every
+/// Returns the director's seed for a song. The seed depends only on rounded values, so that it is the same on every
 /// machine.
 pub fn seed_of(song: &SongStructure) -> u64 {
     let whole = |number: f64| number.round() as u64;

@@ -6,7 +6,8 @@ use super::cue_list::{Anchor, CueList, Entry, Length, Setting, TransitionKind, i
 use super::resolve::clock_to;
 use mariana_field::world::{BlendKind, PortalShape};
 
-/// Most decimals of a time in seconds. Recordings need more than three only where the song went back.
+/// Maximum number of decimals of a time in seconds. Recordings need more than three decimals only where the song went
+/// back.
 const MOMENT_DECIMALS: usize = 6;
 
 /// Prints a cue list, with comment lines at the top.
@@ -66,7 +67,7 @@ fn moment(entry: &Entry) -> String {
     }
 }
 
-/// Longest line. A longer animation is broken into several lines.
+/// Maximum length of a line. A longer animation is broken into several lines.
 const WIDTH: usize = 100;
 
 fn set(setting: &Setting) -> String {

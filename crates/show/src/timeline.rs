@@ -4,10 +4,10 @@ use super::cue_list::{CAMERA_TURNS, TransitionKind, UNTURNED};
 use super::picture::{Held, Picture, Pictures};
 use mariana_field::lang::{Param, Scene};
 
-/// The clips of a show. Every moment has a clip: the first one extends to the start.
+/// The clips of a show. Every moment has a clip, because the first clip extends to the start of the song.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timeline {
-    /// Clips sorted by start; at least one.
+    /// Clips sorted by start. The list has at least one clip.
     clips: Vec<Clip>,
     pictures: Pictures,
 }
@@ -15,7 +15,7 @@ pub struct Timeline {
 /// A scene with its start, transition and animations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clip {
-    /// Start of its transition, in seconds.
+    /// Start of the clip's transition, in seconds.
     pub start: f64,
     /// Name or file of the scene.
     pub scene: String,
@@ -34,7 +34,7 @@ pub struct TimedTransition {
     pub kind: TransitionKind,
     /// Duration in seconds.
     pub seconds: f64,
-    /// True if the next clip may cut the transition off. If false, the transition is at most as long as the clip.
+    /// True if the next clip may cut the transition off. Otherwise the transition is at most as long as the clip.
     pub unfinished: bool,
 }
 
@@ -81,12 +81,12 @@ pub struct Moment<'a> {
     pub index: usize,
     /// The current or incoming clip.
     pub clip: &'a Clip,
-    /// During a transition: the outgoing clip, and the progress of the transition between 0 and 1.
+    /// The outgoing clip and the progress of the transition, between 0 and 1; `None` outside transitions.
     pub leaving: Option<(&'a Clip, f32)>,
 }
 
 impl Timeline {
-    /// Creates a timeline of clips; `None` if there are none. A transition ends at the start of the next clip, or
+    /// Creates a timeline of clips; `None` if `clips` is empty. A transition ends at the start of the next clip, or
     /// is cut off there.
     pub fn new(mut clips: Vec<Clip>) -> Option<Self> {
         if clips.is_empty() {
@@ -109,9 +109,10 @@ impl Timeline {
         self.pictures.at(time)
     }
 
-    /// Returns the frozen frames at `time` seconds. The first is that of [`Timeline::picture_at`]. The next is
-    /// the frame that was still fading out when the first was frozen, with its opacity then, and so on. Empty if
-    /// no frame is frozen; the oldest are dropped above [`LIMITS`](crate::limits::LIMITS).
+    /// Returns the frozen frames at `time` seconds. The first frame is the frame of [`Timeline::picture_at`]. The
+    /// second is the frame that was still fading out when the first was frozen, with its opacity at that time, and so
+    /// on. The list is empty if no frame is frozen. The oldest frames are dropped above the
+    /// [limit](crate::limits::LIMITS).
     pub fn held_at(&self, time: f64) -> Vec<Held> {
         self.pictures.held_at(time)
     }
@@ -121,12 +122,12 @@ impl Timeline {
         self.pictures.dim()
     }
 
-    /// Returns the clips in their order; at least one.
+    /// Returns the clips in their order. There is at least one clip.
     pub fn clips(&self) -> &[Clip] {
         &self.clips
     }
 
-    /// Returns the state at `time` seconds. Before the first clip, this is the first clip.
+    /// Returns the state at `time` seconds. Before the first clip, the state shows the first clip.
     pub fn at(&self, time: f64) -> Moment<'_> {
         let index = self.clips.partition_point(|clip| clip.start <= time).saturating_sub(1);
         let alone = |index: usize| Moment { index, clip: &self.clips[index], leaving: None };
@@ -140,13 +141,13 @@ impl Timeline {
         if fraction > 0.0 {
             return Moment { leaving: Some((&self.clips[before], fraction)), ..moment };
         }
-        // The first frame of a transition is that of the outgoing clip.
+        // The first frame of a transition shows only the outgoing clip.
         alone(before)
     }
 }
 
-/// Tolerance in seconds for the start and end of an animation: shorter than a frame, longer than the rounding in
-/// texts.
+/// Tolerance in seconds for the start and end of an animation. It is shorter than a frame and longer than the
+/// rounding in texts.
 const EXACT: f64 = 1e-6;
 
 impl Move {
@@ -173,8 +174,8 @@ impl Move {
 }
 
 impl Clip {
-    /// Returns all parameters of the scene at `time` seconds of the song. `other` returns those that this clip
-    /// does not animate.
+    /// Returns all parameters of the scene at `time` seconds of the song. `other` returns the parameters that this
+    /// clip does not animate.
     pub fn numbers_at(&self, scene: &Scene, time: f64, other: impl Fn(&Param) -> f32) -> Vec<f32> {
         let moved = self.params_at(time);
         let value = |name: &str| moved.iter().find(|(moved, _)| *moved == name).map(|(_, value)| *value);
@@ -243,7 +244,7 @@ mod tests {
         };
         assert_eq!(at(-5.0), (0, None));
         assert_eq!(at(3.0), (0, None), "the first clip has no transition");
-        assert_eq!(at(10.0), (0, None), "the first frame of a transition is that of the outgoing clip");
+        assert_eq!(at(10.0), (0, None), "the first frame of a transition shows only the outgoing clip");
         // The transition ends where the next one begins.
         assert_eq!(at(10.5), (1, Some((0.0, 0.25))));
         assert_eq!((at(12.0), at(1e9)), ((2, None), (2, None)));

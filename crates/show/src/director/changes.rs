@@ -4,13 +4,13 @@ use crate::bar_lines::BarLines;
 use crate::cue_list::{Anchor, Length, When};
 use mariana_music::{Section, SongStructure};
 
-/// Shortest time for a scene, in seconds, unless a drop comes.
+/// Minimum time for a scene, in seconds. A drop may end a scene earlier.
 const SECONDS_MIN: f64 = 8.0;
-/// Target time for a scene in a long section, in seconds: for calm and for loud music.
+/// Target time for a scene in a long section, in seconds, for calm music and for loud music.
 const SECONDS_USUAL: [f64; 2] = [40.0, 24.0];
 /// Scene changes within a section are at multiples of this many bars.
 const BARS_STEP: f64 = 4.0;
-/// No scene changes in the last bars of a build.
+/// Number of bars at the end of a build without scene changes.
 const BUILD_BARS: f64 = 8.0;
 /// A section that starts this close to a drop, in bars, counts as the drop.
 const SAME_BARS: f64 = 1.0;
@@ -39,12 +39,12 @@ pub(super) struct Change<'a> {
     pub(super) time: f64,
     pub(super) reason: Reason,
     pub(super) letter: Option<&'a str>,
-    /// Energy before the change, and after it, 0..1.
+    /// Energy before the change and after the change, 0..1.
     pub(super) before: f32,
     pub(super) energy: f32,
 }
 
-/// Returns the changes of a song in their order. The first is at the start of the song.
+/// Returns the changes of a song in their order. The first change is at the start of the song.
 pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Change<'a>> {
     let spread = Spread::of(song);
     let first = song.sections.first();
@@ -101,8 +101,8 @@ pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Chan
     kept
 }
 
-/// Normalization of section energies to the range of the song: mastered music is hardly ever quiet, but verses should
-/// differ from choruses.
+/// Normalization of section energies to the range of the song, because mastered music is hardly ever quiet, but
+/// verses should differ from choruses.
 struct Spread {
     least: f32,
     most: f32,
@@ -114,7 +114,7 @@ impl Spread {
             song.sections.iter().map(|section| (section.energy, section.end - section.start)).collect();
         sections.sort_by(|a, b| a.0.total_cmp(&b.0));
         let all: f64 = sections.iter().map(|(_, seconds)| seconds).sum();
-        // Percentiles by time: a short calm ending should not make the rest loud.
+        // Weight the percentiles by time, because a short calm ending should not make the rest loud.
         let at = |fraction: f64| {
             let mut gone = 0.0;
             let found = sections.iter().find(|(_, seconds)| {

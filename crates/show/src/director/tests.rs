@@ -31,14 +31,14 @@ fn a_show_follows_the_song() {
     let timeline = timeline.unwrap();
     assert!(left_out.is_empty(), "{text}");
     let on = |time: f64| timeline.at(time).clip.scene.as_str();
-    // Calm, medium, and loud from the drop on. The calm section that returns brings its scene back.
+    // The song is calm, then medium, then loud from the drop on. The calm section that returns brings its scene back.
     assert!(["lake", "wood"].contains(&on(1.0)), "{text}");
     assert_eq!(on(20.0), "street", "{text}");
     assert!(["fire", "storm"].contains(&on(33.0)), "{text}");
     assert_eq!(on(1.0), on(60.0), "{text}");
     let transition = |time: f64| timeline.at(time).clip;
     assert_eq!((transition(33.0).start, transition(33.0).transition.kind.way()), (32.5, Way::Cut), "{text}");
-    // No change during the build.
+    // Scenes do not change during the build.
     assert!(timeline.clips().iter().all(|clip| clip.start < 24.5 || clip.start >= 32.5), "{text}");
     // A blend is half complete when the section starts.
     let flowing =
@@ -108,7 +108,7 @@ fn a_song_without_structure_has_a_show_of_one_scene() {
 }
 
 proptest! {
-    /// For any song, the timeline has every entry, scenes have a minimum time, and the printed text gives the
+    /// For any song, the timeline has every entry, scenes have a minimum time, and parsing the printed text gives the
     /// same timeline.
     #[test]
     fn a_show_holds_for_any_song(

@@ -59,7 +59,7 @@ fn words(line: &str, base: usize) -> Vec<Word<'_>> {
             }
             _ if first.is_alphabetic() || first == '_' => {
                 let goes_on = |c: char, next: Option<char>| {
-                    // Signs that join the parts of a file name.
+                    // These signs join the parts of a file name.
                     c.is_alphanumeric()
                         || c == '_'
                         || (matches!(c, '-' | '.' | '/') && next.is_some_and(char::is_alphanumeric))
@@ -78,8 +78,8 @@ fn words(line: &str, base: usize) -> Vec<Word<'_>> {
     words
 }
 
-/// Length of the prefix in bytes for whose characters `goes_on` is true. Its arguments are a character and the next
-/// one.
+/// Returns the length in bytes of the prefix whose characters fulfil `goes_on`. The arguments of `goes_on` are a
+/// character and the next character.
 fn length_of(text: &str, goes_on: impl Fn(char, Option<char>) -> bool) -> usize {
     let mut characters = text.char_indices().peekable();
     while let Some((at, character)) = characters.next() {

@@ -13,7 +13,7 @@ fn pictures() -> impl Strategy<Value = Vec<Picture>> {
     let since = prop_oneof![0.001..0.04f64, 0.5..3.0f64];
     let bright = prop_oneof![Just(1.0), 0.0..=1.0f32];
     let one = (since, proptest::option::weighted(0.1, 0..3u8), -2.0..2.0f32, -90.0..90.0f32, bright);
-    // Half of the frames have default values.
+    // Half of the generated frames have default values.
     let one = (one, any::<bool>()).prop_map(|((since, scene, knob, yaw, bright), still)| match still {
         true => (since, scene, 0.5, 0.0, 1.0),
         false => (since, scene, knob, yaw, bright),
@@ -72,8 +72,7 @@ proptest! {
     }
 }
 
-/// The cue list must not start the new scene at the previous millisecond, where the frame before it is still
-/// displayed.
+/// The cue list must not start the new scene at the previous millisecond, when the previous frame is still displayed.
 #[test]
 fn a_frame_within_a_millisecond_before_a_step_back_keeps_its_scene() {
     let mut performance = Performance::default();
@@ -257,7 +256,7 @@ fn a_frame_frozen_during_a_fade_keeps_the_fraction_of_the_fading_frame() {
     for (time, fraction) in [(2.0, 1.0), (2.0625, 0.75), (2.125, 0.5)] {
         note_orb(&mut performance, time, "orb", [1.0, fraction]);
     }
-    // First while the song plays, then while it is paused, in the frame recorded for another moment.
+    // Freeze first while the song plays, then while the song is paused, in the frame recorded for another moment.
     performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
     note_orb(&mut performance, 3.0, "orb", [1.0, 1.0]);
     note_orb(&mut performance, 8.0, "orb", [1.0, 0.25]);
