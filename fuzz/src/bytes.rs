@@ -3,7 +3,7 @@
 /// The rest of an input. Reads 0 after its end.
 pub(crate) struct Bytes<'a>(pub(crate) &'a [u8]);
 
-/// Special numbers for arithmetic, and ordinary ones.
+/// Special numbers for arithmetic, and ordinary numbers.
 const NUMBERS: [f32; 32] = [
     0.0,
     -0.0,

@@ -22,7 +22,7 @@ pub(crate) fn osc(data: &[u8]) {
     for (message, _) in &found {
         assert!(message.args.len() <= LIMITS.osc_arguments_max);
         if let Some(pattern) = Pattern::read(&message.addr) {
-            // Matching must neither panic nor take long.
+            // Matching must not panic and must be fast.
             let _ = (pattern.matches("/param/size"), pattern.matches(&message.addr), pattern.matches(""));
         }
         match understand(message, ACTIONS) {
@@ -33,14 +33,12 @@ pub(crate) fn osc(data: &[u8]) {
     }
 }
 
-/// Checks that a parameter change has finite numbers and a name within limits.
 pub(crate) fn check_turn(change: &ParamChange) {
     let (Amount::Value(to) | Amount::Fraction(to)) = change.to;
     assert!(to.is_finite() && change.seconds.is_finite(), "{change:?}");
     assert!(change.name.len() <= LIMITS.name_bytes_max, "{change:?}");
 }
 
-/// Checks that an action is in the table and has a value within limits.
 pub(crate) fn check_act(action: &Action) {
     assert!(ACTIONS.iter().any(|row| row.name == action.name), "{action:?}");
     match &action.given {

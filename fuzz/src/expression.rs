@@ -1,7 +1,7 @@
 //! Expressions built from bytes. All evaluators must give the same result, bit for bit.
 //!
-//! The generated GLSL cannot run on the CPU, so it is only validated with naga (`World::compiled_glsl`).
-//! `tests/pictures/agreement.rs` checks that drivers compute the same values with it.
+//! The generated GLSL cannot run on the CPU, so naga only validates it (`World::compiled_glsl`).
+//! `tests/pictures/agreement.rs` checks that the GLSL gives the same values on drivers.
 
 use mariana_field::graph::SoundInput;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use super::random::Random;
 use super::regions::{self, same};
 use super::{text, words};
 
-/// Most steps of an expression.
+/// Maximum number of steps in an expression.
 const STEPS_MAX: usize = 600;
 
 const INPUTS: [Input; 12] = [
@@ -41,8 +41,8 @@ const INPUTS: [Input; 12] = [
 /// Operators that are frequent in shapes and that `Graph::fused` looks for.
 const COMMON: [Op; 8] = [Op::Add, Op::Sub, Op::Abs, Op::Max, Op::Square, Op::Sqrt, Op::Mul, Op::Min];
 
-/// Operators that only `Graph::fused` creates. Their first operand is never a constant, whose square naga would
-/// compute. GLSL is generated from unfused graphs.
+/// Operators that only `Graph::fused` creates. GLSL is generated from unfused graphs. The first operand is never a
+/// constant, because naga would compute the square of a constant.
 const FUSED: [Op; 7] = [
     Op::SquareDifference,
     Op::OutsideAdd,
@@ -53,9 +53,9 @@ const FUSED: [Op; 7] = [
     Op::SqrtSub,
 ];
 
-/// Returns an operand: a node some steps back.
+/// Returns an operand, which is an earlier node.
 fn back(built: &[NodeId], byte: u8) -> Option<NodeId> {
-    // Mostly recent nodes, so that results are used; a few far ones, which must be kept.
+    // Choose mostly recent nodes, so that results are used, and a few earlier nodes, whose values must be kept.
     let distance = match byte {
         0..112 => usize::from(byte % 2),
         112..224 => usize::from(byte % 12),
@@ -68,11 +68,11 @@ fn back(built: &[NodeId], byte: u8) -> Option<NodeId> {
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Any,
-    /// A distance reads neither normals nor textures.
+    /// A distance, which reads neither normals nor textures.
     Distance,
 }
 
-/// Builds nodes from bytes, simplified or not. The same bytes give the same steps.
+/// Builds nodes from bytes, and simplifies them if `simplify` is set. The same bytes give the same steps.
 fn build(mut bytes: Bytes, graph: &mut Graph, kind: Kind, simplify: bool) -> Vec<NodeId> {
     let inputs = if kind == Kind::Any { &INPUTS[..] } else { &INPUTS[..9] };
     let mut built = Vec::new();
@@ -123,7 +123,7 @@ struct Head {
 impl Head {
     fn read(bytes: &mut Bytes) -> Self {
         let (registers, roots) = (bytes.next(), 1 + bytes.below(13));
-        // Mostly few registers, so that values are spilled.
+        // Choose mostly few registers, so that values are spilled.
         let registers =
             if registers < 128 { 2 + usize::from(registers % 14) } else { usize::from(registers - 127) * 2 };
         let mut frame = super::random::frame();
@@ -219,7 +219,7 @@ fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
 }
 
 /// Compares all evaluators of an expression: the raw, simplified and fused graph, tapes, interpreter words, batches,
-/// dual numbers and intervals. As the shape of a scene, also regions and naga.
+/// dual numbers and intervals. Also tests region trees and naga with the expression as the shape of a scene.
 pub(crate) fn differential(data: &[u8]) {
     let mut bytes = Bytes(data);
     let head = Head::read(&mut bytes);
@@ -246,7 +246,7 @@ pub(crate) fn differential(data: &[u8]) {
         let duals: Vec<f32> =
             GradientEvaluator::new(tape, frame).at(point).iter().map(|dual| dual.value).collect();
         assert_same(&duals, &wanted, "dual numbers");
-        // Boxes around the point.
+        // The intervals are boxes around the point.
         let wide = |value: f32, by: f32| Interval::new(value - by, value + by);
         for by in [0.0, 0.25, 1e10] {
             let [x, y, z, nx, ny, nz] = point.inputs().map(|value| wide(value, by));

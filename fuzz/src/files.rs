@@ -13,19 +13,18 @@ use super::bytes::{Bytes, hash};
 use super::random::Random;
 use super::seeds;
 
-/// Most frames to decode: some seconds of work for a hostile file.
+/// Maximum number of sample frames to decode. A hostile file then takes some seconds.
 const FRAMES_MAX: usize = 1 << 21;
-/// Frames to decode after each seek.
+/// Number of sample frames to decode after each seek.
 const FRAMES_AFTER_SEEK: usize = 1 << 15;
 
-/// File extensions, chosen by the first byte of an input. Containers are detected by content, but the extension is a
-/// hint.
+/// File extensions, chosen by the first byte of an input. The content determines the container, and the extension is
+/// a hint.
 pub(crate) const SOUND_ENDS: [&str; 12] =
     ["wav", "flac", "mp3", "ogg", "opus", "m4a", "aac", "aiff", "caf", "mkv", "webm", "mp4"];
-/// File extensions of playlists.
 pub(crate) const LIST_ENDS: [&str; 4] = ["m3u", "m3u8", "pls", "cue"];
 
-/// In memory if possible: a disk would take most of the time.
+/// Prefer a folder in memory, because a disk would take most of the time.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let memory = Path::new("/dev/shm");
     tempfile::tempdir_in(memory).or_else(|_| tempfile::tempdir()).unwrap()
@@ -40,7 +39,7 @@ fn file(folder: &str, name: &str, bytes: &[u8]) -> PathBuf {
     path
 }
 
-/// Panics of codecs become errors. libFuzzer's panic hook would abort first.
+/// Replaces libFuzzer's panic hook, which would abort before a codec's panic becomes an error.
 fn contain_panics() {
     static ONCE: Once = Once::new();
     ONCE.call_once(quiet_contained_panics);

@@ -22,11 +22,9 @@ use std::path::Path;
 pub(crate) use seeds::{Seed, changed, dictionary};
 
 pub(crate) struct Target {
-    /// Name, which is also that of its program in `bin/`.
+    /// Name of the target and of its program in `bin/`.
     pub name: &'static str,
-    /// Processes an input.
     pub run: fn(&[u8]),
-    /// Returns the seed inputs.
     pub seeds: fn() -> Vec<Seed>,
     /// True if the words of the scene language make useful inputs.
     pub speaks: bool,
@@ -40,7 +38,6 @@ pub(crate) const SYNTAX: Target =
 /// Scenes, from text to tapes and GLSL.
 pub(crate) const SCENE: Target =
     Target { name: "scene", run: text::scene, seeds: seeds::scenes, speaks: true, changes: 100 };
-/// Region trees of scenes.
 pub(crate) const REGIONS: Target =
     Target { name: "regions", run: regions::regions, seeds: seeds::small_scenes, speaks: true, changes: 60 };
 /// Tapes of expressions, and their encoding.
@@ -89,11 +86,11 @@ pub(crate) const TARGETS: [&Target; 12] = [
     &SHOWS,
 ];
 
-/// Initializes a libFuzzer program. If `MARIANA_FUZZ_SEEDS` is a folder, writes seeds and dictionary there and ends
-/// the program.
+/// Initializes a libFuzzer program. If `MARIANA_FUZZ_SEEDS` names a folder, writes seeds and dictionary to that
+/// folder and ends the program.
 ///
 /// # Panics
-/// The files cannot be written.
+/// Panics if the files cannot be written.
 pub(crate) fn prepare(target: &Target) {
     let Some(folder) = std::env::var_os("MARIANA_FUZZ_SEEDS") else { return };
     let folder = Path::new(&folder);

@@ -9,11 +9,11 @@ use super::bytes::hash;
 use super::random::Random;
 use super::text;
 
-/// Points to compare in each frame.
+/// Number of points to compare in each frame.
 const POINTS: usize = 300;
-/// Trees of longer tapes take seconds, which is a known limitation.
+/// Maximum number of clauses. Trees of longer tapes take seconds, which is a known limitation.
 const CLAUSES_MAX: usize = 3_000;
-/// Distance from surfaces within which rays ask for the object.
+/// Maximum distance from a surface at which rays ask for the object.
 const OBJECT_REACH: f32 = 0.2;
 
 /// Checks the region tree of a scene text.

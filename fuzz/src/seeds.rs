@@ -57,7 +57,7 @@ pub(crate) fn small_scenes() -> Vec<Seed> {
     SCENES.iter().map(|(name, text)| seed(*name, *text)).collect()
 }
 
-/// Returns the short scenes and the shipped ones.
+/// Returns the short scenes and the shipped scenes.
 pub(crate) fn scenes() -> Vec<Seed> {
     let mut seeds = small_scenes();
     let mut files: Vec<PathBuf> =
@@ -177,7 +177,6 @@ fn osc_message(address: &str, tags: &str, arguments: &[u8]) -> Vec<u8> {
     [osc_text(address), osc_text(tags), arguments.to_vec()].concat()
 }
 
-/// Encodes an OSC bundle.
 fn osc_bundle(time: [u32; 2], elements: &[Vec<u8>]) -> Vec<u8> {
     let mut bytes = [osc_text("#bundle"), time.map(u32::to_be_bytes).concat()].concat();
     for element in elements {

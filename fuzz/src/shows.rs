@@ -18,7 +18,7 @@ const SCENE_TEXT: &str = "param size = 1 in 0.2 .. 2\nparam grain = 0.5 in 0 .. 
     object ball { shape = sphere(p, size) }\ncamera { position = vec3(0, 2, -6)  target = vec3(0) }\n\
     camera near { position = vec3(1, 1, -3)  target = vec3(0) }\n";
 
-/// A folder with this scene, one without parameters, and one with a mistake.
+/// A folder with this scene, a scene without parameters, and a scene with a mistake.
 static SCENES: LazyLock<(tempfile::TempDir, ReadyScene)> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in [(SCENE, SCENE_TEXT), ("bare.scene", "length(p) - 1"), ("bad.scene", "lngth(p)")] {
@@ -56,7 +56,7 @@ fn song(number: usize) -> SongStructure {
     }
 }
 
-/// Parses a show. A valid one must have a clip to draw at every moment. The first byte selects the song.
+/// Parses a show. A valid show must have a clip to draw at every moment. The first byte selects the song.
 pub(crate) fn shows(data: &[u8]) {
     let mut bytes = Bytes(data);
     let song = song(bytes.below(2));
@@ -77,7 +77,7 @@ pub(crate) fn shows(data: &[u8]) {
     let pressed: Vec<f64> = (0..cues).map(|number| 5.0 * number as f64).collect();
     let with_cues = prepared_show.with_cues(&song, &pressed);
     check(&with_cues, with_cues.timeline().unwrap());
-    // The printed show is valid.
+    // The printed show must be valid.
     let again = PreparedShow::of_text("again.show", &prepared_show.text(&[]), folder.path(), &song);
     assert!(again.is_ok(), "{:?}", again.err());
 }

@@ -19,7 +19,8 @@ pub(crate) fn syntax(data: &[u8]) {
         let span = diagnostic.span;
         assert!(span.start <= span.end && span.end as usize <= text.len(), "{diagnostic:?}");
     }
-    // Rendering mistakes is slower than finding them, and the target `scene` renders all of its own.
+    // Render only some mistakes, because rendering is slower than finding mistakes. The target `scene` renders all
+    // its mistakes.
     if hash(data).is_multiple_of(8) {
         check(&diagnostics, &sources);
     }

@@ -3,10 +3,11 @@
 use mariana_field::graph::{Compound, FrameInputs, Point};
 use mariana_field::tape::{Clause, Instruction, Operand, opcode};
 
-/// Runs the tape that begins at a texel. Returns all registers at the end, and the two registers that END names.
+/// Runs the tape that begins at a texel. Returns all registers at the end of the tape, and the two registers that END
+/// names.
 ///
 /// # Panics
-/// If the texels end before the tape, or contain an invalid word.
+/// Panics if the texels end before the tape, or contain an invalid word.
 pub(crate) fn run(
     texels: &[[u32; 4]],
     start: usize,
@@ -66,13 +67,14 @@ pub(crate) fn run(
     panic!("the texels end before the tape");
 }
 
-/// Returns the program starts of a grid's cells.
+/// Returns the texel indices where the programs of a grid's cells start.
 fn cells_of(texels: &[[u32; 4]], grid: u32) -> &[u32] {
     let side = texels[grid as usize][3] as usize + 1;
     &texels[grid as usize + 2..].as_flattened()[..side.pow(3)]
 }
 
-/// Checks that every program in the directory of a world's texels ends, and every tape of texture coordinates.
+/// Checks that every program in the directory of a world's texels ends, and that every tape of texture coordinates
+/// ends.
 pub(crate) fn check_directory(texels: &[[u32; 4]], objects: usize) {
     let ends = |start: u32| {
         let tape = texels.get(start as usize..).unwrap_or(&[]);

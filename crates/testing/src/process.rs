@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-/// Longest wait of a test.
+/// Maximum wait of a test.
 pub const WAIT_LIMIT: Duration = Duration::from_secs(60);
 /// Polling interval while waiting.
 pub const LOOK_PERIOD: Duration = Duration::from_millis(10);
 
-/// A child process that is killed when the test ends, also by a panic.
+/// A child process that is killed when the test ends, even if the test panics.
 pub struct Process(Child);
 
 impl Process {
@@ -27,7 +27,7 @@ impl Process {
         self.0.id()
     }
 
-    /// Takes the standard output, which must be piped. Works once.
+    /// Takes the standard output, which must be piped. Call this only once.
     pub fn stdout(&mut self) -> ChildStdout {
         self.0.stdout.take().expect("the standard output is piped and not taken yet")
     }
@@ -44,7 +44,7 @@ impl Process {
 
     /// Kills the process.
     pub fn kill(&mut self) {
-        // Fails if the process has ended.
+        // Killing fails if the process has ended.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -70,7 +70,7 @@ fn missing(command: &Command, package: &str, error: &std::io::Error) -> ! {
     panic!("{name} cannot be run ({error}): these tests need it; install the Debian package '{package}'");
 }
 
-/// Waits until `done` returns true. Fails after [`WAIT_LIMIT`] with a message about `what`.
+/// Waits until `done` returns true. Panics after [`WAIT_LIMIT`] with a message about `what`.
 pub fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
     let start = Instant::now();
     while !done() {
@@ -86,11 +86,11 @@ pub fn private_folder() -> TempDir {
     folder
 }
 
-/// Environment of a program whose session is in `folder`. The program finds the sound server there and no sound
-/// devices of the machine.
+/// Environment of a program whose session is in `folder`. The program finds the sound server in `folder`, but no
+/// sound devices of the machine.
 pub fn session_environment(folder: &Path) -> [(&'static str, String); 4] {
     let path = folder.display().to_string();
-    // Set the address explicitly: an existing one would take precedence over the folder.
+    // Set the address explicitly, because an address in the environment would take precedence over the folder.
     let server = format!("unix:{path}/pulse/native");
     [
         ("XDG_RUNTIME_DIR", path.clone()),

@@ -68,7 +68,7 @@ impl<'b> ScreenReader<'b> {
         Self { bus, address, _launcher: launcher }
     }
 
-    /// Announces to programs that a screen reader is running, or no longer is.
+    /// Announces to programs that a screen reader is running, or has stopped.
     pub fn listen(&self, on: bool) {
         let set = ["org.freedesktop.DBus.Properties.Set", "string:org.a11y.Status", "string:IsEnabled"];
         let value = format!("variant:boolean:{on}");
@@ -81,7 +81,7 @@ impl<'b> ScreenReader<'b> {
         let (mut found, mut next) =
             (Vec::new(), vec![("org.a11y.atspi.Registry".to_owned(), ROOT.to_owned())]);
         while let Some((program, object)) = next.pop() {
-            // A control that is gone has no children.
+            // Treat a control that is gone as a control without children.
             let method = format!("{ACCESSIBLE}.GetChildren");
             let reply = self.send(&program, &object, &[&method]).unwrap_or_default();
             let mut words = reply.split_whitespace().peekable();
@@ -99,7 +99,7 @@ impl<'b> ScreenReader<'b> {
 
     /// True if a toggle button is on.
     pub fn is_on(&self, control: &Control) -> bool {
-        /// From AT-SPI's list of states, in the first of two words of bits.
+        /// The number of a bit from AT-SPI's list of states, in the first of two words.
         const PRESSED: u32 = 20;
         let reply = self.send(&control.program, &control.object, &[&format!("{ACCESSIBLE}.GetState")]);
         let reply = reply.unwrap_or_else(|error| panic!("{control:?}: {error}"));

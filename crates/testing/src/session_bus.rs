@@ -12,7 +12,7 @@ pub struct SessionBus {
 }
 
 impl SessionBus {
-    /// Starts the bus at the address for programs of the session in `folder`.
+    /// Starts the bus at the address that programs of the session in `folder` use.
     pub fn start(folder: &Path) -> Self {
         let mut command = Command::new("dbus-daemon");
         command

@@ -7,7 +7,8 @@ use tempfile::TempDir;
 use super::process::{private_folder, session_environment};
 use super::sound_server::{Recorder, SoundServer};
 
-/// The server's address is in the environment of the whole process, so such tests run one at a time.
+/// Held by each [`Session`]: the server's address is in the environment of the process, so only one session may
+/// exist.
 static ENVIRONMENT: Mutex<()> = Mutex::new(());
 
 /// A private session folder, optionally with a PulseAudio server.
@@ -58,8 +59,7 @@ impl Session {
 
 #[allow(unsafe_code)]
 fn set_environment(name: &str, value: &str) {
-    // SAFETY: each `Session` holds the lock `ENVIRONMENT`, so only one thread calls this at a time. Nothing else
-    // in such a test program writes the environment, and a session is created before the threads of its test
-    // start.
+    // SAFETY: each `Session` holds the lock `ENVIRONMENT`, so only one thread calls this at a time. No other code in
+    // such a test program writes the environment, and a test creates its session before its threads start.
     unsafe { std::env::set_var(name, value) }
 }

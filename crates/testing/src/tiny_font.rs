@@ -10,7 +10,8 @@ pub struct TinyFont<'a> {
     pub language: u16,
     /// The letters of the font.
     pub letters: &'a str,
-    /// Side of the first letter's square in units of 1/1000 em. The square of each further letter is 200 smaller.
+    /// Side of the first letter's square in units of 1/1000 em. The square of each further letter is 200 units
+    /// smaller.
     pub side: i16,
 }
 

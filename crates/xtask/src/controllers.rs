@@ -18,7 +18,7 @@ const SCENE: &str = "param size = 1 in 0.5 .. 1.5\n\
     material paint { color = vec3(0.6, 0.3, 0.2)  roughness = 0.6 }\n\
     object ball { shape = length(p - vec3(0.3 * sin(t), size, 0)) - size  material = paint }\n\
     object floor { shape = p.y  material = paint }\n";
-/// Messages per second: few, to measure the latency of each, and a flood.
+/// Messages per second: a low rate, to measure the latency of each message, and a flood.
 const RATES: [(&str, f64); 2] = [("17 a second", 17.0), ("10,000 a second", 10_000.0)];
 const FPS: &str = "60";
 
@@ -62,7 +62,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
 
 const PORT: u16 = 47_911;
 
-/// Sends at a rate until a moment. The period of the messages is not a multiple of the frame time.
+/// Sends messages at `rate` until `until`. The period of the messages is not a multiple of the frame time.
 fn send(rate: f64, until: Instant, mut one: impl FnMut(u64) -> std::io::Result<()>) -> anyhow::Result<()> {
     let (start, mut number) = (Instant::now(), 0);
     while Instant::now() < until {
@@ -97,7 +97,7 @@ fn measure(
     Command::new("kill").arg(child.id().to_string()).status()?;
     child.wait()?;
     let log = fs::read_to_string(&log)?;
-    // The last two matching lines of the log, about all frames and about messages.
+    // Find the last matching lines of the log: one about all frames, and one about messages.
     let said = |of_messages: bool| {
         let is_meant =
             |line: &&str| line.contains(" frames") && line.contains("from message to frame") == of_messages;

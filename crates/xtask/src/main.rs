@@ -24,7 +24,7 @@ const TOOLS: &[Tool] = &[
     (
         "controllers",
         "PROGRAM [SECONDS]",
-        "measures the latency of MIDI and OSC messages, and floods of them, in a window",
+        "measures the latency of MIDI and OSC messages, and message floods, in a window",
         controllers::run,
     ),
     ("demo-track", "OUT.wav", "renders the demo track", demo_track::run),
@@ -32,7 +32,7 @@ const TOOLS: &[Tool] = &[
     (
         "gallery",
         "[SCENE ...]",
-        "writes docs/gallery.md and the images of these scenes, or of all",
+        "writes docs/gallery.md and the images of these scenes, or of all scenes",
         gallery::run,
     ),
     (
@@ -53,7 +53,7 @@ const TOOLS: &[Tool] = &[
     (
         "thumbnails",
         "[SCENE ...]",
-        "draws assets/thumbnails for these shipped scenes, or for all",
+        "draws assets/thumbnails for these shipped scenes, or for all shipped scenes",
         thumbnails::run,
     ),
     #[cfg(unix)]

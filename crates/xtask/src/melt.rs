@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context as _, ensure};
 
 const SHOW: &str = "at start heart\nat drop 1 - 1 bar metaballs melt over 2 bars\n";
-/// The part of the song, in seconds.
+/// Start of the rendered part of the song, in seconds.
 const START: &str = "24";
 const DURATION: &str = "5.6";
 

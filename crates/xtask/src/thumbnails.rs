@@ -12,7 +12,7 @@ use mariana::scenes::{SceneSource, shipped_names};
 use mariana::thumbnails::{MOMENT, SIZE, jpeg_of};
 use mariana_music::Gain;
 
-/// Draws the named scenes, or all, and removes thumbnails without a scene.
+/// Draws the named scenes, or all scenes, and removes thumbnails without a scene.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     let folder = Path::new(crate::root::ROOT).join("assets/thumbnails");
     fs::create_dir_all(&folder)?;

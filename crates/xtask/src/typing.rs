@@ -11,9 +11,10 @@ use anyhow::{Context, ensure};
 
 use crate::controllers;
 
-/// Objects of the scene, with five lines each.
+/// Number of objects in the scene. Each object takes five lines.
 const OBJECTS: usize = 59;
-/// Pause between keys: more than a frame on a slow machine, and not a multiple of one on a fast machine.
+/// Pause between keys. It is longer than a frame on a slow machine, and not a multiple of the frame time on a fast
+/// machine.
 const PAUSE: Duration = Duration::from_millis(437);
 
 /// Presses the given number of keys.
@@ -53,7 +54,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     Ok(fs::remove_dir_all(&folder)?)
 }
 
-/// Opens the editor, moves to the number at the end of the third line, and inserts and deletes a digit in turn.
+/// Opens the editor, moves to the number at the end of the third line, and alternately inserts and deletes a digit.
 fn press_keys(keys: usize) -> anyhow::Result<()> {
     // Wait until drivers and caches have settled.
     std::thread::sleep(Duration::from_secs(3));

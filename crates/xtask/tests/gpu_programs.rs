@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Parts of the names of the programs to compile: every compiled scene, the passes, the universal interpreters, and
-/// the largest interpreter of a scene. All of these take a minute.
+/// the largest interpreter of a scene. Compiling them takes a minute.
 const PROGRAMS: [&str; 4] = [".frag", "compiled", "universal", "speakers, interpreted"];
 
 #[test]
@@ -23,7 +23,6 @@ fn no_program_got_worse_for_a_gpu() {
     assert!(reported.contains("Not compared") || reported.contains("No program got worse"), "{reported}");
 }
 
-/// Finds the shim of `mesa-drm-shim` for old AMD GPUs.
 fn old_gpu_shim() -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/mesa-drm-shim");
     let folder = "usr/lib/x86_64-linux-gnu/libradeon_noop_drm_shim.so";

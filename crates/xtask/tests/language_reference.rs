@@ -100,7 +100,7 @@ fn every_shape_has_an_image_with_a_visible_shape() {
         let picture =
             image::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).into_rgb8();
         assert_eq!(picture.dimensions(), (200, 150), "{name}");
-        // Shapes have a warm colour; everything around them is grey.
+        // Shapes have a warm colour, and their surroundings are grey.
         let warm = picture.pixels().filter(|pixel| pixel[0] > pixel[2].saturating_add(24)).count();
         let fraction = warm as f32 / (picture.width() * picture.height()) as f32;
         assert!((0.05..0.75).contains(&fraction), "{name}: the shape fills {fraction} of its image");

@@ -92,7 +92,7 @@ fn snare(out: &mut [Frame], hit: &Hit, seed: u64) {
     });
 }
 
-/// Hats and cymbals: high-passed noise, different on both sides, that decays with time constant `tau`.
+/// Hats and cymbals: high-passed noise that decays with time constant `tau`. Each side has different noise.
 fn hiss(out: &mut [Frame], hit: &Hit, seed: u64, corner: f32, tau: f32, level: f32) {
     let mut noises = [Noise::new(seed), Noise::new(seed + 1)];
     let mut filters = [[Filter::new(Pass::High, corner, 0.9); 2]; 2];

@@ -36,8 +36,8 @@ impl DelayLine {
 }
 
 /// A feedback delay network of eight lines with a Hadamard matrix (Jot and Chaigne, "Digital Delay Networks for
-/// Designing Artificial Reverberators", 1991), after two all-pass diffusers per side. Even lines are fed from and
-/// heard on the left, odd lines on the right.
+/// Designing Artificial Reverberators", 1991), after two all-pass diffusers per side. Even lines have input and
+/// output on the left, odd lines on the right.
 #[derive(Debug)]
 pub struct Reverb {
     diffusers: [[DelayLine; 2]; 2],
@@ -47,9 +47,9 @@ pub struct Reverb {
 }
 
 impl Reverb {
-    /// A reverb whose low frequencies fall by 60 dB in `t60` seconds.
+    /// Creates a reverb whose low frequencies fall by 60 dB in `t60` seconds.
     pub fn new(t60: f32) -> Self {
-        // Mutually prime, 30 to 58 ms.
+        // The lengths are mutually prime and take 30 to 58 ms.
         const LENGTHS: [usize; 8] = [1433, 1601, 1867, 2053, 2251, 2399, 2617, 2797];
         Self {
             diffusers: [
@@ -87,7 +87,7 @@ impl Reverb {
     }
 }
 
-/// Echoes that alternate between the sides every dotted eighth, each darker and softer than the previous one.
+/// Echoes that alternate between the sides every dotted eighth, each darker and softer than the previous echo.
 #[derive(Debug)]
 pub struct PingPong {
     lines: [DelayLine; 2],
@@ -97,7 +97,7 @@ pub struct PingPong {
 }
 
 impl PingPong {
-    /// A delay with this level of each echo relative to the previous one, 0..1.
+    /// Creates a delay. `feedback` is the level of each echo relative to the previous echo, 0..1.
     pub fn new(feedback: f32) -> Self {
         Self {
             lines: [DelayLine::new(3 * STEP), DelayLine::new(3 * STEP)],
@@ -117,7 +117,8 @@ impl PingPong {
     }
 }
 
-/// The ducking under the kicks for each sample, from 0 (none) to 1 (at a full kick). Each instrument scales it.
+/// Returns the ducking under the kicks for each sample, from 0 (no ducking) to 1 (at a full kick). Each instrument
+/// scales it.
 pub fn ducking(kicks: &[(usize, f32)], length: usize) -> Vec<f32> {
     let mut duck = vec![0.0_f32; length];
     let (fall, rise) = (0.004, 0.26);
@@ -132,8 +133,8 @@ pub fn ducking(kicks: &[(usize, f32)], length: usize) -> Vec<f32> {
     duck
 }
 
-/// A stereo-linked look-ahead limiter, in place. No sample is above `ceiling` afterwards, and the gain changes
-/// smoothly.
+/// Limits `frames` in place with a stereo-linked look-ahead limiter. Afterwards, no sample exceeds `ceiling`. The
+/// gain changes smoothly.
 pub fn limit(frames: &mut [Frame], ceiling: f32) {
     const LOOK_AHEAD: usize = 240; // 5 ms
     let release = 1.0 - (-DT / 0.12).exp();
@@ -179,7 +180,7 @@ pub fn remove_rumble(frames: &mut [Frame]) {
     }
 }
 
-/// Fades both ends to 0 within `seconds`, to avoid clicks where a player stops or starts.
+/// Fades both ends to 0 within `seconds`, to avoid clicks when a player starts or stops.
 pub fn fade_edges(frames: &mut [Frame], seconds: f32) {
     let span = ((seconds * SAMPLE_RATE as f32) as usize).min(frames.len() / 2);
     let last = frames.len().saturating_sub(1);
@@ -219,7 +220,7 @@ mod tests {
                     .sum()
             })
             .collect();
-        // 60 dB in 1.5 s are 40 dB per second; damping makes it faster.
+        // 60 dB in 1.5 s are 40 dB per second. Damping makes the decay faster.
         assert!(
             energy[0] > 0.01 && energy[1] < energy[0] * 2e-4 && energy[3] < energy[0] * 1e-9,
             "{energy:?}"

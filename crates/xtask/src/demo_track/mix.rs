@@ -7,7 +7,7 @@ use super::score::{self, BAR, BARS, Drum, Note};
 use super::synth::{self, Filter, Frame, Pass};
 use std::f32::consts::TAU;
 
-/// Bars rendered beyond the end for reverb tails. They are added to the beginning, as in a loop.
+/// Bars rendered beyond the end for reverb tails. The tails are added to the beginning, as in a loop.
 const TAIL_BARS: usize = 4;
 const MASTER_GAIN: f32 = 0.5;
 /// Peak level: -2 dBFS leaves room for overshoots of lossy codecs.
@@ -43,7 +43,7 @@ const PAD_LEVEL: Curve = Curve(&[
     (36.0, 0.36),
     (40.0, 0.22),
 ]);
-/// In octaves above 100 Hz.
+/// Corner frequency in octaves above 100 Hz.
 const PAD_CORNER: Curve = Curve(&[
     (0.0, 2.6),
     (4.0, 3.3),
@@ -108,7 +108,6 @@ impl Mixer {
     }
 }
 
-/// Renders one instrument on a separate bus.
 fn bus(length: usize, notes: &[Note], instrument: impl Fn(&mut [Frame], &Note)) -> Vec<Frame> {
     let mut out = vec![[0.0; 2]; length];
     notes.iter().for_each(|note| instrument(&mut out, note));
@@ -166,7 +165,7 @@ pub fn render() -> Vec<Frame> {
     let bass = bus(length, &score::bass(), synth::bass);
     mixer.add(&bass, &Channel { level: 0.62, duck: 0.75, reverb: 0.0, delay: 0.0 });
 
-    // Low drums stay almost dry; the others get reverb.
+    // Low drums stay almost dry, and high drums get reverb.
     let (mut low, mut high) = (vec![[0.0; 2]; length], vec![[0.0; 2]; length]);
     for (index, hit) in hits.iter().enumerate() {
         let out = if matches!(hit.drum, Drum::Kick | Drum::Impact) { &mut low } else { &mut high };
@@ -209,7 +208,7 @@ mod tests {
         assert!(both(23.5, 23.85) < 0.01 * both(12.0, 20.0), "the silence is silent");
         assert!(rms(bars(20.5, 21.0), 0) > 3.0 * rms(bars(20.5, 21.0), 1), "left only");
         assert!(rms(bars(21.5, 22.0), 1) > 3.0 * rms(bars(21.5, 22.0), 0), "right only");
-        // The loop point: 0 at both ends, quiet around it.
+        // At the loop point, both ends are 0 and the sound is quiet.
         assert_eq!((piece[0], piece[piece.len() - 1]), ([0.0; 2], [0.0; 2]));
         let last = (0.1 / DT) as usize;
         assert!(rms(&piece[piece.len() - last..], 0) < 0.03 && rms(&piece[..last], 0) < 0.03);

@@ -218,7 +218,7 @@ pub fn pads() -> Vec<Note> {
     notes
 }
 
-/// Bells: single notes on alternating sides in the intro, then the theme; the closing phrase in the outro.
+/// Bells: single notes on alternating sides and then the theme in the intro, and the closing phrase in the outro.
 pub fn bells() -> Vec<Note> {
     let mut notes = Vec::new();
     let sparks: [(usize, usize, u8, f32); 12] = [
@@ -238,7 +238,7 @@ pub fn bells() -> Vec<Note> {
     notes.extend(sparks.map(|(bar, step, pitch, pan)| Note::new(bar, step, 2, pitch, 0.85, pan)));
     phrase(&mut notes, 4, &THEME, 0.9, 0.0);
     phrase(&mut notes, 36, &FAREWELL, 0.75, 0.0);
-    // An octave above the lead, the last time the theme is heard.
+    // When the theme is heard for the last time, the bells play it an octave above the lead.
     notes.extend(
         ANSWER.map(|(b, s, n, pitch)| Note::new(32 + b, s, n, pitch + 12, 0.35, [-0.6, 0.6][s / 2 % 2])),
     );
@@ -268,7 +268,7 @@ pub fn arpeggio() -> Vec<Note> {
         for step in 0..STEPS {
             let beat = step / 4;
             let swing = if beat % 2 == 0 { -1.0 } else { 1.0 };
-            // If the step plays, its loudness, and its pan.
+            // Find out if the step plays, its loudness, and its pan.
             let (plays, loudness, pan) = match bar {
                 4..8 => (step % 4 == 2, 0.35, swing * 0.8),
                 8..12 => (step % 2 == 0 || bar >= 10, 0.6, swing * 0.6),
@@ -297,7 +297,7 @@ pub fn arpeggio() -> Vec<Note> {
 /// The bass: drones in the intro, pulses in the build, a syncopated line in the loud parts, and low plucks that
 /// change sides in the breakdown.
 pub fn bass() -> Vec<Note> {
-    // Step, length, interval above the root.
+    // The columns are step, length, and interval above the root.
     const LINE: [(usize, usize, u8); 7] =
         [(0, 2, 0), (3, 2, 0), (6, 2, 12), (8, 2, 0), (10, 1, 0), (11, 2, 7), (14, 2, 12)];
     let mut notes = Vec::new();
@@ -378,7 +378,7 @@ pub fn drums() -> Vec<Hit> {
                 hit(Drum::Shaker, bar, step, [0.5, 0.3, 0.7, 0.3][step % 4], side * 1.6);
             }
             if bar == 11 {
-                // The snare roll: eighths, then sixteenths, without the last beat.
+                // The snare roll has eighths, then sixteenths, and leaves out the last beat.
                 if (step < 8 && step % 2 == 0) || (8..13).contains(&step) {
                     hit(Drum::Snare, bar, step, 0.25 + 0.045 * step as f32, 0.0);
                 }
@@ -401,7 +401,7 @@ pub fn drums() -> Vec<Hit> {
     hit(Drum::Riser, 10, 0, 1.0, 0.0);
     hit(Drum::Impact, 12, 0, 0.9, 0.0);
     hit(Drum::Impact, 24, 0, 0.9, 0.0);
-    // Surf in the quiet parts, on alternating sides.
+    // The quiet parts have surf on alternating sides.
     for (bar, pan) in [(0, -0.8), (2, 0.8), (4, -0.8), (6, 0.8), (8, -0.5), (36, 0.5), (37, -0.8)] {
         hit(Drum::Surf, bar, 0, 0.5, pan);
     }

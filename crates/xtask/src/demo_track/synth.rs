@@ -17,10 +17,10 @@ pub fn frequency(pitch: u8, cents: f32) -> f32 {
     440.0 * ((f32::from(pitch) - 69.0) / 12.0 + cents / 1200.0).exp2()
 }
 
-/// Returns equal-power gains for a pan -1 (left) ..= 1 (right); 0.707 each in the middle.
+/// Returns equal-power gains for a pan -1 (left) ..= 1 (right). In the middle, both gains are 0.707.
 pub fn pan_gains(pan: f32) -> Frame {
     let angle = (pan.clamp(-1.0, 1.0) + 1.0) * FRAC_PI_4;
-    // The sine of a side's own angle is exactly 0 at the far side.
+    // Use the sine for both sides, because it is exactly 0 when the sound is at the far side.
     [(2.0 * FRAC_PI_4 - angle).sin(), angle.sin()]
 }
 
@@ -61,8 +61,8 @@ impl Phase {
     }
 }
 
-/// PolyBLEP: the difference between a band-limited and a naive step of height 2 at phase 0. `dt` is the frequency in
-/// cycles per sample.
+/// Returns the difference between a band-limited and a naive step of height 2 at phase 0 (polyBLEP). `dt` is the
+/// frequency in cycles per sample.
 fn step_residual(t: f32, dt: f32) -> f32 {
     if t < dt {
         let u = t / dt;
@@ -75,7 +75,8 @@ fn step_residual(t: f32, dt: f32) -> f32 {
     }
 }
 
-/// An ADSR envelope: attack, decay and release in seconds, sustain as a level 0..1. Evaluated in closed form.
+/// An ADSR envelope: attack, decay and release in seconds, sustain as a level 0..1. The level is computed in closed
+/// form.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope {
     pub attack: f32,
@@ -94,8 +95,8 @@ impl Envelope {
         }
     }
 
-    /// Returns the level `t` seconds after the onset of a note held for `held` seconds; 0 from `held + release`
-    /// on.
+    /// Returns the level `t` seconds after the onset of a note that is held for `held` seconds. The level is 0 after
+    /// `held + release` seconds.
     pub fn level(&self, t: f32, held: f32) -> f32 {
         if t <= held {
             self.held_level(t)
@@ -105,7 +106,7 @@ impl Envelope {
         }
     }
 
-    /// Returns the samples until the envelope of a note of `length` samples is 0.
+    /// Returns the number of samples until the envelope reaches 0, for a note of `length` samples.
     pub fn samples(&self, length: usize) -> usize {
         length + (self.release * SAMPLE_RATE as f32).ceil() as usize
     }
@@ -229,16 +230,16 @@ pub fn lead(out: &mut [Frame], note: &Note) {
         }
         let sine = 0.45 * body.sine(middle * bend);
         let voices: [f32; 2] = std::array::from_fn(|i| saws[i].saw(base[i] * bend));
-        // Each side has more of one saw, which gives a little width without a shift.
+        // Each side has more of one saw, which widens the sound slightly without moving it.
         let left = filters[0].run(0.35 * voices[0] + 0.15 * voices[1]) + sine;
         let right = filters[1].run(0.15 * voices[0] + 0.35 * voices[1]) + sine;
         [left * gains[0], right * gains[1]]
     });
 }
 
-/// A bell: sine partials; higher ones are shorter.
+/// A bell: sine partials, of which higher partials decay faster.
 pub fn bell(out: &mut [Frame], note: &Note) {
-    // Ratio to the fundamental, level, decay time in seconds.
+    // The columns are the ratio to the fundamental, the level, and the decay time in seconds.
     const PARTIALS: [(f32, f32, f32); 6] = [
         (1.0, 0.60, 1.1),
         (2.0, 0.25, 0.7),

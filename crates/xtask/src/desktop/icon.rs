@@ -1,5 +1,5 @@
 //! The icon: a woofer with a wooden frame. The left half of its ring has the colour of the left channel, the right
-//! half that of the right channel. The SVG and the PNGs come from the same list of layers.
+//! half the colour of the right channel. The SVG and the PNGs come from the same list of layers.
 
 use std::fmt::Write;
 
@@ -17,11 +17,11 @@ const MIDDLE: f32 = SIDE / 2.0;
 
 /// A shape, in layer units.
 enum Outline {
-    /// A square around the centre: half its side, and its corner radius.
+    /// A square around the centre. The values are half its side, and its corner radius.
     Square(f32, f32),
-    /// A disc: its centre (the same on both axes), and its radius.
+    /// A disc. The values are its centre (the same on both axes), and its radius.
     Disc(f32, f32),
-    /// The right half of a disc around the centre: its radius.
+    /// The right half of a disc around the centre. The value is its radius.
     RightHalf(f32),
 }
 use Outline::{Disc, RightHalf, Square};
@@ -43,7 +43,7 @@ const LAYERS: [(Outline, u32); 10] = [
 /// Returns the names and bytes of the SVG and of every PNG.
 ///
 /// # Errors
-/// An error of the PNG encoder.
+/// Fails with the error of the PNG encoder.
 pub(super) fn files() -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let mut files = vec![(format!("icons/scalable/apps/{APP_ID}.svg"), svg()?.into_bytes())];
     for side in SIDES {
@@ -108,7 +108,7 @@ fn pixels(side: u32) -> Vec<u8> {
 
 /// Returns the pixel around a point; `scale` is the number of pixels per layer unit.
 fn pixel(scale: f32, x: f32, y: f32) -> [u8; 4] {
-    // Premultiplied.
+    // The sum is premultiplied by alpha.
     let mut sum = [0.0; 4];
     for (outline, color) in &LAYERS {
         let cover = (0.5 - outline.distance(x, y) * scale).clamp(0.0, 1.0);

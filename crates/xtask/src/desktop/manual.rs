@@ -10,7 +10,7 @@ use clap_mangen::roff::{Roff, roman};
 /// Returns the file names and texts of all pages.
 ///
 /// # Errors
-/// Never: the text is written to memory.
+/// Never fails, because the text is written to memory.
 pub(super) fn pages(program: Command) -> std::io::Result<Vec<(String, Vec<u8>)>> {
     let mut program = program.disable_help_subcommand(true).subcommand_value_name("command");
     program.build();
@@ -41,7 +41,7 @@ fn page(command: Command) -> std::io::Result<(String, Vec<u8>)> {
     Ok((format!("man/{name}.1"), text))
 }
 
-/// Converts the text after the options in the help to sections. Examples keep their lines; the rest becomes notes.
+/// Converts the text after the options in the help to sections. Examples keep their lines. Other text becomes notes.
 fn further_sections(after: &str) -> Roff {
     let mut roff = Roff::new();
     let (examples, notes): (Vec<&str>, Vec<&str>) =

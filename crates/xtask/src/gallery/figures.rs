@@ -16,11 +16,11 @@ use mariana_music::Sound;
 use super::MOMENTS;
 
 const SIZE: (u32, u32) = (320, 180);
-/// Size for counting costs: edges would have too much weight at a smaller size.
+/// Image size for counting costs. In a smaller image, edges would have too much weight.
 const COST_SIZE: (u32, u32) = (1280, 720);
 /// Index of the loudest moment.
 const LOUD: usize = 2;
-/// Smallest visible difference of a channel, of 255.
+/// Minimum visible difference of a channel, 0..=255.
 const VISIBLE: u8 = 12;
 
 pub struct Figures {

@@ -1,7 +1,8 @@
 //! Generates `docs/gallery.md`: for each shipped scene a large image, a strip of four moments of the demo track, its
 //! cost, and how much the music changes it. Run it after a change of a scene.
 //!
-//! `cargo xtask gallery [SCENE ...]` draws the images of these scenes, or of all, and always all figures.
+//! `cargo xtask gallery [SCENE ...]` draws the images of these scenes, or of all scenes. The figures are always
+//! measured for all scenes.
 
 mod figures;
 
@@ -32,7 +33,7 @@ const JPEG_QUALITY: u8 = 88;
 /// Mathematical surfaces, which come after the scenes made for music.
 const SURFACES: [&str; 4] = ["barth", "first_steps", "heart", "quadric"];
 
-/// Draws the named scenes, or all, and writes the page.
+/// Draws the named scenes, or all scenes, and writes the page.
 pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     let docs = Path::new(crate::root::ROOT).join("docs");
     let folder = docs.join("gallery");

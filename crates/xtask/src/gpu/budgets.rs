@@ -11,7 +11,7 @@ use super::programs::Linked;
 
 const FILE: &str = "crates/xtask/gpu-budgets.txt";
 
-/// Largest accepted growth of a program's code, as a factor.
+/// Maximum accepted growth of a program's code, as a factor.
 const LONGER: f64 = 1.05;
 
 /// Returns Mesa's version from a driver's description. Figures of another version are not comparable.
@@ -42,7 +42,7 @@ fn row(line: &str) -> Option<(Key, Counts)> {
 /// Records the figures as accepted. Keeps the accepted figures of other programs.
 ///
 /// # Errors
-/// The file cannot be read or written.
+/// Fails if the file cannot be read or written.
 pub(super) fn accept(all: &[(String, Vec<Linked>)]) -> anyhow::Result<()> {
     let Some(driver) = all.iter().flat_map(|(_, programs)| programs).map(|program| &program.driver).next()
     else {
@@ -65,11 +65,11 @@ pub(super) fn accept(all: &[(String, Vec<Linked>)]) -> anyhow::Result<()> {
     Ok(std::fs::write(Path::new(crate::root::ROOT).join(FILE), text)?)
 }
 
-/// Returns the programs that got worse than accepted, with the figures. Prints a note instead if the accepted figures
-/// are from another version of Mesa.
+/// Returns the programs whose figures are worse than accepted, with the figures. If the accepted figures are from
+/// another version of Mesa, prints a note instead.
 ///
 /// # Errors
-/// The file of accepted figures cannot be read.
+/// Fails if the file of accepted figures cannot be read.
 pub(super) fn worse(all: &[(String, Vec<Linked>)]) -> anyhow::Result<Vec<String>> {
     let (version, accepted) = read()?;
     let programs =

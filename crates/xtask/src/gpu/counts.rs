@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Counts {
     /// Vector registers per thread; 0 if unknown.
     pub(super) registers: u32,
-    /// Most waves per SIMD unit; more waves hide memory latency better. 0 if unknown.
+    /// Maximum number of waves per SIMD unit; 0 if unknown. More waves hide memory latency better.
     pub(super) waves: u32,
     /// Registers spilled to memory (Intel: number of spills).
     pub(super) spills: u32,

@@ -1,9 +1,9 @@
-//! Compiles every shader program with the compilers of real GPUs, without such a GPU: `cargo xtask gpu`.
+//! `cargo xtask gpu` compiles every shader program with the compilers of real GPUs. It needs no such GPU.
 //!
 //! Mesa's package `mesa-drm-shim` replaces the kernel driver of the GPU. Mesa's user space driver then compiles as on
-//! the real GPU and reports registers, waves, spills and code size; only drawing has no effect. These figures do not
-//! depend on the load of the machine, so they can be compared with the accepted ones ([`budgets`]), within one
-//! version of Mesa.
+//! the real GPU and reports registers, waves, spills and code size, but draws nothing. The figures do not depend on
+//! the load of the machine, so they can be compared with the accepted figures of the same version of Mesa
+//! ([`budgets`]).
 //!
 //! `cargo xtask gpu-programs` prints the figures for the GPU of this machine, if its driver reports any.
 
@@ -20,17 +20,16 @@ use anyhow::{Context as _, anyhow, bail};
 use programs::Linked;
 pub(crate) use programs::run as programs;
 
-/// The default GPUs: the oldest AMD family with many users, and a newer one.
+/// The default GPUs: the oldest AMD family with many users, and a newer family.
 const GPUS: [&str; 2] = ["vega10", "navi21"];
 
 /// The library of `mesa-drm-shim` for AMD GPUs.
 const SHIM: &str = "libamdgpu_noop_drm_shim.so";
 
-/// Arguments of [`run`].
 #[derive(Debug, Default)]
 struct Arguments {
     shim: Option<PathBuf>,
-    /// Folder of the shaders; `None` for the embedded ones.
+    /// Folder of the shaders; `None` for the embedded shaders.
     shaders: Option<String>,
     gpus: Vec<String>,
     /// Additional values of `AMD_DEBUG`, such as `useaco`.
@@ -65,7 +64,7 @@ fn requested(arguments: &[String]) -> anyhow::Result<Arguments> {
     Ok(requested)
 }
 
-/// Finds the shim, where packages install it or where `scripts/lib/setup.sh` unpacks it.
+/// Finds the shim in the folders where packages install it and where `scripts/lib/setup.sh` unpacks it.
 fn shim() -> Option<PathBuf> {
     let unpacked = Path::new(crate::root::ROOT).join("target/mesa-drm-shim");
     let folders = [PathBuf::from("/"), unpacked];
@@ -78,7 +77,7 @@ fn shim() -> Option<PathBuf> {
 /// figures as accepted.
 ///
 /// # Errors
-/// A missing shim or driver, a program that a driver rejects, and programs that got worse.
+/// Fails if the shim or the driver is missing, if a driver rejects a program, or if a program got worse.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let requested = requested(arguments)?;
     let shim = requested.shim.clone().or_else(shim).with_context(|| {
@@ -110,7 +109,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
 
 /// Compiles the programs for one GPU in a separate process: a process cannot change its GPU.
 fn ask(shim: &Path, gpu: &str, requested: &Arguments) -> anyhow::Result<Vec<Linked>> {
-    // Disable optimized variants, which are compiled later. Linking waits for the compiler.
+    // Disable optimized variants, which the driver compiles after linking.
     let mut options = vec!["nooptvariant".to_owned()];
     options.extend(requested.options.iter().cloned());
     let output = Command::new(std::env::current_exe()?)

@@ -22,7 +22,7 @@ use tracing_subscriber::util::SubscriberInitExt;
 
 use super::counts::Counts;
 
-/// A formula like those measured in section 4.4 of the thesis (Abt 2022).
+/// A formula like the measured formulas in section 4.4 of the thesis (Abt 2022).
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 
 /// The scene whose views are linked as well.
@@ -44,7 +44,8 @@ struct Wanted {
     variant: Variant,
 }
 
-/// Returns the programs to link: the scenes in both modes, views of one, the universal interpreters, and the passes.
+/// Returns the programs to link: all scenes in both modes, the views of one scene, the universal interpreters, and
+/// the passes.
 fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wanted>> {
     let is_wanted = |name: &str| names.is_empty() || names.iter().any(|word| name.contains(word.as_str()));
     let mut found = Vec::new();
@@ -64,7 +65,7 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
         let kinds = [Mode::Compiled, Mode::Interpreted].into_iter().flat_map(of_mode);
         let mut kinds = kinds
             .map(|(mode, counting)| {
-                // Counting is needed only by views.
+                // Only views count evaluations.
                 let views = if counting == Counting::On { ", views" } else { "" };
                 (format!("{name}, {mode}{views}"), mode, counting)
             })
@@ -131,7 +132,7 @@ fn cpu_seconds() -> f64 {
 /// JSON; `--shaders FOLDER` uses other shaders.
 ///
 /// # Errors
-/// A missing driver, and programs that it rejects.
+/// Fails if the driver is missing or rejects a program.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let (mut names, mut json, mut library) = (Vec::new(), false, ShaderLibrary::embedded());
     let mut arguments = arguments.iter();

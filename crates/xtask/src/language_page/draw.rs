@@ -32,10 +32,10 @@ struct Camera {
 }
 
 impl Camera {
-    /// A camera that sees all the points.
+    /// Returns a camera that sees all points.
     fn around(points: &[Vec3]) -> Self {
         let forward = -TO_CAMERA.normalize();
-        // x to the right, y up, z away from the camera.
+        // The axes are x to the right, y up, and z away from the camera.
         let right = Vec3::Y.cross(forward).normalize();
         let up = forward.cross(right);
         let range = |axis: Vec3| {
@@ -77,7 +77,7 @@ pub fn draw(field: &mut Field<'_>) -> Option<Vec<u8>> {
 
     let floor = extent.floor;
     let mut colors = vec![BACKGROUND; rays.len()];
-    // Hit points: on the shape, or on the ground if the ray goes down.
+    // A hit point is on the shape, or on the ground if the ray points down.
     let mut places: Vec<(usize, Vec3, bool)> = Vec::new();
     for (index, (ray, hit)) in rays.iter().zip(&hits).enumerate() {
         let down = (floor - camera.eye.y) / ray.y;
@@ -129,7 +129,7 @@ fn march(field: &mut Field<'_>, starts: &[Vec3], rays: &[Vec3], from: f32, ends:
             break;
         }
     }
-    // A ray that has used up all steps grazes the surface; count it as a hit.
+    // A ray that has used up all steps grazes the surface. Count the ray as a hit.
     for (index, at) in under_way {
         hits[index] = Some(at);
     }
@@ -199,7 +199,7 @@ fn copper(normal: Vec3, to_eye: Vec3, light: f32, open: f32) -> Vec3 {
         + Vec3::new(0.50, 0.55, 0.66) * rim * open * 0.35
 }
 
-/// Averages the samples and converts light to bytes. The bytes are quantized for smaller files.
+/// Averages the samples and converts light to bytes. Quantizes the bytes for smaller files.
 fn develop(colors: &[Vec3]) -> Vec<u8> {
     let columns = WIDTH * SAMPLES;
     let mut pixels = Vec::with_capacity(WIDTH * HEIGHT * 3);
@@ -212,7 +212,8 @@ fn develop(colors: &[Vec3]) -> Vec<u8> {
                 sum += Vec3::ONE - (-1.35 * color).exp();
             }
             let color = (sum / (SAMPLES * SAMPLES) as f32).powf(1.0 / 2.2) * 255.0;
-            // Brightness in steps of 2, and the differences of red and blue from it in steps of 4.
+            // Quantize brightness in steps of 2, and the differences of red and blue from the brightness in steps of
+            // 4.
             let bright = (color.dot(Vec3::new(0.25, 0.5, 0.25)) / 2.0).round() * 2.0;
             let red = ((color.x - bright) / 4.0).round() * 4.0;
             let blue = ((color.z - bright) / 4.0).round() * 4.0;

@@ -13,7 +13,7 @@ const GRID: usize = 72;
 /// Compiles a formula to a tape.
 ///
 /// # Errors
-/// The compiler's messages.
+/// Fails with the compiler's messages.
 pub fn tape(name: &str, formula: &str) -> Result<Tape, String> {
     let compiled = compile(name, formula, &mut no_includes);
     let Some(scene) = &compiled.scene else { return Err(compiled.render(false)) };
@@ -23,10 +23,10 @@ pub fn tape(name: &str, formula: &str) -> Result<Tape, String> {
 
 pub struct Field<'a> {
     batch: Batch<'a>,
-    /// Factor on a distance that makes it a lower bound of the true distance.
+    /// Factor that turns a value of the function into a lower bound of the true distance.
     pub step: f32,
-    /// Factor on a distance near the surface that makes it approximately the true distance. Above 1 for functions
-    /// that are far below it.
+    /// Factor that turns a value near the surface into approximately the true distance. The factor exceeds 1 if the
+    /// function is far below the true distance.
     pub scale: f32,
     coordinates: [Vec<f32>; 3],
 }
@@ -39,7 +39,7 @@ pub struct Extent {
 }
 
 impl<'a> Field<'a> {
-    /// A distance function from a tape. Measures the function's slopes.
+    /// Creates a distance function from a tape and measures the function's slopes.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let batch = Batch::new(tape, frame);
         let mut field = Self { batch, step: 1.0, scale: 1.0, coordinates: Default::default() };
@@ -66,7 +66,7 @@ impl<'a> Field<'a> {
         self.batch.run(Points { position, normal: None }).swap_remove(0)
     }
 
-    /// Returns gradients from the four corners of a tetrahedron with edges of about 3 `reach`.
+    /// Returns gradients, measured at the corners of a tetrahedron with edges of about 3 `reach`.
     pub fn gradients(&mut self, points: &[Vec3], reach: f32) -> Vec<Vec3> {
         let mut gradients = vec![Vec3::ZERO; points.len()];
         for corner in [[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]] {

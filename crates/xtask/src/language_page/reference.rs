@@ -14,9 +14,7 @@ pub fn text() -> String {
     for (name, doc) in inputs() {
         line(&mut text, format_args!("| `{name}` | {doc} |", doc = cell(doc)));
     }
-    text.push_str(
-        "\n## Fields of a material\n\n| field | what it is | where it is not given |\n|---|---|---|\n",
-    );
+    text.push_str("\n## Fields of a material\n\n| field | what it is | default |\n|---|---|---|\n");
     for field in Material::FIELDS {
         let kind = if field.holds == Holds::Vector { " (vec3)" } else { "" };
         line(&mut text, format_args!("| `{}`{kind} | {} | {} |", field.name, cell(field.doc), field.default));

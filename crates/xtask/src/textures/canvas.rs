@@ -32,7 +32,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Signed distance to `shape` at each sample; `reach` beyond that distance, in units.
+    /// Computes the signed distance to `shape` at each sample, in units. Distances above `reach` become `reach`.
     pub fn distance(side: usize, shape: &Shape, reach: f32) -> Self {
         let samples = side * SAMPLES;
         let mut values = vec![reach; samples * samples];
@@ -66,7 +66,7 @@ impl Grid {
         self.values[index(p[1]) * self.side + index(p[0])]
     }
 
-    /// A copy blurred by about `radius` units (three box filters along each axis).
+    /// Returns a copy, blurred by about `radius` units with three box filters along each axis.
     fn blurred(&self, radius: f32) -> Self {
         let reach = (radius * SAMPLES as f32 / 2.0).round().max(1.0) as usize;
         let n = self.side;
@@ -124,7 +124,7 @@ impl Relief {
         [x / length, y / length, 1.0 / length]
     }
 
-    /// Returns the light at `p` from the upper left and the sky, from about 0.3 (shade) to 1.15.
+    /// Returns the light at `p`, from about 0.3 (shade) to 1.15. Light comes from the upper left and from the sky.
     pub fn light(&self, p: Point) -> f32 {
         let n = self.normal(p);
         let sun = (-0.42 * n[0] - 0.62 * n[1] + 0.66 * n[2]).max(0.0);
@@ -140,7 +140,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// A transparent image of `side` x `side` pixels; one unit is one pixel.
+    /// Creates a transparent image of `side` x `side` pixels. One unit is one pixel.
     pub fn new(side: usize) -> Self {
         let samples = side * SAMPLES;
         Self { side, samples, rgba: vec![[0.0; 4]; samples * samples] }
@@ -219,7 +219,7 @@ impl Canvas {
     }
 }
 
-/// Pixels with less alpha count as transparent: it rounds to 0.
+/// Pixels with less alpha count as transparent, because their alpha rounds to 0.
 const ALPHA_MIN: f32 = 1.0 / 1024.0;
 
 /// Grows the painted area by some pixels. Each new pixel is opaque and has the mean colour of its painted neighbours.
@@ -248,7 +248,7 @@ fn dilate(level: &[[f32; 4]], side: usize) -> Vec<[f32; 4]> {
     grown
 }
 
-/// Converts premultiplied pixels to straight colours. Transparent pixels get the colour of ever coarser means.
+/// Converts premultiplied pixels to straight colours. Transparent pixels get the mean colour of ever larger blocks.
 fn bleed(level: &[[f32; 4]], side: usize) -> Vec<Color> {
     let coarse = if side > 1 && side.is_multiple_of(2) {
         let half = side / 2;

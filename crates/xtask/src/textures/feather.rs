@@ -28,7 +28,7 @@ pub struct Feather {
 }
 
 impl Feather {
-    /// Paints the feather. `color` returns its colour before fringe and lines.
+    /// Paints the feather. `color` returns the colour of the feather before fringe and lines are added.
     pub fn paint(&self, canvas: &mut Canvas, clip: Option<&Grid>, color: impl Fn(Point) -> Color) {
         let (sin, cos) = self.angle.sin_cos();
         let along = |[u, v]: [f32; 2]| {

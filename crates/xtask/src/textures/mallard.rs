@@ -26,7 +26,6 @@ pub fn paint() -> Vec<u8> {
     canvas.into_bytes()
 }
 
-/// Default values of a feather.
 const PLAIN: Feather = Feather {
     root: [0.0, 0.0],
     angle: 0.0,
@@ -47,7 +46,7 @@ fn leg(canvas: &mut Canvas, shift: Point, light: f32) {
     let orange = scale(rgb(0xf08a1c), light);
     let deep = scale(rgb(0xc25a10), light);
     let shade = |p: Point, d: f32, round: f32| {
-        // Scales: a faint grid on the skin.
+        // Scales make a faint grid on the skin.
         let net = (p[0] * 0.9 + p[1] * 0.5).sin() * (p[1] * 0.8 - p[0] * 0.35).sin();
         let c = mix3(deep, orange, smoothstep(0.0, -round, d));
         (scale(c, 1.0 + 0.07 * net), 1.0)
@@ -234,7 +233,7 @@ impl Body {
         for (root, seed) in scatter([196.0, 360.0], [900.0, 790.0], [15.0, 17.0], 300) {
             let breast = smoothstep(40.0, -10.0, self.breast.at(root));
             let black = smoothstep(25.0, 0.0, self.rump.at(root));
-            // Long feathers on the flank, small ones on the breast. Long feathers need fewer.
+            // The flank has long feathers, the breast small feathers. Fewer long feathers cover the same area.
             let size = mix(mix(84.0, 26.0, breast), 46.0, black);
             if self.wing.at(root) < -60.0 || random(seed as i32, 3, 301) > 26.0 / size + 0.25 {
                 continue;
@@ -268,7 +267,7 @@ impl Body {
     fn thighs(&self, canvas: &mut Canvas) {
         for (root, light) in [([632.0, 722.0], 0.62), ([522.0, 736.0], 0.9)] {
             for i in 0..13 {
-                // From the outer feathers to the middle, so that the middle is on top.
+                // Paint from the outer feathers to the middle, so that the middle is on top.
                 let k = if i % 2 == 0 { 12 - i } else { i - 12 } as f32 / 12.0;
                 Feather {
                     root: [root[0] + 25.0 * k, root[1] - 4.0],
@@ -313,7 +312,7 @@ impl Body {
         }
         self.speculum(canvas);
 
-        // Coverts: rows of scallops above the speculum, the last row first.
+        // Coverts are rows of scallops above the speculum. Paint the last row first.
         let rows: [(f32, f32, f32); 4] =
             [(600.0, 66.0, 0.0), (568.0, 60.0, 0.5), (536.0, 58.0, 0.0), (504.0, 58.0, 0.5)];
         for (row, (x, size, shift)) in rows.into_iter().enumerate() {
@@ -530,7 +529,6 @@ fn head(canvas: &mut Canvas) {
     eye(canvas);
 }
 
-/// Paints the yellow bill with nostril, nail and mouth line.
 fn bill(canvas: &mut Canvas) {
     let lower = Shape::joined(&[
         &[[214.0, 258.0], [160.0, 276.0], [106.0, 290.0], [84.0, 288.0]],

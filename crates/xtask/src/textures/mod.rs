@@ -4,8 +4,8 @@
 //! cargo xtask textures [FOLDER]
 //! ```
 //!
-//! `FOLDER` defaults to `assets/textures`. Both images are computed; the only randomness is an integer hash, so that
-//! every run writes the same bytes.
+//! `FOLDER` defaults to `assets/textures`. Both images are computed. Their only randomness is an integer hash, so
+//! that every run writes the same bytes.
 
 pub(crate) mod canvas;
 mod feather;

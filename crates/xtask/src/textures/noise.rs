@@ -1,6 +1,5 @@
 //! An integer hash and periodic gradient noise (after Perlin 1985), the same on every run.
 
-/// Scrambles the bits of `x` in three rounds of multiply and xor-shift.
 fn scramble(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(0x9E37_79B1);
     x = (x ^ (x >> 15)).wrapping_mul(0x85EB_CA77);
@@ -8,7 +7,6 @@ fn scramble(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// Returns a hash of the lattice point (`x`, `y`).
 fn hash(x: i32, y: i32, seed: u32) -> u32 {
     scramble((x as u32) ^ scramble((y as u32) ^ scramble(seed)))
 }
@@ -18,7 +16,7 @@ pub fn random(x: i32, y: i32, seed: u32) -> f32 {
     (hash(x, y, seed) >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Hermite step from 0 at `a` to 1 at `b`; `a` may be greater than `b`.
+/// Returns a Hermite step from 0 at `a` to 1 at `b`. `a` may be greater than `b`.
 pub fn smoothstep(a: f32, b: f32, x: f32) -> f32 {
     let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -47,7 +45,7 @@ pub fn gradient(x: f32, y: f32, period: [i32; 2], seed: u32) -> f32 {
     1.5 * mix(mix(corner(0, 0), corner(1, 0), u), mix(corner(0, 1), corner(1, 1), u), v)
 }
 
-/// Sums `octaves` of [`gradient`], each twice as fine and half as strong as the previous one.
+/// Sums `octaves` of [`gradient`], each twice as fine and half as strong as the previous octave.
 pub fn turbulence(x: f32, y: f32, period: [i32; 2], octaves: u32, seed: u32) -> f32 {
     let mut sum = 0.0;
     let mut weight = 1.0;

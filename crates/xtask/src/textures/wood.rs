@@ -1,8 +1,8 @@
 //! A flat-sawn board of warm brown oak, with the grain along x, seamless in both directions.
 //!
 //! Everything is a periodic function of the tile's coordinates u, v in 0..1. The growth rings are the fractional part
-//! of `RINGS * v` plus noise that is stretched along the grain. Where the noise is steeper than the slope of v, the
-//! rings close to the long arches of a flat-sawn board.
+//! of `RINGS * v` plus noise that is stretched along the grain. If the noise changes faster than `RINGS * v`, the
+//! rings close and form the long arches of a flat-sawn board.
 
 use super::noise::{gradient, mix, mix3, random, smoothstep, turbulence};
 
@@ -30,7 +30,6 @@ pub fn paint() -> Vec<u8> {
     pixels
 }
 
-/// Returns the mean of the samples within a pixel.
 fn pixel_at(x: usize, y: usize) -> [u8; 3] {
     let mut sum = [0.0; 3];
     for sample in 0..SAMPLES * SAMPLES {
