@@ -4,7 +4,7 @@
 /// Chroma subsampling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Chroma {
-    /// None (4:4:4).
+    /// No subsampling (4:4:4).
     Whole,
     /// The mean of four pixels (4:2:0).
     Quarter,

@@ -310,7 +310,7 @@ fn open_songs(songs: &[PathBuf], repeat: Repeat, shuffle: bool) -> anyhow::Resul
             Ok(Playlist::of_song(song, repeat))
         }
         several if several.iter().any(|song| is_standard(song)) => {
-            anyhow::bail!("standard input ('-') cannot be combined with other songs: leave out either")
+            anyhow::bail!("standard input ('-') cannot be combined with other songs: leave out one of them")
         }
         files => Ok(Playlist::open(files, repeat, shuffle)?),
     }

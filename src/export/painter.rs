@@ -282,7 +282,7 @@ pub(super) fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, Expo
 /// Refuses settings of inputs that none of the scenes has, and values outside an input's range.
 ///
 /// # Errors
-/// [`ExportError::NoInput`] if no scene has an input, [`ExportError::OutOfRange`] if a value is outside the range.
+/// [`ExportError::NoInput`] if all scenes lack an input, [`ExportError::OutOfRange`] if a value is outside the range.
 pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportError> {
     for setting in set {
         let mut known = false;

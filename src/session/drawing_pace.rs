@@ -171,7 +171,7 @@ impl DrawingPace {
         self.resolution.to_string()
     }
 
-    /// Judges a frame that will take this many seconds. In an idle show, a frame may take long.
+    /// Judges a frame that will take this many seconds. In an idle show, a frame may be slow.
     pub(crate) fn weigh(&mut self, level: Level, seconds: f64, now: Instant) -> Verdict {
         if level != self.resolution.level() {
             Verdict::GoOn

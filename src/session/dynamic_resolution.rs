@@ -236,7 +236,7 @@ impl DynamicResolution {
         self.level != before
     }
 
-    /// Draws fewer pixels, whatever their cost. Returns `false` if neither moving frames nor stills can get smaller.
+    /// Draws fewer pixels at any cost of a frame. Returns `false` if neither moving frames nor stills can get smaller.
     pub(crate) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
         // Until now stills had all pixels.

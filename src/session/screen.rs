@@ -90,8 +90,9 @@ pub(crate) trait Screen {
     /// True if something other than the window must be redrawn, even with an unchanged frame.
     fn is_stale(&self) -> bool;
 
-    /// Shows the frame in the window or the wallpaper, overpainted by `paint`, in the part `small` of the window, if
-    /// given. `is_new` is true if it has changed. Returns the time until it was handed to the window system.
+    /// Shows the frame in the window or the wallpaper, and calls `paint` to draw over it. If `small` is given, the
+    /// frame fills only this part of the window. `is_new` is true for a changed frame. Returns the time until the
+    /// hand-over.
     fn show(
         &mut self,
         renderer: &mut Renderer,
@@ -101,7 +102,7 @@ pub(crate) trait Screen {
         paint: Paint<'_>,
     ) -> Result<Duration, SessionError>;
 
-    /// Shows black overpainted by `paint`; does nothing without a visible window.
+    /// Shows black, and calls `paint` to draw over it. Does nothing without a visible window.
     fn show_waiting(&mut self, paint: Paint<'_>) -> Result<(), SessionError>;
 
     fn has_output(&self) -> bool;

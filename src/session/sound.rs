@@ -41,7 +41,7 @@ pub(crate) struct Sound {
     device: Option<ListedDevice>,
     watch: Option<Arc<DeviceWatch>>,
     list: Option<(Vec<(Source, String)>, Instant)>,
-    /// A choice to be saved when the list has disappeared: intermediate choices on the way are not saved.
+    /// A choice that is saved when the list has disappeared, so that intermediate choices are not saved.
     unremembered: Option<Target>,
     hints: Hints,
     reported_problems: ReportedProblems,
@@ -256,7 +256,7 @@ impl Sound {
         }
     }
 
-    /// Switches to the next source, or to a suggested one with a signal, and shows the list.
+    /// Switches to the next source, or to a suggested source that has a signal, and shows the list.
     pub(crate) fn next_source(&mut self) {
         let Some(sources) = self.latest_sources() else { return };
         let present = self.present();
@@ -405,7 +405,7 @@ fn note_choice(settings: &mut Settings, target: &Target) {
     match target {
         Target::Default => settings.microphone = None,
         Target::Monitor => settings.system = None,
-        // Set on the command line, for one run only.
+        // This input was set on the command line, for one run only.
         Target::MonitorOf(_) => {}
         Target::Named(id) | Target::Preferred(id) => {
             let entry = ListedDevice { id: id.clone(), name: String::new() };
@@ -415,7 +415,7 @@ fn note_choice(settings: &mut Settings, target: &Target) {
     }
 }
 
-/// The outputs as rows of the settings panel. That of `target` is marked; `open` is the device that a song plays on.
+/// The outputs as rows of the settings panel. The row of `target` is marked; a song plays on the device `open`.
 fn outputs_of(
     device_list: &DeviceList,
     target: Option<&Target>,

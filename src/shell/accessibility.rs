@@ -1,5 +1,5 @@
-//! Screen readers and other assistive technology, by AccessKit. The window's thread owns the system's interface, and
-//! the show's thread draws the controls: requests go to the show, control trees to the window.
+//! Support for screen readers and other assistive technology, by AccessKit. The window's thread owns the system's
+//! interface, and the show's thread draws the controls. Requests go to the show, control trees go to the window.
 
 use accesskit_winit::{Adapter, Event, WindowEvent as Asked};
 use egui::accesskit::TreeUpdate;

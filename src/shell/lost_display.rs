@@ -1,5 +1,5 @@
-//! Ends the process with a message if the X server ends or closes the connection during a show. Xlib calls a handler,
-//! on whichever thread used the connection, and exits the process if it returns. The default handler calls `exit`,
+//! Ends the process with a message if the X server ends or closes the connection during a show. Xlib calls a handler on
+//! the thread that used the connection, and exits the process if the handler returns. The default handler calls `exit`,
 //! whose exit handlers unload the driver while the driver's threads still run.
 
 #![expect(unsafe_code, reason = "Xlib is a C library")]
@@ -17,7 +17,7 @@ pub(crate) fn end_with_the_reason() {
     unsafe { (library.XSetIOErrorHandler)(Some(on_lost_server)) };
 }
 
-// SAFETY: Xlib calls it with any pointer; it does not use its argument.
+// SAFETY: Xlib may pass any pointer, because the function does not use its argument.
 unsafe extern "C" fn on_lost_server(_display: *mut xlib::Display) -> c_int {
     end_without_display()
 }

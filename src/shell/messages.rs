@@ -14,7 +14,7 @@ use crate::ui::overlay::Assistance;
 
 pub(crate) enum Message {
     Window(WindowEvent),
-    /// The connected monitors, on Wayland. On X11 [`super::monitors`] asks for them.
+    /// The connected monitors, on Wayland. On X11 [`super::monitors`] asks for the monitors.
     Monitors(Vec<Monitor>),
     Output(SharedWindow),
     OutputEvent(WindowEvent),

@@ -36,7 +36,7 @@ impl MonitorWatch {
             #[cfg(not(all(unix, not(target_os = "macos"))))]
             let watch = move || drop((known, wake));
             if let Err(error) = std::thread::Builder::new().name("monitors".into()).spawn(watch) {
-                tracing::warn!("monitors are not looked at: {error}");
+                tracing::warn!("cannot watch the monitors: {error}");
             }
         }
     }
@@ -44,7 +44,7 @@ impl MonitorWatch {
     /// Sets the monitors on a window system that reports them, which makes polling unnecessary.
     pub(crate) fn note(&mut self, monitors: Vec<Monitor>) {
         self.begun = true;
-        // A running thread ends with the old value.
+        // A running thread ends because the old value is dropped.
         self.known = Arc::new(Mutex::new(Some(monitors)));
     }
 
@@ -66,7 +66,7 @@ pub fn present() -> Result<Vec<Monitor>, String> {
 /// Not supported on this system.
 ///
 /// # Errors
-/// Always.
+/// Always fails.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 pub fn present() -> Result<Vec<Monitor>, String> {
     Err("monitors cannot be listed on this system".to_owned())

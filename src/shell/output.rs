@@ -19,7 +19,7 @@ pub(crate) struct Output {
     monitors: MonitorWatch,
     wanted: Option<String>,
     state: State,
-    /// True if its window does not show the current frame.
+    /// True if the output's window does not show the current frame.
     is_stale: bool,
     reported_missing: bool,
 }
@@ -31,7 +31,8 @@ enum State {
 }
 
 impl Output {
-    /// An output on this monitor, by name or number; `None` for none. Windows are requested through `proxy`.
+    /// An output for the monitor `wanted`, by name or number; `None` uses no monitor. Windows are requested through
+    /// `proxy`.
     pub(crate) fn new(wanted: Option<String>, proxy: EventLoopProxy<WindowMessage>, waker: &Waker) -> Self {
         let mut output = Self {
             proxy,
@@ -99,9 +100,11 @@ impl Output {
                     return None;
                 }
                 Some(match was_on {
-                    true => format!("the monitor {wanted} was disconnected: the image returns with it"),
+                    true => format!(
+                        "the monitor {wanted} was disconnected: connect it again to show the image there"
+                    ),
                     false => format!(
-                        "there is no monitor {wanted}, but {}: the image appears once it is connected",
+                        "there is no monitor {wanted}, only {}: connect {wanted} to show the image there",
                         names(&monitors)
                     ),
                 })

@@ -89,7 +89,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     Ok(window_thread::run(event_loop, input_queue, messages, typing, layers, Box::new(play))?)
 }
 
-/// Adapts settings for a wallpaper or screen saver's window. Also returns what to draw on; `None` for a normal window.
+/// Adapts settings for a wallpaper or screen saver's window. Also returns its [`Ground`]; `None` for a normal window.
 fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option<Ground>)> {
     let ground = if settings.wallpaper && is_wayland() {
         // XWayland windows cannot be the background of a Wayland desktop.
@@ -108,7 +108,7 @@ fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option
         settings.fps_cap = settings.fps_cap.or(Some(FPS));
         settings.choices.hints = false;
         settings.choices.stage.output = None;
-        // Must not change the saved window.
+        // A wallpaper must not change the saved window.
         (settings.remembered, settings.fullscreen, settings.place) = (false, false, None);
     }
     Ok((settings, ground))

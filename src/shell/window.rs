@@ -51,7 +51,7 @@ pub(crate) struct WindowOptions {
     pub ground: Option<Ground>,
 }
 
-/// A window without a context. The window's thread opens it, and the drawing thread binds it, because drivers are slow.
+/// A window without a context. The window's thread opens it; the show's thread binds it, because drivers are slow.
 pub(crate) struct OpenWindow {
     config: glutin::config::Config,
     window: SharedWindow,
@@ -68,9 +68,9 @@ pub(crate) struct GlWindowContext {
     surface: Surface<WindowSurface>,
     config: glutin::config::Config,
     window: SharedWindow,
-    /// From the last event. Asking a window that another program has closed would end the process.
+    /// The size in the last event. A query about a window that another program has closed would end the process.
     size: Cell<(u32, u32)>,
-    /// From the last event; `None` if the window system does not report it.
+    /// The position in the last event; `None` if the window system does not report it.
     place: Cell<Option<(i32, i32)>>,
     refresh_rate: Option<f64>,
 }
@@ -171,7 +171,7 @@ impl GlWindowContext {
         if is_egl { made.flatten().collect() } else { Vec::new() }
     }
 
-    /// Drops the context and its surface; all objects in it must be gone. [`OpenWindow::bind`] creates a new context.
+    /// Drops the context and its surface, but not the window. All objects in the context must have been dropped before.
     pub(crate) fn let_go(self) -> OpenWindow {
         let Self { gl, context, surface, config, window, size, place, refresh_rate } = self;
         drop(gl);

@@ -74,7 +74,7 @@ struct Front {
     /// Taken when the window opens.
     begins_with: Option<(WindowOptions, Play)>,
     running: Option<Running>,
-    /// Set at the end: the time until which the show is waited for.
+    /// The time until which the thread waits for the show; set at the end.
     ends_by: Option<Instant>,
     show_ended: bool,
     held: Modifiers,
@@ -260,7 +260,7 @@ impl ApplicationHandler<WindowMessage> for Front {
             ending::begin_to_leave().leave(ending::asked_to_end().map_or(0, Signal::exit_code));
         }
         self.result = show.join().unwrap_or_else(|_| {
-            let reason = "the show ended with a panic; please report the message above".to_owned();
+            let reason = "the show panicked; please report the message above".to_owned();
             Err(SessionError::Window { doing: "to continue", reason })
         });
         // Dropped after the show, which draws into them.

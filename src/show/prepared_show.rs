@@ -344,7 +344,7 @@ mod tests {
         std::fs::write(&path, vec![b'#'; SHOW_LIMITS.bytes_max + 1]).unwrap();
         assert!(matches!(refused(path), ShowError::TooLarge { .. }));
         assert!(matches!(refused(folder.path().join("none.show")), ShowError::Unreadable { .. }));
-        // A device, or equally a pipe: reading it may never end.
+        // Reading a device or a pipe may never end.
         assert!(matches!(refused(PathBuf::from("/dev/zero")), ShowError::Unreadable { .. }));
     }
 

@@ -1,6 +1,6 @@
-//! A cache of song structures in the user's cache folder. A file is named by a hash of the song's bytes, the played
-//! part and the version of the analysis; it is a line with a checksum, and then JSON. All files may be deleted at any
-//! time; a damaged file is replaced, and the least recently used ones are deleted first.
+//! A cache of song structures in the user's cache folder. The name of a file is a hash of the song's bytes, the played
+//! part and the version of the analysis. A file contains a line with a checksum, and then JSON. All files may be
+//! deleted at any time; a damaged file is replaced, and the least recently used files are deleted first.
 
 use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -68,7 +68,7 @@ impl StructureCache {
         let bytes = read_file(&path).ok()?;
         let structure = decode(&bytes);
         if structure.is_none() {
-            tracing::info!("{} is damaged; it is replaced", path.display());
+            tracing::info!("{} is damaged and will be replaced", path.display());
         } else {
             // Updates the time of use. If that fails, the file is deleted a little earlier.
             let _ = File::options().write(true).open(path).and_then(|it| it.set_modified(SystemTime::now()));

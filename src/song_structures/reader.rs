@@ -10,15 +10,15 @@ use super::{StructureCache, find};
 use mariana_music::SongStructure;
 use mariana_player::track::TrackInfo;
 
-/// Most structures of earlier tracks in memory.
+/// Maximum number of structures of earlier tracks in memory.
 const KNOWN_MAX: usize = 16;
 
 /// Niceness of the thread after the first song: the lowest priority.
 const NICENESS: i32 = 19;
-/// Niceness for the first song, which already plays: at the lowest, it would hardly run beside a software renderer.
+/// Niceness for the first song, which already plays. A lower priority would starve next to a software renderer.
 const FIRST_NICENESS: i32 = 5;
 
-/// The analysis thread. Dropping this ends it.
+/// The analysis thread. Dropping this value ends the thread.
 #[derive(Debug)]
 pub struct SongReader {
     shared: Arc<Shared>,

@@ -1,8 +1,9 @@
-//! The next and the previous scene, prepared while the current one is shown, so that a change to them takes one frame.
+//! The neighbours: the next and the previous scene, prepared while the current one is shown, so that a change to them
+//! takes one frame.
 //!
-//! They have the lowest priority: one at a time, when the current scene is complete and the compilers are idle. Each
-//! has its own loader, which keeps it up to date and goes with it when it is shown; the scene shown until then stays
-//! prepared on the other side.
+//! Neighbours have the lowest priority: they are prepared one after another, when the current scene is complete and the
+//! compilers are idle. Each neighbour has a loader, which keeps it up to date and stays with it when it is shown. The
+//! scene shown until then becomes the other neighbour, and stays prepared.
 
 use std::sync::Arc;
 
@@ -19,7 +20,7 @@ use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use mariana_field::world::World;
 use mariana_music::Features;
 
-/// Size of the hidden frame: no power of two, like windows, and large enough to measure the cost of a pixel.
+/// Size of the hidden frame. It is no power of two, like most windows, and large enough to measure a pixel's cost.
 const REHEARSAL_SIZE: (u32, u32) = (90, 54);
 /// Approximate bytes of a scene's program.
 const PROGRAM_BYTES: u64 = 20 << 20;
@@ -102,7 +103,7 @@ impl PreparedAhead {
         })
     }
 
-    /// Abandons the scene that a program was meant for, or all scenes that need an interpreter.
+    /// Abandons the scenes of a compile task: the scene of a program, or all scenes that need an interpreter.
     pub(super) fn leave(&mut self, task: &Task) {
         self.leave_where(|scene| match task {
             Task::Compiled { id, .. } => *id == scene.id,
@@ -128,7 +129,7 @@ impl PreparedAhead {
         }
     }
 
-    /// Requests trees again: earlier requests are dropped when another scene comes.
+    /// Requests trees again, because a request for another scene drops earlier requests.
     pub(super) fn ask_again_for_trees(&mut self) {
         for neighbour in self.all_mut() {
             if let State::Loaded { scene, has_asked, .. } = &mut neighbour.state {
@@ -220,7 +221,7 @@ impl PreparedAhead {
         taken + bytes_of(world) <= LIMITS.prepared_bytes_max
     }
 
-    /// Takes the neighbour to be shown, once loaded. The last scene's loader takes its place; the sides are swapped.
+    /// Takes the neighbour `to`, once loaded, in exchange for the shown scene `from` and its `loader`. Swaps the sides.
     pub(super) fn take(
         &mut self,
         to: &SceneSource,
@@ -360,11 +361,11 @@ mod tests {
         assert_eq!((lacking.id, lacking.program, lacking.tree), (7, Some(Mode::Compiled), true));
         assert!(!ahead.go_on(sdf).unwrap().tree, "already requested");
         assert!(!ahead.has_rehearsed(&ball) && ahead.give(&ball).is_none(), "not drawn yet");
-        // The scene is now the next one and stays, whatever else comes.
+        // The scene is now the next one, and stays prepared.
         assert!(wanted(&mut ahead, [&ball, &box_]));
         assert_eq!(ahead.scenes().map(|scene| scene.id).collect::<Vec<_>>(), [7]);
         assert_eq!(ahead.next_sources().next(), Some(&ball));
-        // Its tree is too slow: the other scene is prepared.
+        // The tree of this scene is too slow, so the other scene is prepared.
         ahead.take_tree(7, None);
         assert!(ahead.go_on(sdf).is_none() && ahead.scenes().next().is_none());
         assert_eq!(loaded(&ahead), (1, true));
@@ -380,7 +381,7 @@ mod tests {
         let mut shown = loader();
         let scene = ahead.take(&box_, ball.clone(), &mut shown).unwrap();
         assert_eq!(scene.id, 1);
-        // The scene shown until now is on the other side, ready to be shown again.
+        // The scene shown until now is the other neighbour, ready to be shown again.
         ahead.keep(uploaded(context.gl(), 0, &ball));
         assert!(ahead.has_rehearsed(&ball));
         assert_eq!(ahead.take(&ball, box_, &mut shown).map(|scene| scene.id), Some(0));

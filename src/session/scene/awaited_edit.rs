@@ -1,6 +1,6 @@
-//! The wait of the next frame for an edited text: a frame that begins while the text is being read shows the old
-//! text, and with a software renderer takes the loader's CPU time. Waiting shows edits a frame earlier and costs less
-//! than one.
+//! The wait of the next frame for an edited text. A frame that begins while the text is being read would show the old
+//! text, and with a software renderer take the loader's CPU time. With the wait, edits appear a frame earlier, and the
+//! wait is shorter than a frame.
 
 use std::time::{Duration, Instant};
 

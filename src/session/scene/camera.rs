@@ -27,7 +27,7 @@ impl SceneCamera {
         change(&mut self.orbit, self.own_pitch);
         self.revision += 1;
         (was_off && self.orbit != OrbitControls::OFF)
-            .then_some("you are moving the camera: press Home to return to the scene's own")
+            .then_some("you are moving the camera: press Home to return to the scene's camera")
     }
 
     pub(super) fn give_back(&mut self) -> &'static str {

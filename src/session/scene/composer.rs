@@ -29,7 +29,7 @@ use crate::view::legend::LegendPicture;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
-/// A fade joined later than this fraction of its length starts from the last frame instead of both scenes.
+/// If a fade is joined after this fraction of its length, the last frame fades out instead of the outgoing scene.
 const LATE_FRACTION: f32 = 0.35;
 
 pub(crate) struct WantedPicture {
@@ -72,7 +72,7 @@ struct Making {
 
 pub(crate) struct SceneComposer {
     making: Option<Making>,
-    /// True if the last frame was abandoned for another version of its scene: keys can come faster than frames.
+    /// True if the last frame was abandoned for a new version of its scene: keys can be faster than frames.
     has_interrupted: bool,
     pub(super) pictures: SeenPictures,
     pub(super) regions: SceneRegions,
@@ -81,7 +81,7 @@ pub(crate) struct SceneComposer {
     pub(super) views: Views,
     pub(super) camera: SceneCamera,
     pub(super) edits: Edits,
-    /// Counts the other changes that make the same moment look different.
+    /// Counts the changes in the composer that make the same moment look different.
     revision: u64,
 }
 
@@ -103,7 +103,7 @@ impl SceneComposer {
     }
 
     /// Draws the current scene at a moment for which its regions are built, or continues the frame in progress, for
-    /// about `go`. Returns `None` if it is not finished. Requests missing resources. `revision` is that of the whole
+    /// about `go`. Returns `None` if it is not finished. Requests missing resources. `revision` belongs to the whole
     /// session. Scenes that are neither shown nor fading out are kept only as neighbours.
     pub(super) fn draw(
         &mut self,
@@ -200,7 +200,8 @@ impl SceneComposer {
         true
     }
 
-    /// Begins a frame of the current scene, or first of the outgoing one. `None` while its regions are being built.
+    /// Begins a frame of the current scene; in a fade, first one of the outgoing scene. `None` while regions are being
+    /// built.
     fn begin(
         &mut self,
         of: Ingredients<'_>,
@@ -240,7 +241,7 @@ impl SceneComposer {
         let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, draw_options);
         let Some((frame, shown)) = drawable else { return Ok(None) };
         if outgoing.is_some() && shown != wanted {
-            // The only tree there is belongs to an older moment. Both scenes must be drawn at the same moment.
+            // The only tree belongs to an older moment, but both scenes must be drawn at the same moment.
             return Ok(None);
         }
         let frame = frame.in_window(scene.resources.world(), aspect, quality);
@@ -319,7 +320,7 @@ impl SceneComposer {
         }
     }
 
-    /// Fades the frozen frame into the next within `seconds`. Cuts for a view, or if a show's fade draws both scenes.
+    /// Fades the frozen frame out within `seconds`. Cuts if a view is shown, or if a show's fade draws both scenes.
     pub(super) fn fade_from_held(&mut self, seconds: f64, of: Ingredients<'_>) {
         if self.views.choice().is_some() || self.fades_with_both(of) {
             self.fading.cut();

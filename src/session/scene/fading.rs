@@ -1,6 +1,6 @@
 //! The change from one scene to another: a fade or a cut. [`super::scene_change`] draws the outgoing scene, and the
-//! fades of a show. If that scene cannot be drawn any more, its last frame is mixed into the frames of the incoming
-//! one ([`Renderer::keep_light`]). A frozen frame fades in the same way.
+//! fades of a show. If the outgoing scene cannot be drawn any more, its last frame is mixed into the frames of the
+//! incoming scene ([`Renderer::keep_light`]). A frozen frame fades in the same way.
 //!
 //! **A fade follows the song's time,** as a show's fades do: a frame depends only on its moment of the song, and a
 //! recording has the same fade. Only a fade that begins during a pause uses the clock.
@@ -11,7 +11,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
 use mariana_player::Moment;
 
-/// The most time that one frame takes from a fade, so that a slow frame does not turn it into a cut.
+/// Maximum progress of a fade in one frame, so that a slow frame does not turn the fade into a cut.
 const STEP_MAX: Duration = Duration::from_millis(125);
 
 pub(crate) struct Fading {
@@ -289,7 +289,7 @@ mod tests {
         assert_eq!(fraction(&mut fading, 9_000), Some(1.0));
         assert_eq!(fraction(&mut fading, 9_100), Some(0.8));
         assert_eq!(fraction(&mut fading, 9_200), Some(0.6));
-        // Five seconds in one frame.
+        // One frame takes five seconds.
         assert_eq!(fraction(&mut fading, 14_200), Some(0.35));
         assert_eq!(fraction(&mut fading, 14_300), Some(0.15));
         assert_eq!((fraction(&mut fading, 14_400), fading.goes_on()), (None, false));

@@ -9,7 +9,7 @@ use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSour
 pub(crate) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
 const GO: Duration = Duration::from_millis(100);
-/// Shorter while a text is edited: a key is answered at once, even during a slow frame.
+/// The drawing time between two looks at the input while a text is edited, so that keys are answered at once.
 const GO_OF_EDITOR: Duration = Duration::from_millis(10);
 
 pub(crate) struct SceneLibrary {

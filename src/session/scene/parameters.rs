@@ -1,5 +1,5 @@
 //! The parameters of scenes. All controllers change one model; sliders and frames read it. A frame is drawn with the
-//! values of one moment, which is set between frames and never during one.
+//! values of one moment, which is set between frames and never during a frame.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub(crate) struct Parameters {
     begun: Instant,
     /// The moment of the shown frame, in seconds of the model's clock.
     now: f64,
-    /// The same in seconds of the song.
+    /// The moment of the shown frame, in seconds of the song.
     song_time: f64,
     turned: Option<TurnedNumbers>,
     /// Counts the changes that make the same moment look different.

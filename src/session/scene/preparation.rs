@@ -7,7 +7,7 @@
 //!
 //! A new scene is prepared while the current one is shown, and replaces it only when a program can
 //! draw it: a broken or slow scene never affects the current one. While numbers in a scene's text
-//! are being changed, no compiler is needed: the new version uses the program of the last one.
+//! are being changed, no compiler is needed: the new version uses the program of the last version.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -79,7 +79,7 @@ impl ScenePreparation {
     /// Takes the loaded scene. Returns the reason if it cannot be shown; the last good scene stays then.
     ///
     /// # Errors
-    /// The driver rejects it, and no other scene can be shown.
+    /// The driver rejects the scene, and no other scene can be shown.
     pub(super) fn take_loaded(
         &mut self,
         ready: Result<ReadyScene, SceneError>,
@@ -261,7 +261,7 @@ impl ScenePreparation {
                 Task::Compiled { id, .. } if *id == scene.id => {
                     scene.programs.compilable = false;
                     if scene.programs.compiled.is_some() {
-                        // Its existing program draws it.
+                        // The existing program of the scene draws it.
                         continue;
                     }
                 }
@@ -341,7 +341,7 @@ impl ScenePreparation {
             scene.tree = FirstTree::There;
             return TreeVerdict::Fine;
         }
-        // The very first scene is drawn however long it takes: there is no other.
+        // Draw the very first scene even if it is slow, because there is no other scene.
         scene.tree = FirstTree::TooLong;
         if is_first {
             return TreeVerdict::Fine;
@@ -357,8 +357,8 @@ impl ScenePreparation {
         TreeVerdict::Refused(too_expensive(&expensive, TREE_TOO_LONG))
     }
 
-    /// Takes a scene that proved too slow in `mode`. If its compiled program is available or being made, the scene
-    /// returns with that one; otherwise it is refused. `why` is the beginning of a sentence.
+    /// Takes a scene that proved too slow in `mode`. If its compiled program is available or being made, the scene is
+    /// shown again with this program; otherwise the scene is refused. `why` is the beginning of a sentence.
     pub(super) fn take_back(
         &mut self,
         mut expensive: PreparedScene,
@@ -386,7 +386,7 @@ impl ScenePreparation {
         }
     }
 
-    /// Recompiles the shown scene with cell lookups if they are wanted and missing. Its program is used until then.
+    /// Recompiles the shown scene with cell lookups if they are wanted and missing. Uses the old program until then.
     pub(super) fn request_cells(&mut self, scenes: &PreparedScenes) {
         let drawable =
             |scene: &&PreparedScene| scene.programs.compiled.is_some() && scene.programs.compilable;
@@ -433,7 +433,7 @@ impl ScenePreparation {
 
     pub(super) fn take_loaded_ahead(&mut self, scenes: &mut PreparedScenes) {
         for (at, loaded) in scenes.ahead.poll() {
-            // Its errors are reported when it is requested.
+            // The errors of this scene are reported when the user requests it.
             let ready = loaded.value.ok().filter(|ready| scenes.ahead.has_room_for(&ready.world));
             let scene = ready.and_then(|ready| {
                 let uploaded = self.upload(loaded.source, ready, scenes);
@@ -449,7 +449,7 @@ impl ScenePreparation {
 
     /// Requests a scene. Returns `true` if it is already prepared and needs no loader.
     pub(super) fn ask_for(&mut self, source: SceneSource, scenes: &mut PreparedScenes) -> bool {
-        // In exchange, only the shown scene is kept.
+        // Only the shown scene can take the place of a neighbour.
         let from = scenes.shown_source().filter(|shown| *shown == self.library.wanted()).cloned();
         let prepared = from.and_then(|from| scenes.ahead.take(&source, from, self.library.loader_mut()));
         self.library.want(source);

@@ -24,7 +24,7 @@ pub(super) struct DrawingChoice {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FirstTree {
     Coming,
-    /// Built together with the first frame, because the tree of the previous version was fast.
+    /// The tree is built together with the first frame, because the tree of the previous version was fast.
     Untried,
     There,
     /// The build exceeds the limit for one frame.

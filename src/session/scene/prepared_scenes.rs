@@ -11,7 +11,7 @@ use mariana_music::Features;
 
 pub(crate) struct PreparedScenes {
     pub(super) shown: Option<PreparedScene>,
-    /// The scene that replaces it as soon as a program can draw it.
+    /// The scene that replaces the shown one as soon as a program can draw the new scene.
     pub(super) coming: Option<PreparedScene>,
     /// The previous scene, until the first frame of the current one is finished.
     pub(super) before: Option<PreparedScene>,
@@ -117,7 +117,7 @@ impl PreparedScenes {
         self.shown.is_none() || drawn.into_iter().flatten().any(|scene| scene.hears_curves)
     }
 
-    /// Keeps a scene until it has faded out. It replaces one that is still fading.
+    /// Keeps a scene until it has faded out. Replaces a scene that is still fading out.
     pub(super) fn fade_out(&mut self, scene: PreparedScene) {
         self.end_fade();
         self.fading_out = Some(scene);

@@ -22,7 +22,7 @@ use mariana_music::{Features, Sound};
 
 /// Interval of previews that need their own tree.
 const TREE_EVERY: Duration = Duration::from_secs(1);
-/// Time limit for such a tree.
+/// Time limit for building a tree for a preview.
 const TREE_PATIENCE: Duration = Duration::from_millis(150);
 
 pub(super) struct NextPicture {
@@ -76,7 +76,7 @@ impl NextPicture {
                 match self.frame_of(scene, (mode, choice.cells), (time, sound, &params), reader.size()) {
                     Next::Now(frame) => frame,
                     Next::First(frame) => {
-                        // The next frame follows in a second.
+                        // The next preview follows in a second.
                         self.asked = Some((id, clock::now()));
                         frame
                     }

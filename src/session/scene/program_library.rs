@@ -29,7 +29,7 @@ pub(super) struct ProgramLibrary {
     interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_task: u64,
-    /// True after the first frame, which does not wait for the universal interpreter: the scene's own compiles faster.
+    /// True after the first frame, which does not wait for the universal interpreter: others compile faster.
     has_shown: bool,
     // Last, because its threads draw with what the fields above hold.
     compiler: BackgroundCompiler,
@@ -46,7 +46,7 @@ impl ProgramLibrary {
         let compiler = BackgroundCompiler::start(contexts, sources, gl.info(), wake);
         Self {
             gl: gl.clone(),
-            // Without threads it would be compiled between frames and delay them.
+            // Without threads, the universal interpreter would be compiled between frames and delay them.
             universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
             interpreters: KeptPrograms::default(),
             tasks: HashMap::new(),
@@ -93,7 +93,8 @@ impl ProgramLibrary {
         self.interpreters.add(variant, program);
     }
 
-    /// Takes a universal interpreter or its error, after which each scene gets its own; returns a message about that.
+    /// Takes a universal interpreter or its error. After an error, each scene gets an interpreter; returns a message
+    /// then.
     pub(super) fn take_universal(
         &mut self,
         non_lipschitz: bool,
@@ -190,7 +191,7 @@ impl ProgramLibrary {
         self.submit(job, Task::Interpreter(needed));
     }
 
-    /// Requests a universal interpreter that no scene has needed yet. `scene` is drawn in its first frame.
+    /// Requests a universal interpreter that no scene has needed yet. Its first frame draws `scene`.
     pub(super) fn request_unneeded(&mut self, scene: &PreparedScene) {
         if let Some(non_lipschitz) = self.universal.unasked() {
             self.request_universal(non_lipschitz, scene);

@@ -15,7 +15,7 @@ pub(super) struct Refusal {
 /// The refusal of a scene that is too slow on this machine. `why` is the beginning of a sentence.
 pub(super) fn too_expensive(scene: &PreparedScene, why: &str) -> Refusal {
     let heading = format!("{} is too much for this machine; the last good scene stays", scene.title());
-    // One line each: a small window has no room for long lines.
+    // Each sentence gets a line, because a small window has no room for long lines.
     let text = format!(
         "{why}; the limit is {:.0} s\n{}\nuse fewer or simpler parts, or make the window smaller",
         LIMITS.picture_seconds_max,

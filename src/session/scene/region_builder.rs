@@ -1,10 +1,10 @@
 //! Region trees, built on their own thread while frames are drawn. Only the latest request counts. A build is
 //! cancelled when it exceeds its time limit or is no longer needed.
 //!
-//! **A frame is drawn with the inputs of its tree,** even if that is late: a slow tree lowers the frame rate, but
-//! frames match the sound. If the compiled program draws faster than a tree is built, it draws without cells; an
-//! interpreter without cells takes tens of times as long, which is longer than any tree takes. In stills, videos and
-//! measurements, `Renderer::draw` builds missing regions itself.
+//! **A frame is drawn with the inputs of its tree,** even if the tree is late: a slow tree lowers the frame rate, but
+//! frames match the sound. If the compiled program draws faster than a tree is built, it draws without cells. An
+//! interpreter always waits for the tree: without cells it takes tens of times as long, which is longer than any tree
+//! takes. In stills, videos and measurements, `Renderer::draw` builds missing regions itself.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -36,7 +36,7 @@ const END_WAIT: Duration = Duration::from_millis(200);
 struct State<Tag> {
     next: Option<TreeJob<Tag>>,
     done: Option<BuiltTree<Tag>>,
-    /// Counts calls of `forget`: a build begun before the last one is obsolete.
+    /// Counts calls of `forget`: a build begun before the last call is obsolete.
     forgotten: u64,
     over: bool,
 }
@@ -96,7 +96,7 @@ impl<Tag> Drop for RegionBuilder<Tag> {
         state.next = None;
         drop(state);
         self.shared.changed.notify_one();
-        // A tree takes milliseconds. The tree of a scene too large to draw takes minutes and is not awaited.
+        // Wait only briefly: a tree takes milliseconds, but minutes for a scene that is too large to draw.
         let until = Instant::now() + END_WAIT;
         let Some(thread) = self.thread.take() else { return };
         while !thread.is_finished() && Instant::now() < until {

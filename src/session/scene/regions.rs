@@ -185,7 +185,7 @@ impl SceneRegions {
             }
             return late;
         }
-        // Drawn without a tree: go back if that was slower.
+        // The frame was drawn without a tree. Use trees again if that was slower.
         let no_sooner = self.late_for == now && time > self.tree_time;
         if no_sooner {
             (self.late_for, self.waited_for) = (None, now);

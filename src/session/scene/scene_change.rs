@@ -1,6 +1,6 @@
 //! The change from one scene to another, by a show or the user. Both scenes keep moving during the fade, as in a
 //! video of the show: the outgoing one is drawn first, for the same moment of the song, and a fraction of its light
-//! is mixed into the incoming one. If it is gone or too slow, its last frame fades instead ([`super::fading`]).
+//! is mixed into the incoming one. If the outgoing scene is gone or too slow, its last frame fades ([`super::fading`]).
 //!
 //! A scene that the user leaves keeps its parameter values: controllers act on the incoming scene.
 
@@ -18,7 +18,7 @@ use crate::show::Clip;
 use mariana_control::ChangedBy;
 use mariana_music::Sound;
 
-/// An outgoing scene whose frame takes longer than this stands still.
+/// If a frame of the outgoing scene takes longer than this, the scene stops moving.
 const LIVE_MAX: Duration = Duration::from_millis(100);
 
 #[derive(Default)]
@@ -103,7 +103,7 @@ impl SceneChange {
         let mut moved = Vec::new();
         for (slider, knob) in scene.knobs.iter() {
             if let Some(number) = numbers.get_mut(knob.place) {
-                // As in its last frame.
+                // Use the value in the last frame of the scene.
                 *number = slider.value;
             }
             if slider.changed_by == ChangedBy::Show {
@@ -140,7 +140,7 @@ impl SceneChange {
         (numbers, left.clip.as_ref().and_then(camera))
     }
 
-    /// The camera motion of the outgoing scene at `time` seconds of the song: as it was left, or as
+    /// The camera motion of the outgoing scene at `time` seconds of the song: as the user left it, or as
     /// the show turns it. `orbit` is the user's motion in the shown scene.
     pub(super) fn camera(&self, outgoing: &Outgoing, time: f64, orbit: OrbitControls) -> OrbitControls {
         let by_hand = if outgoing.place == Place::Shown { orbit } else { self.orbit };

@@ -211,7 +211,7 @@ impl SceneSession {
         Ok(())
     }
 
-    /// Handles a scene that cannot be drawn: the director silently takes another one, otherwise a message appears.
+    /// Handles a scene that cannot be drawn: the director silently takes another scene, otherwise a message appears.
     fn refuse(&mut self, refusal: Refusal) {
         self.messages.set_hint(None);
         let Refusal { source, heading, text } = refusal;
@@ -248,12 +248,12 @@ impl SceneSession {
         if let Some(left) = replaced.as_ref().filter(|_| is_another) {
             self.composer.note_left(left, &self.show, &self.parameters);
         }
-        // A scene that was never drawn is not worth returning to.
+        // Do not keep a scene that was never drawn.
         if self.composer.pictures().scene() == replaced.as_ref().map(|scene| scene.id) {
             self.scenes.before = replaced;
         }
         self.preparation.forget_obsolete(&self.scenes);
-        // Controllers may have changed its parameters since the request.
+        // Controllers may have changed the scene's parameters since the request.
         self.shown_parameters_mut().update_sliders();
         self.messages.set_hint(None);
         if is_another {
@@ -484,7 +484,8 @@ impl SceneSession {
         composer.fade_from_held(seconds, of);
     }
 
-    /// The end of the wait for a changed text, if the next frame or one in progress, to be abandoned, waits at `now`.
+    /// The end of a wait for a changed text at `now`. The next frame waits, or a frame in progress that may be
+    /// abandoned.
     pub(crate) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
         self.library().awaits_edit(now).filter(|_| !self.composer.must_finish())
     }

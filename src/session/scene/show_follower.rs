@@ -36,7 +36,7 @@ struct Course {
     asked: Option<SceneSource>,
     /// Time of the last `follow`, in seconds of the song.
     last_time: Option<f64>,
-    /// True if that was the same moment as in the call before.
+    /// True if the last two calls of `follow` had the same moment.
     stands_still: bool,
     /// The scene of the next cue key press.
     cue: Option<SceneSource>,
@@ -69,7 +69,7 @@ pub(super) struct Outgoing {
 }
 
 impl ShowFollower {
-    /// Follows a show from now on; `None` follows none. `cue` is a scene that may be requested at any moment.
+    /// Sets the show to follow, or `None`. `cue` is a scene that may be requested at any moment.
     pub(crate) fn set_prepared_show(
         &mut self,
         prepared_show: Option<Arc<PreparedShow>>,
@@ -202,7 +202,7 @@ impl ShowFollower {
         let is_same_visit =
             self.course.overruled.is_some_and(|since| is_one_visit(clips, since, moment.index));
         if is_same_visit || (is_new && now.is_awaited) {
-            // Another camera is no new scene. A scene being prepared for the user is not dropped.
+            // A new camera does not end the user's choice. A scene that is being prepared for the user is not dropped.
             self.course.overruled = Some(moment.index);
         }
         if self.course.overruled == Some(moment.index) {
@@ -232,7 +232,7 @@ impl ShowFollower {
             return None;
         }
         if self.asks_for(&wanted) && !is_new {
-            // Requested before: it could not be shown, or is still being loaded.
+            // The scene was requested before: it could not be shown, or is still being loaded.
             return None;
         }
         let since = time - moment.clip.start;

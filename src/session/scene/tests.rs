@@ -102,7 +102,7 @@ impl Staged {
         self.draws(true);
     }
 
-    /// Pretends that a frame of the shown scene has been drawn, or that none has.
+    /// Pretends that a frame of the shown scene has been drawn, or has not been drawn.
     fn draws(&mut self, drawn: bool) {
         let id = self.session.scenes().shown_id().filter(|_| drawn);
         self.session.composer_mut().pictures.finish(id, Duration::ZERO);

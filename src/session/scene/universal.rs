@@ -36,7 +36,7 @@ impl UniversalInterpreters {
         if non_lipschitz { of_others } else { of_distances }
     }
 
-    /// Marks the interpreter for this kind of formula as requested. Returns its variant; `None` if it was marked.
+    /// Marks the interpreter for this kind of formula as requested. Returns its variant, or `None` if already marked.
     pub(super) fn ask(&mut self, non_lipschitz: bool) -> Option<Interpreter> {
         let one = self.of(non_lipschitz);
         matches!(one.state, State::Unasked).then(|| {
@@ -63,12 +63,12 @@ impl UniversalInterpreters {
         self.of(non_lipschitz).state = State::None;
     }
 
-    /// True if one of them covers `needed` and is not disabled.
+    /// True if an interpreter that is not disabled covers `needed`.
     pub(super) fn serve(&self, needed: &Interpreter) -> bool {
         self.0.iter().any(|one| !matches!(one.state, State::None) && one.variant.covers(needed))
     }
 
-    /// True if one that covers `needed` is being compiled.
+    /// True if an interpreter that covers `needed` is being compiled.
     pub(super) fn are_coming(&self, needed: &Interpreter) -> bool {
         self.0.iter().any(|one| matches!(one.state, State::Coming) && one.variant.covers(needed))
     }

@@ -8,18 +8,19 @@ use crate::faults::{self, Fault};
 
 /// A scene whose last tree took longer gets a trial tree before it is shown: an edit can make a slow tree too slow.
 const TREE_MAX: Duration = Duration::from_millis(50);
-/// The same for a distance with more than this many times the clauses of the last version, plus [`CLAUSES_MORE`].
+/// A scene also gets a trial tree if its distance has more than this many times the last clauses, plus
+/// [`CLAUSES_MORE`].
 const CLAUSES_TIMES: usize = 2;
 /// Clauses that an edit may add in any case.
 const CLAUSES_MORE: usize = 64;
 
-/// True if the coming scene only turns numbers back into constants. It waits for its own program: a good one is in use.
+/// True if the coming scene only turns numbers into constants again. It waits for its program: the shown one is good.
 pub(super) fn only_settles(scenes: &PreparedScenes) -> bool {
     let (Some(shown), Some(coming)) = (&scenes.shown, &scenes.coming) else { return false };
     coming.settles && shown.source == coming.source && shown.programs.compiled.is_some()
 }
 
-/// The shown version of a scene, if the new one should cost about the same. If it does not, the previous one returns.
+/// The shown version of a scene, if the new version should cost about the same. The old one returns if it costs more.
 pub(super) fn last_version<'a>(
     scenes: &'a PreparedScenes,
     scene: &PreparedScene,

@@ -15,7 +15,7 @@ use mariana_player::track::{Repeat, TrackInfo};
 
 /// The program's name on the bus, completed by the process id, because several may run.
 const NAME: &str = "mariana";
-/// Most changes that wait for a slow bus; further ones are lost.
+/// Maximum number of changes that wait for a slow bus. Further changes are lost.
 const CHANGES_MAX: usize = 64;
 const RATE: f64 = 1.0;
 
@@ -323,7 +323,7 @@ mod tests {
 
     #[test]
     fn the_reported_position_was_a_guess_that_stepped_back_after_a_device_fault() {
-        // The last report; a guess would continue from it at full speed.
+        // The last reported state. A guess would continue from this position at full speed.
         let seen = Seen { paused: false, position: (7.0, Instant::now()), ..Seen::new() };
         let offered = Offered {
             seen: SharedSeen(Arc::new(Mutex::new(seen))),

@@ -45,7 +45,7 @@ pub(crate) fn is_wayland() -> bool {
         .any(|name| std::env::var(name).is_ok_and(|value| !value.is_empty()))
 }
 
-/// Creates the surfaces and serves their events until it is dropped.
+/// Creates the surfaces, and serves their events until this value is dropped.
 pub(crate) struct Layers {
     output_surfaces: OutputSurfaces,
     is_over: Arc<AtomicBool>,
@@ -106,7 +106,7 @@ impl Drop for Layers {
         if let Some(thread) = self.thread.take()
             && thread.join().is_err()
         {
-            tracing::warn!("the thread of the layers ended with a panic");
+            tracing::warn!("the thread of the layers panicked");
         }
     }
 }
@@ -160,7 +160,7 @@ impl LayersState {
         }
         let surface = self.compositor.create_surface(queue);
         match Region::new(&self.compositor) {
-            // Without input, and opaque.
+            // The surface takes no input and is opaque.
             Ok(empty) => surface.set_input_region(Some(empty.wl_region())),
             Err(error) => tracing::warn!("the wallpaper cannot let clicks through: {error}"),
         }
@@ -187,7 +187,7 @@ impl LayersState {
         self.output_surfaces.add(OutputSurface::new(name, borne, queue.clone()));
     }
 
-    /// Removes surfaces. Each is destroyed when nothing draws into it any more.
+    /// Removes surfaces. A surface is destroyed when the show no longer draws into it.
     fn take_down(&self, is_gone: impl Fn(&OutputSurface) -> bool) {
         self.output_surfaces.remove(is_gone);
         self.waker.wake();

@@ -1,7 +1,8 @@
-//! The desktop's wallpaper: the frame below all windows, on all monitors, without input; or in a screen saver's window.
+//! The desktop's wallpaper: the frame below all windows, on all monitors, without input. A screen saver uses the same
+//! code to draw in its window.
 //!
-//! On X11 it is a window, on Wayland a surface on each output ([`layers`]). It pauses if covered or on battery
-//! ([`rest`]).
+//! On X11 the wallpaper is a window, on Wayland a surface on each output ([`layers`]). It pauses while it is covered or
+//! the computer runs on battery ([`rest`]).
 
 #[cfg(all(unix, not(target_os = "macos")))]
 mod layers;
@@ -67,7 +68,8 @@ impl Wallpaper {
         }
     }
 
-    /// Shows a frame on the Wayland surfaces, on all if `is_new`: `draw` gets the size in pixels, and true for text.
+    /// Shows a frame on the Wayland surfaces, on all of them if `is_new`. `draw` gets the size in pixels, and true for
+    /// text.
     pub(crate) fn show(
         &mut self,
         window: &GlWindowContext,

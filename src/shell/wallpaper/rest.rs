@@ -32,7 +32,7 @@ impl WallpaperPause {
                 if std::mem::replace(&mut rested, rests) != rests {
                     tracing::info!("the wallpaper {}", if rests { "pauses" } else { "continues" });
                 }
-                // The missing requests of the compositor pause the show by themselves.
+                // Without requests of the compositor, the show pauses by itself.
                 let ordered = look.is_covered || look.spares_battery;
                 if is_on.swap(ordered, Ordering::Relaxed) != ordered {
                     waker.wake();

@@ -17,11 +17,11 @@ pub(crate) struct Wall {
 struct Hung {
     output_surface: Arc<OutputSurface>,
     extent: Extent,
-    /// `None` if the driver refused it.
+    /// `None` if the driver refused the surface.
     surface: Option<SecondSurface>,
-    /// True if it does not show the current frame.
+    /// True if the surface does not show the current frame.
     is_stale: bool,
-    /// True if it has no frame of its size yet.
+    /// True if the surface has no frame of its size yet.
     is_blank: bool,
 }
 
@@ -99,7 +99,7 @@ impl Wall {
         self.hung.iter().any(Hung::is_ready)
     }
 
-    /// True if it wants one on the first surface, which also shows text.
+    /// True if the compositor wants a frame on the first surface, which also shows text.
     pub(super) fn shows_words(&self) -> bool {
         self.hung.first().is_some_and(Hung::is_ready)
     }

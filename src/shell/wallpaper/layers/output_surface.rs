@@ -20,7 +20,7 @@ const UNSEEN: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Extent {
-    /// Size of its frames, in pixels.
+    /// Size of the surface's frames, in pixels.
     pub(crate) pixels: (u32, u32),
     /// Size in the compositor's logical units.
     units: (u32, u32),
@@ -172,7 +172,7 @@ impl OutputSurfaces {
         self.list().clone()
     }
 
-    /// True if all of them are covered at `now`, judged by missing frame callbacks.
+    /// True if all surfaces are covered at `now`, judged by missing frame callbacks.
     pub(crate) fn are_unseen(&self, now: Instant) -> bool {
         let unseen = |output_surface: &Arc<OutputSurface>| {
             let since = output_surface.state().waits_since;
