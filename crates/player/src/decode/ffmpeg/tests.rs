@@ -35,14 +35,15 @@ fn without_ffmpeg_the_message_suggests_it() {
     let nowhere = Programs { ffprobe: "/nowhere/ffprobe".into(), ..Programs::default() };
     let reported = error(FfmpegDecoder::open(Path::new("a.wma"), "a.wma", &refusal(), &nowhere));
     assert!(
-        reported.contains("a.wma is a Windows Media file") && reported.contains("install ffmpeg"),
+        reported.contains("a.wma is a Windows Media file")
+            && reported.contains("ffmpeg is not installed; install it"),
         "{reported}"
     );
     let folder = tempfile::tempdir().unwrap();
     let path = made(folder.path(), "a.wma", "1");
     let half = Programs { ffmpeg: "/nowhere/ffmpeg".into(), ..Programs::default() };
     let reported = error(FfmpegDecoder::open(&path, "a.wma", &refusal(), &half));
-    assert!(reported.contains("install ffmpeg"), "{reported}");
+    assert!(reported.contains("ffmpeg is not installed; install it"), "{reported}");
 }
 
 #[test]
