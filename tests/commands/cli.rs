@@ -64,7 +64,6 @@ fn band_of(hz: f64) -> usize {
     (0..BAND_COUNT).find(|&band| (band_edge(band)..band_edge(band + 1)).contains(&hz)).unwrap()
 }
 
-/// The index of the band with the largest value.
 fn tallest_band(line: &Value) -> usize {
     let bands = numbers(&line["bands"]);
     (0..bands.len()).max_by(|&a, &b| bands[a].total_cmp(&bands[b])).unwrap()

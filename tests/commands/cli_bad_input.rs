@@ -1,5 +1,4 @@
-//! Refusals of the command line: a one-sentence message with the mistake, its location and a remedy, and the exit code.
-//! The program neither panics nor damages files.
+//! Refusals of the command line: the message and the exit code. Refusing input neither panics nor damages files.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -85,7 +84,7 @@ fn streams_beyond_the_limits_are_refused_with_their_values() {
     place.run(&["analyze", "nothing.wav"]).refused(&["nothing.wav"]);
 }
 
-/// Runs `analyze` on damaged bytes. Fails unless `analyze` succeeds or refuses them with a one-sentence message.
+/// `analyze` may succeed on damaged bytes, or refuse them with a one-sentence message.
 fn survive(place: &Workplace, name: &str, what: &str, bytes: &[u8]) {
     let name = format!("{what}-{name}");
     place.write(&name, bytes);

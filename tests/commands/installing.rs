@@ -31,7 +31,7 @@ fn install_into(prefix: &Path) -> String {
     install(&["--prefix", prefix.to_str().unwrap(), "--binary", PROGRAM], &[])
 }
 
-/// The contents of every file below `folder`, by path. Folders are listed with a trailing slash.
+/// The contents of all files by path. The path of a folder has a trailing slash.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -90,7 +90,6 @@ fn installed_files_are_in_the_standard_places() {
     let release = format!("<release version=\"{}\"", env!("CARGO_PKG_VERSION"));
     assert!(text(&prefix, metainfo.to_str().unwrap()).contains(&release), "metainfo.xml has no {release}");
 
-    // The desktop's tools have built these databases from the installed files.
     assert!(text(&prefix, "share/mime/globs2").contains("50:text/x-mariana-scene:*.scene"));
     assert!(text(&prefix, "share/applications/mimeinfo.cache").contains("text/x-mariana-scene"));
 
@@ -109,11 +108,11 @@ fn removal_keeps_only_files_of_others() {
     }
     let before: Vec<String> = contents(prefix).into_keys().collect();
     install_into(prefix);
-    // An earlier version installed this file; the current version does not.
+    // A file of an earlier version, which the current version does not install.
     let old = "share/man/man1/mariana-old.1";
     std::fs::write(prefix.join(old), "").unwrap();
     let manifest = prefix.join("share/mariana/installed.txt");
-    // These paths are outside of the prefix. The list must never contain them.
+    // A path outside of the prefix. The script must not delete it, even if the list of installed files contains it.
     let outside = place.path().with_extension("kept");
     std::fs::write(&outside, "").unwrap();
     let upward = format!("../{}", outside.file_name().unwrap().to_str().unwrap());

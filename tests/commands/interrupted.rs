@@ -1,5 +1,4 @@
-//! Jobs that are interrupted by signals, a full disk or crashing drivers: the files that they leave, and their
-//! messages.
+//! Jobs interrupted by signals, a full disk or crashing drivers: the files that they leave, and their messages.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -73,7 +72,7 @@ fn send(signal: &str, number: u32) {
     output_of(kill.args([&format!("-{signal}"), &number.to_string()]), "procps").unwrap();
 }
 
-/// Starts a video and waits until ffmpeg encodes it. Also returns ffmpeg's process id.
+/// Also returns the process id of ffmpeg.
 fn start_video(place: &Workplace, command: &mut Command) -> (Process, u32) {
     let mut process = Process::start(command, "coreutils");
     let mut encoder = None;
@@ -86,7 +85,6 @@ fn start_video(place: &Workplace, command: &mut Command) -> (Process, u32) {
     (process, encoder.unwrap())
 }
 
-/// Sends `signal`, and checks the exit code, the message and the remaining files.
 #[track_caller]
 fn assert_ends_cleanly(place: &Workplace, mut process: Process, signal: &str, code: i32) {
     let names = place.names();
@@ -126,7 +124,7 @@ fn with_encoder<'c>(place: &Workplace, command: &'c mut Command, script: &str) -
 fn a_video_with_a_blocked_encoder_is_interrupted_cleanly() {
     let place = workplace();
     let mut command = command(&place, &LONG_VIDEO);
-    // The encoder ignores signals. It reads one byte: then the program is known to be writing the rest.
+    // The encoder ignores signals. It reads a single byte, so the program blocks while it writes the rest.
     let script =
         "#!/bin/sh\ntrap '' INT TERM HUP\ndd bs=1 count=1 of=\"${0%/*}/begun\" 2>&-\nexec sleep 1000\n";
     let (process, encoder) = start_video(&place, with_encoder(&place, &mut command, script));
@@ -229,7 +227,6 @@ fn a_still_on_a_full_disk_is_refused() {
     on_a_full_disk(&place, &["still", "song.wav", "--size", "256x144", "-o", "good.png"])
         .refused(&["good.png", "-o"]);
     assert_eq!((place.names().len(), place.read("good.png")), (2, b"a good picture".to_vec()));
-    // A small image fits.
     on_a_full_disk(&place, &["still", "song.wav", "--size", "2x2", "-o", "good.png"]).done();
     assert!(place.read("good.png").starts_with(b"\x89PNG"));
 }
@@ -281,7 +278,7 @@ fn special_names_for_ffmpeg_are_plain_file_names() {
     ];
     for (index, name) in names.into_iter().enumerate() {
         let name = OsStr::from_bytes(name);
-        // Use the name first for the video, then for the song.
+        // The video has the name first, then the song has it.
         let folder = place.path(&format!("folder %d {index}"));
         std::fs::create_dir(&folder).unwrap();
         place.write_tone(&format!("folder %d {index}/song.wav"), 440.0, 0.5, [0.5, 0.5]);

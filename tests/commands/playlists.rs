@@ -24,7 +24,6 @@ fn play(paths: &[PathBuf], repeat: Repeat) -> Player {
     Player::start(opened.first, Box::new(opened.list), options).unwrap()
 }
 
-/// Writes a tone of `seconds` in each supported format.
 fn write_songs(place: &Workplace, seconds: f64) -> Vec<PathBuf> {
     let source = format!("sine=frequency=300:sample_rate=44100:duration={seconds}");
     let write = |format: &crate::support::program::Format| {
@@ -86,7 +85,7 @@ fn loudness_tags_of_every_kind_are_read() {
         let gain = Decoder::open(&place.path(file)).unwrap().info().scene_gain;
         assert!((20.0 * gain.log10() - db).abs() < 0.01, "{file}: {} dB", 20.0 * gain.log10());
     }
-    // The features have the loudness that the tag specifies.
+    // The features have the loudness that the file's tag specifies.
     let volume = |name: &str| {
         let song = Song::File(place.path(name));
         let sound = SongFeatures::open_with(&song, 0.0, Gain::Off).unwrap().require(0.3).unwrap();
@@ -96,7 +95,6 @@ fn loudness_tags_of_every_kind_are_read() {
     assert!((20.0 * ratio.log10() + 6.0).abs() < 0.05, "{ratio}");
 }
 
-/// Advances a linear congruential generator.
 fn random(state: &mut u64) -> usize {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 33) as usize
@@ -143,7 +141,7 @@ fn damaged_files_of_every_format_are_skipped() {
     for (index, path) in list.iter().enumerate().filter(|(_, path)| good.contains(path)) {
         assert!(heard.contains(&index), "{} was not played", path.display());
     }
-    // The errors include at least the empty files and the missing file.
+    // At least the empty files and the missing file cause errors.
     assert!(player.status().track_errors.count > good.len() as u64, "{:?}", player.status().track_errors);
 }
 
@@ -163,7 +161,7 @@ fn the_next_track_plays_after_a_file_that_changes() {
             1 => fs::write(song, (0..length).map(|_| random(&mut state) as u8).collect::<Vec<_>>()).unwrap(),
             _ => fs::File::options().write(true).open(song).unwrap().set_len(length as u64 / 3).unwrap(),
         }
-        // Whatever happened to the file, the next track must start.
+        // Even if the file is damaged now, the next track must start.
         player.seek_to(25.0);
         player.seek_by(1000.0);
         let (mut looks, mut heard_at) = (0, f64::NAN);
@@ -233,7 +231,7 @@ fn playlists_are_refused_or_played() {
     place.run(&["a.flac", "b.flac", "--once"]).refused(&["do not exist", "a.flac, b.flac"]);
     place.run(&["a.flac", "--once", "--repeat", "all"]).refused_arguments("--once", &["--repeat"]);
     place.run(&["a.flac", "--repeat", "twice"]).refused_arguments("--repeat", &["twice"]);
-    // The files of a list may be created later, so the program tries to open a window.
+    // The files of a list may appear later, so the program tries to open a window.
     write("list.m3u", b"a.flac\nb.flac\n");
     place.run(&["list.m3u"]).refused(&["window"]);
 }

@@ -1,5 +1,5 @@
-//! Reloading of saved scenes. The loader loads a scene once per save, as a whole, and only if its text changed. Tests
-//! imitate the ways in which editors save.
+//! Reloading of saved scenes: once per save, only if the text changed, and never half a file. Tests imitate the ways in
+//! which editors save.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -21,7 +21,7 @@ use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use tempfile::TempDir;
 
 const WAIT_LIMIT: Duration = Duration::from_secs(60);
-/// While nothing changes, the loader must load nothing for this time. It is many times longer than a load takes.
+/// A test waits for this time to show that the loader loads nothing. It is many times longer than a load takes.
 const STILLNESS: Duration = Duration::from_millis(200);
 
 /// A loaded scene in these tests: the distance at (0, 0, 0) and the widths of the textures, or the errors.
@@ -113,7 +113,7 @@ impl Place {
         }
     }
 
-    /// Fails unless the next result is a scene with this distance. `loads` is the expected total number of loads.
+    /// `loads` is the expected total number of loads.
     #[track_caller]
     fn shows(&self, distance: f32, loads: usize) {
         assert_eq!(self.result().value, Ok((distance, vec![])));
@@ -248,7 +248,7 @@ fn saves_without_changes_load_nothing() {
     place.write("main.scene~", at(5.0));
     fs::create_dir(place.path("sub")).unwrap();
     place.stays_still();
-    // Save the file without a change, touch it, and rename it and back.
+    // Save the file without a change, change its time, and rename it and back.
     place.write("main.scene", at(1.0));
     let file = fs::File::options().append(true).open(place.path("main.scene")).unwrap();
     file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
@@ -349,7 +349,6 @@ fn a_scene_behind_links_is_watched_at_its_target() {
     place.shows(1.0, 1);
     fs::write(&real, at(2.0)).unwrap();
     place.shows(2.0, 2);
-    // Change the target of a link in the chain.
     fs::write(place.folder.path().join("dotfiles/other.scene"), at(3.0)).unwrap();
     symlink("../dotfiles/other.scene", place.path("next")).unwrap();
     fs::rename(place.path("next"), place.path("link.scene")).unwrap();
@@ -391,7 +390,7 @@ fn only_the_last_request_is_watched() {
     place.loader.request(SceneSource::Shipped("speakers".into()));
     let shipped = place.result();
     assert_eq!((shipped.value.unwrap().1.len(), shipped.files), (2, vec![]));
-    // Request the same scene again, as a repeating key does.
+    // Repeat the request, as a held key does.
     place.loader.request(SceneSource::Shipped("speakers".into()));
     assert!(place.result().value.is_ok());
 }

@@ -8,7 +8,7 @@ use mariana::srgb::linear;
 
 const LOOK: [&str; 2] = ["--size", "48x27"];
 
-/// Writes a scene with a coloured ball above a floor, a parameter for its size, and a second, nearer camera.
+/// The scene contains a ball above a floor, a parameter for the ball's size, and a second, nearer camera.
 fn write_ball(place: &Workplace, name: &str, colour: &str, energy: &str) {
     let text = format!(
         "about {{ energy = {energy} }}\nparam size = 1 in 0.2 .. 2\n\
@@ -136,7 +136,7 @@ fn a_show_without_a_matching_cue_is_refused() {
         place.run(&[&[job], &show[..], &["-o", output]].concat()).refused_with_details(&reported);
         assert!(!place.path(output).exists(), "{output}");
     }
-    // All cues of this show wait for keys, which a rendering does not have.
+    // All cues of this show wait for keys, so it cannot be rendered.
     place.write("cues.show", "at cue red.scene\nat cue green.scene\n");
     let outcome = place.run(&["video", "one.wav", "--show", "cues.show", "-o", "a.mp4"]);
     assert!(outcome.code == 1 && outcome.stderr.contains("only a window has"), "{outcome:?}");

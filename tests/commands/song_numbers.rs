@@ -1,5 +1,4 @@
-//! Values of the whole song in scenes. They are equal in stills, videos and text output, and neutral if they are
-//! unknown.
+//! Values of the whole song in scenes: they are equal in stills, videos and text output, and neutral if unknown.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -73,7 +72,6 @@ fn a_song_without_structure_has_neutral_values() {
     };
     let [red, green, blue] = still("silence.wav", &[]);
     assert!(red == 0 && green > 150 && blue == 0);
-    // `--set` overrides each value.
     let [red, _, blue] = still("silence.wav", &["--set", "section=1", "--set", "chroma(0)=1"]);
     assert!(red > 250 && blue > 250);
     // A truncated file can still be played.

@@ -10,7 +10,7 @@ use image::{RgbImage, RgbaImage};
 use mariana_testing::process::output_of;
 use serde_json::Value;
 
-/// Writes scenes of one colour, which compile quickly.
+/// These scenes compile quickly.
 fn write_colors(place: &Workplace) {
     for (name, color) in [("red", "vec3(0.8, 0, 0)"), ("blue", "vec3(0, 0, 0.8)")] {
         let text = format!(

@@ -1,7 +1,6 @@
-//! Dependency rules that Cargo cannot express, in the tables of `walls`: the packages that each crate may depend on,
-//! the modules of the program that each module may use, and the modules that may access the outside world.
-//! ARCHITECTURE.md explains the rules. Cargo itself enforces the dependencies between crates. Clippy checks `unwrap`
-//! and `unsafe` (see `[workspace.lints]`).
+//! Dependency rules that Cargo cannot express; ARCHITECTURE.md explains them. `walls` lists the packages that each
+//! crate may depend on, the modules that each module of the program may use, and the modules that may access the
+//! outside world. Clippy checks `unwrap` and `unsafe` (see `[workspace.lints]`).
 
 #![allow(clippy::unwrap_used)]
 
@@ -101,7 +100,6 @@ fn row(room: &str) -> Option<&'static [&'static str]> {
     ROOMS.iter().find(|(name, _)| *name == room).map(|(_, allowed)| *allowed)
 }
 
-/// The identifiers that follow `prefix` in `line`, if `prefix` begins a path.
 fn names_behind<'a>(line: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a str> {
     let starts = line.match_indices(prefix).map(|(at, _)| at);
     let whole = starts.filter(move |&at| {
@@ -212,8 +210,8 @@ fn pure_modules_have_no_side_effects() {
     assert_none(&found, "these modules do no I/O, read no clock and start no threads");
 }
 
-/// These files may read the system's clock: the clock module, and files of the session that measure durations in real
-/// time even when time is simulated.
+/// These files may read the system's clock. The files of the session measure durations in real time even if time is
+/// simulated.
 const MEASURES: &[&str] =
     &["crates/ui/src/clock.rs", "src/session/offscreen.rs", "src/session/scene/region_builder.rs"];
 
@@ -230,7 +228,6 @@ fn a_session_reads_the_time_from_its_clock() {
     assert_none(&found, "write `clock::now()`, so that tests can simulate the time");
 }
 
-/// True if a line disables a lint with `expect` or `allow`.
 fn is_excuse(line: &str) -> bool {
     let attribute = line.trim_start().trim_start_matches("#!").trim_start_matches('#');
     ["[expect(", "[allow("].iter().any(|start| attribute.starts_with(start))
@@ -319,8 +316,7 @@ fn files_stay_small() {
     }
 }
 
-/// Git's tracked entries at the top. Without Git (in an unpacked archive), the existing entries that .gitignore does
-/// not list.
+/// Without Git (in an unpacked archive), returns the existing entries that .gitignore does not list.
 fn top_level_entries() -> BTreeSet<String> {
     let git = Command::new("git")
         .args(["-c", "safe.directory=*", "ls-files", "-z"])

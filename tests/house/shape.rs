@@ -54,14 +54,12 @@ enum Kind {
 }
 use Kind::{Fields, Methods, Modules};
 
-/// The sizes above a limit. The keys are like those in [`OVER`].
 type Found = BTreeMap<(Kind, String), usize>;
 
 fn texts() -> BTreeMap<String, String> {
     ["src", "crates", "tests", "benches"].into_iter().flat_map(sources).collect()
 }
 
-/// The measurements of the root crate and of each crate in `crates/`.
 fn measures(texts: &BTreeMap<String, String>) -> Vec<Measure> {
     let is_root = |file: &str| {
         let inner =
@@ -73,8 +71,7 @@ fn measures(texts: &BTreeMap<String, String>) -> Vec<Measure> {
     roots.into_iter().map(|root| Krate::read(root, texts).measure()).collect()
 }
 
-/// The cycles that are too large. A cycle's name is the entry of `rows` that names one of its files, or else its first
-/// file.
+/// A cycle's name is the entry of `rows` that names one of its files, or else its first file.
 fn large_knots(measure: &Measure, rows: &[(Kind, &str, usize)]) -> Found {
     let large = knots(&measure.edges).into_iter().filter(|knot| knot.len() > KNOT_MAX);
     large
@@ -91,7 +88,7 @@ fn is_record(size: &Size) -> bool {
     size.methods.is_empty() || size.is_open && size.methods.len() <= RECORD_METHODS_MAX
 }
 
-/// The types that are too large. If several types have the same name, the largest counts.
+/// If several types have the same name, the largest counts.
 fn large_types(measure: &Measure) -> Found {
     let mut found = Found::new();
     for ((_, name), size) in &measure.types {

@@ -39,7 +39,6 @@ fn floats(values: &[f32]) -> Vec<u8> {
     bytes(values, f32::to_le_bytes)
 }
 
-/// Tapes in the form of the interpreter's buffer.
 #[derive(Clone)]
 struct Programs {
     texels: Vec<[u32; 4]>,
@@ -116,9 +115,8 @@ impl PointReader {
 
 struct Row {
     op: Op,
-    /// Maximum relative error.
     relative: f32,
-    /// Maximum absolute error, added to the relative error.
+    /// The maximum absolute error is added to the relative error.
     absolute: f32,
     /// True for operands to which the bounds apply. The comments at the rows give the reasons for exceptions.
     trusted: fn(f32, f32) -> bool,
@@ -259,7 +257,6 @@ fn close(got: f32, right: f32, relative: f32, absolute: f32) -> bool {
         || (got - right).abs() <= relative * right.abs() + absolute && got.is_finite()
 }
 
-/// Ordinary, huge, tiny and special numbers, each with both signs.
 fn operands() -> Vec<f32> {
     let mut numbers =
         vec![0.0, 1.0, 0.5, 2.0, 3.0, 31.5, 100.0, 1e4, 1e20, 1e-20, 3e38, 1.2e-38, f32::INFINITY];

@@ -21,9 +21,9 @@ use mariana_field::world::{Alignment, BlendKind, PortalShape, World, blended_par
 const SIZE: (u32, u32) = (96, 54);
 const TIME: f64 = 20.0;
 
-/// The pairs that are always drawn. In order, the melts test planes in both scenes, a non-Lipschitz scene with a distance,
-/// a closed space, a bounded scene with an unbounded one, many interpreter registers, and an endless wall with a single
-/// object. The other pairs are portals.
+/// The pairs that are always drawn. In order, the melts test planes in both scenes, a non-Lipschitz scene with a
+/// distance, a closed space, a bounded scene with an unbounded one, many interpreter registers, and an endless wall
+/// with a single object. The other pairs are portals.
 const SLICE: [(&str, &str, BlendKind, f32); 9] = [
     ("speakers", "first_steps", BlendKind::Melt, 0.5),
     ("heart", "terrain", BlendKind::Melt, 0.25),
@@ -44,7 +44,6 @@ const CAPPED_BY_PORTALS_MAX: f64 = 0.005;
 struct Drawn {
     picture: RgbaImage,
     evaluations: Evaluations,
-    /// The number of light values that are not finite.
     not_finite: usize,
     cpu_ms: f64,
 }
@@ -64,7 +63,6 @@ fn draw(test_renderer: &mut TestRenderer, program: &Program, params: &[f32]) -> 
     }
 }
 
-/// Describes the faults of a blend's image. Returns an empty list if the image has no faults.
 fn faults(kind: BlendKind, compiled: &Drawn, interpreted: &Drawn) -> Vec<String> {
     let mut faults = Vec::new();
     let pixels = f64::from(SIZE.0 * SIZE.1);
@@ -89,7 +87,7 @@ fn shipped(name: &str) -> ReadyScene {
     ready(&SceneSource::Shipped(name.to_owned()))
 }
 
-/// A blend and its programs for both modes. Also returns the compile time in milliseconds and the number of clauses.
+/// Also returns the compile time in milliseconds and the number of clauses.
 fn test_renderer_of(
     from: &ReadyScene,
     to: &ReadyScene,

@@ -25,7 +25,6 @@ fn wall(light: f64) -> SceneSource {
     ))
 }
 
-/// A second scene in the renderer's context.
 struct Other {
     resources: SceneResources,
     program: Program,
@@ -50,7 +49,6 @@ impl Other {
     }
 }
 
-/// The largest difference of a byte.
 fn steps(a: &[u8], b: &[u8]) -> u8 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()

@@ -20,7 +20,6 @@ const BLACK: Color = [0; 3];
 const WHITE: Color = [255; 3];
 const RED: Color = [255, 0, 0];
 
-/// The limiter on the GPU, the limiter on the CPU, and an analyser of the shown frames.
 struct Bench {
     pass: FlashPass,
     finished: Target,

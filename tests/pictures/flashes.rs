@@ -28,7 +28,6 @@ fn wall(emission: &str) -> String {
     )
 }
 
-/// The light is on for half of each second of the scene's time.
 const BLINKS: &str = "step(0.5, fract(t))";
 
 struct Strobe {

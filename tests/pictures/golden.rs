@@ -143,7 +143,6 @@ fn tone_mapping_is_monotonic_and_removes_invalid_light(test_renderer: &mut TestR
     assert!(brights[4] < 255, "0.5 is clipped: {brights:?}");
 }
 
-/// The fraction of pixels whose colour channels all satisfy `test`.
 fn fraction_of(picture: &RgbaImage, test: impl Fn(u8) -> bool) -> f64 {
     let hits = picture.pixels().filter(|pixel| pixel.0[..3].iter().all(|&value| test(value))).count();
     hits as f64 / (f64::from(picture.width()) * f64::from(picture.height()))
@@ -179,7 +178,6 @@ fn pixel_of(frame: &Frame, point: DVec3) -> (f64, f64) {
     (0.5 * (x + 1.0) * f64::from(frame.size.0), 0.5 * (1.0 - y) * f64::from(frame.size.1))
 }
 
-/// The fraction of visibly different pixels within `radius` pixels of (`x`, `y`).
 fn changed_around(a: &RgbaImage, b: &RgbaImage, (x, y): (f64, f64), radius: f64) -> f64 {
     let (mut all, mut changed) = (0_u32, 0_u32);
     for (column, row, pixel) in a.enumerate_pixels() {

@@ -17,7 +17,7 @@ use mariana::scenes::{SceneSource, shipped_names};
 /// to filter textures as GPUs do.
 const SCENES: [&str; 3] = ["gyroid", "kaleidoscope", "first_steps"];
 
-/// Runs the program as on a GPU (`hardware`) or on the software path, and returns its output.
+/// If `hardware` is true, the program treats the software renderer as a GPU.
 fn run(place: &Workplace, hardware: bool, arguments: &[&str]) -> String {
     let mut command = place.command(arguments);
     if hardware {
@@ -154,7 +154,7 @@ fn expensive_pixels_are_drawn_in_small_parts() {
     }
 }
 
-/// Reads the log's lines about frames: the number of draw calls, and the number of pixels in the largest draw call.
+/// For each frame in the log: the number of draw calls, and the number of pixels in the largest draw call.
 fn draws(log: &str) -> Vec<(u64, u64)> {
     let number = |text: &str| text.split_whitespace().next_back()?.parse().ok();
     let of_line = |line: &str| {

@@ -43,7 +43,7 @@ fn colour(picture: &RgbaImage, x: f64, y: f64) -> [i32; 3] {
 
 #[test]
 fn a_small_panel_lights_like_a_lamp_to_one_side() {
-    // At points in front of a small panel, its light equals a lamp's. The lamp's strength is the panel's area times its
+    // At points in front of it, a small panel lights like a lamp. The lamp's strength is the panel's area times its
     // radiance.
     let lamp = on_floor("light a { position = vec3(0, 3, 0)  color = 4 }");
     let panel = "position = vec3(0, 3, 0)  right = vec3(0.05, 0, 0)  color = 400";
@@ -117,7 +117,6 @@ fn mirrors_show_mirrors() {
                 .map(move |x| picture.get_pixel(x, row).0)
                 .map(|[r, g, b, _]| r > 90 && r > 2 * g.max(b))
         };
-        // The number of separate red runs in a row of pixels.
         let runs = |row: u32| {
             let row: Vec<bool> = reds(row).collect();
             row.windows(2).filter(|two| !two[0] && two[1]).count()

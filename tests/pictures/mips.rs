@@ -25,7 +25,6 @@ struct Texel {
     covered: [f64; 3],
 }
 
-/// The next smaller level. Each texel is the average of two by two texels.
 fn half(level: &[Texel], side: usize) -> Vec<Texel> {
     let mut smaller = vec![Texel::default(); side * side / 4];
     for (index, texel) in level.iter().enumerate() {

@@ -15,7 +15,6 @@ use mariana::srgb::linear;
 
 const SIZE: (u32, u32) = (64, 36);
 
-/// A renderer set up as for a window. It has drawn an image.
 struct Hall(TestRenderer);
 
 impl Hall {
@@ -31,7 +30,6 @@ impl Hall {
         Self(test_renderer)
     }
 
-    /// The image with its placement, as the program shows and sends it to a window of `size` pixels.
     fn sent(&mut self, placement: &Placement, size: (u32, u32)) -> RgbaImage {
         let mut reader = PictureReader::new(self.0.context.gl(), size).unwrap();
         let map = within(fitted(placement.rest_of(SIZE), size), &placement.map());
@@ -47,8 +45,7 @@ impl Hall {
         RgbaImage::from_raw(SIZE.0, SIZE.1, self.0.renderer.read()).unwrap()
     }
 
-    /// Dims the image to a fraction of its light. The flash limiter takes it for a frame a sixtieth of a second after
-    /// the previous one.
+    /// For the flash limiter, this frame follows the previous one after a sixtieth of a second.
     fn dim(&mut self, gain: f32) {
         self.0.renderer.dim(gain).unwrap();
         self.0.renderer.limit_flashes(1.0 / 60.0).unwrap();
@@ -121,7 +118,6 @@ fn mirroring_crop_and_corners_are_exact() {
     let crop = Crop::try_from([50.0, 0.0, 0.0, 50.0]).unwrap();
     let part = hall.sent(&Placement { crop, ..Placement::default() }, (SIZE.0 / 2, SIZE.1 / 2));
     assert!(part == image::imageops::crop_imm(&plain, SIZE.0 / 2, 0, SIZE.0 / 2, SIZE.1 / 2).to_image());
-    // The image fills the left half of the window, and the right half is black.
     let corners = Corners::try_from([[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0]]).unwrap();
     let wide = (2 * SIZE.0, SIZE.1);
     let map = Placement { corners, ..Placement::default() };

@@ -37,7 +37,6 @@ const OF_MODELLERS: [(&str, &str); 2] = [
 
 const REPEATING: [&str; 2] = ["city", "lattice"];
 
-/// A closed interval: its lower and its upper bound.
 type Span = (f64, f64);
 
 const ALL: Span = (f64::NEG_INFINITY, f64::INFINITY);
@@ -342,7 +341,7 @@ fn inputs_of(world: &World, time: f32) -> FrameInputs {
     inputs
 }
 
-/// A ray of the image, and the part of the ray that may contain surfaces.
+/// Returns the ray, and the part of the ray that may contain surfaces.
 fn ray_of(
     world: &World,
     regions: &Regions,

@@ -24,7 +24,6 @@ const MOVED_MIN: f64 = 0.15;
 const BLACK_MAX: f64 = 0.30;
 const WHITE_MAX: f64 = 0.02;
 
-/// The fraction of pixels whose channels are all within the range.
 fn fraction(picture: &RgbaImage, range: std::ops::RangeInclusive<u8>) -> f64 {
     let within =
         picture.pixels().filter(|pixel| pixel.0[..3].iter().all(|value| range.contains(value))).count();

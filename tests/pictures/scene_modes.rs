@@ -129,7 +129,6 @@ fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
     assert_modes_agree_at(name, scene, times, (SIZE, TIGHT));
 }
 
-/// Like [`assert_modes_agree`], with a given size and tolerance.
 fn assert_modes_agree_at(
     name: &str,
     scene: &SceneSource,

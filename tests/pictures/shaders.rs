@@ -47,7 +47,6 @@ const DEFINES: [&str; 10] = [
     "COVERAGE",
 ];
 
-/// A shader for a kind of driver.
 struct Case {
     name: String,
     file: &'static str,
@@ -78,7 +77,6 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
     Case { name, file: SCENE_SHADER, variant, interpreted: mode == Mode::Interpreted, software }
 }
 
-/// All shaders of the program. Vertex shaders are first.
 fn cases() -> Vec<Case> {
     let plain = [VERTEX_SHADER, FLASH_VERTEX_SHADER, EDGE_SHADER, UPSCALE_SHADER, SAMPLERS_SHADER];
     let plain = plain.into_iter().chain(PLACING_SHADERS).map(|file| (file, &[][..]));
@@ -116,7 +114,6 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// Checks the shipped shaders for which `can_read` is true. Fails with all errors of `judge`.
 fn judge_cases(judge: fn(Stage, &str) -> Result<(), String>, can_read: fn(&Case) -> bool) {
     let library = ShaderLibrary::embedded();
     let mut refused = String::new();

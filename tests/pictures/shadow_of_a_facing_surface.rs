@@ -8,7 +8,7 @@ use mariana::export::song_features::SongFeatures;
 /// The error was visible at this time and size.
 const TIME: f64 = 62.0;
 const SIZE: (u32, u32) = (1280, 720);
-/// The middle of the right woofer. The radius is well inside the woofer's rim. Both are in units of the scene.
+/// The middle of the right woofer and a radius inside the woofer's rim, in units of the scene.
 const WOOFER: glam::DVec3 = glam::DVec3::new(5.0, 2.0, 7.8);
 const RADIUS: f64 = 1.25;
 

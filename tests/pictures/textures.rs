@@ -25,14 +25,13 @@ fn difference(a: &[u8], b: &[u8]) -> u8 {
     (0..3).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0)
 }
 
-/// The mean difference between two lines of the wood: columns if `across` is 0, rows if `across` is 1.
+/// Lines are columns if `across` is 0, and rows if `across` is 1.
 fn line_difference(wood: &RgbImage, across: usize, a: u32, b: u32) -> f64 {
     let length = if across == 0 { wood.height() } else { wood.width() };
     let at = |line: u32, i: u32| if across == 0 { wood.get_pixel(line, i) } else { wood.get_pixel(i, line) };
     (0..length).map(|i| f64::from(difference(&at(a, i).0, &at(b, i).0))).sum::<f64>() / f64::from(length)
 }
 
-/// The texels of the mallard in a square around column `x` and row `y`.
 fn around(picture: &RgbaImage, x: u32, y: u32, radius: u32) -> impl Iterator<Item = [u8; 4]> + '_ {
     let range = |c: u32, side: u32| c.saturating_sub(radius)..(c + radius + 1).min(side);
     let (xs, ys) = (range(x, picture.width()), range(y, picture.height()));

@@ -77,7 +77,6 @@ impl Viewer {
     }
 }
 
-/// The ray through a pixel's centre.
 fn ray(frame: &Frame, x: u32, y: u32) -> (DVec3, DVec3) {
     let camera = &frame.camera;
     let (width, height) = (f64::from(frame.size.0), f64::from(frame.size.1));

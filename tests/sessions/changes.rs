@@ -121,7 +121,6 @@ fn scenes_fade_and_a_fade_of_zero_seconds_is_a_cut() {
         app.wait_until("a picture", |app| app.reported().contains("a frame took "));
         app.press(&["n"]);
         app.wait_until_reported("b is shown");
-        // Draw further frames, in which a fade could begin.
         let pictures = count(&app.reported(), "a frame took ");
         app.wait_until("pictures", |app| count(&app.reported(), "a frame took ") > pictures + 3);
         let reported = app.quit_content();
@@ -162,12 +161,11 @@ fn prepared_scenes_are_not_compiled_again_when_shown() {
     // The neighbours of b need no new programs: a is compiled already, and c has the same text as a.
     for (name, channel) in [("a.scene", 0), ("b.scene", 1), ("c.scene", 0)] {
         place.save_wall(name, channel);
-        // The wall also reads the sound tables.
         let path = place.0.path(name);
         let text = fs::read_to_string(&path).unwrap();
         fs::write(path, text.replace("* sin(t)", "* sin(t) + 0.1 * spectrum(fract(p.x))")).unwrap();
     }
-    // The width and the height are not powers of two.
+    // The size is not a power of two.
     let app = place
         .open_with_compiler("a.scene", &[&["--size", "90x54", "--quality", "best"], &AHEAD[..]].concat());
     app.wait_until("both neighbours", |app| count(&app.reported(), " is ready ahead") == 2);

@@ -73,7 +73,7 @@ impl Place {
         self.inner.path("config/knobs.toml")
     }
 
-    /// Learns a knob for the first parameter by the panel. Turns the knob until the session has learned it.
+    /// Turns the knob until the session has learned it for the first parameter.
     fn learn_first(&self, app: &App, name: &str, knob: &[u8]) {
         let before = fs::read_to_string(self.knobs()).unwrap_or_default();
         begin_to_learn(app);
@@ -85,7 +85,6 @@ impl Place {
     }
 }
 
-/// Queries `address` until `wanted` accepts an answer, and returns that answer.
 pub(crate) fn ask(app: &App, osc: &Sender, address: &str, wanted: impl Fn(&[u8]) -> bool) -> Vec<u8> {
     let mut answer = None;
     app.wait_until(&format!("the expected answer to {address}"), |_| {
@@ -96,7 +95,7 @@ pub(crate) fn ask(app: &App, osc: &Sender, address: &str, wanted: impl Fn(&[u8])
     answer.unwrap()
 }
 
-/// Starts learning a controller for the first parameter in the panel. Each key changes the otherwise constant frame.
+/// Each key changes the otherwise constant frame.
 fn begin_to_learn(app: &App) {
     for key in ["j", "Down", "Return"] {
         let before = app.picture();
@@ -135,8 +134,7 @@ fn messages_change_parameters_and_the_last_controller_wins() {
     let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
     let answer = ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(2.0));
     assert!(answer.ends_with(&padded("OSC")), "{answer:?}");
-    // Now the slider sets the parameter. Try each of these rows, because one of them is the rail of the first
-    // parameter. The drag ends beyond the rail's right end.
+    // Drag the slider beyond its right end. One of these rows is the rail of the first parameter, so try each.
     osc.send("/param/red", &[0.5]);
     app.press(&["Tab"]);
     let mut rows = (26..46).step_by(4).cycle();
@@ -147,7 +145,7 @@ fn messages_change_parameters_and_the_last_controller_wins() {
         of_red(&answer) == Some(2.0) && answer.ends_with(&padded("slider"))
     });
     app.press(&["Tab"]);
-    // Now a message sets the parameter again.
+    // The message takes the parameter back from the slider.
     osc.send("/param/red", &[0.0]);
     ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(0.0) && bytes.ends_with(&padded("OSC")));
     wait_for_colour(&app, "black", [false, false, false]);
@@ -273,7 +271,6 @@ fn a_learned_knob_controls_its_parameter_and_is_remembered() {
         colour(&app) == [true, true, false]
     });
     app.quit_by_key();
-    // The next session still knows the knob.
     let app = place.open(&[]);
     app.wait_until_reported("receiving MIDI from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
@@ -333,7 +330,7 @@ fn floods_of_invalid_midi_are_ignored() {
     app.wait_until("yellow", |_| {
         place.play("desk", &turned(0));
         app.run_for(Duration::from_millis(30));
-        // The bytes use running status and contain a clock message.
+        // These bytes are two messages with running status, interrupted by a clock message.
         place.play("desk", &[0xb0, 1, 126, 1, 0xf8, 127]);
         app.run_for(Duration::from_millis(100));
         colour(&app) == [true, true, false]
@@ -405,8 +402,7 @@ fn a_controller_overrides_the_show_until_its_next_movement() {
     osc.send("/param/red", &[0.0]);
     ask(&app, &osc, "/param/red", held(0.0, "OSC"));
     wait_for_colour(&app, "green", [false, true, false]);
-    // The next movement of the show sets the parameter again. At earlier times of the song, the controller's value
-    // stays.
+    // The show's next movement sets the parameter again. At earlier times of the song, the controller's value stays.
     osc.send("/position", &[0.9]);
     ask(&app, &osc, "/param/red", held(1.0, "show"));
     osc.send("/position", &[0.1]);

@@ -12,7 +12,7 @@ use crate::support::session::{self, App};
 const SCENE: &str = "scenes/main.scene";
 /// In this window, the editor leaves a part of the frame uncovered.
 const SIZE: &str = "760x420";
-/// Overlay colours: marks of errors, and numbers in a text.
+/// Overlay colours of errors and of numbers in a text.
 const ERROR: [u8; 3] = [255, 128, 112];
 const NUMBER: [u8; 3] = [244, 190, 120];
 /// The overlay colour of handles under the pointer.
@@ -94,13 +94,12 @@ fn wait_until_gone(app: &App, what: &str, wanted: [u8; 3]) {
     app.wait_for(what, |picture| group(picture, wanted).is_none());
 }
 
-/// Opens the editor on a text that contains numbers.
+/// The text contains numbers.
 fn write(app: &App) {
     app.press(&["e"]);
     wait_for_group(app, "the highlighted text", NUMBER);
 }
 
-/// Opens the editor and replaces its text by a green wall.
 fn replace_by_green(app: &App) {
     write(app);
     app.press(&["ctrl+a"]);
@@ -216,7 +215,7 @@ fn dragging_a_number_does_not_reload_the_text() {
     app.wait_until("the number to become an input", |app| loads(app) == before + 1);
     let mut moved = 0;
     app.wait_until("a bright wall", |app| {
-        // Drag in several steps. Stop before the end of the number's range.
+        // Drag in several steps, and stop before the end of the number's range.
         if moved < 100 {
             moved += 4;
             app.point_at(grip_x + moved, grip_y);
@@ -248,7 +247,7 @@ light n { direction = vec3(0, -1, 0)  color = 0 }
 camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 60 }
 sky { color = 0  ambient = 0 }
 ";
-/// The centre of the ball in a window of [`SIZE`].
+/// In a window of [`SIZE`].
 const BALL_AT: (u32, u32) = (634, 210);
 
 fn part(picture: &RgbaImage, left: u32, top: u32, width: u32, height: u32) -> RgbaImage {
@@ -316,7 +315,6 @@ fn a_colour_in_the_text_is_picked_and_saved() {
     let app = place.open(&[]);
     write(&app);
     app.wait_until("the ball", |_| is_ball(&app, RED));
-    // The swatch appears below the colour in the text.
     let mut swatch = None;
     app.wait_until("the swatch", |_| {
         swatch = group(&part(&app.picture(), 0, 0, 480, 200), [255, 0, 0]);
@@ -324,7 +322,7 @@ fn a_colour_in_the_text_is_picked_and_saved() {
     });
     let (left, top, right, _) = swatch.unwrap();
     app.click_at((left + right) / 2, top - 5);
-    // The row of hues contains green.
+    // The row of hues contains green. The test looks for green pixels in it.
     let mut green = None;
     app.wait_until("the colours", |_| {
         green = group(&part(&app.picture(), 0, top + 4, 500, 420 - top - 4), [0, 255, 0]);
@@ -365,7 +363,6 @@ fn a_position_is_dragged_in_the_frame_and_saved() {
     let (mut x, y) = (510 + right - 5, (top + bottom) / 2);
     app.point_at(x, y);
     app.hold_button(true);
-    // Drag the ball to the left until it has left its position.
     app.wait_until("the ball to leave its position", |app| {
         x -= 4;
         app.point_at(x, y);

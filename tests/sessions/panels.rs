@@ -35,7 +35,6 @@ impl Place {
         Self { inner, scene }
     }
 
-    /// A session that plays the songs and has the default overlay.
     fn open(&self, options: &[&str]) -> App {
         let music = self.inner.path("music");
         let own = [music.to_str().unwrap(), "--prepare-ahead", "off", "--silent", "--size", SIZE];
@@ -157,7 +156,6 @@ fn the_pointer_alone_pauses_seeks_changes_scenes_and_fills_the_screen() {
     app.click_at(from_right(8), y);
     click_in_list(right - 200, 14 + 11 + 36 + 24 + 12);
     app.wait_for_title("the second track from the list", |title| title.contains("2/2"));
-    // Click the second tile in the list of scenes.
     app.click_at(from_right(5), y);
     click_in_list(14 + 14 + 170 + 100, 14 + 11 + 24 + 40);
     app.wait_for_title("another scene", |title| !title.contains("(2/2, still"));

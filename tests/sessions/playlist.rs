@@ -43,8 +43,7 @@ fn a_folder_plays_in_order_and_keys_change_the_track() {
     wait_for_track(&app, "1.wav - Mariana", "1/4");
     app.press(&["Prior", "Prior"]);
     wait_for_track(&app, "2.wav - Mariana", "2/4");
-    // L steps from repeating the list to repeating one track and to no repetition. Only a repeated list continues from
-    // its end to its start.
+    // L steps from repeating the list to repeating one track, and then to no repetition, in which the list has an end.
     app.press(&["l", "l", "Next"]);
     wait_for_track(&app, "10.wav - Mariana", "4/4");
     app.press(&["Next"]);

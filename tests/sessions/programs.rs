@@ -13,8 +13,7 @@ use crate::support::session::{self, App};
 use crate::walls::wait_for_channel;
 use mariana_testing::process::WAIT_LIMIT;
 
-/// The log line for the universal interpreter. The line break tells it apart from the longer line for the non-Lipschitz
-/// variant.
+/// The line break tells this line of the log apart from the longer line for the non-Lipschitz variant.
 const READY: &str = "the universal interpreter is ready\n";
 const READY_NON_LIPSCHITZ: &str = "the universal interpreter is ready, for formulas";
 
@@ -47,7 +46,7 @@ impl Place {
         fs::write(&self.scene, text).unwrap();
     }
 
-    /// A session that compiles on a separate thread. Waits until its scene is shown.
+    /// The session compiles on a separate thread.
     fn open(&self, options: &[&str]) -> App {
         let own = ["--size", "64x36", "--scene", self.scene.to_str().unwrap()];
         let app = self.inner.open_with_compiler(&self.inner.song(), &[&own[..], options].concat());
@@ -102,7 +101,6 @@ fn edits_use_the_interpreter_and_the_next_start_loads_it_from_the_cache() {
         "{reported}"
     );
 
-    // Truncate a stored program.
     let files = place.files("program");
     let whole = files.iter().map(|path| fs::read(path).unwrap()).collect::<Vec<_>>();
     fs::write(&files[0], &whole[0][..whole[0].len() / 2]).unwrap();
@@ -179,7 +177,7 @@ fn die(place: &Place, options: &[&str]) {
     assert_eq!(status.signal(), Some(6), "{status}");
 }
 
-/// In the process that [`die`] starts, runs its session and never returns. In any other process, returns at once.
+/// In the process that [`die`] starts, runs the session and never returns. In other processes, returns at once.
 fn die_if_asked() {
     let [Some(folder), Some(options)] = DYING.map(std::env::var_os) else { return };
     let place = Place::of(session::Place::at(folder.as_ref()));

@@ -26,7 +26,6 @@ const HEAVY: &str = "object balls {
      light sun { direction = vec3(1, -2, 1) }
      camera { position = vec3(0, 1, -7)  target = vec3(0) }";
 
-/// A smooth, motionless wall with a different colour at each corner.
 const SMOOTH: &str = "material paint { color = 0  roughness = 1\n\
      emission = 0.3 + 0.2 * vec3(sin(1.1 * p.x + 0.4), sin(0.9 * p.y - 0.5 * p.x), cos(0.7 * p.x + 1.3 * p.y)) }\n\
      object wall { shape = 5 - p.z  material = paint }\n\

@@ -30,7 +30,6 @@ const WALL: &str = "param red = 0.2 in 0 .. 1\nparam width = 1 in 0.5 .. 4\n\
     object wall { shape = 5 - p.z  material = paint }\nlight none { direction = vec3(0, -1, 0)  color = 0 }\n\
     camera { position = vec3(0)  target = vec3(0, 0, 5) }\ncamera aside { position = vec3(0)  target = vec3(1, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
 
-/// Waits for a frame that differs from `before` and has settled, and returns it.
 fn settled(app: &App, before: &RgbaImage, what: &str) -> RgbaImage {
     let (mut last, mut since) = (before.clone(), Instant::now());
     app.wait_until(&format!("{what}: another frame that stays the same"), |app| {
@@ -97,8 +96,7 @@ impl Place {
         self.sender.send("/freeze", &[0.0]);
     }
 
-    /// Resumes the song, waits until `act` has started a fade, and pauses again. `number` is the number of fades so
-    /// far, including this one.
+    /// `number` is the number of fades so far, including the fade that `act` starts.
     fn fade_while_it_runs(&self, app: &App, number: usize, act: impl FnOnce(&App)) {
         self.sender.send("/pause", &[0.0]);
         app.wait_for_title("runs", |title| !title.contains("paused"));
@@ -112,8 +110,7 @@ impl Place {
         app.wait_for_title("paused", |title| title.contains("paused"));
     }
 
-    /// Ends the recording and the session. Compares each frame with the recorded show at the same time. Returns the
-    /// text of the show.
+    /// Compares each frame with the recorded show at the same time. Returns the text of the show.
     fn compare(&self, app: App, pictures: &[(f64, RgbaImage)]) -> String {
         app.press(&["F9"]);
         app.wait_until_reported("recorded: ");
@@ -202,7 +199,6 @@ fn fades_blackouts_and_frozen_frames_are_rendered_again_bit_for_bit() {
     let dim = settled(&app, &dim, "less light at another time");
     place.sender.send("/brightness", &[1.0]);
     let there = settled(&app, &dim, "all light");
-    // While the frame is frozen, the position and a parameter change.
     place.go_to(&app, 30.0);
     let held = settled(&app, &there, "the frame to freeze");
     place.freeze(&app);

@@ -16,7 +16,7 @@ use crate::support::session::{App, Place};
 use mariana::thumbnails::{MOMENT, SIZE};
 use mariana_testing::process::{output_of, wait_until};
 
-/// Starts a session with a wall, a song and the page for phones. Also returns the page's address.
+/// The session has a wall and a song. Also returns the page's address.
 fn open(place: &Place, options: &[&str]) -> (App, String) {
     open_at(place, "127.0.0.1:0", options)
 }
@@ -37,7 +37,6 @@ fn url_in(reported: &str) -> String {
     reported[from..].split(' ').next().unwrap().to_owned()
 }
 
-/// Opens the page on a phone and waits for the phone's connection.
 fn phone(app: &App, url: &str) -> Page {
     app.meanwhile(|| {
         let mut page = Page::open(url);
@@ -257,7 +256,7 @@ fn a_phone_shows_thumbnails_and_works_without_them() {
     let mut page = phone(&app, &url);
     app.meanwhile(|| {
         page.wait_until("the scenes", "document.querySelectorAll('#scenes button').length > 3");
-        // True or false for red, green and blue: the bright channels in the middle of a thumbnail.
+        // Computes the bright channels in the middle of a thumbnail, as true or false for red, green and blue.
         page.value(
             "window.colour = (name) => { \
                const button = [...document.querySelectorAll('#scenes button')].find(b => b.textContent === name); \

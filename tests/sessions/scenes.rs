@@ -47,7 +47,6 @@ impl Place {
         self.0.save(&format!("scenes/{name}"), text);
     }
 
-    /// Opens a scene file of the folder and waits until the session shows it.
     fn open(&self, name: &str, options: &[&str]) -> App {
         self.open_scene(self.path(name).to_str().unwrap(), SMALL, options)
     }
@@ -122,12 +121,10 @@ fn a_saved_scene_is_shown_without_restarting_the_song() {
     });
     assert_eq!(first, Some([false, true, true]), "the song restarted");
 
-    // Save the scene by renaming another file.
     place.save("own.scene~", &wall(RED));
     fs::rename(place.path("own.scene~"), place.path("own.scene")).unwrap();
     wait_for_color(&app, "the renamed scene", SEEN_RED);
 
-    // Save an included file in both ways.
     place.save("paint.scene", &format!("fn shine() = {GREEN}"));
     place.save("own.scene", &format!("include \"paint.scene\"\n{}", wall("shine()")));
     wait_for_color(&app, "the colour of the included file", SEEN_GREEN);
@@ -137,7 +134,6 @@ fn a_saved_scene_is_shown_without_restarting_the_song() {
     fs::rename(place.path("paint.scene~"), place.path("paint.scene")).unwrap();
     wait_for_color(&app, "the renamed included file", SEEN_RED);
 
-    // Save a texture.
     let picture = |color: [u8; 3]| {
         let side = RgbaImage::from_pixel(4, 4, image::Rgba([color[0], color[1], color[2], 255]));
         side.save(place.path("side.png")).unwrap();
@@ -203,7 +199,6 @@ fn a_broken_save_keeps_the_frame_and_shows_the_error() {
     wait_for_color(&app, "the mended scene", SEEN_GREEN);
     wait_for_one_color(&app);
 
-    // Test a mistake in an included file, and a missing texture.
     let back = |app: &App| {
         place.save("own.scene", &wall(RED));
         app.wait_until("the mended scene without a panel", |app| app.picture() == clear);
@@ -222,7 +217,6 @@ fn a_broken_save_keeps_the_frame_and_shows_the_error() {
     app.wait_until_reported("none.png");
     back(&app);
 
-    // Delete the scene file and write it again.
     fs::remove_file(place.path("own.scene")).unwrap();
     app.wait_until("the error about the missing file", |app| panel_shows(app));
     kept(&app);
@@ -436,7 +430,6 @@ fn a_slider_changes_the_frame_and_survives_a_reload() {
     place.save("own.scene", &text(1));
     app.wait_until("the saved scene", |app| color(app)[2]);
     assert_eq!(color(&app), [true, false, true], "the slider was reset");
-    // Remove the parameter from the text and add it again.
     place.save("own.scene", &wall(GREEN));
     wait_for_color(&app, "a scene without sliders", SEEN_GREEN);
     place.save("own.scene", &text(0));

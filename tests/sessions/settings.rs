@@ -29,7 +29,7 @@ fn hear(place: &Place, options: &[&str]) -> App {
     app
 }
 
-/// Waits until a song plays on this output of the server, and until the session has noticed.
+/// The session notices a change of the output after the server, so the test waits for both.
 #[cfg(target_os = "linux")]
 fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
     app.wait_until(name, |app| {
@@ -41,7 +41,6 @@ fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
             playing.lines().any(|line| line.split('\t').nth(1) == number)
         })
     });
-    // The server switches outputs before the session notices it.
     app.wait_until("the session to know its output", |app| {
         app.reported()
             .lines()
@@ -57,7 +56,7 @@ fn wait_for_outputs(app: &App) {
     app.take_steps(10);
 }
 
-/// Waits until a panel's dark background covers this pixel.
+/// A panel has a dark background.
 #[cfg(target_os = "linux")]
 fn wait_for_ground(app: &App, what: &str, x: u32, y: u32) {
     app.wait_for(what, |picture| {

@@ -61,7 +61,6 @@ impl Place {
         fs::write(self.path(name), text).unwrap();
     }
 
-    /// A session that prepares scenes ahead and follows the show of `options`.
     fn open(&self, options: &[&str]) -> App {
         let own = [self.song.to_str().unwrap(), "--silent", "--new", "--clean", "--size", SIZE];
         let app = self.inner.begin(&[&own[..], options].concat());
@@ -105,7 +104,6 @@ fn wait_for_channel(app: &App, wanted: usize) {
     app.wait_until("a colour", |app| channel(app) == Some(wanted));
 }
 
-/// Advances the session by 50 steps. Fails if the colour changes.
 fn assert_channel_stays(app: &App, wanted: usize) {
     for _ in 0..50 {
         assert_eq!(channel(app), Some(wanted), "the colour changed: {}", app.reported());

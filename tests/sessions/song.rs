@@ -129,7 +129,6 @@ fn every_window_size_shows_both_speakers() {
             assert_shows_the_speakers(&picture);
         }
     }
-    // Change the size many times, as dragging a corner of the window does.
     for step in 0..20 {
         app.resize((400 - 15 * step, 80 + 15 * step));
     }

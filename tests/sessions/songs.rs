@@ -19,7 +19,7 @@ const SCENE: &str = "material paint { color = 0 roughness = 1 emission = vec3(2 
                      camera { position = vec3(0) target = vec3(0, 0, 5) }\n\
                      sky { color = 0 ambient = 0 }\n";
 
-/// Writes a song of clicks, which is louder in its second half.
+/// The song is louder in its second half.
 fn write_song(path: &Path, seconds: usize, per_second: usize) {
     let samples = (0..seconds * 48_000).flat_map(|frame| {
         let since = frame % (48_000 / per_second);
@@ -58,7 +58,6 @@ fn a_session_knows_the_structure_of_this_song_and_of_the_next() {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.starts_with("1.wav") && title.contains("paused"));
     app.wait_until("the structures of both songs", |_| files_that_end_in(&kept, "song").len() == 2);
-    // Seek to the start, then to 10 s.
     app.press(&["Left"; 8]);
     app.press(&["Right", "Right"]);
     app.wait_for("the values at this time", |picture| {

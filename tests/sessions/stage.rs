@@ -103,7 +103,6 @@ fn the_output_is_mirrored_cropped_and_warped_at_its_corners() {
         is_black(at(picture, 0.9, 0.1)) && is_red(at(picture, 0.2, 0.5)) && is_blue(at(picture, 0.9, 0.8))
     });
     app.quit();
-    // Drag a corner. The next session has the same corners.
     let app = place.open("two.scene", &[]);
     app.wait_for("the picture", |picture| is_red(at(picture, 0.1, 0.1)));
     grab_corner(&app);
@@ -180,8 +179,7 @@ fn the_preview_of_the_next_scene_uses_spare_time_only() {
     let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
     let first = app.wait_for("the next scene in the corner", |picture| is_blue(corner(picture)));
     assert!(is_red(at(&first, 0.3, 0.5)), "the frame itself shows another scene");
-    // The preview shows the current time of the song. Pause the song, because then every machine has spare time for the
-    // preview.
+    // The preview shows the current time of the song. A paused song leaves every machine spare time for the preview.
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let before = corner(&app.picture());

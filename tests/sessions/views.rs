@@ -12,7 +12,6 @@ use mariana_testing::process::output_of;
 
 const SIZE: &str = "320x180";
 
-/// The image of the song's start by `mariana still`.
 fn still(place: &Place, options: &[&str]) -> RgbaImage {
     let output = place.path("still.png");
     let mut command = command_in(PROGRAM, place.folder(), None);
@@ -42,7 +41,6 @@ fn fraction(a: &RgbaImage, b: &RgbaImage) -> f64 {
     difference(a, b, TIGHT.visible).fraction
 }
 
-/// True if `now` is a darker version of `picture`.
 fn is_dimmed(now: &RgbaImage, picture: &RgbaImage) -> bool {
     let light = |image: &RgbaImage| image.as_raw().iter().map(|byte| f64::from(*byte)).sum::<f64>();
     let bytes = || now.as_raw().iter().zip(picture.as_raw());

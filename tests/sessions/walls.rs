@@ -18,7 +18,7 @@ impl Place {
         Self { inner }
     }
 
-    /// Opens a scene without an overlay and waits for the first frame.
+    /// The scene has no overlay.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App {
         let scene = self.path(scene);
         let own = ["--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];

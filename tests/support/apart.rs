@@ -10,7 +10,6 @@ use std::process::{Command, ExitStatus, Stdio};
 #[cfg(unix)]
 use mariana_testing::process::{private_folder, session_environment};
 
-/// This variable contains the test's name in the separate process of a test.
 const TEST: &str = "MARIANA_TEST_APART";
 
 /// Runs the calling test in a separate process, with environment variables: `apart!("NAME" = "value");`. Must be the
@@ -39,7 +38,7 @@ macro_rules! apart_at_home {
 #[cfg(unix)]
 pub(crate) use apart_at_home;
 
-/// Like [`runs_elsewhere`], for [`apart_at_home`].
+/// Like [`runs_elsewhere`], for [`apart_at_home!`].
 #[cfg(unix)]
 pub(crate) fn runs_at_another_home(path: &str) -> bool {
     if is_apart() {

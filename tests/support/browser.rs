@@ -19,7 +19,6 @@ const PROGRAMS: [&str; 4] = ["chromium-headless-shell", "chromium", "chromium-br
 /// Width and height of a phone's window, in CSS pixels.
 pub(crate) const PHONE: (u32, u32) = (390, 844);
 
-/// Dropping the browser ends its process.
 struct Browser {
     _process: Process,
     address: String,
@@ -78,7 +77,6 @@ pub(crate) struct Page {
 }
 
 impl Page {
-    /// Opens an address on a new phone.
     pub(crate) fn open(url: &str) -> Self {
         let browser = Browser::start();
         let mut page = Self { socket: browser.socket(&browser.whole), number: 0, browser };

@@ -31,7 +31,7 @@ pub(crate) struct Difference {
     pub largest: u8,
 }
 
-/// The largest difference of the colour channels of two pixels, in steps of 0..255.
+/// In steps of 0..255, without alpha.
 pub(crate) fn pixel_difference(a: &Rgba<u8>, b: &Rgba<u8>) -> u8 {
     (0..3).map(|channel| a.0[channel].abs_diff(b.0[channel])).max().unwrap_or(0)
 }
@@ -49,7 +49,6 @@ pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage, visible: u8) -> Differenc
     Difference { mean: sum as f64 / (3.0 * pixels), fraction: seen as f64 / pixels, largest }
 }
 
-/// Fails if the images differ by more than `tolerance`, and saves them for inspection.
 pub(crate) fn assert_alike(name: &str, actual: &RgbaImage, expected: &RgbaImage, tolerance: Tolerance) {
     if let Err(reason) = compare(name, actual, expected, tolerance) {
         panic!("{reason}");
@@ -72,7 +71,7 @@ pub(crate) fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String>
     compare(name, actual, &golden, LOOSE).map_err(|reason| format!("{reason}; {advice}"))
 }
 
-/// Compares two images. If they differ too much, saves them for inspection.
+/// If the images differ too much, saves them for inspection.
 pub(crate) fn compare(
     name: &str,
     actual: &RgbaImage,
@@ -100,7 +99,7 @@ pub(crate) fn compare(
     Err(reason)
 }
 
-/// The channels' differences, multiplied by eight so that they are visible.
+/// The differences are multiplied by eight, so that they are visible.
 fn difference_picture(a: &RgbaImage, b: &RgbaImage) -> RgbaImage {
     RgbaImage::from_fn(a.width(), a.height(), |x, y| {
         let (a, b) = (a.get_pixel(x, y).0, b.get_pixel(x, y).0);

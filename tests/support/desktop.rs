@@ -106,7 +106,7 @@ impl Desktop {
         self.show(command, song)
     }
 
-    /// Opens the program without a song, so that it listens or plays the demo track, and waits for its window.
+    /// Without a song, the program listens or plays the demo track.
     pub(crate) fn listen(&self, options: &[&str]) -> App<'_> {
         self.listen_printing_to(Stdio::piped(), options)
     }
@@ -171,14 +171,13 @@ impl Desktop {
         server.randr_set_monitor(root, info).unwrap().check().unwrap();
     }
 
-    /// Removes a monitor that [`Self::plug_monitor`] has declared.
     pub(crate) fn pull_monitor(&self, name: &str) {
         let (server, root) = self.connect();
         let name = server.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom;
         server.randr_delete_monitor(root, name).unwrap().check().unwrap();
     }
 
-    /// A connection to the X server, and the server's root window.
+    /// Also returns the server's root window.
     pub(crate) fn connect(&self) -> (RustConnection, u32) {
         let (server, number) = x11rb::connect(Some(&self.display)).unwrap();
         let root = server.setup().roots[number].root;
@@ -195,7 +194,7 @@ impl Desktop {
         self.show(command, song)
     }
 
-    /// Runs `command`, which starts the program with `song`. Waits until its window is visible and focused.
+    /// `command` starts the program with `song`. Waits until its window is visible and focused.
     pub(crate) fn show(&self, command: Command, song: &Path) -> App<'_> {
         let mut app = self.show_without_focus(command, song);
         app.wait("the keyboard focus", |app| {
@@ -224,7 +223,7 @@ impl Desktop {
     }
 }
 
-/// Starts an X server without a window manager on a free display. Also returns the display's name.
+/// Also returns the display's name.
 pub(crate) fn start_x_server() -> (Process, String) {
     let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
     let mut server = Process::start(
@@ -242,7 +241,6 @@ pub(crate) fn start_x_server() -> (Process, String) {
     (server, display)
 }
 
-/// A command with the environment of the session in `folder`, with or without a display.
 pub(crate) fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Command {
     let mut command = Command::new(name);
     command.stdin(Stdio::null()).envs(session_environment(folder));
@@ -266,7 +264,7 @@ pub(crate) fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Co
 
 pub(crate) type Size = (u32, u32);
 
-/// The program in a window on a [`Desktop`]. Dropping it ends the program.
+/// Dropping it ends the program.
 pub(crate) struct App<'d> {
     desktop: &'d Desktop,
     process: Process,
@@ -277,7 +275,7 @@ pub(crate) struct App<'d> {
 }
 
 impl App<'_> {
-    /// Presses keys one after the other, by their X11 names.
+    /// The keys have their X11 names. They are pressed one after the other.
     pub(crate) fn press(&self, keys: &[&str]) {
         self.xdotool(&[&["key"], keys].concat());
     }
@@ -379,12 +377,10 @@ impl App<'_> {
         }
     }
 
-    /// The average number of processors that the program uses during `time`.
     pub(crate) fn load(&self, time: Duration) -> f64 {
         load_of(self.process.id(), || std::thread::sleep(time))
     }
 
-    /// The resident memory of the program.
     pub(crate) fn memory_mib(&self) -> f64 {
         let text = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
         let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
@@ -412,7 +408,6 @@ impl App<'_> {
         self.process.ended().is_none()
     }
 
-    /// Waits for the program to end. Fails after `limit`.
     pub(crate) fn wait_for_end(mut self, limit: Duration) -> (ExitStatus, String) {
         let start = Instant::now();
         loop {

@@ -151,7 +151,6 @@ fn declared_sampler(line: &str) -> Option<(&str, &str)> {
     Some((kind, rest.split_once(';')?.0.trim()))
 }
 
-/// Parses a line `layout(std140) uniform Name {` and returns the name.
 fn declared_block(line: &str) -> Option<&str> {
     let (layout, rest) = line.split_once("uniform ")?;
     layout.contains("std140").then(|| rest.split('{').next().unwrap_or(rest).trim())
@@ -162,7 +161,6 @@ fn place_of(places: &[(&str, u32)], name: &str) -> Result<u32, String> {
     place.map(|(_, place)| *place).ok_or_else(|| format!("'{name}' has no fixed binding in the program"))
 }
 
-/// The texture unit of a scene texture, or of another texture of the renderer.
 fn unit_of(name: &str) -> Result<u32, String> {
     let of_scene =
         (0..FIELD_LIMITS.scene_textures_max).zip(0..).find(|(index, _)| scene_texture(*index) == name);

@@ -21,14 +21,12 @@ fn constant_numbers(name: &str) -> Vec<f64> {
         .collect()
 }
 
-/// Reads `const float NAME = number;`.
 pub(crate) fn constant(name: &str) -> f64 {
     let numbers = constant_numbers(name);
     assert_eq!(numbers.len(), 1, "{name} is not a single number");
     numbers[0]
 }
 
-/// Reads `const vec3 NAME = vec3(x, y, z);`.
 pub(crate) fn vector_constant(name: &str) -> DVec3 {
     let numbers = constant_numbers(name);
     assert_eq!(numbers.len(), 3, "{name} is not a vector of three numbers");

@@ -33,7 +33,7 @@ impl Sender {
     }
 }
 
-/// A string in OSC's format, terminated by a zero and padded to a multiple of four bytes.
+/// Strings in OSC are terminated by a zero and padded to a multiple of four bytes.
 pub(crate) fn padded(text: &str) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     bytes.resize((text.len() / 4 + 1) * 4, 0);

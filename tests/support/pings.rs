@@ -68,7 +68,6 @@ pub(crate) struct Pinger {
     connection: RustConnection,
     root: Window,
     window: Window,
-    /// The atoms `WM_PROTOCOLS` and `_NET_WM_PING`.
     atoms: [u32; 2],
     number: u32,
 }
@@ -85,7 +84,7 @@ impl Pinger {
         Self { connection, root, window, atoms, number: 1 }
     }
 
-    /// Sends a ping without waiting for the X server.
+    /// Does not wait for the X server.
     pub(crate) fn send(&mut self) -> VoidCookie<'_, RustConnection> {
         self.number += 1;
         let [protocols, ping] = self.atoms;

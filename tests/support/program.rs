@@ -51,7 +51,6 @@ impl Workplace {
         std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
-    /// The names in the folder, sorted.
     pub(crate) fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.folder.path()).unwrap();
         let mut names: Vec<String> =
@@ -70,7 +69,6 @@ impl Workplace {
         write_wav(&self.path(name), 48_000, 2, samples);
     }
 
-    /// Writes `output` with ffmpeg. Fails if ffmpeg fails.
     pub(crate) fn ffmpeg(&self, arguments: &[&str], output: &str) {
         let mut command = Command::new("ffmpeg");
         command.args(["-v", "error", "-nostdin", "-y"]).args(arguments).arg(self.path(output));
@@ -194,7 +192,6 @@ const fn format(file: &'static str, arguments: &'static [&'static str]) -> Forma
     Format { file, arguments }
 }
 
-/// Every supported audio format.
 pub(crate) const FORMATS: &[Format] = &[
     format("song.wav", &["-c:a", "pcm_s16le"]),
     format("song.aiff", &["-c:a", "pcm_s24be"]),

@@ -27,7 +27,6 @@ const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silen
 /// A little more than the duration of a frame.
 const PICTURE: Duration = Duration::from_millis(20);
 
-/// A folder with the input and output files of sessions.
 pub(crate) struct Place {
     folder: PathBuf,
     /// Removes the folder when it is dropped; `None` if another process owns the folder.
@@ -109,7 +108,6 @@ impl Place {
         app
     }
 
-    /// A session with sound output and without overlay, with or without a song.
     pub(crate) fn hear(&self, song: Option<&Path>, options: &[&str]) -> App {
         let song: Vec<&str> = song.iter().map(|song| song.to_str().unwrap()).collect();
         let alone: Vec<&str> = ALONE.into_iter().filter(|option| *option != "--silent").collect();
@@ -135,7 +133,6 @@ impl Place {
         App { session: RefCell::new(session), held: RefCell::default(), log }
     }
 
-    /// The contents of the settings file; empty if the file does not exist.
     pub(crate) fn saved_settings(&self) -> String {
         std::fs::read_to_string(self.settings()).unwrap_or_default()
     }
@@ -160,7 +157,7 @@ impl Place {
     }
 }
 
-/// Copies a folder recursively. Skips files that disappear meanwhile.
+/// Skips files that disappear meanwhile.
 fn copy_folder(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).into_iter().flatten().flatten() {
@@ -264,13 +261,13 @@ impl App {
         }
     }
 
-    /// Sets the modifiers that are held from now on.
+    /// The modifiers are held from now on.
     pub(crate) fn hold(&self, modifiers: Modifiers) {
         self.held.replace(modifiers);
         self.send(Input::Modifiers(modifiers));
     }
 
-    /// Moves the pointer to a position in the window, in pixels.
+    /// In pixels of the window.
     pub(crate) fn move_pointer(&self, x: f64, y: f64) {
         self.send(Input::PointerMoved([x, y]));
     }
@@ -357,7 +354,6 @@ impl App {
         last
     }
 
-    /// Takes a step and returns the frame with its overlay.
     pub(crate) fn picture(&self) -> RgbaImage {
         self.step();
         self.session.borrow().picture()
@@ -412,7 +408,6 @@ impl App {
         })
     }
 
-    /// Moves the pointer to a position in the window and lets the overlay process the movement.
     pub(crate) fn point_at(&self, x: u32, y: u32) {
         clock::by_hand(|| {
             self.move_pointer(x.into(), y.into());
@@ -457,7 +452,6 @@ impl App {
         }
     }
 
-    /// Presses Q and waits until the session ends. Returns the log.
     pub(crate) fn quit_by_key(self) -> String {
         self.press(&["q"]);
         let begun = Instant::now();

@@ -53,7 +53,6 @@ pub(crate) struct TestRenderer {
 }
 
 impl TestRenderer {
-    /// A renderer for the compiled speakers.
     pub(crate) fn new() -> Self {
         Self::of(&speakers(), Mode::Compiled, Counting::Off)
     }
@@ -76,7 +75,6 @@ impl TestRenderer {
         Self { renderer, program, resources, adjust: |_| {}, context }
     }
 
-    /// Another program for the scene, for example in a second mode.
     pub(crate) fn program_of(&self, mode: Mode, counting: Counting) -> Program {
         let (world, buffers, plan) = (self.world(), self.resources.buffers(), self.resources.plan());
         let variant = variant_of(world, buffers, plan, mode, self.context.gl().info(), counting)
@@ -98,7 +96,7 @@ impl TestRenderer {
         frame
     }
 
-    /// The finished image at `time` (in seconds).
+    /// `time` is in seconds.
     pub(crate) fn picture(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> RgbaImage {
         self.try_picture(time, sound, size).unwrap_or_else(|error| panic!("{size:?} at {time} s: {error}"))
     }

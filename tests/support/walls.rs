@@ -4,7 +4,6 @@ use std::time::{Duration, Instant};
 
 use image::RgbaImage;
 
-/// A wall that emits light and fills the frame.
 pub(crate) fn wall(emission: &str) -> String {
     format!(
         "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
@@ -49,7 +48,7 @@ pub(crate) fn wait_for_refusal(log: impl Fn() -> String, wait_for_motion: impl F
     }
 }
 
-/// A scene of spheres that blend into each other. If there are many spheres, building a region tree takes too long.
+/// If `count` is large, building a region tree of these spheres takes too much time.
 pub(crate) fn foam(count: usize) -> String {
     format!(
         "object foam {{ shape = smooth_union(for i in 0..{count}: sphere(p - vec3(3 * sin(i * 12.9898), \

@@ -10,7 +10,7 @@ use crate::support::desktop::{Desktop, PROGRAM};
 use crate::support::wayland::Compositor;
 use mariana_testing::wave::write_wav;
 
-/// Options for a small window with a scene that compiles quickly.
+/// The scene compiles quickly.
 const SMALL: [&str; 5] = ["--silent", "--size", "160x90", "--scene", "length(p) - 1"];
 
 /// The program's message after its display has ended.
@@ -33,7 +33,6 @@ fn a_killed_x_server_ends_the_program_with_a_message() {
     assert_eq!((status.code(), reported.as_str()), (Some(1), DISPLAY_LOST));
 }
 
-/// Fails if each thread has a separate heap.
 fn assert_threads_share_heaps(process: u32) {
     /// glibc's heaps, except the first, begin at multiples of this size. They are at most this large.
     const HEAP: u64 = 64 << 20;

@@ -26,7 +26,7 @@ impl Place {
         Self { desktop }
     }
 
-    /// Opens a scene without an overlay and waits for the first frame.
+    /// The scene has no overlay.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App<'_> {
         self.open_with(&[], scene, options)
     }

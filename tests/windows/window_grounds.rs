@@ -7,7 +7,6 @@ use crate::hostile::DISPLAY_LOST;
 use crate::support::wayland::{Compositor, Show};
 use crate::walls::{BREATHES, TWO_COLOURS, at, fills, is_blue, is_red, wall};
 
-/// Starts a wallpaper that shows a wall, and waits for its first frame.
 fn wallpaper(compositor: &Compositor, emission: &str, variables: &[(&str, &str)]) -> Show {
     let scene = compositor.folder().join("wallpaper.scene");
     std::fs::write(&scene, wall(emission)).unwrap();
@@ -27,19 +26,16 @@ fn a_wayland_wallpaper_fills_every_monitor_at_its_resolution() {
     compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| {
         screen.dimensions() == (320, 180) && fills(screen)
     });
-    // Connect a monitor with a scale of 1.5.
     compositor.order("create_output");
     compositor.wait_for_screen("HEADLESS-2", "the wallpaper", |screen| {
         screen.dimensions() == (300, 240) && fills(screen)
     });
     show.wait_until_reported("the wallpaper is on HEADLESS-2 (300x240)");
-    // Rotate a monitor.
     compositor.order("output HEADLESS-1 transform 90");
     compositor.wait_for_screen("HEADLESS-1", "the wallpaper", |screen| {
         screen.dimensions() == (180, 320) && fills(screen)
     });
     show.wait_until_reported("the wallpaper is on HEADLESS-1 (180x320)");
-    // Open a window above the wallpaper.
     compositor.order("workspace 1");
     let scene = compositor.folder().join("other.scene");
     std::fs::write(&scene, wall(TWO_COLOURS)).unwrap();

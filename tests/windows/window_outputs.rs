@@ -16,7 +16,6 @@ use mariana_testing::process::{output_of, wait_until};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt as _, CreateWindowAux, WindowClass};
 
-/// Waits until `wanted` accepts a screenshot of the left or right half of the screen.
 fn wait_for_half(place: &Place, right: bool, what: &str, wanted: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
     let (width, height) = (SCREEN.0 / 2, SCREEN.1);
     let mut found = None;

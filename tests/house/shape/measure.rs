@@ -64,7 +64,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Finds the paths in a macro's arguments, which are tokens without a syntax tree.
+    /// A macro's arguments are tokens without a syntax tree, so this function finds the paths in them.
     fn name_tokens(&mut self, tokens: TokenStream) {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
         let word = |at: usize| match tokens.get(at) {

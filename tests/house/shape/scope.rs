@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use syn::{Attribute, Item, Meta, UseTree};
 
-/// The longest chain of re-exports that is followed.
+/// Maximum number of re-exports that are followed one after the other.
 const DEPTH_MAX: usize = 24;
 
 /// The index of a module in [`Krate::modules`].
