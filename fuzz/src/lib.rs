@@ -54,12 +54,10 @@ pub(crate) const DIFFERENTIAL: Target = Target {
 /// Sound files of any container.
 pub(crate) const DECODE: Target =
     Target { name: "decode", run: files::decode, seeds: seeds::sounds, speaks: false, changes: 600 };
-/// Playlists and cue sheets.
 pub(crate) const LISTS: Target =
     Target { name: "lists", run: files::lists, seeds: seeds::lists, speaks: false, changes: 600 };
 pub(crate) const SETTINGS: Target =
     Target { name: "settings", run: files::settings, seeds: seeds::settings, speaks: false, changes: 300 };
-/// Requests and messages to the page for phones.
 pub(crate) const PHONES: Target =
     Target { name: "phones", run: phones::phones, seeds: seeds::phones, speaks: false, changes: 40_000 };
 

@@ -7,7 +7,6 @@ use mariana_remote::message::{Asked, understand};
 use super::bytes::Bytes;
 use super::control::{ACTIONS, check_act, check_turn};
 
-/// Parses a request head or a message.
 pub(crate) fn phones(data: &[u8]) {
     let mut bytes = Bytes(data);
     match bytes.below(2) {

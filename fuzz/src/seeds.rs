@@ -57,7 +57,6 @@ pub(crate) fn small_scenes() -> Vec<Seed> {
     SCENES.iter().map(|(name, text)| seed(*name, *text)).collect()
 }
 
-/// Returns the short scenes and the shipped scenes.
 pub(crate) fn scenes() -> Vec<Seed> {
     let mut seeds = small_scenes();
     let mut files: Vec<PathBuf> =

@@ -28,7 +28,7 @@ static SCENES: LazyLock<(tempfile::TempDir, ReadyScene)> = LazyLock::new(|| {
     (folder, ready)
 });
 
-/// Returns a song without structure, or one with beats, sections, a build and a drop.
+/// Returns a song without structure, or a song with beats, sections, a build and a drop.
 fn song(number: usize) -> SongStructure {
     if number == 0 {
         return SongStructure { seconds: 7.0, ..SongStructure::default() };

@@ -177,8 +177,8 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Opens a temporary file beside `path`, with the extension of `path`. If `path` is a link, its target is
-    /// replaced.
+    /// Opens a temporary file in the folder of `path`, with the extension of `path`. If `path` is a link, its target
+    /// is replaced.
     ///
     /// # Errors
     /// [`Unwritable`] if `path` is a folder, a device or a pipe, which a rename would destroy, or if no file can be

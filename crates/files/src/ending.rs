@@ -2,8 +2,8 @@
 //!
 //! Jobs that write files end at once, because drawing a frame may take a minute and a pipe may never be read. A
 //! thread waits for SIGINT, SIGTERM and SIGHUP. It removes temporary files and ends ffmpeg ([`begin`] registers such
-//! steps), prints a message and exits with `_exit` ([`end_now`]). A show ends in its own event loop instead, which
-//! asks [`asked_to_end`] when it is woken.
+//! steps), prints a message and exits with `_exit` ([`end_now`]). A show ends in its event loop instead: the loop
+//! calls [`asked_to_end`] when it is woken.
 //!
 //! ffmpeg runs in a separate process group, so that Ctrl-C reaches Mariana alone. The writer of a temporary file
 //! holds a lock on it, which the kernel releases if the process is killed: the next run that writes into the folder
@@ -103,7 +103,7 @@ pub fn watch(_answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns the ignored signals as bits, on systems that report them without a call to C.
+/// Returns the ignored signals as bits, or 0 on systems without `/proc`.
 #[cfg(unix)]
 fn ignored_signals() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

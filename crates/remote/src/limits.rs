@@ -25,7 +25,7 @@ pub struct Limits {
     pub messages_at_once_max: u32,
     /// The time without any message after which a phone is disconnected. The server pings the phone first.
     pub silence_max: Duration,
-    /// The time after which a phone that reads nothing is disconnected.
+    /// The time after which a phone that does not read its data is disconnected.
     pub unread_time_max: Duration,
     /// The minimum time between two state updates for a phone.
     pub delta_interval: Duration,

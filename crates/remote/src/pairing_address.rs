@@ -6,8 +6,8 @@ use qrcode::{EcLevel, QrCode};
 
 use crate::token::Token;
 
-/// Documentation addresses (RFC 5737, RFC 3849). Nothing is sent to them: connecting a UDP socket only makes the system
-/// choose a local address.
+/// Documentation addresses (RFC 5737, RFC 3849). No packet is sent, because connecting a UDP socket only makes the
+/// system choose a local address.
 const FAR_V4: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::new(192, 0, 2, 1)), 9);
 const FAR_V6: SocketAddr = SocketAddr::new(IpAddr::V6(Ipv6Addr::new(0x2001, 0xdb8, 0, 0, 0, 0, 0, 1)), 9);
 
@@ -35,7 +35,8 @@ impl PairingAddress {
     }
 }
 
-/// Returns the address for others: for an unspecified address, that of the default route's interface.
+/// Returns the address that phones can use. For an unspecified address, this is the address of the default route's
+/// interface.
 fn reachable(listens: IpAddr) -> IpAddr {
     if !listens.is_unspecified() {
         return listens;
@@ -99,7 +100,7 @@ mod tests {
         );
         let named = pairing_address("192.168.0.7:80", Some("studio.local"));
         assert!(named.url.starts_with("http://studio.local:80/") && !named.is_local);
-        // An unspecified address becomes one that a phone can open.
+        // An unspecified address is replaced by an address that a phone can open.
         for listens in ["0.0.0.0:8080", "[::]:8080"] {
             let host = pairing_address(listens, None).url;
             let host: SocketAddr = host["http://".len()..].split('/').next().unwrap().parse().unwrap();

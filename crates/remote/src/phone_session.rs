@@ -83,7 +83,7 @@ impl<'a> PhoneSession<'a> {
             if now.saturating_duration_since(since) >= self.shared.limits.unread_time_max {
                 return Err("the phone reads no data".to_owned());
             }
-            // Add nothing to unread data: the phone gets the newest state once it has read the old one.
+            // Do not add to unread data: the phone gets the newest state after it has read the old state.
             return self.flush();
         }
         let state_delta = self.reported.state_delta(&self.shared.board.newest(), self.shared.album.count());

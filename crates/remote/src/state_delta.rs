@@ -53,7 +53,7 @@ struct StateDelta<'a> {
 pub(crate) struct SentState(Option<Arc<Present>>, u64);
 
 impl SentState {
-    /// Returns the changes since the last call, or `None` if there are none.
+    /// Returns the changes since the last call, or `None` without changes.
     pub(crate) fn state_delta(&mut self, now: &Arc<Present>, pictures: u64) -> Option<String> {
         let are_known = self.1 == pictures;
         if are_known && self.0.as_ref().is_some_and(|before| Arc::ptr_eq(before, now)) {

@@ -143,13 +143,11 @@ impl Findings {
     }
 }
 
-/// Paths of the files that a scene includes.
 fn included<'a>(source: &SceneSource, names: impl Iterator<Item = &'a str>) -> impl Iterator<Item = PathBuf> {
     let folder = source.file().map(Folder::of);
     names.filter_map(move |name| Some(folder.as_ref()?.path(name)))
 }
 
-/// Converts a diagnostic to a [`Mistake`] with its file and range.
 fn placed(one: &Diagnostic, sources: &Sources) -> Option<Mistake> {
     let (text, range) = sources.place_in_file(one.span)?;
     let label = if one.label.is_empty() { String::new() } else { format!(" ({})", one.label) };

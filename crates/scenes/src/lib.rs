@@ -185,7 +185,6 @@ impl SceneSource {
         }
     }
 
-    /// Compiles `text` as the scene's text, with its includes.
     fn compile_as(&self, text: &str, edits: &mut NumberEdits, drafts: &DraftTexts) -> Compiled {
         let name = self.name();
         match self {

@@ -161,7 +161,6 @@ struct Worker<Load, Publish> {
     waits: Waits,
     changes: Changes,
     current: Option<Current>,
-    /// The time since which a known file is missing.
     gone_since: Option<Instant>,
 }
 

@@ -73,7 +73,8 @@ fn rank(scene: &SceneSource) -> (u8, &OsStr, &OsStr) {
     }
 }
 
-/// Returns the scene files in the folder of `file`, without hidden ones. Empty if the folder cannot be read.
+/// Returns the scene files in the folder of `file`, without hidden files. The list is empty if the folder cannot be
+/// read.
 fn scene_files(file: &Path) -> Vec<PathBuf> {
     let folder = Folder::of(file);
     let shown = folder.beside("").into_iter().filter(|name| !name.starts_with('.'));

@@ -19,7 +19,7 @@ pub struct SettingRow {
 /// The values of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// This row is one of a group of rows, of which one is chosen.
+    /// The row belongs to a group of rows, of which one row is chosen.
     OneOfRows {
         /// True if this row is chosen.
         chosen: bool,
@@ -30,7 +30,7 @@ pub enum Values {
     Names {
         /// The names, each with the setting that chooses it.
         options: Vec<(&'static str, Setting)>,
-        /// The index of the chosen name; `options.len()` if none of them is chosen.
+        /// The index of the chosen name; `options.len()` if no name is chosen.
         chosen: usize,
     },
     /// A brightness in percent.

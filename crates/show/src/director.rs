@@ -41,7 +41,6 @@ const VERY_LOUD: f32 = 0.8;
 
 /// The rhythm of camera changes for a range of energy.
 struct Turns {
-    /// Upper limit of the energy.
     below: f32,
     bars: f64,
     /// Minimum time for a camera, in seconds.
@@ -231,7 +230,7 @@ fn turns_at(energy: f32) -> &'static Turns {
     [calm, even, loud].into_iter().find(|turns| energy < turns.below).unwrap_or(very_loud)
 }
 
-/// Returns the bars with camera changes, between a change and the next one at `end` seconds.
+/// Returns the bars with camera changes, between a change and the next change at `end` seconds.
 fn bars_of(turns: &Turns, song: &SongStructure, lines: &BarLines, change: &Change<'_>, end: f64) -> Vec<u32> {
     let first = lines.bar_at(change.time + 0.05).floor();
     let bar = lines.time_of(first + 1.0) - lines.time_of(first);

@@ -83,7 +83,7 @@ impl LiveDirector {
         self.enter(heard, TimedTransition::new(way, seconds))
     }
 
-    /// Shows the prepared scene now and chooses the next one.
+    /// Shows the prepared scene now and chooses the next scene.
     fn enter(&mut self, heard: Hearing, transition: TimedTransition) -> Option<Timeline> {
         self.energies[1] = self.energies[0];
         let expected = self.clips.pop();

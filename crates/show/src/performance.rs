@@ -76,7 +76,7 @@ pub struct Performance {
     last: Option<f64>,
     /// True if a limit on cue lists was reached.
     is_full: bool,
-    /// The image settings at that moment.
+    /// The image settings in the last recorded frame.
     finish: [f32; 2],
 }
 
@@ -356,7 +356,6 @@ fn setting_of(one: &Move, start: f64) -> Setting {
 }
 
 impl Played {
-    /// True if this entry has the scene in `seen`.
     fn is_of(&self, seen: &OnStage<'_>) -> bool {
         (self.scene.as_str(), self.camera.as_deref(), self.begun) == (seen.scene, seen.camera, seen.start)
     }

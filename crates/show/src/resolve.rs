@@ -69,7 +69,6 @@ pub fn resolve(
     (Timeline::new(clips), left_out)
 }
 
-/// Returns the steps of a setting in an entry at `start`.
 fn moves_of(setting: &Setting, start: f64, lines: &BarLines) -> Vec<Move> {
     let param = || setting.param.clone();
     let (mut begin, mut from) = (start + lasting(setting.after, start, lines), setting.from);

@@ -1,4 +1,4 @@
-//! Minimal fonts for tests: a few letters, each a square of its own size.
+//! Minimal fonts for tests. Each of the few letters is a square of a different size.
 
 use tempfile::TempDir;
 

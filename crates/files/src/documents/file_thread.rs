@@ -104,14 +104,14 @@ impl FileThread {
 struct Known {
     stamp: Stamp,
     holds: OnDisk,
-    /// True if this program wrote that content.
+    /// True if this program wrote the content.
     is_own: bool,
 }
 
 /// Length and modification time; `None` if the file does not exist.
 type Stamp = Option<(u64, Option<SystemTime>)>;
 
-/// The next backup of a text, and the time of the previous one.
+/// The next backup of a text, and the time of the previous backup.
 struct ToKeep {
     text: Option<Bytes>,
     last: Option<Instant>,
@@ -259,7 +259,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
 }
 
 impl ToKeep {
-    /// The time of the next backup: `now` if there was none yet.
+    /// The time of the next backup: `now` for the first backup.
     fn due(&self, now: Instant) -> Instant {
         self.last.map_or(now, |last| last + KEEP)
     }

@@ -99,7 +99,7 @@ fn a_second_save_does_not_mistake_the_first_for_a_foreign_change() {
     let file = place.file();
     fs::write(&file, "old").unwrap();
     place.open();
-    // Both saves expect the old content: the event of the first has not been read yet.
+    // Both saves expect the old content, because the event of the first save has not been read yet.
     for text in [b"one".as_slice(), b"other"] {
         place.file_thread.save(&file, bytes(text), Some(holds(b"old")));
     }

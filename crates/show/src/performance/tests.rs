@@ -205,7 +205,6 @@ fn long_animations_are_broken_into_lines() {
     }
 }
 
-/// Records a frame at `time` with these image settings.
 fn note_orb(performance: &mut Performance, time: f64, scene: &str, numbers: [f32; 2]) {
     let picture = Finish { numbers, is_shown: numbers == PLAIN_PICTURE };
     let start = if scene == "orb" { 0.0 } else { 7.0 };

@@ -18,7 +18,6 @@ mod wav;
 
 use anyhow::Context as _;
 
-/// Writes the song to the given file.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let [path] = arguments else {
         anyhow::bail!("expected one argument: the file to write, such as OUT.wav")

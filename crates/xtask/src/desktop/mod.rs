@@ -16,7 +16,6 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 use mariana::cli::Arguments;
 
-/// The shells and the file names of their completions.
 const SHELLS: [(Shell, &str); 3] =
     [(Shell::Bash, "mariana.bash"), (Shell::Zsh, "_mariana"), (Shell::Fish, "mariana.fish")];
 

@@ -34,7 +34,7 @@ struct Arguments {
     gpus: Vec<String>,
     /// Additional values of `AMD_DEBUG`, such as `useaco`.
     options: Vec<String>,
-    /// Selects programs whose names contain one of these; empty for all programs.
+    /// Selects programs whose names contain one of these words. An empty list selects all programs.
     names: Vec<String>,
     check: bool,
     accept: bool,
@@ -107,7 +107,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compiles the programs for one GPU in a separate process: a process cannot change its GPU.
+/// Compiles the programs for one GPU in a separate process, because a process cannot change its GPU.
 fn ask(shim: &Path, gpu: &str, requested: &Arguments) -> anyhow::Result<Vec<Linked>> {
     // Disable optimized variants, which the driver compiles after linking.
     let mut options = vec!["nooptvariant".to_owned()];

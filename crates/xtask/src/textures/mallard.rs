@@ -129,7 +129,6 @@ fn tail(canvas: &mut Canvas) {
     }
 }
 
-/// The body: its outline, its relief and the regions of its plumage.
 struct Body {
     cover: Grid,
     relief: Relief,

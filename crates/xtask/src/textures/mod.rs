@@ -31,7 +31,6 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes a square image of `side` x `side` pixels as a PNG.
 fn write_png(path: &Path, pixels: &[u8], side: u32, color: ExtendedColorType) -> anyhow::Result<()> {
     let file = BufWriter::new(std::fs::File::create(path)?);
     PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive)
