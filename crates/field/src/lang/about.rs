@@ -95,7 +95,7 @@ impl About {
             Holds::Range,
             "The energy of the music for which the scene is made, as in `0.2 .. 0.6`. A song's loudest moment has 1.",
         ),
-        of_about("moods", Holds::Text, "Words that describe the scene's mood, in quotes, separated by commas."),
+        of_about("moods", Holds::Text, "Words for the scene's mood, in quotes, separated by commas."),
         of_about(
             "enter",
             Holds::Way,

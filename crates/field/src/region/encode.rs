@@ -1,4 +1,4 @@
-//! Encodes programs as texels: allocates registers, writes clauses with their immediates, and ends with END.
+//! Encodes programs as texels: allocates registers, and writes clauses with their immediates, then END.
 //!
 //! | word | holds |
 //! |---|---|
@@ -6,7 +6,8 @@
 //! | 1, 3 | its immediate: the operand that is not a register, or a compound's third operand |
 //!
 //! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare
-//! operators ([`is_rare`]) are always second in a texel; if no clause precedes one, the first clause does nothing.
+//! operators ([`is_rare`]) are always the second clause of a texel. If no clause is available as the first, the first
+//! clause does nothing.
 //!
 //! Compounds ([`Compound`]) are formed after pruning, so that no choice is lost.
 
@@ -26,7 +27,7 @@ struct Clause {
     at: u32,
     opcode: u8,
     rare: bool,
-    /// The values that it reads; an unused operand repeats the other one.
+    /// The values that the clause reads. An unused operand repeats the used operand.
     a: u32,
     b: u32,
     /// True for each operand byte that holds a register.
@@ -42,15 +43,15 @@ pub(super) struct Encoder {
     list: Vec<Clause>,
     /// Number of reads of each value, at most 2.
     uses: Vec<u8>,
-    /// The last step that reads each value: `u32::MAX` for outputs, 0 if no step reads it.
+    /// For each value, the last step that reads it: `u32::MAX` for outputs, 0 for unread values.
     last_use: Vec<u32>,
     register: Vec<u8>,
-    /// True for each texture sample that is in a register already.
+    /// For each texture sample, true if it is already in a register.
     sampled: Vec<bool>,
     texels: Vec<Texel>,
-    /// Most registers that any program has needed so far.
+    /// Maximum number of registers that a program has needed so far.
     pub(super) registers: usize,
-    /// Clauses of the last program.
+    /// Number of clauses of the last program.
     pub(super) clauses: usize,
     pub(super) outputs: Vec<u8>,
 }
@@ -58,7 +59,7 @@ pub(super) struct Encoder {
 impl Clause {
     fn of(at: u32, step: &Step) -> Self {
         let (form, reads) = match step.form {
-            // A one-operand operator repeats its operand as the second one, which is not read.
+            // A one-operand operator repeats its operand as the unread second operand.
             Form::Values => (0, [true; 2]),
             Form::NumberRight => (opcode::REGISTER_IMMEDIATE, [true, false]),
             Form::NumberLeft => (opcode::IMMEDIATE_REGISTER, [false, true]),
@@ -89,8 +90,8 @@ impl Values for Uncompounded<'_> {
 pub(super) struct TooManyRegisters;
 
 impl Encoder {
-    /// Creates an encoder with a limit on registers. Compounds read operands later than their parts did and may need
-    /// more registers, so a program that exceeds the limit is encoded again without them.
+    /// Creates an encoder with a limit on registers. Compounds read operands later than separate operators and may
+    /// need more registers. A program that exceeds the limit is encoded again without compounds.
     pub(super) fn new(compounds: Compounds, registers_max: usize) -> Self {
         Self {
             compounds,
@@ -201,7 +202,7 @@ impl Encoder {
         Some(highest)
     }
 
-    /// Loads a texture sample on its first read; other inputs are in registers. `None` if registers run out.
+    /// Loads a texture sample on its first read. (Other inputs are already in registers.) `None` if registers run out.
     fn sample(
         &mut self,
         value: u32,
@@ -286,7 +287,7 @@ impl Encoder {
         }
     }
 
-    /// Appends a clause. `half` is true if the last texel has room for a second one.
+    /// Appends a clause. `half` is true if the last texel has room for a second clause.
     #[inline(always)]
     fn write(&mut self, word: u32, immediate: f32, second: bool, half: &mut bool) {
         self.clauses += 1;

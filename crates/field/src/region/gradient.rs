@@ -12,9 +12,10 @@
 use super::program::{Arg, BOUND, Program};
 use crate::graph::{FrameInputs, GradientInterval, Interval, Pieces};
 
-/// Smallest scale but 0: far above numbers that GPUs flush to 0, and far below slopes that matter to a ray.
+/// Smallest scale other than 0. It is far above the numbers that GPUs flush to 0, and far below the slopes that matter
+/// to a ray.
 const SCALE_MIN: f32 = 1e-30;
-/// The largest finite float whose lower half is 0. Greater slopes count as unbounded.
+/// The largest finite float whose lower half is 0. Steeper slopes are stored as unbounded.
 const SCALE_MAX: f32 = f32::from_bits(0x7F7F_0000);
 const FRACTIONS: f32 = 128.0;
 
@@ -28,7 +29,7 @@ pub fn pack(gradient: [Interval; 3]) -> [u32; 2] {
     if most == 0.0 {
         return words([0; 3], [0; 3], 0.0);
     }
-    // Leave one unit of room, because upper bounds reach only 127 units.
+    // Divide by 127 instead of 128, because upper bounds have at most 127 units.
     let scale = rounded_up((most * (FRACTIONS / 127.0)).max(SCALE_MIN));
     let fraction =
         |value: f32, round: fn(f32) -> f32| round(value / scale * FRACTIONS).clamp(-128.0, 127.0) as i32;
@@ -60,7 +61,7 @@ fn words(lower: [i32; 3], upper: [i32; 3], scale: f32) -> [u32; 2] {
     ]
 }
 
-/// Unpacks bounds. They are never narrower than those that were packed, but at most ±3.4e38.
+/// Unpacks bounds. The result contains the packed bounds, except that it is limited to ±3.4e38.
 pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
     let scale = f32::from_bits(w & 0xFFFF_0000);
     let fraction = |word: u32, shift: u32| value(i32::from((word >> shift) as u8 as i8), scale);
@@ -72,7 +73,7 @@ pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
     ]
 }
 
-/// The fastest fall of a value along a direction: -inf(gradient · direction). Negative if it certainly rises.
+/// The fastest fall of a value along a direction: -inf(gradient · direction). Negative if the value certainly rises.
 pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
     let falls = |side: Interval, along: f32| (-side.lo * along).max(-side.hi * along);
     (0..3).map(|axis| falls(gradient[axis], direction[axis])).sum()
@@ -82,7 +83,7 @@ pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
 /// bounds for quotients and roots even if the value is as gentle as a distance.
 const USELESS: f32 = 32.0;
 
-/// Bounds for the steps of rays. A useless bound is replaced by the steepest sampled slope.
+/// Bounds for the steps of rays. The steepest sampled slope replaces useless bounds.
 fn useful(gradient: [Interval; 3], steepest: f32) -> [Interval; 3] {
     gradient.map(|side| {
         let widest = side.lo.abs().max(side.hi.abs());
@@ -124,7 +125,7 @@ fn run(
 ) -> GradientInterval {
     values.clear();
     values.extend((0..3).map(|axis| GradientInterval::coordinate(axis, sides[axis])));
-    // A ray's step does not depend on the penumbra.
+    // The penumbra does not affect a ray's step.
     values.push(GradientInterval::flat(Interval::point(0.0)));
     let of = |values: &[GradientInterval], arg: Arg| match arg {
         Arg::Number(number) => GradientInterval::flat(Interval::point(number)),

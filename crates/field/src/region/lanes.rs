@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use super::program::{Form, Program};
 use crate::graph::{BoundsKernel, FrameInputs, Interval};
 
-/// Cells per pass: the children of a cell.
+/// Number of cells in a pass: the children of a cell.
 pub(super) const CELLS: usize = 64;
 
 /// An interval for each cell, stored as two arrays so that the CPU can process several cells at once.
@@ -80,7 +80,7 @@ impl<A: Operand, B: Operand> BoundsKernel for Kernel<'_, A, B> {
     }
 }
 
-/// Bounds all values of a program in 64 cells; `rows` begins with the bounds of the inputs.
+/// Computes the bounds of all values of a program in 64 cells. `rows` begins with the bounds of the inputs.
 pub(super) fn bound(program: &Program, rows: &mut Vec<Lanes>, frame: &FrameInputs) {
     if rows.len() < program.values() {
         rows.resize(program.values(), Lanes::splat(Interval::point(0.0)));
@@ -88,7 +88,7 @@ pub(super) fn bound(program: &Program, rows: &mut Vec<Lanes>, frame: &FrameInput
     bound_rows(program, rows, frame);
 }
 
-/// Implements [`bound`], also compiled for CPUs with wider vectors; the values are the same.
+/// Implements [`bound`]. It is also compiled for CPUs with wider vectors, with equal results.
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
     for (index, step) in program.steps.iter().enumerate() {

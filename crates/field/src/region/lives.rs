@@ -1,22 +1,22 @@
 //! Rematerialization (Briggs, Cooper and Torczon 1992) for programs that would need too many registers: a cheap value
-//! is computed again where its next use is far from its last computation.
+//! is computed again if its next use is far from its last computation.
 //!
 //! Equal operations give equal bits, so no result changes.
 
 use crate::graph::{Node, NodeId};
 
-/// Most nodes between a value's computation and its use.
+/// Maximum number of nodes between a value's computation and its use.
 const REACH: usize = 256;
-/// Most operations that are repeated for a value.
+/// Maximum number of operations that are repeated for a value.
 const COST_MAX: u32 = 8;
 
 /// Nodes with their positions, operands first. Some nodes are repeated at new positions.
 pub(super) struct ShortLives {
     pub(super) nodes: Vec<(usize, Node)>,
     pub(super) positions: usize,
-    /// The newest position of each old one, and the number of nodes before it.
+    /// For each old position, the newest position of its node, and the number of nodes before that.
     newest: Vec<(usize, usize)>,
-    /// The node at each old position and its number of operations; 0 if it takes no register.
+    /// For each old position, the node and its number of operations; 0 operations if the node takes no register.
     sources: Vec<(Node, u32)>,
 }
 
@@ -78,7 +78,8 @@ impl ShortLives {
         }
     }
 
-    /// The newest computation of a value, repeated if it is far and cheap. Recurses less than [`COST_MAX`] deep.
+    /// The newest computation of a value. If it is far away and cheap, the computation is repeated first. Recurses less
+    /// than [`COST_MAX`] deep.
     fn operand(&mut self, id: NodeId) -> NodeId {
         let old = id.index();
         let (Some(&(position, at)), Some(&(node, cost))) = (self.newest.get(old), self.sources.get(old))

@@ -3,7 +3,7 @@
 //!
 //! Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020) shortens tapes by interval
 //! arithmetic for tiles of the screen. Here the cells divide the world, so that shadow, occlusion and reflection rays
-//! can use them as well.
+//! can use the tapes as well.
 //!
 //! ```text
 //! World → RegionPlan; with a frame's inputs: numbers folded in → 64 cells at once: bounds → decisions → groups of
@@ -17,7 +17,7 @@
 //! |---|---|
 //! | 0..4096, if there are cells | the root: 16x16x16 cells, `x + 16 * (y + 16 * z)` |
 //! | 64 of a brick | the children of a divided cell, `x + 4 * (y + 4 * z)` |
-//! | a tape | first the address of the object's tape, in a texel; then the clauses (`encode`) |
+//! | a tape | a texel with the address of the object's tape; then the clauses (`encode`) |
 //!
 //! A cell is `[bound, tape | object << 24, slopes, slopes]`:
 //!
@@ -34,13 +34,13 @@
 //! program, which is written once; programs with equal steps share a tape.
 //!
 //! The root has 16 cells along each axis. A cell with a surface and more than 16 clauses has 64 children. Away from
-//! surfaces only penumbras and occlusion read tapes, so there groups of 2x2x2 cells share their decisions. Several
+//! surfaces only penumbras and occlusion read tapes, so groups of 2x2x2 cells share their decisions there. Several
 //! threads can build blocks of the root: this module makes the [`Part`]s, `gpu::scene_resources` runs the threads.
 //!
 //! # Rounding
 //! On the CPU a shortened tape equals the whole tape bit for bit in its cell. Shaders round differently: bounds are
-//! reduced by 1e-5 of the scene's size, and cells overlap by 4e-6 of it (`tree.rs`). Rays look up their cell a
-//! hundred-thousandth of a root cell further on, so that no ray gets stuck at a face.
+//! reduced by 1e-5 of the scene's size, and cells overlap by 4e-6 of that size (`tree.rs`). Rays look up their
+//! cell a hundred-thousandth of a root cell further on, so that no ray gets stuck at a face.
 
 mod encode;
 pub mod gradient;
@@ -76,7 +76,7 @@ use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 pub const ROOT_SIDE: usize = crate::rays::ROOT_SIDE as usize;
 /// Cells of a brick along each axis.
 pub const BRICK_SIDE: usize = 4;
-/// Texels of the whole tapes in addition to those of their clauses.
+/// Number of texels of the whole tapes that do not hold clauses.
 const WHOLE_BESIDE: usize = 8;
 /// The bound of a divided cell.
 pub const DIVIDED: u32 = u32::MAX;
@@ -90,14 +90,14 @@ pub struct RegionVariant {
     pub operators: BTreeSet<Op>,
     /// The compounds that may occur.
     pub compounds: Compounds,
-    /// Registers, up to 256, rounded by [`rounded_registers`]. GPUs round up to powers of two.
+    /// Number of registers, up to 256, rounded by [`rounded_registers`]. GPUs round it up to a power of two.
     pub registers: usize,
     /// True if rays need the cells' bounds of the gradient.
     pub non_lipschitz: bool,
 }
 
 impl RegionVariant {
-    /// All operators, and as many registers as the largest shipped scene: with 32 registers instead of 16, Vega's
+    /// All operators, and the number of registers of the largest shipped scene. With 32 registers instead of 16, Vega's
     /// compiler (ACO) uses no more registers of the GPU. `non_lipschitz` adds support for values that are not
     /// distances.
     pub fn universal(non_lipschitz: bool) -> Self {
@@ -147,14 +147,14 @@ impl Reads {
 }
 
 enum Numbers<'a> {
-    /// Unknown values, which decide nothing.
+    /// Unknown values, which allow no decision.
     Unknown,
-    /// Numbers that simplify nothing, as in most frames.
+    /// Numbers that allow no simplification, as in most frames.
     Typical,
     Of(&'a FrameInputs),
 }
 
-/// A number that no simplification applies to.
+/// A number to which no simplification applies.
 const TYPICAL: f32 = 0.618_034;
 
 /// The parts of a world's regions that all frames share.
@@ -197,7 +197,7 @@ impl RegionPlan {
     ) -> Self {
         let fused = graph.fused(&mut roots).ok();
         let graph = fused.as_ref().unwrap_or(graph);
-        // A world's graph is already checked.
+        // Cannot fail: a world's graph is already checked.
         let order = graph.order(&roots).unwrap_or_default();
         let mut plan = Self {
             nodes: order.nodes.iter().map(|id| (id.index(), graph.node(*id))).collect(),
@@ -211,7 +211,8 @@ impl RegionPlan {
             runs: true,
             whole_texels: 0,
         };
-        // Unknown numbers fold nothing: this program has every operator and register that any frame's may need.
+        // With unknown numbers nothing is folded, so this program has all operators and registers of every frame's
+        // program.
         let mut program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
         let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
         let mut fits = encodes(&mut encoder, &program);
@@ -250,7 +251,7 @@ impl RegionPlan {
         &self.variant
     }
 
-    /// True if there are enough registers for the whole tape. If not, there are neither tapes nor cells.
+    /// True if there are enough registers for the whole tape. Otherwise there are no tapes and no cells.
     pub fn runs(&self) -> bool {
         self.runs
     }
@@ -280,8 +281,8 @@ impl RegionPlan {
         self.build_in_parts((last, inputs), options, 1, |parts| parts.iter_mut().for_each(Part::build))
     }
 
-    /// Builds the tree of [`RegionPlan::build_after`] in several parts. `run` must call [`Part::build`] on each, on
-    /// any thread. The tree is the same, except that different parts do not share equal tapes.
+    /// Builds the tree of [`RegionPlan::build_after`] in several parts. `run` must call [`Part::build`] on each part,
+    /// on any thread. The tree is the same, except that different parts do not share equal tapes.
     pub fn build_in_parts(
         &self,
         (last, inputs): (Option<&Regions>, &FrameInputs),
@@ -296,7 +297,7 @@ impl RegionPlan {
         tree::build(program, self.bounds, traced, (inputs, options), parts, run)
     }
 
-    /// The program with the given numbers folded in. Without a known frame its tables are unknown values.
+    /// The program with the given numbers folded in. If the frame is unknown, its tables are unknown values.
     fn folded(&self, numbers: &Numbers, frame: &FrameInputs) -> Program {
         let mut program = Program { steps: Vec::with_capacity(self.nodes.len()), ..Program::default() };
         let of_point = |node: Node| match node {
@@ -329,8 +330,8 @@ fn fold(
     let unknown = Arg::Value(program::PENUMBRA);
     let reads_frame =
         |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
-    // The result of such an operator is unknown even if its operands are numbers. Keep other operands, because they
-    // take registers.
+    // Replace numbers by an unknown value: the operator's result is unknown even if its operands are numbers. Keep
+    // other operands, because they take registers.
     let no_number = |arg: Arg| if let Arg::Number(_) = arg { unknown } else { arg };
     let mut places = vec![Arg::Number(0.0); graph_nodes];
     let mut of_frame = vec![false; graph_nodes];
@@ -349,8 +350,8 @@ fn fold(
             Node::Constant(_) => true,
             Node::Input(_) | Node::Texture { .. } => false,
         };
-        // A number that each frame determines, but that is not known yet, needs no step. Thousands of such numbers
-        // would outlive their readers in registers.
+        // A frame's number that is not known yet needs no step. Thousands of such numbers would stay in registers after
+        // their last use.
         if matches!(numbers, Numbers::Unknown) && of_frame[*index] && !is_constant {
             places[*index] = unknown;
             continue;

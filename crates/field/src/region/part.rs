@@ -1,5 +1,5 @@
-//! Builds a part of a tree: the blocks of the root that one thread works on, 64 cells at a time, down to the bricks,
-//! and their texels.
+//! Builds a part of a tree: the blocks of the root that one thread processes, their bricks, and their texels. Each pass
+//! processes 64 cells.
 
 use std::collections::HashMap;
 use std::hash::BuildHasherDefault;
@@ -14,19 +14,19 @@ use super::tree::{AROUND, Block, RegionStats, Trunk, bound_cells, cells_of, plac
 use super::{DIVIDED, OBJECT_UNKNOWN};
 use crate::graph::Interval;
 
-/// Programs up to this length are not divided further.
+/// Cells whose program is at most this long are not divided.
 const UNDIVIDED_MAX: usize = 16;
-/// Cells are divided if their side exceeds this fraction of their distance from the eye. With 0.2 the tree of lattice
-/// takes a third less time and the tree of tunnel a quarter less, but rays then run 9 % more clauses in lattice and 4
-/// % in city.
+/// Cells are divided if their side exceeds this fraction of their distance from the eye. With 0.2, building
+/// the tree takes a third less time in lattice and a quarter less in tunnel, but rays run 9 % more clauses in lattice
+/// and 4 % more in city.
 const FINE_FRACTION: f32 = 0.16;
-/// The same limit if gradients are needed.
+/// The value of [`FINE_FRACTION`] if gradients are needed.
 const NON_LIPSCHITZ_FINE_FRACTION: f32 = 0.3;
-/// Most programs of a brick before decisions that save little are dropped. In lattice a brick had 25 programs, mostly
-/// because of signs below ABS and operands of MAX. The limit costs lattice and city 3 % more clauses; dropping such
-/// decisions everywhere would cost speakers 13 %.
+/// If a brick has more programs than this, decisions that save little are dropped. In lattice a brick had 25 programs,
+/// mostly because of signs below ABS and operands of MAX. The limit costs lattice and city 3 % more clauses; dropping
+/// such decisions in all bricks would cost speakers 13 %.
 const GROUPS_MANY: usize = 16;
-/// Farther from surfaces than this, no ray asks for the object.
+/// Rays look up the object only up to this distance from surfaces.
 const OBJECT_REACH: f32 = 0.25;
 
 /// The bits of a cell's second word that hold an address.
@@ -55,7 +55,7 @@ struct Written {
     heads: Vec<usize>,
 }
 
-/// The blocks of a tree's root that belong to one of several parts. Each part may have its own thread.
+/// A part of a tree: some blocks of the root. Each part may have its own thread.
 #[derive(Debug)]
 pub struct Part<'a> {
     trunk: &'a Trunk<'a>,
@@ -66,7 +66,7 @@ pub struct Part<'a> {
     blocks: Vec<(usize, Cells)>,
     encoder: Encoder,
     scratch: Scratch,
-    /// Second words of cells by the hash of their programs.
+    /// Second words of cells, by the hashes of their programs.
     known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
     levels: [Level; 3],
     gradients: Option<Gradients>,
@@ -96,12 +96,12 @@ impl<'a> Part<'a> {
         self.build_while(&|| true);
     }
 
-    /// Builds the cells while `is_wanted` returns true, asked every few ms. A cancelled part is useless.
+    /// Builds the cells while `is_wanted` returns true. It is called every few ms. Discard a cancelled part.
     pub fn build_while(&mut self, is_wanted: &dyn Fn() -> bool) {
         let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
         let trunk = self.trunk;
         for &group in &trunk.root.groups {
-            // Spread neighbouring blocks, which take about equally long, over the parts.
+            // Distribute neighbouring blocks over the parts, because they take about the same time.
             let own = |cell: &usize| place_in(*cell).iter().sum::<usize>() % self.parts == self.number;
             let own: Vec<usize> = cells_of(group).filter(own).collect();
             if own.is_empty() {
@@ -131,8 +131,8 @@ impl<'a> Part<'a> {
         self.written.texels.len()
     }
 
-    /// Takes the root's blocks and the texels, for a tree that begins with `before` texels of other parts. Adds what
-    /// a later tree may copy to `memory`.
+    /// Returns the root's blocks and the texels, for a tree that begins with `before` texels of other parts. Adds the
+    /// bricks and tapes that a later tree may copy to `memory`.
     pub(super) fn finish(
         mut self,
         before: usize,
@@ -173,10 +173,10 @@ impl<'a> Part<'a> {
             Arg::Value(value) => level.rows[value as usize],
             Arg::Number(number) => Lanes::splat(Interval::point(number)),
         };
-        // A NaN may be a surface. A solid cell contains none.
+        // A bound that is NaN may be a surface. A solid cell contains no surface.
         let outside = mask(|cell| bounds.lo[cell] > trunk.rounding.margin);
         let surface = !outside & !mask(|cell| -bounds.hi[cell] > trunk.rounding.margin);
-        // Few rays ask for a distance far from the surfaces, so the whole tape is good enough there.
+        // Few rays evaluate the distance far from surfaces, so cells there use the whole tape.
         let (near, own) = match depth {
             1 => (!mask(|cell| bounds.lo[cell] > OBJECT_REACH), !mask(|cell| bounds.lo[cell] > AROUND)),
             _ => (u64::MAX, u64::MAX),
@@ -184,7 +184,7 @@ impl<'a> Part<'a> {
         for cell in cells_of(!own) {
             cells[cell] = self.cell(bounds.lo[cell], trunk.whole.tape | OBJECT_UNKNOWN << 24, [0; 2]);
         }
-        // Away from surfaces only penumbras and occlusion read tapes, so neighbours share one there.
+        // Away from surfaces only penumbras and occlusion read tapes, so neighbouring cells share a tape there.
         let away = own & !surface;
         let neighbours = if depth == 1 { &EIGHTHS[..] } else { &[u64::MAX] };
         let fractions = neighbours.iter().flat_map(|eighth| [away & near & eighth, away & !near & eighth]);
@@ -198,9 +198,9 @@ impl<'a> Part<'a> {
                 break;
             }
         }
-        // Tried: the parent's tape if the cell's own is more than 0.8 times as long. Lattice has 39 % fewer tapes,
-        // but 8 % more clauses and hardly a shorter build: the shorter program must be written before its length is
-        // known.
+        // Tried: using the parent's tape if the cell's tape is more than 0.8 times as long. Lattice then has 39 % fewer
+        // tapes but runs 8 % more clauses, and the build is hardly faster, because the shorter program must be written
+        // before its length is known.
         for index in 0..level.groups.len() {
             let group = level.groups[index];
             level.decisions.shortened(
@@ -272,7 +272,7 @@ impl<'a> Part<'a> {
         fits.then_some(at as u32)
     }
 
-    /// True if a cell of a block looks large from near the eye. Other cells are not worth dividing: few rays reach
+    /// True if a cell of a block looks large from a position near the eye. Other cells are not divided: few rays reach
     /// them, and their gradients take too long to compute.
     fn is_close(&self, block: &Block, cell: usize, eye: [f32; 3]) -> bool {
         let place = place_in(cell);
@@ -286,8 +286,8 @@ impl<'a> Part<'a> {
         side * side > fraction * fraction * away_squared
     }
 
-    /// The packed gradients for a group of the level's cells; 0 without a surface or a ray that asks. In bricks
-    /// groups of eight cells share one, because a gradient costs as much as thousands of clauses.
+    /// The packed gradients for a group of the level's cells; 0 for cells without a surface, or if rays do not need
+    /// gradients. In bricks, eight cells share a gradient, because it costs as much as thousands of clauses.
     fn slopes(&mut self, level: &Level, depth: usize, cells: u64) -> [[u32; 2]; CELLS] {
         let mut words = [[0; 2]; CELLS];
         let Some(gradients) = &mut self.gradients else { return words };
@@ -310,7 +310,7 @@ impl<'a> Part<'a> {
 
     fn cell(&mut self, lowest: f32, second: u32, [z, w]: [u32; 2]) -> Texel {
         let bound = lowest - self.trunk.rounding.margin;
-        // A NaN is not a bound.
+        // A NaN becomes 0, because it is not a bound.
         let bound = if bound > 0.0 { bound.min(1e9) } else { 0.0 };
         self.stats.cells += 1;
         [bound.to_bits(), second, z, w]
@@ -348,7 +348,8 @@ impl<'a> Part<'a> {
         Some(tape | object << 24)
     }
 
-    /// Copies a brick's cells and tapes from the previous frame's tree; `None` if there is none, or no room.
+    /// Copies a brick's cells and tapes from the previous frame's tree; `None` if that tree does not have the brick, or
+    /// if there is no room.
     fn brick_of_before(&mut self, key: u64) -> Option<Cells> {
         let before = self.trunk.before?;
         let mut cells = [[0; 4]; CELLS];
@@ -370,7 +371,7 @@ impl<'a> Part<'a> {
         Some(cells)
     }
 
-    /// Copies a tape from the previous frame's tree, given a cell's second word there; returns the new one.
+    /// Copies a tape from the previous frame's tree, given a cell's second word there. Returns the new second word.
     fn tape_of_before(&mut self, second: u32) -> Option<u32> {
         let tape = self.trunk.before?.tape(second)?;
         if let Some(known) = self.known.get(&tape.program) {
@@ -400,7 +401,7 @@ impl<'a> Part<'a> {
         Some(second)
     }
 
-    /// Writes a new tape behind a texel with the address of its object's tape, and returns its address.
+    /// Writes a texel with the address of the object's tape, then a new tape. Returns the address of the new tape.
     fn stored(&mut self, program: &Program, roots: &[usize], object_tape: Option<u32>) -> Option<u32> {
         let before = usize::from(object_tape.is_some());
         let count = self.encoder.encode(program, roots).ok()?.len();

@@ -16,7 +16,7 @@ pub(super) enum Form {
 }
 
 /// An operator on one or two arguments, at least one of which is a value. The fields are flat so that loops over
-/// steps rarely branch: in place of a number or a missing argument, the other value is repeated.
+/// steps rarely branch: a number or a missing argument is represented by a copy of the other value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Step {
     pub(super) op: Op,
@@ -47,7 +47,7 @@ impl Step {
         Operation { op: self.op, a: self.first(), b: self.second() }
     }
 
-    /// The second argument, which repeats the first for a one-operand operator.
+    /// The second argument. For a one-operand operator, it repeats the first argument.
     #[inline(always)]
     pub(super) fn second(&self) -> Arg {
         if self.form == Form::NumberRight { Arg::Number(self.number) } else { Arg::Value(self.b) }
@@ -58,7 +58,8 @@ pub(super) const BOUND: usize = 0;
 pub(super) const ESTIMATE: usize = 1;
 pub(super) const OBJECT: usize = 2;
 
-/// Steps, each of which reads only earlier values, and their results: of a distance bound, estimate and object.
+/// A list of steps, and their results. A step reads only earlier values. The results of a distance are bound, estimate
+/// and object.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Program {
     pub(super) inputs: usize,
@@ -75,8 +76,8 @@ impl Default for Program {
 }
 
 impl Program {
-    /// Like [`Program::push`], but also simplifies 0 - (0 - x) to x. This keeps x longer, and the program may need
-    /// one register more.
+    /// Like [`Program::push`], but also simplifies 0 - (0 - x) to x. This keeps x in use for longer, so the program may
+    /// need one more register.
     #[inline]
     pub(super) fn push_shorter(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         if let (Op::Sub, Arg::Number(0.0), Arg::Value(value)) = (op, a, b)
@@ -87,8 +88,8 @@ impl Program {
         self.push(op, a, b, frame)
     }
 
-    /// Appends a step and returns its value. Applies simplifications that are exact in floating point. None of them
-    /// lets the program keep more values at a time, because known numbers never take registers.
+    /// Appends a step and returns its value. Applies simplifications that are exact in floating point. They
+    /// never increase the number of registers, because known numbers take no registers.
     #[inline]
     pub(super) fn push(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         use Arg::Number;
@@ -106,7 +107,7 @@ impl Program {
             (Op::Mask, Number(condition), b) => return if condition == 0.0 { Number(0.0) } else { b },
             _ => {}
         }
-        // A clause takes a number on either side; the right is the usual form.
+        // A clause can have a number on either side. Put it on the right if the operator allows that.
         let (a, b) = match (a, b) {
             (Number(_), Arg::Value(_)) if op.properties().has(Properties::COMMUTATIVE) => (b, a),
             both => both,
@@ -126,7 +127,7 @@ impl Program {
     /// A hash of the program. Two programs collide with a probability of one in 2^64.
     pub(super) fn hash(&self) -> u64 {
         const FACTORS: [u64; 3] = [0x9E37_79B9_7F4A_7C15, 0xBF58_476D_1CE4_E5B9, 0x94D0_49BB_1331_11EB];
-        // Words are mixed outside of the chain, so that the chain has one product per step.
+        // Mix words outside of the chain, so that the chain has one product per step.
         let mix = |hash: u64, first: u64, second: u64| {
             let words = first.wrapping_mul(FACTORS[0]) ^ second.wrapping_mul(FACTORS[1]).rotate_left(32);
             (hash ^ words).wrapping_mul(FACTORS[2]).rotate_left(23)
@@ -136,7 +137,7 @@ impl Program {
             let operator = u64::from(step.op.number()) | (step.form as u64) << 8;
             mix(hash, u64::from(step.a) | u64::from(step.b) << 32, number | operator)
         };
-        // Four chains, because the CPU would wait for each product of a single one.
+        // Use four chains: in a single chain the CPU would wait for each product.
         let (fours, rest) = self.steps.as_chunks::<4>();
         let mut chains = [0, 1, 2, 3];
         for four in fours {
@@ -150,7 +151,7 @@ impl Program {
             Arg::Value(value) => mix(hash, u64::from(*value), 1),
             Arg::Number(number) => mix(hash, u64::from(number.to_bits()), 2),
         });
-        // The upper bits are mixed best.
+        // Use the upper bits, which are mixed best.
         hash ^ hash >> 29
     }
 
@@ -166,20 +167,20 @@ impl Program {
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Structure {
-    /// For minima and maxima, the value whose bounds decide which operands count: the outer minimum's if that is the
-    /// only reader, so that nested minima are pruned as one minimum of many operands.
+    /// For minima and maxima, the value whose bounds decide which operands are dropped. If an outer minimum is the only
+    /// reader, it is the outer minimum, so that nested minima are pruned as one minimum of many operands.
     pub(super) outermost: Vec<u32>,
     /// True if the step may become a constant or one of its arguments in some cell.
     pub(super) may_settle: Vec<bool>,
-    /// For each value, the number of steps that only it needs, itself included.
+    /// For each value, the number of steps that only this value needs, including its own step.
     weight: Vec<u16>,
     uses: Vec<u8>,
     reader: Vec<u32>,
 }
 
 impl Structure {
-    /// True if replacing a step by one of its operands saves almost nothing, given the dropped operand. A sum of
-    /// outside distances is a chain: one part of it hardly saves anything without the others.
+    /// True if little is saved when a step is replaced by one of its operands. `dropped` is the other operand. A sum of
+    /// outside distances is a chain, in which dropping a single part saves little.
     pub(super) fn saves_little(&self, step: &Step, dropped: Arg) -> bool {
         let most = match step.op {
             Op::OutsideAdd | Op::Mask => return false,
@@ -202,7 +203,7 @@ impl Structure {
             let at = program.inputs + index;
             let (a, b) = (step.a as usize, step.b as usize);
             self.may_settle[at] = settles(step.op) | self.may_settle[a] | self.may_settle[b];
-            // A minimum or maximum of a value with itself must not count as a second reader.
+            // A step that reads a value twice is a single reader.
             self.uses[a] = self.uses[a].saturating_add(1);
             self.uses[b] = self.uses[b].saturating_add(u8::from(a != b));
             self.reader[a] = at as u32;
@@ -241,7 +242,7 @@ pub(super) fn refill<T: Clone>(list: &mut Vec<T>, count: usize, element: T) {
     list.resize(count, element);
 }
 
-/// True if an operator can be constant all over a cell although its operands are not.
+/// True if an operator can be constant in a cell although its operands are not.
 fn settles(op: Op) -> bool {
     use Op::{Ceil, Floor, Fract, Mask, Max, Min, Mod, OutsideAdd, Round, Sign, Trunc};
     let steps = matches!(op, Floor | Ceil | Round | Trunc | Sign | Fract | Mod);

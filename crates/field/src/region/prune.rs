@@ -1,8 +1,8 @@
-//! Shortens a program for each of 64 cells: decides minima, folds constants, and drops dead steps.
+//! Shortens a program for each of 64 cells: decides minima, folds constants, and drops unneeded steps.
 //!
 //! Decisions are masks of 64 bits, one bit per cell: the cells that need a value, those where it is a number, and
-//! those where it equals one of its operands. Cells with the same decisions share a program, which is written once
-//! for all of them. Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020), section
+//! those where it equals one of its operands. Cells with the same decisions share a program, which is written
+//! once. Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020), section
 //! 3, shortens one tape for one cell at a time.
 
 use multiversion::multiversion;
@@ -14,7 +14,7 @@ use crate::graph::{FrameInputs, Op};
 #[derive(Debug, Clone, Copy, Default)]
 struct Decided {
     live: u64,
-    /// Cells where it is the same number everywhere.
+    /// Cells in which the value is a constant.
     number: u64,
     left: u64,
     right: u64,
@@ -24,11 +24,11 @@ struct Decided {
 pub(super) struct ChoiceTrace {
     values: Vec<Decided>,
     inputs: usize,
-    /// True if decisions that save little are dropped unless all cells agree, because each costs a group. Tried:
-    /// dropping decisions that save less than 4, 6 or 8 % of the program. A scene of 11,000 clauses then runs a third
-    /// more clauses.
+    /// True to drop decisions that save little unless all cells agree, because each decision costs a group of cells.
+    /// Tried: dropping decisions that save less than 4, 6 or 8 % of the program. A scene of 11,000 clauses then runs a
+    /// third more clauses.
     pub(super) coarse: bool,
-    /// The steps that some cell needs, last first.
+    /// The steps that at least one cell needs, last first.
     needed: Vec<u32>,
     settled: Vec<u32>,
 }
@@ -37,7 +37,7 @@ pub(super) struct ChoiceTrace {
 #[derive(Debug, Default)]
 pub(super) struct Scratch(Vec<Arg>);
 
-/// Cells where an argument is entirely above these ends.
+/// Cells where all values of an argument are above these ends.
 #[inline(always)]
 fn above(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
     match arg {
@@ -92,11 +92,12 @@ fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u6
 }
 
 impl ChoiceTrace {
-    /// Decides which steps the distance needs in the cells of `need`, and the object in those of `need_object`.
+    /// Decides which steps are needed: for the distance in the cells of `need`, and for the object in the cells of
+    /// `need_object`.
     /// `rows` are the bounds of the program's values. Decisions must hold in all cells of a mask in `together`.
     ///
-    /// An operand of a minimum is dropped in cells where it is above the upper end of the whole nest of minima: it is
-    /// never the least there, so the value keeps its bits.
+    /// An operand of a minimum is dropped in cells where it is above the upper end of the outermost minimum. It is
+    /// never the least operand there, so the value keeps its bits.
     pub(super) fn decide(
         &mut self,
         program: &Program,
@@ -171,7 +172,7 @@ impl ChoiceTrace {
             let step = &program.steps[*index as usize];
             places[at] = if (number | left | right) & bit == 0 {
                 match (places[step.a as usize], places[step.b as usize]) {
-                    // Most steps stay unchanged. A negation may turn into another step.
+                    // Most steps stay unchanged. A negation may become another kind of step.
                     (Arg::Value(a), Arg::Value(b)) if step.op != Op::Sub || step.form != Form::NumberLeft => {
                         short.push_step(Step { a, b, ..*step })
                     }
@@ -196,7 +197,7 @@ impl ChoiceTrace {
     }
 }
 
-/// Cells where the value `at` of a step equals its operand a, and cells where it equals b.
+/// Cells where the value `at` of a step equals operand a, and cells where it equals operand b.
 // Inlined into the variants of `decide` for wider vectors.
 #[inline(always)]
 fn chosen(step: &Step, structure: &Structure, rows: &[Lanes], at: usize) -> (u64, u64) {
@@ -231,10 +232,10 @@ fn chosen(step: &Step, structure: &Structure, rows: &[Lanes], at: usize) -> (u64
             right = is_number(rows, structure, a, 1.0) & !left;
         }
         Op::Div => left = is_number(rows, structure, b, 1.0),
-        // The first period of a remainder needs no subtraction.
+        // In the first period, the remainder equals the operand.
         Op::Fract => left = below(rows, a, &[1.0; 64]) & not_above(rows, Arg::Number(0.0), a),
         Op::Mod => {
-            // The remainder of an infinite period is not a number.
+            // Exclude an infinite period, whose remainder is a NaN.
             if let Arg::Number(period) = b
                 && period.is_finite()
             {
@@ -246,7 +247,7 @@ fn chosen(step: &Step, structure: &Structure, rows: &[Lanes], at: usize) -> (u64
     (left, right)
 }
 
-/// Implements [`ChoiceTrace::decide`], also compiled for CPUs with wider vectors.
+/// Implements [`ChoiceTrace::decide`]. It is also compiled for CPUs with wider vectors.
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn decide(
     decisions: &mut ChoiceTrace,
@@ -288,7 +289,7 @@ fn decide(
         let (left, right) = chosen(step, structure, rows, at);
         let (mut left, mut right) = (left & live, right & live);
         if coarse {
-            // A decision that all cells share costs no group.
+            // A decision that all cells share adds no group.
             if left != live && structure.saves_little(step, step.second()) {
                 left = 0;
             }
@@ -308,7 +309,7 @@ fn decide(
             decisions.settled.push(index as u32);
             values[at] = Decided { number, left, right, ..values[at] };
         }
-        // If one argument is a number, the step repeats the other operand.
+        // If one argument is a number, the step stores its value operand twice.
         let (by_a, by_b) = match step.form {
             Form::Values => (live & !right, live & !left),
             Form::NumberRight => (live & !right, 0),
@@ -319,7 +320,7 @@ fn decide(
     }
 }
 
-/// True if all of the given cells have the same number, or none has one.
+/// True if all of the given cells have the same number, or if all have no number.
 fn is_same(number: u64, cells: u64, values: &[f32; 64]) -> bool {
     let some = number & cells;
     if some != cells {
@@ -351,7 +352,7 @@ fn split_by_value(groups: &mut Vec<u64>, inside: u64, values: &[f32; 64]) {
         if group & inside != 0 {
             let first = values[(group.trailing_zeros() as usize).min(63)];
             let same = mask(|cell| values[cell] == first) & group;
-            // Append the cells with other values; the loop reaches them later.
+            // Append the cells with other values. The loop processes them later.
             if same != group {
                 groups[index] = same;
                 groups.push(group & !same);

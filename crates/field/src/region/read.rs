@@ -8,9 +8,9 @@ use crate::tape::{Clause, Instruction, Operand, opcode};
 /// A cell of the tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// A lower bound of the distance in the cell; 0 if it may contain a surface.
+    /// A lower bound of the distance in the cell; 0 if the cell may contain a surface.
     pub bound: f32,
-    /// First texel of its tape.
+    /// First texel of the cell's tape.
     pub tape: u32,
     /// Number of the nearest object; `None` if several may be nearest.
     pub object: Option<u32>,
@@ -34,7 +34,7 @@ impl Regions {
                 if !(first > 0 || (0.0..cells as f32).contains(&place)) {
                     return None;
                 }
-                // Rounding must not lead out of the cell that was found.
+                // Clamp, because rounding must not lead out of the cell that was found.
                 let place = place.clamp(0.0, (cells - 1) as f32);
                 low[axis] += place * side[axis];
                 texel = texel * cells + place as usize;
@@ -57,7 +57,7 @@ impl Regions {
         }
     }
 
-    /// Runs a tape at a point with a penumbra. Returns bound and estimate, or the object twice.
+    /// Runs a tape at a point with a penumbra. Returns bound and estimate, or for an object's tape the object twice.
     pub fn run(&self, tape: u32, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
         let mut registers = [0.0f32; 256];
         registers[..4].copy_from_slice(&[point[0], point[1], point[2], penumbra]);
@@ -96,8 +96,8 @@ impl Regions {
     }
 }
 
-/// Runs a tape whose inputs are in the registers, with texture samples of four channels each. Returns its first two
-/// results; the others are in their registers.
+/// Runs a tape whose inputs are in the registers, with texture samples of four channels each. Returns the first two
+/// results. The other results are in registers.
 pub(crate) fn run_texels(
     texels: &[[u32; 4]],
     registers: &mut [f32; 256],

@@ -1,11 +1,11 @@
 //! Reuse of parts of the previous frame's tree.
 //!
-//! Most of a frame's numbers matter in few cells. If a block has the same position as in the previous tree and its
-//! program, with the frame's numbers in it, is the same, its cells and tapes are copied. Programs are compared by
-//! their hashes. Programs that read tables of the sound, whose values are not part of a program, are never reused.
+//! Most of a frame's numbers affect few cells. A block's cells and tapes are copied from the previous tree if its
+//! position and its program, which contains the frame's numbers, are the same there. Programs are compared by their
+//! hashes. Programs that read tables of the sound, whose values are not part of a program, are never reused.
 //!
 //! Scenes that move as a whole (gyroid, letters, tunnel) and scenes that read the sound's history reuse nothing. City
-//! reuses 174 of 480 bricks and builds its next tree in 3.4 ms instead of 4.3.
+//! reuses 174 of 480 bricks and builds its next tree in 3.4 instead of 4.3 ms.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -38,9 +38,10 @@ pub(super) struct TapeBefore<'a> {
 }
 
 impl<'a> Before<'a> {
-    /// The tree as a source for a tree in this box; `None` if no brick can be the same.
+    /// The tree `last` as a source for a tree in this box; `None` if all bricks differ.
     pub(super) fn of(last: &'a Regions, low: [f32; 3], size: [f32; 3]) -> Option<Self> {
-        // A cell that had no room for its tape has the whole tape, which contains the old frame's numbers.
+        // Exclude trees without room for all tapes: some of their cells have the whole tape, which contains the old
+        // frame's numbers.
         (last.low == low && last.size == size && last.stats.overflowed == 0).then_some(Self(last))
     }
 

@@ -45,7 +45,7 @@ fn assert_same_cells(tree: &Regions, fresh: &Regions, inputs: &FrameInputs, poin
     }
 }
 
-/// Compares each frame's tree, built after the previous one, with a fresh one. Returns the copied fraction of bricks.
+/// Compares each frame's tree, built after the previous tree, with a fresh tree. Returns the copied fraction of bricks.
 fn fraction_copied(text: &str, parts: usize, frames: &[(f32, f32)]) -> f64 {
     let world = world_of(text);
     let plan = RegionPlan::new(&world);
@@ -80,7 +80,7 @@ fn copied_bricks_equal_fresh_ones() {
 
 #[test]
 fn bricks_that_read_sound_tables_are_not_copied() {
-    // Only the table changes, no number of the program.
+    // Only the table changes. The program's numbers stay the same.
     let fraction = fraction_copied(HEARS, 1, &[(3.0, 0.1), (3.0, 0.9), (3.0, 0.2)]);
     assert!(fraction > 0.1 && fraction < 0.9, "{fraction}");
 }

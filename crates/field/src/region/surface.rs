@@ -1,11 +1,11 @@
 //! Shortens the programs of materials and light for parts of space.
 //!
-//! Each program has its own grid of 8x8x8 cells, which maps a point, or for the sky a direction, to a tape. The
-//! outermost cells extend as far as anything is drawn. As in the tree of distances, interval arithmetic on a frame's
-//! values decides which steps a cell does not need. Cells with the same steps share a tape, and so do the eight cells
-//! of a block unless they need far fewer steps than the block. In its cell a shortened tape gives the same bits as
-//! the whole one. Cells in which no surface can be visible ([`Surfaces`]) keep the whole tape and take no time.
-//! `world::shortening` selects the programs.
+//! Each program has its own grid of 8x8x8 cells. The grid maps a point, or for the sky a direction, to a tape. The
+//! outermost cells extend to the largest coordinates at which anything is drawn. As in the tree of distances, interval
+//! arithmetic on a frame's values decides which steps a cell does not need. Cells with the same steps share a tape.
+//! The eight cells of a block also share a tape, unless they need far fewer steps than the block. In its cell a
+//! shortened tape gives the same bits as the whole tape. Cells without visible surfaces ([`Surfaces`]) keep the whole
+//! tape and take no time. `world::shortening` selects the programs.
 
 use std::collections::HashMap;
 
@@ -17,28 +17,30 @@ use super::tree::{cells_of, place_in};
 use super::{DIVIDED, Numbers, ROOT_SIDE, Reads, RegionKey, Regions, fold};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Input, Interval, Node, NodeId};
 
-/// Cells of a grid along each axis.
+/// Number of cells of a grid along each axis.
 pub(crate) const SIDE: usize = 8;
 /// Number of values before the first step: the point and the normal.
 const OF_POINT: usize = Input::OF_POINT.len();
 /// Largest coordinate at which anything is drawn.
 const FARTHEST: f32 = 1e7;
-/// Overlap of cells, as a fraction of their size and their distance from the origin: shaders round differently.
+/// Overlap of cells, as a fraction of their size and their distance from the origin. It allows for the different
+/// rounding of shaders.
 const OVERLAP: f32 = 1e-5;
 /// Largest component of normals and directions, after rounding.
 const NORMAL_MAX: f32 = 1.001;
 const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
-/// Texels of a grid in addition to those of a single cell.
+/// Number of texels by which a grid exceeds the grid of a single cell.
 const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
 /// Programs up to this length are not shortened.
 const WHOLE_MAX: usize = 24;
-/// Most nodes of all programs that are shortened in a frame: about 20 to 40 ms. Further programs stay whole.
+/// Maximum number of nodes in all programs that are shortened in a frame: about 20 to 40 ms. Further programs stay
+/// whole.
 const NODES_MAX: usize = 4096;
-/// A cell has its own tape if that has at most this fraction of its block's clauses. Tried: an own tape for every
-/// cell that saves anything. Other scenes run up to 10 % fewer clauses, but the tapes of wave_tank fill 32,000 texels
-/// before every program has its own.
+/// A cell has its own tape if that tape has at most this fraction of the block's clauses. Tried: an own tape for every
+/// cell that saves any clause. Other scenes then run up to 10 % fewer clauses, but in wave_tank the first programs fill
+/// all 32,000 texels.
 const OWN_FRACTION: f32 = 0.75;
-/// A shortened tape has at most this fraction of the whole one's texels.
+/// A shortened tape has at most this fraction of the whole tape's texels.
 const SHORTER_FRACTION: f32 = 0.9;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,11 +99,11 @@ impl Grid {
 /// The surfaces of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfaces<'a> {
-    /// The tree of the distances; without cells it excludes nothing.
+    /// The tree of the distances. A tree without cells excludes no surface.
     pub regions: &'a Regions,
     /// The planes: `[a, b, c, d]` of `a*x + b*y + c*z + d`.
     pub planes: &'a [[f32; 4]],
-    /// Programs may also run this far from surfaces.
+    /// Distance from surfaces up to which programs may also run.
     pub around: f32,
 }
 
@@ -121,7 +123,7 @@ impl Surfaces<'_> {
 }
 
 impl Regions {
-    /// True if a box may contain a surface, judging by the root's cells.
+    /// True if a box may contain a surface, according to the root's cells.
     fn may_hold_a_surface(&self, sides: [Interval; 3]) -> bool {
         let last = ROOT_SIDE as f32 - 1.0;
         let place = |axis: usize, at: f32| (at - self.low[axis]) / self.size[axis] * ROOT_SIDE as f32;
@@ -164,10 +166,10 @@ pub(crate) struct ShortTape {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct ShortTapes {
     pub(crate) grid: Grid,
-    /// The tape of each cell; `None` for the whole one. Empty if all cells use the whole one.
+    /// The tape of each cell; `None` for the whole tape. Empty if all cells use the whole tape.
     pub(crate) cells: Vec<Option<usize>>,
     pub(crate) tapes: Vec<ShortTape>,
-    /// The mean fraction of the whole tape's texels that is saved; `None` without time or room to compute it.
+    /// The mean saving, as a fraction of the whole tape's texels; `None` if there was no time or room to shorten.
     pub(crate) saved: Option<f32>,
 }
 
@@ -223,11 +225,11 @@ impl SurfacePlan {
 pub(crate) struct Shortener<'a> {
     frame: &'a FrameInputs,
     grid: Grid,
-    /// For each cell of that grid, true if programs may run in it.
+    /// For each cell of the grid, true if programs may run there.
     asked: Vec<bool>,
     /// Remaining room in texels.
     room: usize,
-    /// Remaining time in nodes of programs.
+    /// Remaining time, as a number of nodes.
     nodes: usize,
     encoder: Encoder,
     rows: Vec<Lanes>,
@@ -287,7 +289,7 @@ impl<'a> Shortener<'a> {
         let mut known = HashMap::new();
         short.cells.resize(SIDE.pow(3), None);
         for cells in cells.chunks(CELLS) {
-            // If fewer cells are left, the last one is repeated.
+            // If fewer cells are left, repeat the last cell.
             let at = |lane: usize| cells.get(lane).or(cells.last()).copied().unwrap_or_default();
             let lanes: [[usize; 3]; CELLS] = std::array::from_fn(at);
             self.bound(&program, plan, grid, &lanes);
@@ -326,8 +328,8 @@ impl<'a> Shortener<'a> {
         bound(program, &mut self.rows, self.frame);
     }
 
-    /// The tapes of 64 cells in which the program's values are bounded. A cell has its own tape if that is much
-    /// shorter than the tape of its block: tapes that hardly differ would cost more than they save.
+    /// The tapes of 64 cells, from the bounds of the program's values in them. A cell has its own tape if that tape is
+    /// much shorter than the block's tape, because tapes that hardly differ would cost more than they save.
     fn tapes(
         &mut self,
         program: &Program,
@@ -373,7 +375,7 @@ impl<'a> Shortener<'a> {
         short
     }
 
-    /// The number of a program's tape; `None` if it saves too little or there is no room.
+    /// The number of a program's tape; `None` if the tape saves too little or there is no room.
     fn tape(
         &mut self,
         program: &Program,
@@ -406,7 +408,7 @@ impl<'a> Shortener<'a> {
     }
 }
 
-/// Texels in addition to a tape's clauses: the header, and one for each texture.
+/// Number of texels in addition to a tape's clauses: the header, and one texel for each texture.
 fn beside(program: &Program) -> usize {
     1 + (program.inputs - program.in_registers) / 4
 }

@@ -88,7 +88,7 @@ fn many_shapes_are_the_same_in_every_cell() {
     assert!(mean < 60.0, "{mean} texels for a tape");
 }
 
-/// Balls and bars in cells of 4, each node with its own size, up to 22 from the eye in the middle.
+/// A lattice of balls and bars in cells of size 4, up to 22 from the eye in the middle. Each node has its own size.
 pub(super) const LATTICE: &str = "
 fn node(p) = round(p / 4)
 object frame {
@@ -115,7 +115,7 @@ fn cells_that_differ_in_little_share_a_tape() {
     let stats = RegionPlan::new(&world)
         .build(&inputs, &RegionOptions { texels_max: 1 << 22, ..Default::default() })
         .stats;
-    // If every cell had exactly the steps it needs, there would be twice as many tapes.
+    // If every cell had only the steps that it needs, there would be twice as many tapes.
     assert!(stats.cells > 100_000 && stats.tapes < 9_000, "{stats:?}");
 }
 
@@ -203,7 +203,7 @@ fn registers_of(tree: &Regions, tape: u32) -> usize {
             let [number, output, a, b] = word.to_le_bytes();
             let bytes = match (number, number & 0xC0) {
                 (opcode::END, _) => [0, a, b],
-                // LOAD has an immediate; the form shows the operands of other clauses.
+                // LOAD has an immediate. For other clauses, the form determines the operands.
                 (opcode::LOAD, _) => [output, 0, 0],
                 (_, 0x80) => [output, a, 0],
                 (_, 0xC0) => [output, 0, b],
@@ -220,7 +220,7 @@ fn registers_of(tree: &Regions, tape: u32) -> usize {
 
 #[test]
 fn operands_of_history_reads_have_registers() {
-    // Half of each sum is kept while the other half is computed. Nothing else takes as many registers.
+    // While one half of each sum is computed, the other half is kept. This takes the most registers.
     fn sum(first: u32, count: u32) -> String {
         match count {
             1 => format!("length(p - vec3({first}, 0.5 * {first}, 2))"),
@@ -345,7 +345,7 @@ proptest! {
             if let Some(cell) = tree.cell_at(at) {
                 let holds = cell.bound <= 0.0 || cell.bound <= wanted[0];
                 prop_assert!(holds, "{at:?}: {cell:?}, but {}", wanted[0]);
-                // The object is needed near surfaces only; it does not depend on the penumbra.
+                // The object is needed only near surfaces, and does not depend on the penumbra.
                 if wanted[0] < 0.2 && penumbra == 0.0 {
                     prop_assert_eq!(tree.object(at, &frame), wanted[2] as u32);
                 }

@@ -1,8 +1,8 @@
 //! Builds a tree: the common start of its parts (`part.rs`), and the assembly of the finished parts.
 //!
-//! **Bounds of a frame.** In one frame surfaces extend less far than over all sounds and times. Up to three passes
-//! over 64 cells therefore shrink the world's box before the tree is built. Rays, shadows and occlusion are limited
-//! to the smaller box.
+//! **Bounds of a frame.** The world's box contains the surfaces of all sounds and times; the surfaces of one frame are
+//! often in a smaller box. Up to three passes over 64 cells therefore shrink the box before the tree is built. Rays,
+//! shadows and occlusion are limited to the smaller box.
 
 use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound};
@@ -16,14 +16,14 @@ use crate::graph::{FrameInputs, Interval};
 /// Options for building a tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RegionOptions {
-    /// True for a tree with cells; otherwise the whole tape serves everywhere.
+    /// True for a tree with cells. Without cells, the whole tape is used everywhere.
     pub cells: bool,
-    /// Most texels that the driver supports in a texture buffer.
+    /// Maximum number of texels that the driver supports in a texture buffer.
     pub texels_max: usize,
     /// Centre of the tree if the scene has no bounds.
     pub center: [f32; 3],
-    /// In a scene with bounds: the approximate position of the eye, if it is within them. Cells that look small from
-    /// there are not divided. A scene without bounds uses `center` instead.
+    /// In a scene with bounds, the approximate position of the eye if it is within the bounds. Cells that look small
+    /// from there are not divided. A scene without bounds uses `center` instead.
     pub eye: Option<[f32; 3]>,
 }
 
@@ -38,19 +38,19 @@ impl Default for RegionOptions {
 pub struct RegionStats {
     /// Number of cells, not counting divided ones.
     pub cells: usize,
-    /// Passes, each of which bounds 64 cells at once.
+    /// Number of passes. Each pass bounds 64 cells at once.
     pub passes: usize,
-    /// Groups of 64 cells that are copied from the previous frame's tree.
+    /// Number of groups of 64 cells that were copied from the previous frame's tree.
     pub copied: usize,
-    /// Distinct tapes.
+    /// Number of distinct tapes.
     pub tapes: usize,
-    /// Clauses of the whole tape.
+    /// Number of clauses in the whole tape.
     pub whole_clauses: usize,
-    /// Clauses of all distinct tapes.
+    /// Number of clauses in all distinct tapes.
     pub clauses: usize,
     /// Size of the shaders' data in bytes.
     pub bytes: usize,
-    /// Cells that use the whole tape because there was no room for a shorter one.
+    /// Number of cells that use the whole tape because there was no room for a shorter tape.
     pub overflowed: usize,
 }
 
@@ -78,17 +78,18 @@ const UNBOUNDED_REACH: f32 = 32.0;
 /// Penumbras and occlusion ask for distances up to this far from surfaces: slightly more than the highest probe.
 pub(super) const AROUND: f32 = 1.2;
 /// Bounds are reduced by this fraction of the box's size and its distance from the origin, because GPUs round
-/// differently: two dozen roundings of numbers of that size amount to a fraction of 3e-6.
+/// differently. Two dozen roundings of numbers of that size add up to a fraction of 3e-6.
 const ROUNDING: f32 = 1e-5;
-/// Cells overlap by this fraction, because rays look up their cell a hundred-thousandth of a root cell further on.
+/// Cells overlap by this fraction of the same size, because rays look up their cell a hundred-thousandth of a root cell
+/// further on.
 const OVERLAP: f32 = 4e-6;
-/// Largest penumbra: distance from a light over its sharpness.
+/// Largest penumbra: the distance from a light divided by its sharpness.
 const PENUMBRA_MAX: f32 = 1e9;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     pub(super) low: [f32; 3],
-    /// Extent of one of its 4x4x4 cells.
+    /// Extent of one of the 4x4x4 cells.
     pub(super) cell: [f32; 3],
 }
 
@@ -98,7 +99,7 @@ pub(super) struct Trunk<'a> {
     pub(super) options: &'a RegionOptions,
     pub(super) program: Program,
     pub(super) root: Root,
-    /// The still empty root, and the whole tapes.
+    /// The root, still without cells, and the whole tapes.
     pub(super) texels: Vec<Texel>,
     pub(super) variant: &'a RegionVariant,
     pub(super) steepest: f32,
@@ -140,7 +141,7 @@ pub(super) struct Traced<'a> {
     pub(super) last: Option<&'a Regions>,
 }
 
-/// Builds the tree of a program with the frame's numbers folded in. `run` has to build all of the parts.
+/// Builds the tree of a program with the frame's numbers folded in. `run` has to build all parts.
 pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
@@ -230,7 +231,7 @@ impl Trunk<'_> {
 
     fn write_whole(&mut self) {
         let mut encoder = self.encoder();
-        // A program with too many simultaneous values has no tape here; the plan has reported it.
+        // A program that needs too many registers has no tape here. The plan has already reported this.
         if let Ok(texels) = encoder.encode(&self.program, &[OBJECT, OBJECT]) {
             self.whole.object = self.texels.len() as u32;
             self.texels.extend_from_slice(texels);
@@ -263,7 +264,7 @@ fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInput
         let farthest = low.iter().chain(&high).fold(0.0f32, |most, side| most.max(side.abs()));
         bound_cells(program, block, farthest * OVERLAP, &mut rows, frame);
         let held = |cell: usize| match program.roots[BOUND] {
-            // A NaN may be a surface.
+            // A cell whose bound is NaN may contain a surface.
             Arg::Value(value) => !surely_above(rows[value as usize].lo[cell], farthest * ROUNDING),
             Arg::Number(number) => !surely_above(number, 0.0),
         };

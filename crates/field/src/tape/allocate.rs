@@ -45,7 +45,7 @@ pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> R
     Ok(tape)
 }
 
-/// Next uses of a node's value and of its operands, seen from the node's position in the order.
+/// The next uses of a node's value and of its operands, after the node's position in the order.
 #[derive(Debug, Clone, Copy, Default)]
 struct NextUses {
     own: u32,
@@ -80,7 +80,7 @@ fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses>
 
 #[derive(Debug, Clone, Copy)]
 struct Place {
-    /// The register, or the entry for values of the table.
+    /// The register; for values of the table, the entry.
     register_or_entry: u32,
     memory: u32,
 }
@@ -118,7 +118,8 @@ impl Allocator<'_> {
         }
     }
 
-    /// The entry of the current page with the value. May begin a page: call it right before emitting its clause.
+    /// The entry of the current page with the value. It may begin a new page, so call it right before emitting the
+    /// clause.
     fn entry(&mut self, id: NodeId) -> u8 {
         let known = self.places[id.index()].register_or_entry;
         if known != NONE && known as usize >= self.page_start {
@@ -253,7 +254,7 @@ impl Allocator<'_> {
         self.places[id.index()].register_or_entry = u32::from(register);
     }
 
-    /// Frees the register after its value's last use; always, if it only carries an entry of the table.
+    /// Frees the register after its value's last use. A register that only holds an entry of the table is always freed.
     fn used(&mut self, register: u8, next_use: u32) {
         self.next_use[usize::from(register)] = next_use;
         if next_use == NONE || self.held[usize::from(register)].is_none() {
@@ -261,7 +262,7 @@ impl Allocator<'_> {
         }
     }
 
-    /// A register for a result: operand b's or a's if it has become free.
+    /// A register for a result: the register of operand b or a if it has become free, else another register.
     fn result(&mut self, a: Option<u8>, b: Option<u8>) -> Result<u8, TapeError> {
         self.pinned = [0; 4];
         for register in [b, a].into_iter().flatten() {
@@ -320,7 +321,7 @@ impl Allocator<'_> {
             }
             (false, true) => (Some(self.fetch_value(a)?), None),
             (true, false) => (None, Some(self.fetch_value(b)?)),
-            // No clause takes two values of the table, so the first one is loaded into a register.
+            // No clause takes two values of the table, so load the first value into a register.
             (true, true) => (Some(self.fetch_entry(a)?), None),
         };
         if let Some(register) = left {

@@ -6,7 +6,7 @@ use crate::graph::{FIRST_BINARY, Input, Op};
 pub mod opcode {
     /// Ends the tape.
     pub const END: u8 = 0;
-    /// Selects the page of the table that later immediates index; its number is in the last two bytes.
+    /// Selects the page of the table that later immediates index. The page number is in the last two bytes.
     pub const PAGE: u8 = 1;
     /// Copies an entry of the table's page into a register.
     pub const LOAD: u8 = 2;
@@ -109,7 +109,7 @@ pub enum Instruction {
         /// Register read.
         a: u8,
     },
-    /// register := op(a, b), at most one of them an immediate
+    /// register := op(a, b); at most one operand is an immediate
     Binary {
         /// The operator.
         op: Op,
@@ -172,7 +172,7 @@ impl Clause {
 }
 
 impl Instruction {
-    /// Encodes the instruction. No form has two immediates: a second one becomes a register.
+    /// Encodes the instruction. No form has two immediates, so a second immediate is encoded as a register.
     #[inline]
     pub const fn encode(self) -> Clause {
         const fn wide(opcode: u8, output: u8, wide: u16) -> Clause {

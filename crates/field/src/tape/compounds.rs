@@ -5,27 +5,28 @@ use super::interpreter::{IMMEDIATE, is_second};
 use super::{Instruction, Operand, Tape};
 use crate::graph::{Arg, Compounds, Found, Operation, Values};
 
-/// Registers at the start of a tape: the values 0..256.
+/// Number of registers at the start of a tape. They are the values 0..256.
 const INITIAL: usize = 256;
-/// Longest distance in clauses from a compound to its first part. It keeps the search linear in the tape's length.
+/// Maximum distance in clauses from a compound to its first part. The limit keeps the search linear in the tape's
+/// length.
 const REACH: usize = 64;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clause {
     pub(super) word: u32,
     pub(super) immediate: u32,
-    /// True if it must be the second clause of its texel.
+    /// True if the clause must be the second clause of its texel.
     pub(super) second: bool,
     output: Option<u8>,
     operation: Option<Operation>,
-    /// True if a later compound does its work.
+    /// True if a later compound contains this clause.
     absorbed: bool,
 }
 
 #[derive(Debug)]
 pub(super) struct RunClauses {
     clauses: Vec<Clause>,
-    /// Number of reads, at most 2, of each register at the start, then of each clause's value.
+    /// Number of reads (at most 2) of each register at the start, then of each clause's value.
     uses: Vec<u8>,
     held: [u32; INITIAL],
 }
@@ -130,8 +131,8 @@ impl RunClauses {
         }
     }
 
-    /// The registers that a compound at the position of the clause `last` reads; `None` if they no longer hold the
-    /// operands of its parts there.
+    /// The registers that a compound reads at the position of the clause `last`; `None` if they no longer hold the
+    /// operands of the compound's parts there.
     fn registers(&self, found: &Found, last: usize) -> Option<[u8; 2]> {
         let first = found.absorbed().iter().map(|value| *value as usize - INITIAL).min()?;
         if last - first > REACH {
@@ -146,7 +147,7 @@ impl RunClauses {
             for (index, clause) in self.clauses.iter().enumerate().take(last).skip(first) {
                 let at = (INITIAL + index) as u32;
                 let vanishes = clause.absorbed || found.absorbed().contains(&at);
-                // A part may be computed before the other operand is.
+                // Only clauses after the operand overwrite it, and an operand may be computed after the first part.
                 if clause.output == Some(*register) && at > value && !vanishes {
                     return None;
                 }

@@ -19,7 +19,7 @@ pub(super) trait Domain {
 
 #[derive(Debug, Clone)]
 pub(super) struct Machine<V, E = f32> {
-    /// Decoded once, because a tape runs at many points.
+    /// The decoded clauses. They are decoded once, because a tape runs at many points.
     instructions: Vec<Instruction>,
     pub(super) registers: Vec<V>,
     memory: Vec<V>,
@@ -157,7 +157,7 @@ impl<'a> PointEvaluator<'a> {
     }
 }
 
-/// Many points, with a slice per coordinate. The shortest slice determines their number.
+/// Many points, with a slice per coordinate. The shortest slice determines the number of points.
 #[derive(Debug, Clone, Copy)]
 pub struct Points<'a> {
     /// x, y and z of the positions.
@@ -178,7 +178,7 @@ impl Points<'_> {
         self.len() == 0
     }
 
-    /// One coordinate of the points from `start` on, padded with 0.
+    /// One coordinate of the points from index `start` on, padded with 0.
     fn lanes(&self, place: usize, start: usize) -> [f32; LANES] {
         let slice = match place {
             0..=2 => self.position[place],
@@ -254,7 +254,8 @@ impl<'a> Batch<'a> {
         Self { tape, frame, machine: Machine::new(tape, frame, [0.0; LANES]) }
     }
 
-    /// The values at the points, a vector per output of the tape. They equal those of [`PointEvaluator`] bit for bit.
+    /// The values at the points, a vector per output of the tape. They equal the values of [`PointEvaluator`] bit for
+    /// bit.
     pub fn run(&mut self, points: Points<'_>) -> Vec<Vec<f32>> {
         let count = points.len();
         let mut outputs: Vec<Vec<f32>> =
@@ -336,7 +337,7 @@ impl<'a> IntervalEvaluator<'a> {
         &self.outputs
     }
 
-    /// The operand that decided each MIN, MAX and MASK over the last box, in the order of the tape.
+    /// For each MIN, MAX and MASK in the order of the tape, the operand that was chosen over the last box.
     pub fn choices(&self) -> &[Choice] {
         &self.choices
     }

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 
-/// A literal that GLSL reads back as the same f32. Negative numbers are put in parentheses.
+/// A literal that GLSL parses to the same f32. Negative numbers are put in parentheses.
 pub fn literal(value: f32) -> String {
     if value.is_finite() {
         if value.is_sign_negative() { format!("({value:?})") } else { format!("{value:?}") }
@@ -58,7 +58,7 @@ pub(super) fn fill(text: &mut String, template: &str, a: &str, b: &str) {
 /// The texture reads of a generated function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampling {
-    /// No textures, or textures read at their finest level: `vec4 read_texture(int, float, float)`.
+    /// Textures are read at their finest level: `vec4 read_texture(int, float, float)`.
     None,
     /// Reads with the footprint of a pixel. The function has two more arguments, `vec3 dx, vec3 dy`: the changes of
     /// the position one pixel to the right and one pixel up. It calls `vec4 sample_texture(int, vec2 uv, vec2 dx,
@@ -68,17 +68,17 @@ pub enum Sampling {
     AlongNormal,
 }
 
-/// The reciprocal of a constant, if both are normal numbers. Drivers may use it anyway: OpenGL allows an error of 2.5
-/// ulp.
+/// The reciprocal of a constant, if both are normal numbers. Drivers may multiply by the reciprocal in any case,
+/// because OpenGL allows an error of 2.5 ulp.
 fn reciprocal(graph: &Graph, divisor: NodeId) -> Option<f32> {
     let reciprocal = graph.as_constant(divisor).filter(|value| value.is_normal())?.recip();
     reciprocal.is_normal().then_some(reciprocal)
 }
 
 /// Writes a function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3
-/// n, out float r0, out float r1, ..)`. It has a temporary per node, in the order of evaluation. With
-/// [`Sampling::AlongPosition`] or [`Sampling::AlongNormal`], functions `name_uv0` .. for texture coordinates precede
-/// it.
+/// n, out float r0, out float r1, ..)`. The function has a temporary per node, in the order of evaluation.
+/// With [`Sampling::AlongPosition`] or [`Sampling::AlongNormal`], it follows functions `name_uv0` .. for texture
+/// coordinates.
 ///
 /// # Errors
 /// Returns the error of [`Graph::check`].
@@ -113,7 +113,7 @@ struct Writer<'a> {
     text: String,
     coordinates: Vec<(NodeId, NodeId)>,
     sampled: Vec<(u16, NodeId, NodeId)>,
-    /// The sums of squares found so far: their square roots need no guard.
+    /// The sums of squares found so far. Their square roots need no guard against negative numbers.
     squares: HashSet<NodeId>,
 }
 
@@ -135,7 +135,8 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Writes the signature (`results` out parameters or a return value) and the neighbours' texture coordinates.
+    /// Writes the signature, with `results` out parameters or a return value, and the texture coordinates of the
+    /// neighbouring pixels.
     fn head(&mut self, name: &str, results: Option<usize>, neighbours: Option<[&str; 2]>) {
         let text = &mut self.text;
         let arguments =

@@ -1,24 +1,24 @@
 //! Input of the interpreter in `shaders/interpreter.glsl`: tapes as texels, and the generated text of a variant.
 //!
 //! **Texels.** [`Tape::append_texels`] writes two clauses into a texel, each followed by its immediate. If an operand
-//! is an entry of the tape's table, its byte is [`IMMEDIATE`] and the immediate holds its number as float bits, so
-//! the shader needs neither pages nor a table, and LOAD means register := immediate. The immediate of a TEXTURE
-//! clause is four times the number of its texture plus its channel; the clause reads a sample that was taken before.
-//! Inputs of the point are left out if the interpreter starts with them in the right registers. A first clause that
-//! is 0 does nothing. The second clause of the last texel is END, with the registers of the first two outputs in
-//! bytes 2 and 3. Rare operators ([`is_rare`]) are always second in a texel; the shader computes them between runs of
-//! texels. Compounds ([`Compound`]) replace several clauses if their registers still hold the operands; a scene's set
-//! of compounds is chosen once, for all frames.
+//! is an entry of the tape's table, its byte is [`IMMEDIATE`] and the immediate holds its number as float bits. The
+//! shader therefore needs no pages and no table, and LOAD means register := immediate. A TEXTURE clause reads a sample
+//! that was taken before; its immediate is four times the texture's number plus the channel. Inputs of the point are
+//! left out if the interpreter starts with them in the right registers. A first clause that is 0 does nothing. The
+//! second clause of the last texel is END, with the registers of the first two outputs in bytes 2 and 3. Rare operators
+//! ([`is_rare`]) are always second in a texel; the shader computes them between runs of texels. A compound
+//! ([`Compound`]) replaces several clauses if the registers still hold their operands. A scene's set of compounds is
+//! chosen once, for all frames.
 //!
 //! **Variants.** The text holds only the operators of a [`Variant`]. With `EVERY_CASE`, for renderers that never skip
-//! a branch (llvmpipe), all cases are computed and the result is selected by the bits of its number
-//! (`tape/select.rs`). Without it the text finds the case by binary search.**The universal variant**
+//! a branch (llvmpipe), all cases are computed and the bits of the operator's number select the result
+//! (`tape/select.rs`). Without `EVERY_CASE` a binary search finds the case. **The universal variant**
 //! ([`Variant::universal`]) runs nearly every scene, so that on GPUs an edit never waits for a compiler. It has many
-//! registers on purpose: AMD's compilers put arrays of more than 64 numbers into memory, which costs materials
-//! little. With 64 in GPU registers, Mesa's LLVM needs 256 registers, 15 spills and 8 s on Vega.
+//! registers because AMD's compilers put arrays of more than 64 numbers into memory, which hardly slows materials down.
+//! With an array of 64 in GPU registers, Mesa's LLVM needs 256 registers, 15 spills and 8 s on Vega.
 //!
-//! **A point at a time.** The interpreter runs a tape for one point; only texture coordinates, a few clauses, also
-//! run for the pixels to the right and above. A frame's numbers are immediates of the clauses, so programs are
+//! **Points.** The interpreter runs a tape for one point. Only texture coordinates, which take a few clauses, are also
+//! computed for the pixels to the right and above. A frame's numbers are immediates of the clauses, so programs are
 //! written again for each frame, which takes microseconds.
 
 use std::collections::BTreeSet;
@@ -32,15 +32,15 @@ use super::{Instruction, Tape, opcode};
 use crate::graph::{Compound, Compounds, Op, Properties, Uses};
 use crate::limits::LIMITS;
 
-/// The operand byte of an immediate. A register's number has this bit only if there are more than
-/// [`REGISTERS_WITHOUT_BIT`], so in smaller variants the byte alone tells immediates from registers.
+/// The operand byte of an immediate. Registers below [`REGISTERS_WITHOUT_BIT`] do not have this bit, so in smaller
+/// variants the byte alone distinguishes immediates from registers.
 pub(crate) const IMMEDIATE: u8 = 0x80;
-/// Most registers whose numbers lack that bit.
+/// Number of registers without the bit of [`IMMEDIATE`].
 pub(super) const REGISTERS_WITHOUT_BIT: usize = IMMEDIATE as usize;
-/// A number that no simplification applies to.
+/// A number to which no simplification applies.
 const TYPICAL: f32 = 0.618_034;
 
-/// Numbers that are not operators; their result is the first operand.
+/// Opcodes that are not operators. Their result is the first operand.
 const KEPT: [u8; 2] = [opcode::END, opcode::LOAD];
 
 /// True if an operator costs several times an addition. Such operators are second in a texel.
@@ -71,12 +71,12 @@ impl Tape {
         texels.push([word, its, end_of([output(0), output(1)]), 0]);
     }
 
-    /// The compounds that pay in these tapes for any numbers in their tables.
+    /// The compounds that are worth their cost in these tapes, for all numbers in their tables.
     pub fn compounds_that_pay<'a>(tapes: impl Iterator<Item = &'a Tape> + Clone) -> Compounds {
         Compounds::that_pay(|compounds| {
             let mut uses = Uses::default();
             for tape in tapes.clone() {
-                // Constants are known, inputs are not.
+                // Constants are known. Inputs are unknown.
                 let table: Vec<f32> =
                     tape.table().iter().map(|entry| entry.constant().unwrap_or(TYPICAL)).collect();
                 let mut clauses = RunClauses::of(tape, &table);
@@ -94,7 +94,7 @@ impl Tape {
         self.clauses().len() + 1
     }
 
-    /// The clauses, without inputs that are in their registers at the start.
+    /// The clauses without inputs that are already in their registers at the start.
     pub(super) fn run_clauses(&self) -> impl Iterator<Item = (u32, Instruction)> + '_ {
         self.clauses()
             .iter()
@@ -135,7 +135,8 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// Runs nearly every scene: all operators, many registers and textures. For GPUs: computing every case is slow.
+    /// The variant that runs nearly every scene: all operators, many registers and textures. It is for GPUs, because it
+    /// is slow if every case is computed.
     pub fn universal() -> Self {
         Self {
             operators: Op::ALL.iter().copied().collect(),
@@ -143,7 +144,7 @@ impl Variant {
             registers: 128,
             // Only tapes with more than 256 registers need memory.
             memory: 0,
-            // Two images projected onto a surface from three sides each, and two more.
+            // Enough for two images, each projected onto a surface from three sides, and two further samples.
             samples: 8,
             textures: LIMITS.scene_textures_max,
             inputs: true,
@@ -196,7 +197,7 @@ impl Variant {
     }
 
     /// The text of `operators.glsl`: the defines, the operators of the variant and the operators of the regions'
-    /// tapes. Its operators may use the declarations that [`super::glsl`] lists.
+    /// tapes. The operators may use the declarations that [`super::glsl`] lists.
     pub fn text(
         &self,
         region_operators: &BTreeSet<Op>,
@@ -209,7 +210,7 @@ impl Variant {
     }
 
     fn write(&self, region: (&BTreeSet<Op>, Compounds), region_registers: usize, text: &mut String) {
-        // The shader masks register numbers with the array's length.
+        // The shader masks register numbers, so an array's length must be a power of two.
         let rounded = |count: usize| if self.every_case { count } else { count.next_power_of_two() };
         let (registers, region_registers) = (rounded(self.registers), rounded(region_registers));
         let numbers = [
@@ -298,8 +299,8 @@ impl Case {
     }
 }
 
-/// Writes a binary search for the operator. Compilers turn a switch into a chain of comparisons, half of which run on
-/// average. END and LOAD have smaller numbers than all operators, so only the lowest operator needs a test for
+/// Writes a binary search for the operator. Compilers turn a switch into a chain of comparisons, and on average run
+/// half of them. END and LOAD have smaller numbers than all operators, so only the lowest operator needs a test for
 /// equality. This saves a comparison and a branch in each clause: 9 % of the code on Xe and on Vega (ACO).
 fn write_search(text: &mut String, cases: &[Case], are_lowest: bool) {
     match cases {

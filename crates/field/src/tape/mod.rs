@@ -4,7 +4,7 @@
 //! the inputs that are constant within a frame; clauses take its entries as immediates. [`interpreter`] writes tapes
 //! for the GPU.
 //!
-//! **Words.** A clause is one `u32`, so that an RGBA32UI texel holds two clauses and their immediates.
+//! **Words.** A clause is one `u32`, so an RGBA32UI texel holds two clauses and their immediates.
 //!
 //! | opcode | clause | bits 8..16 | bits 16..24 | bits 24..32 |
 //! |---|---|---|---|---|
@@ -26,13 +26,13 @@
 //!
 //! [`Compound`]: crate::graph::Compound
 //!
-//! An interpreter finds the form of the operands in the top two bits, fetches the operands, and switches over 16..64
-//! or `64 + (opcode & 63)`: one case per operator. A clause reads its operands before it writes its output.
+//! An interpreter finds the form of the operands in the top two bits and fetches the operands. It then switches over
+//! 16..64 or `64 + (opcode & 63)`, with one case per operator. A clause reads its operands before it writes its output.
 //!
-//! **Registers.** The inputs of the point are read first, in the order X, Y, Z, NX, NY, NZ; the rest follows the
-//! graph's order of evaluation. A register is free after the last use of its value. An output takes the register of
-//! operand b if free, else operand a's, else the lowest free one. If none is free, the value with the farthest next
-//! use is spilled (Belady 1966); inputs of the point are read again instead.
+//! **Registers.** The inputs of the point are read first, in the order X, Y, Z, NX, NY, NZ. The other clauses follow
+//! the graph's order of evaluation. A register is free after the last use of its value. An output takes the register
+//! of operand b if that is free, else the register of operand a, else the lowest free register. If all registers are
+//! in use, the value with the farthest next use is spilled (Belady 1966); inputs of the point are read again instead.
 
 mod allocate;
 mod clause;
@@ -65,28 +65,28 @@ pub enum TapeError {
         /// [`Limits::tape_clauses_max`].
         max: usize,
     },
-    /// More outputs than the limit or the number of registers.
+    /// There are more outputs than the limit or the number of registers.
     #[error(
         "a tape with {count} outputs was requested, but at most {max} can be kept at once; request fewer"
     )]
     TooManyOutputs {
-        /// Outputs requested.
+        /// The requested number of outputs.
         count: usize,
-        /// Most outputs possible.
+        /// Maximum number of outputs.
         max: usize,
     },
-    /// A number of registers outside 2..=256.
+    /// The number of registers is outside 2..=256.
     #[error("a tape cannot work with {count} registers; give it 2 to 256")]
     RegisterCount {
-        /// Registers requested.
+        /// The requested number of registers.
         count: usize,
     },
-    /// More spilled values than the limit.
+    /// There are more spilled values than the limit.
     #[error(
         "the tape must spill more than {max} values to memory; give it more registers or make the scene smaller"
     )]
     TooMuchMemory {
-        /// The available memory, in values.
+        /// The maximum number of spilled values.
         max: usize,
     },
 }
@@ -125,7 +125,7 @@ impl TableEntry {
     }
 }
 
-/// One or several expressions as clauses; they may share parts.
+/// One or several expressions as clauses. The expressions may share parts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tape {
     clauses: Vec<Clause>,
@@ -168,7 +168,7 @@ impl Tape {
         }));
     }
 
-    /// Bounds of the table's numbers: points, except for the inputs of [`FrameInputs::any`].
+    /// Bounds of the table's numbers. Unless the inputs are [`FrameInputs::any`], the bounds are single values.
     fn table_bounds(&self, frame: &FrameInputs) -> Vec<Interval> {
         let bounds = self.table.iter().map(|entry| match *entry {
             TableEntry::Constant(value) => Interval::point(value),

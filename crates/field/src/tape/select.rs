@@ -1,33 +1,34 @@
-//! GLSL selections by the bits of a clause, for renderers that never skip a branch: of a register or an operator's
-//! result.
+//! GLSL that selects a register or an operator's result by the bits of a clause, for renderers that never skip a
+//! branch.
 //!
-//! If all cases are computed anyway, n - 1 selections on at most seven bits distinguish n cases. That is half the
-//! instructions of n comparisons. llvmpipe reads an array with a variable index lane by lane, and writes it with a
-//! branch per lane: about sixty instructions; selecting takes two per register. Selections use `mix`, because Mesa
-//! turns nested `?:` into branches and llvmpipe computes a mask of lanes for each of them.
+//! If all cases are computed anyway, n - 1 selections on at most seven bits distinguish n cases. That takes half as
+//! many instructions as n comparisons. For an array with a variable index, llvmpipe reads lane by lane and writes with
+//! a branch per lane, which takes about sixty instructions. Selecting takes two instructions per register. Selections
+//! use `mix`, because Mesa turns nested `?:` into branches, and llvmpipe computes a mask of lanes for each branch.
 //!
-//! Tried: one square root for all operators that need one, selected by the bits of their operands. It saves 3 % in
-//! lattice and nothing in city and kaleidoscope.
+//! Tried: a single square root, whose operand is selected, for all operators with a square root. It saves 3 % in
+//! lattice, and no time in city and kaleidoscope.
 
 use std::fmt::Write as _;
 
 use super::interpreter::{IMMEDIATE, REGISTERS_WITHOUT_BIT};
 use crate::graph::FIRST_BINARY;
 
-/// Most registers that are variables if every case is computed. A larger file is an array. Tried: 32. On llvmpipe
-/// moonrise takes 15 % longer, city and wave_tank 5 %. With 20, letters takes 18 % less.
+/// Maximum number of registers that are variables if every case is computed. More registers are stored in an array.
+/// Tried on llvmpipe: with 32, moonrise takes 15 % longer, city and wave_tank 5 %. With 20, letters takes 18 % less.
 const SELECTED_MAX: usize = 20;
-/// Most registers that are variables on GPUs.
+/// Maximum number of registers that are variables on GPUs.
 const SELECTED_BY_GPUS_MAX: usize = 8;
 
-/// The number of registers in a variant for tapes that need this many: a multiple of two if registers are variables,
-/// else a power of two, so that few variants serve many scenes.
+/// The number of registers in a variant for tapes that need `needed` registers. It is a multiple of two if registers
+/// are variables, else a power of two, so that few variants serve many scenes.
 pub(crate) fn rounded_registers(needed: usize) -> usize {
     if needed <= SELECTED_MAX { needed.next_multiple_of(2) } else { needed.next_power_of_two() }
 }
 
 /// Defines macros that access the registers of `file`. `NAMEREAD(word, place)` reads the register whose number is a
-/// byte of a clause's word, `NAMEWRITE(at, value)` writes one, and `NAMEOPERAND` reads a register or an immediate.
+/// byte of a clause's word, `NAMEWRITE(at, value)` writes a register, and `NAMEOPERAND` reads a register or an
+/// immediate.
 pub(super) fn write_registers(text: &mut String, (name, file): (&str, &str), count: usize, every_case: bool) {
     let selected_max = if every_case { SELECTED_MAX } else { SELECTED_BY_GPUS_MAX };
     let (read, put) = if count <= selected_max {
@@ -54,7 +55,7 @@ pub(super) fn write_registers(text: &mut String, (name, file): (&str, &str), cou
     let _ = writeln!(text, "#define {name}OPERAND(word, place, immediate) {operand}");
 }
 
-/// Selects a register by the lowest `bits` bits of its number; the bits above are those of `first`.
+/// Selects a register by the lowest `bits` bits of its number. The higher bits are equal to the bits of `first`.
 fn register(file: &str, count: usize, first: usize, bits: u32) -> String {
     let Some(bit) = bits.checked_sub(1) else { return format!("{file}[{first}]") };
     let (middle, low) = (first + (1 << bit), register(file, count, first, bit));
@@ -64,8 +65,8 @@ fn register(file: &str, count: usize, first: usize, bits: u32) -> String {
     format!("mix({low}, {}, HAS(word, place, {bit}))", register(file, count, middle, bit))
 }
 
-/// The expression for the operator of `word` among `cases`, which is not empty: numbers in rising order with their
-/// values. Any other number selects one of these values.
+/// The expression that selects the operator of `word` among `cases`. The cases are numbers in rising order, each with
+/// its value, and must not be empty. Any other number selects one of these values.
 pub(super) fn operator(cases: &[(u8, String)]) -> String {
     let split = cases.partition_point(|(number, _)| *number < FIRST_BINARY);
     let (unary, binary) = cases.split_at(split);

@@ -218,7 +218,7 @@ fn lengths_have_bounds_through_their_centre() {
         g.unary(Op::Sqrt, sum)
     });
     assert_within(&rounded, [(-2.0, 4.0); 3], [-one; 3], [one; 3]);
-    // Half of the length along one axis, through a factor below the root.
+    // A factor under the root halves the length along one axis.
     let squeezed = shape(|g, p| {
         let (factor, square) = (g.constant(0.25), g.unary(Op::Square, p[0]));
         let product = g.mul(factor, square);
@@ -227,7 +227,7 @@ fn lengths_have_bounds_through_their_centre() {
     assert_within(&squeezed, [(-1.0, 2.0); 3], [-0.501, 0.0, 0.0], [0.501, 0.0, 0.0]);
 }
 
-/// If undecided, it is the hull of both operands' gradients, not their sum.
+/// The gradient of an undecided minimum is the hull of both operands' gradients, not their sum.
 #[test]
 fn a_minimum_has_the_slopes_of_one_operand() {
     let two = shape(|g, [x, y, _]| {

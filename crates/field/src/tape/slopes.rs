@@ -46,8 +46,8 @@ impl Domain for Slopes<'_> {
     }
 }
 
-/// Computes bounds of a tape and of its gradient by the position over boxes, within one frame. Textures count as
-/// constant, as in [`super::GradientEvaluator`]; jumps have no slope ([`GradientInterval`]).
+/// Computes bounds of a tape and of its gradient by the position over boxes, within one frame. Textures are treated as
+/// constants, as in [`super::GradientEvaluator`]. Jumps have no slope ([`GradientInterval`]).
 #[derive(Debug, Clone)]
 pub struct GradientIntervals<'a> {
     tape: &'a Tape,

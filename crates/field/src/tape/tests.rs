@@ -68,7 +68,8 @@ fn words_match_the_table_in_the_module_documentation() {
         0x01_00_01_45, // MAX = 69
     ];
     assert_eq!(words, expected);
-    // Texels omit inputs that start in their registers, put immediates after clauses, and END names the output.
+    // Texels omit inputs that start in their registers, and put immediates after clauses. END has the output's
+    // register.
     let mut texels = Vec::new();
     tape.append_texels(&[1.0, 0.5], Compounds::NONE, &mut texels);
     let [one, half] = [1.0_f32, 0.5].map(f32::to_bits);
@@ -132,7 +133,7 @@ fn end_and_rare_operators_are_second_in_their_texels() {
         tape.append_texels(&[], Compounds::NONE, &mut texels);
         let (last, others) = texels.split_last().unwrap();
         assert_eq!(*last, [0, 0, u32::from(tape.outputs()[0]) << 16, 0]);
-        // X starts in its register; every other clause is written.
+        // X starts in its register. All other clauses are written.
         assert_eq!(others.len(), length - 1);
         assert!(others.iter().all(|texel| texel[0] == 0 && texel[2] & 255 == u32::from(Op::Sin.number())));
         node = graph.unary(Op::Sin, node);
@@ -428,7 +429,7 @@ fn glsl_is_written_from_the_operators() {
     let cases =
         [(24, "(a * a)"), (25, "sqrt(max(a, 0.0))"), (64, "(a + b)"), (65, "(a - b)"), (69, "max(a, b)")];
     let [square, root_of, add, subtract, max] = cases.map(|(_, value)| format!("    r = ({value});\n"));
-    // END and LOAD, whose numbers are smaller than all others, give the first operand.
+    // END and LOAD give the first operand. Their numbers are smaller than all operators.
     let square = format!("    if (number == 24) {}", square.trim_start());
     let or = "    } else {\n";
     let search = format!(

@@ -269,7 +269,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("include \"/etc/passwd\"\nx", "a scene cannot read absolute paths", "\"/etc/passwd\"", ""),
     (
         "include \"a\"\nx",
-        "`a` cannot be included: only a scene that is a file can include others",
+        "`a` cannot be included: only a scene that is a file can include other files",
         "\"a\"",
         "",
     ),
