@@ -1,4 +1,4 @@
-//! The duration of the audio callback for one buffer of 1024 stereo frames, which lasts 21.3 ms at 48 kHz.
+//! Measures the duration of the audio callback for a buffer of 1024 stereo frames, which lasts 21.3 ms at 48 kHz.
 
 use std::hint::black_box;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! The song's clock during device faults, and their cost, on a separate PulseAudio server. Needs `pulseaudio` and
-//! `pactl`.
+//! Measures the song's clock during device faults, and the cost of faults, on a separate PulseAudio server. Needs
+//! `pulseaudio` and `pactl`.
 //!
 //! ```text
 //! cargo bench --bench device_faults                 all of these
@@ -9,7 +9,7 @@
 //! cargo bench --bench device_faults -- stop         the process stopped for 5 s
 //! ```
 //!
-//! A thread reads the position 60 times a second, as the window does, and compares each step with the passed time.
+//! A thread reads the position 60 times a second, as the window does, and compares each step with the time that passed.
 
 #![allow(clippy::expect_used, clippy::unwrap_used, missing_docs)]
 #![cfg(target_os = "linux")]
@@ -28,9 +28,9 @@ mod tone;
 use tone::Tone;
 
 const FRAME: Duration = Duration::from_nanos(16_666_667);
-/// A larger difference between the clock's step and the passed time counts as a step, in seconds.
+/// If the clock's step and the passed time differ by more than this, in seconds, the clock made a step.
 const STEP: f64 = 0.05;
-/// The time for which each output of a flap plays after it was noticed.
+/// The time for which each output of a flap plays after the change was noticed.
 const HEARD: Duration = Duration::from_millis(250);
 
 #[derive(Default)]
@@ -38,7 +38,7 @@ struct Seen {
     looks: u64,
     backward: Vec<f64>,
     steps: Vec<f64>,
-    /// The longest time without a move of 1 ms.
+    /// The longest time in which the clock moved less than 1 ms.
     stillest: f64,
     moved: f64,
     passed: f64,
@@ -187,7 +187,7 @@ fn flaps(count: usize) {
 
 fn only(count: usize) {
     let session = Session::with_server();
-    // All null sinks, by the module's name.
+    // The module's name unplugs all null sinks.
     session.server().unplug("module-null-sink");
     let seen = during(|status| {
         for flap in 0..count {

@@ -1,5 +1,5 @@
-//! The delay of the image against the sound, on a separate PulseAudio server with a null sink. Needs `pulseaudio` and
-//! `pactl`.
+//! Measures the delay of the image against the sound, on a separate PulseAudio server with a null sink. Needs
+//! `pulseaudio` and `pactl`.
 //!
 //! ```text
 //! cargo bench --bench latency              live and file
@@ -8,9 +8,9 @@
 //! cargo bench --bench latency -- xruns 600 seconds of playing and listening, with two busy threads per processor
 //! ```
 //!
-//! The times of the sound come from the timestamps of separate streams, which are independent of Mariana: for `live`,
-//! one of them plays bursts; for `file`, one of them finds the bursts in the monitor's recording. The times of the
-//! image come from a loop of 60 frames per second that reads the features as the window does.
+//! The times of the sound are the timestamps of separate streams, which are independent of Mariana. For `live`, a
+//! separate stream plays bursts. For `file`, a separate stream finds the bursts in the monitor's recording. The times
+//! of the image are measured in a loop of 60 frames per second that reads the features as the window does.
 
 #![allow(clippy::expect_used, clippy::unwrap_used, missing_docs)]
 #![cfg(target_os = "linux")]
@@ -30,7 +30,7 @@ use mariana_testing::sound_session::Session;
 
 const RATE: u32 = 48_000;
 const FRAME: Duration = Duration::from_nanos(16_666_667);
-/// The number of bursts, their length and mean distance, in frames.
+/// The number of bursts. The next two constants are their length and mean distance, in frames.
 const BURSTS: usize = 150;
 const BURST: u64 = 960;
 const DISTANCE: u64 = 24_000;
@@ -46,7 +46,7 @@ fn config() -> cpal::StreamConfig {
     cpal::StreamConfig { channels: 1, sample_rate: RATE, buffer_size: cpal::BufferSize::Fixed(BUFFER) }
 }
 
-/// The start of the n-th burst. Distances are uneven, so that bursts meet every phase of buffers, hops and frames.
+/// The start of the n-th burst. Distances vary, so that bursts meet every phase of buffers, hops and frames.
 fn burst_start(n: u64) -> u64 {
     RATE as u64 + n * DISTANCE + n * 7919 % 4801
 }

@@ -1,4 +1,4 @@
-//! The time for analysing a whole song: four minutes of mp3 with sections, decoded and analysed on one core.
+//! Measures the analysis of a whole song: four minutes of mp3 with sections, decoded and analysed on one core.
 
 use std::process::Command;
 

@@ -8,8 +8,8 @@ use thiserror::Error;
 pub enum PlayerError {
     /// The source's sample rate is out of range.
     #[error(
-        "the sound has {rate} samples per second, but only {min} to {max} are supported; convert it, \
-         for example to 48000"
+        "the sound has {rate} samples per second, but only {min} to {max} are supported; convert the \
+         file, for example to 48000 samples per second"
     )]
     SampleRate {
         /// The source's rate, in hertz.
@@ -57,8 +57,8 @@ pub enum DeviceError {
     NoDevice(Direction),
     /// The requested device does not exist.
     #[error(
-        "there is no sound {direction} called '{name}'; 'mariana devices' lists those that exist, and this one is used \
-         as soon as it appears"
+        "there is no sound {direction} called '{name}'; 'mariana devices' lists the available devices, and \
+         '{name}' is used as soon as it appears"
     )]
     UnknownDevice {
         /// The direction of the sound.
@@ -77,7 +77,7 @@ pub enum DeviceError {
     /// The computer's own sound cannot be recorded on this system.
     #[error(
         "the computer's own sound can only be captured through PulseAudio or PipeWire, and neither answers; \
-         install and start one (the package is pipewire-pulse or pulseaudio), or use --mic"
+         install and start one of them (the package is pipewire-pulse or pulseaudio), or use --mic"
     )]
     NoLoopback,
     /// Another program holds the device.
@@ -92,8 +92,8 @@ pub enum DeviceError {
     },
     /// The system denies access to the device.
     #[error(
-        "the system denies access to the sound {direction} {device}; allow it in the privacy settings, or add your user \
-         to the group 'audio'"
+        "the system denies access to the sound {direction} {device}; allow access in the privacy settings, or add \
+         your user to the group 'audio'"
     )]
     Denied {
         /// The direction of the sound.

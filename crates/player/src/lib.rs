@@ -19,12 +19,12 @@
 //! | [`output`] | the callback, devices, the silent clock, the supervisor | |
 //! | [`devices`] | the list of devices | caller |
 //!
-//! A **segment** is an unbroken run of frames in one ring. It starts at the beginning, at a seek or at a device change,
-//! and ends at the next seek or device change. The callback fades out the old segment, takes the new one, and returns
-//! the old one so that another thread frees it. All features and positions are keyed by the segment's number, so data
-//! from before a seek is never used after it.
+//! A **segment** is an unbroken run of frames in one ring. A segment starts at the beginning of playback, at a seek or
+//! at a device change, and ends at the next seek or device change. The callback fades out the old segment, takes the
+//! new segment, and returns the old segment so that another thread frees it. All features and positions are stored
+//! under the segment's number, so data from before a seek is never used after it.
 //!
-//! A **passage** is one track within a segment. A loop or the next track stays in its segment and is gapless.
+//! A **passage** is one track within a segment. A loop or the next track continues the segment without a gap.
 
 pub mod audible_segments;
 pub mod clock;

@@ -1,39 +1,39 @@
-//! All limits of this crate. Errors that report a limit and tests that reach it read the number here.
+//! All limits of this crate. Errors that report a limit and tests that reach it use these numbers.
 
 /// Limits for audio files, playlists and delays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Highest channel count that is mixed down to stereo; files with more are rejected.
+    /// Maximum number of channels that are mixed down to stereo. Files with more channels are rejected.
     pub channels_max: u16,
-    /// Consecutive undecodable packets after which a file counts as damaged.
+    /// Number of consecutive undecodable packets after which a file counts as damaged.
     pub bad_packets_in_a_row: u32,
-    /// Most sample frames in one decoded packet.
+    /// Maximum number of sample frames in one decoded packet.
     pub packet_frames_max: usize,
-    /// Most tracks of a playlist; further ones are left out.
+    /// Maximum number of tracks of a playlist. Further tracks are left out.
     pub playlist_tracks_max: usize,
-    /// Largest playlist file, in bytes.
+    /// Maximum size of a playlist file, in bytes.
     pub playlist_bytes_max: u64,
-    /// Most list files that are read for one playlist, including nested ones.
+    /// Maximum number of list files that are read for one playlist, including nested lists.
     pub playlist_lists_max: usize,
-    /// Deepest nesting of lists and folders.
+    /// Maximum depth of nested lists and folders.
     pub playlist_depth_max: usize,
-    /// Most entries of lists and folders that are examined for one playlist.
+    /// Maximum number of entries of lists and folders that are examined for one playlist.
     pub playlist_looks_max: usize,
-    /// Longest duration that a container may claim, in seconds (a year); a longer one counts as unknown.
+    /// Maximum duration that a container may claim, in seconds (a year). A longer duration counts as unknown.
     pub claimed_duration_max: f64,
-    /// Most letters of a displayed title, artist or other name; the rest is cut off.
+    /// Maximum number of letters of a displayed title, artist or other name. Further letters are cut off.
     pub name_letters_max: usize,
-    /// Largest cover image, in bytes; larger ones are ignored.
+    /// Maximum size of a cover image, in bytes. Larger images are ignored.
     pub cover_bytes_max: usize,
-    /// Longest time, in seconds, that ffmpeg may take to deliver the next data of a file.
+    /// Maximum time, in seconds, that ffmpeg may take to deliver the next data of a file.
     pub ffmpeg_wait_seconds: f64,
-    /// Longest track, in seconds, for which a loudness shape is measured.
+    /// Maximum length of a track, in seconds, for which a loudness shape is measured.
     pub shape_seconds_max: f64,
-    /// Largest shift of the image against the sound, in milliseconds, in either direction.
+    /// Maximum shift of the image against the sound, in milliseconds, in either direction.
     pub latency_ms_max: f64,
 }
 
-/// The limits that apply.
+/// The limits in force.
 pub const LIMITS: Limits = Limits {
     channels_max: 32,
     bad_packets_in_a_row: 256,

@@ -1,6 +1,6 @@
-//! The list of tracks as a window shows it. The list thread writes it; any thread may read it. Each entry has an
-//! **id** that is unique as long as the list exists; its index changes when entries are moved or removed. Threads
-//! refer to entries by id; only readers of the list need indices.
+//! The list of tracks as a window shows it. The list thread writes it, and any thread may read it. Each entry has an
+//! **id** that is unique as long as the list exists. An entry's index changes when entries are moved or removed, so
+//! threads refer to entries by id. Only readers of the list need indices.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -8,16 +8,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::track::TrackInfo;
 
-/// A snapshot of a list of tracks, in list order even if it plays in another order.
+/// A snapshot of a list of tracks. It is in list order, even if the tracks play in another order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ListedTracks {
-    /// A number that grows with every change; equal revisions mean equal lists.
+    /// A number that grows with every change. Lists with the same revision are the same.
     pub revision: u64,
     /// The tracks.
     pub entries: Vec<ListedTrack>,
 }
 
-/// Data about a track from the list, or from the file once it was opened.
+/// Data about a track. It comes from the list, or from the file once the file was opened.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedTrack {
     /// Artist and title, or the file name.
@@ -30,7 +30,7 @@ pub struct ListedTrack {
     pub start: Option<f64>,
 }
 
-/// A change of a list. Indices refer to the list after all earlier edits; indices beyond the list are ignored.
+/// A change of a list. Indices refer to the list after all earlier edits. Indices beyond the list are ignored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Edit {
     /// Moves the entry at `from` to index `to`.
@@ -68,9 +68,9 @@ struct Listing {
 }
 
 impl SharedListing {
-    /// Publishes another list: the ids of its entries and their data.
+    /// Publishes a new list: the ids of its entries and their data.
     pub fn tell(&self, entries: impl Iterator<Item = (u64, ListedTrack)>) {
-        // Built before the lock is taken, because there may be many entries.
+        // Built before the lock is taken, because the list may have many entries.
         let mut places = HashMap::new();
         let entries: Vec<ListedTrack> = entries
             .enumerate()
@@ -92,7 +92,7 @@ impl SharedListing {
     /// Publishes new data about entry `id`. Only one thread may publish.
     pub fn tell_entry(&self, id: u64, track: &ListedTrack) {
         let Some((index, _)) = self.place(id) else { return };
-        // Copied before the lock is taken, so that no reader waits.
+        // Copied before the lock is taken, so that readers do not wait.
         let mut tracks = self.tracks().as_ref().clone();
         match tracks.entries.get_mut(index) {
             Some(entry) if entry != track => entry.clone_from(track),
@@ -114,7 +114,7 @@ impl SharedListing {
     }
 
     fn lock(&self) -> MutexGuard<'_, Listing> {
-        // A thread that panicked while it held the lock leaves the list usable.
+        // The list stays usable if a thread panicked while it held the lock.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

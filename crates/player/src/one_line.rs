@@ -2,11 +2,11 @@
 
 use crate::limits::LIMITS;
 
-/// Replaces control characters and runs of spaces by single spaces: a NUL in a title breaks window systems. Cuts the
-/// text at the limits' `name_letters_max` letters: a title of a megabyte takes seconds to lay out.
+/// Replaces control characters and runs of spaces by single spaces, because a NUL in a title breaks window systems.
+/// Cuts the text at the limits' `name_letters_max` letters, because the layout of a title of a megabyte takes seconds.
 pub fn one_line(text: &str) -> String {
     let max = LIMITS.name_letters_max;
-    // Twice as many, because some may be spaces that are dropped.
+    // Twice the maximum, because some of these characters may be spaces that are dropped.
     let plain: String = text.chars().take(2 * max).map(|c| if c.is_control() { ' ' } else { c }).collect();
     let line = plain.split_whitespace().collect::<Vec<_>>().join(" ");
     match line.char_indices().nth(max) {

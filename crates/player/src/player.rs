@@ -1,10 +1,11 @@
 //! Playback of tracks: [`Player`], the handle that the window holds. All methods return at once; slow work runs on
 //! the threads that [`Player::start`] starts.
 //!
-//! **Gapless tracks.** The list thread (`player::listing`) opens the next track while the current one plays. Its
-//! frames enter the same ring of the same segment, and at an equal sample rate the same resampler: no sample is added
-//! or lost. At another rate the resampler is flushed and replaced. Frames that still wait in the ring count as not
-//! played: a seek applies to the track that is heard, and its decoder is kept until then.
+//! **Gapless tracks.** The list thread (`player::listing`) opens the next track while the current track plays. The next
+//! track's frames enter the same ring of the same segment. At the same sample rate they also pass the same resampler,
+//! so that no sample is added or lost. At another rate the resampler is flushed and replaced. Frames that still wait in
+//! the ring count as not played: a seek applies to the track that is heard, whose decoder is kept until its last frame
+//! was heard.
 
 mod analysis;
 mod audible;
@@ -53,9 +54,9 @@ const ANALYSIS_QUEUE: usize = 32;
 pub struct PlayerOptions {
     /// The output to play on.
     pub target: Target,
-    /// The repeat mode; the list must have the same.
+    /// The repeat mode. The list must have the same repeat mode.
     pub repeat: Repeat,
-    /// True for a random order; the list must have the same setting.
+    /// True for a random order. The list must have the same setting.
     pub shuffled: bool,
     /// The volume, 0 to 1.
     pub volume: f32,
@@ -84,7 +85,7 @@ impl Default for PlayerOptions {
 /// The state of playback.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerStatus {
-    /// The audible track.
+    /// The track that is audible.
     pub track: Arc<TrackInfo>,
     /// The next track, if it is already open and differs from the track that is being decoded.
     pub next: Option<Arc<TrackInfo>>,
@@ -98,7 +99,7 @@ pub struct PlayerStatus {
     pub paused: bool,
     /// The volume, 0 to 1.
     pub volume: f32,
-    /// True if playback is muted; the song continues silently.
+    /// True if playback is muted. The song continues silently.
     pub muted: bool,
     /// True if the last frame was heard (and shown, if the image is delayed) and no track follows.
     pub ended: bool,
@@ -106,15 +107,15 @@ pub struct PlayerStatus {
     pub output: String,
     /// The output device, if one is open.
     pub device: Option<ListedDevice>,
-    /// The reason why there is no sound, if the song runs on the silent clock.
+    /// The reason for the silence, if the song runs on the silent clock.
     pub silent: Option<String>,
-    /// The reason why the last chosen output is not open while the previous one continues.
+    /// The reason why the chosen output could not be opened, while the previous output continues.
     pub refused: Option<String>,
-    /// Gaps in the sound because samples came too late.
+    /// Number of gaps in the sound because samples were too late.
     pub underruns: u64,
     /// The number of callback calls.
     pub callbacks: u64,
-    /// The longest call relative to the duration of its buffer: 0.1 is a tenth.
+    /// The longest call relative to the duration of its buffer. A value of 0.1 is a tenth of the duration.
     pub worst_callback_load: f64,
     /// The 99.9th percentile of the callback load, in steps of 0.01.
     pub usual_callback_load: f64,
@@ -126,7 +127,7 @@ pub struct PlayerStatus {
 
 /// A player of tracks. Dropping it ends the sound and the threads, within a time limit.
 pub struct Player {
-    // The first field, so that the threads end before the data that they use is dropped.
+    // This is the first field, so that the threads end before the data that they use is dropped.
     threads: Threads,
     controls: Arc<Controls>,
     counters: Arc<Counters>,
@@ -143,11 +144,11 @@ pub struct Player {
 }
 
 impl Player {
-    /// Starts to play `first`, followed by the tracks of `list`. The device opens in the background. If that fails, the
-    /// song runs on the silent clock and [`PlayerStatus::silent`] gives the reason.
+    /// Starts to play `first`, followed by the tracks of `list`. The device opens in the background. If it cannot be
+    /// opened, the song runs on the silent clock and [`PlayerStatus::silent`] gives the reason.
     ///
     /// # Errors
-    /// The track's sample rate is out of range, or a thread cannot be started.
+    /// Fails if the track's sample rate is out of range, or if a thread cannot be started.
     pub fn start(
         first: Track,
         mut list: Box<dyn TrackList>,
@@ -179,7 +180,7 @@ impl Player {
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
         let request = OutputRequest { choice: options.output, target: options.target, silent_rate: rate };
         let outputs = commands.clone();
-        // A failed send means that the decoding thread and thus the playback has ended.
+        // Sending fails only if the decoding thread, and thus playback, has ended.
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
         let supervisor = Supervisor::start(request, controls.clone(), counters.clone(), deliver)?;
         let outputs = supervisor.watch();
@@ -208,18 +209,19 @@ impl Player {
     /// Starts to play a source that belongs to no list.
     ///
     /// # Errors
-    /// The errors of [`Player::start`].
+    /// Fails like [`Player::start`].
     pub fn start_alone(source: Box<dyn FrameSource>, options: PlayerOptions) -> Result<Self, PlayerError> {
         Self::start(Track::alone(source), Box::new(OneTrack(options.repeat)), options)
     }
 
-    /// Pauses (true) or resumes (false).
+    /// Pauses (true) or resumes (false) playback.
     pub fn set_paused(&self, paused: bool) {
         self.controls.set_paused(paused);
     }
 
-    /// Seeks by `seconds` from the audible position, or from the target of a seek that is not audible yet. The target
-    /// is at least the track's start; beyond its end, the next track follows. Values that are not finite are ignored.
+    /// Seeks by `seconds` from the audible position, or from the target of a seek that is not audible yet. A target
+    /// before the track's start becomes the start. A target beyond the track's end leads to the next track. Values that
+    /// are not finite are ignored.
     pub fn seek_by(&self, seconds: f64) {
         self.threads.send(Command::SeekBy(seconds));
     }
@@ -234,7 +236,7 @@ impl Player {
         self.threads.send(Command::Skip { forward });
     }
 
-    /// Replaces the list by these files, folders or playlists, if any of them can be played.
+    /// Replaces the list by these files, folders or playlists, if at least one of them can be played.
     pub fn play_files(&self, files: Vec<PathBuf>) {
         self.threads.send(Command::Files(files));
     }
@@ -245,19 +247,19 @@ impl Player {
         self.threads.send(Command::Order(repeat, shuffled));
     }
 
-    /// The current list. Cheap enough to call for each frame, even for long lists.
+    /// Returns the current list. The call is fast enough for each frame, even for long lists.
     pub fn playlist(&self) -> Arc<ListedTracks> {
         self.listing.tracks()
     }
 
-    /// The loudness shape of the track that [`Player::status`] reported last, as far as it is measured; the first
-    /// call starts the measurement. `None` before anything is measured, and for tracks that have an unknown length,
-    /// are longer than the limits' `shape_seconds_max`, or cannot be opened twice.
+    /// Returns the loudness shape of the track that [`Player::status`] reported last, as far as it is measured. The
+    /// first call starts the measurement. Returns `None` before the first part is measured, and for tracks that have an
+    /// unknown length, are longer than the limits' `shape_seconds_max`, or cannot be opened twice.
     pub fn shape(&self) -> Option<Arc<LoudnessShape>> {
         self.shapes.of(&self.track)
     }
 
-    /// Plays the track at this index, or the next one that can be played. Ignores an index beyond the list.
+    /// Plays the track at this index, or the next playable track. Indices beyond the list are ignored.
     pub fn play_entry(&self, entry: usize) {
         self.threads.send(Command::PlayEntry(entry));
     }
@@ -268,19 +270,19 @@ impl Player {
         self.threads.send(Command::Edit(Edit::Move { from, to }));
     }
 
-    /// Removes an entry; see [`Player::move_entry`]. If it is playing, the next track or silence follows.
+    /// Removes an entry; see [`Player::move_entry`]. If the entry is playing, the next track or silence follows.
     pub fn remove_entry(&self, entry: usize) {
         self.threads.send(Command::Edit(Edit::Remove(entry)));
     }
 
-    /// Appends these files, or the contents of these folders and playlists, to the list. A list that had ended
-    /// continues with them. A random order mixes them into the remaining tracks.
+    /// Appends these files, or the contents of these folders and playlists, to the list. If the list had ended,
+    /// playback continues with them. A random order mixes them into the remaining tracks.
     pub fn append_files(&self, files: Vec<PathBuf>) {
         self.threads.send(Command::Edit(Edit::Append(files)));
     }
 
-    /// Switches to another output; the current one continues until the new one is open. A player that was started
-    /// without a device uses one from then on.
+    /// Switches to another output. The current output continues until the new output is open. A player that was started
+    /// without a device also switches to the output.
     pub fn choose_output(&self, target: Target) {
         if let Some(supervisor) = &self.threads.supervisor {
             supervisor.choose(target);
@@ -302,7 +304,7 @@ impl Player {
         self.controls.set_volume(volume);
     }
 
-    /// Mutes or unmutes; the song continues.
+    /// Mutes or unmutes. The song continues.
     pub fn toggle_mute(&self) {
         self.controls.set_muted(!self.controls.muted());
     }
@@ -342,9 +344,9 @@ impl Player {
         self.position.clone()
     }
 
-    /// The audible moment. `latency_shift` (in seconds, within the limits' `latency_ms_max`) is positive if the sound
-    /// is heard later than the device reports. A negative shift looks ahead, as far as frames are decoded (0.3 to 0.4
-    /// s).
+    /// Returns the audible moment. `latency_shift` (in seconds, within the limits' `latency_ms_max`) is positive if the
+    /// sound is heard later than the device reports. A negative shift looks ahead, as far as frames are decoded (0.3 to
+    /// 0.4 s).
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         self.audible.now(latency_shift)
     }

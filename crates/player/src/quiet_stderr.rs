@@ -1,10 +1,10 @@
-//! Keeps C libraries from printing to the user's terminal: ALSA's jack plugin reports a missing server with a dozen
+//! Prevents C libraries from printing to the user's terminal. ALSA's jack plugin reports a missing server with a dozen
 //! lines on standard error and bypasses all of ALSA's error handlers.
 
 use std::fs::OpenOptions;
 use std::os::fd::OwnedFd;
 
-/// Discards the process's standard error output until it is dropped.
+/// Discards the process's standard error output until this value is dropped.
 pub(super) struct QuietStderr {
     saved: OwnedFd,
 }
@@ -20,7 +20,7 @@ impl QuietStderr {
 
 impl Drop for QuietStderr {
     fn drop(&mut self) {
-        // The saved descriptor was standard error, so this cannot fail.
+        // The saved descriptor was standard error, so this call cannot fail.
         let _ = rustix::stdio::dup2_stderr(&self.saved);
     }
 }

@@ -1,10 +1,10 @@
-//! Sample rate conversion of a stereo stream, for the decoding thread (never for the callback).
+//! Sample rate conversion of a stereo stream. The decoding thread uses it, but never the callback.
 //!
-//! The filter's delay is cut off at the start and drained at the end: output frame `m` is the signal at input time
-//! `m * from / to`, and `n` input frames become `round(n * to / from)` output frames. Rates with a large common
-//! divisor (all usual ones) go through rubato's FFT resampler, whose delay is then a whole number of frames on both
-//! sides. For odd ratios its block would hold seconds of sound; they go through the windowed-sinc resampler, whose
-//! delay is compensated to within half an output frame.
+//! The filter's delay is cut off at the start, and its remaining frames are appended at the end. Output frame `m` is
+//! the signal at input time `m * from / to`, and `n` input frames become `round(n * to / from)` output frames. Rates
+//! with a large common divisor (all usual rates) use rubato's FFT resampler, whose delay is then a whole number of
+//! frames on both sides. For odd ratios an FFT block would hold seconds of sound. These ratios use the windowed-sinc
+//! resampler, whose delay is compensated to within half an output frame.
 
 use rubato::audioadapter_buffers::direct::InterleavedSlice;
 use rubato::{
@@ -15,10 +15,10 @@ use rubato::{
 use mariana_music::StereoFrame;
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
-/// Target length of an FFT block, in input frames (23 ms at 44.1 kHz): a steep filter and quick seeks.
+/// Target length of an FFT block, in input frames (23 ms at 44.1 kHz). It allows a narrow transition and fast seeks.
 const BLOCK_FRAMES: usize = 1024;
 
-/// Longest FFT block, in input frames; ratios that need a longer one use the sinc resampler.
+/// Maximum length of an FFT block, in input frames. Ratios that need a longer block use the sinc resampler.
 const BLOCK_FRAMES_MAX: usize = 16_384;
 
 /// Length of the windowed sinc for odd ratios, in input frames.
@@ -35,8 +35,8 @@ pub enum ResampleError {
         /// The output's rate, in hertz.
         to: u32,
     },
-    /// The resampling library failed. This is a bug of the program, not an error in the input.
-    #[error("the conversion from {from} Hz to {to} Hz failed: {message}; please report it")]
+    /// The resampling library failed. The cause is a bug of the program, not an error in the input.
+    #[error("the conversion from {from} Hz to {to} Hz failed: {message}; please report this error")]
     Library {
         /// The input's rate, in hertz.
         from: u32,
@@ -51,7 +51,7 @@ pub enum ResampleError {
 pub struct Resampler {
     from: u32,
     to: u32,
-    /// `None` for equal rates: frames pass through.
+    /// `None` for equal rates, at which frames pass through unchanged.
     engine: Option<Engine>,
 }
 
@@ -61,7 +61,7 @@ struct Engine {
     block: Vec<StereoFrame>,
     /// The filter's delay, in output frames.
     delay: usize,
-    /// Leading output frames still to be cut off as the filter's delay.
+    /// The number of output frames that must still be cut off as the filter's delay.
     delay_left: usize,
     frames_in: u64,
     frames_out: u64,
@@ -123,7 +123,7 @@ impl Resampler {
         Ok(())
     }
 
-    /// Discards all buffered input, as after a seek.
+    /// Discards all buffered input, for example after a seek.
     pub fn reset(&mut self) {
         if let Some(engine) = &mut self.engine {
             engine.inner.reset();
@@ -142,7 +142,7 @@ impl Engine {
             to,
             message: e.to_string(),
         };
-        // The shortest block whose half is a whole number of frames on both sides is two periods of the ratio.
+        // The shortest block whose half is a whole number of frames on both sides has two periods of the ratio.
         let unit = 2 * (from / gcd(from, to)) as usize;
         let (inner, delay): (Box<dyn rubato::Resampler<f32>>, usize) = if unit <= BLOCK_FRAMES_MAX {
             let chunk = unit * BLOCK_FRAMES.div_ceil(unit);
@@ -163,8 +163,8 @@ impl Engine {
             let ratio = f64::from(to) / f64::from(from);
             let sinc = Async::<f32>::new_sinc(ratio, 1.0, &parameters, BLOCK_FRAMES, 2, FixedAsync::Input)
                 .map_err(library)?;
-            // Measured: the first output is one output frame into the filter, and the library truncates the reported
-            // delay to a whole number.
+            // By measurement, the first output is one output frame into the filter, and the library truncates the
+            // reported delay to a whole number.
             let delay = (SINC_LENGTH as f64 / 2.0 * ratio - 1.0).round().max(0.0);
             (Box::new(sinc), delay as usize)
         };
@@ -253,7 +253,7 @@ mod tests {
         output
     }
 
-    /// The level of the best fitting sine relative to 0.5, and of the residue relative to that sine, both in dB.
+    /// Returns the level of the best fitting sine relative to 0.5, and the residue relative to this sine, both in dB.
     fn level_and_residue(channel: &[f64], hz: f64, rate: u32) -> (f64, f64) {
         let n = channel.len() as f64;
         let (mut s, mut c) = (0.0, 0.0);
@@ -280,7 +280,7 @@ mod tests {
     fn a_sine_keeps_its_level_and_gains_no_distortion() {
         for (from, to) in [(44_100, 48_000), (48_000, 44_100), (96_000, 48_000), (22_050, 48_000)] {
             let output = convert(from, to, &sine(1000.0, from, from as usize * 2));
-            // One second from the middle: whole periods, away from the ends.
+            // Use one second from the middle, so that the sine has whole periods and the ends have no effect.
             let start = to as usize / 2;
             for side in 0..2 {
                 let middle: Vec<f64> =

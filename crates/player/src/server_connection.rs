@@ -1,6 +1,7 @@
 //! Closes cpal's PulseAudio connections on the server's side when cpal cannot close them. When the last output is
-//! unplugged, PulseAudio kills its stream. cpal's thread then waits forever for a last message, and dropping the
-//! stream waits for the thread. The thread does notice a connection that the server has closed on request.
+//! unplugged, PulseAudio kills its stream. cpal's thread then waits forever for a last message, and dropping the stream
+//! waits for this thread. But the thread notices when the server closes the connection, so Mariana asks the server to
+//! close it.
 
 use std::collections::BTreeSet;
 use std::ffi::CString;
@@ -9,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use futures_executor::block_on;
 use pulseaudio::{Client, ClientError};
 
-/// The connection for queries about others, kept open because a connection lasts as long as the server.
+/// The connection for queries about others. It is kept open, because connections last as long as the server.
 static ASKING: Mutex<Option<Client>> = Mutex::new(None);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,7 +21,7 @@ pub(crate) struct ServerConnection {
 }
 
 /// Returns the result of `open` and the connection that it made. The connection is `None` if the server does not answer
-/// or several connections appeared. This may block as long as the server does.
+/// or if several connections appeared. This function may block as long as the server does.
 pub(super) fn opened_by<T, E>(
     open: impl FnOnce() -> Result<T, E>,
 ) -> Result<(T, Option<ServerConnection>), E> {
@@ -37,7 +38,7 @@ pub(super) fn opened_by<T, E>(
 }
 
 impl ServerConnection {
-    /// Asks the server to close the connection, which wakes all its waiting threads. May block as long as it does.
+    /// Asks the server to close the connection, which wakes all its waiting threads. May block as long as the server.
     pub(crate) fn end(self) {
         let mut asking = ASKING.lock().unwrap_or_else(PoisonError::into_inner);
         let is_there = own_connections(&mut asking)
@@ -56,7 +57,7 @@ fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> 
     {
         return Some(answer);
     }
-    // The first query, or the server has restarted.
+    // This is the first query, or the server has restarted.
     let client = Client::from_env(c"mariana").ok()?;
     let answer = ask(&client).ok();
     *asking = Some(client);
@@ -64,7 +65,7 @@ fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> 
 }
 
 fn ask(client: &Client) -> Result<(u32, BTreeSet<u32>), ClientError> {
-    // The name that cpal gives its connections.
+    // cpal gives its connections this name.
     let name = CString::new(format!("cpal-pulseaudio-{}", std::process::id())).unwrap_or_default();
     let server = block_on(client.server_info())?.cookie;
     let all = block_on(client.list_clients())?;

@@ -35,7 +35,8 @@ impl Song {
     /// Passes the encoded bytes to `take`, piece by piece, until `take` returns false.
     ///
     /// # Errors
-    /// The file cannot be read or is no regular file. Opening a pipe would wait for its writer and consume its data.
+    /// Fails if the file cannot be read or is no regular file. A pipe is refused, because opening it would wait for its
+    /// writer and consume its data.
     pub fn read(&self, mut take: impl FnMut(&[u8]) -> bool) -> io::Result<()> {
         match self {
             Song::Embedded { bytes, .. } => {

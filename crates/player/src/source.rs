@@ -5,7 +5,7 @@ use mariana_music::StereoFrame;
 /// An error that ends a source. The message is one sentence: what happened, where, and what to do.
 pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
 
-/// A source skips damaged parts by itself. It returns an error, for the caller to show, if it cannot continue.
+/// A source skips damaged parts by itself. If it cannot continue, it returns an error for the caller to show.
 pub trait FrameSource: Send {
     /// Frames per second, constant over the source's life.
     fn sample_rate(&self) -> u32;
@@ -13,8 +13,8 @@ pub trait FrameSource: Send {
     /// Length in seconds, if the container or a scan of the file gives one.
     fn duration(&self) -> Option<f64>;
 
-    /// Appends the next decoded frames (at most one packet) to `out` and returns their number; 0 at the end of the
-    /// stream.
+    /// Appends the next decoded frames (at most one packet) to `out` and returns their number, which is 0 at the end of
+    /// the stream.
     fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, SourceError>;
 
     /// Moves to the frame at `seconds`, clamped to the stream, and returns the time reached. The position is exact to

@@ -1,15 +1,16 @@
-//! The supervisor of one direction of sound: opens a device, monitors it, follows the default device, replaces it by
-//! a substitute when it fails, and opens it again as soon as possible. Outputs and inputs each have a [`Port`].
+//! The supervisor of one direction of sound opens a device, monitors it and follows the default device. If the device
+//! fails, the supervisor replaces it by a substitute and opens it again as soon as possible. Outputs and inputs each
+//! have a [`Port`].
 //!
-//! Each device has its own thread, which opens, holds and drops its stream. No such call is certain to return: a
-//! thread that does not answer in time is abandoned. Only one opening runs at a time, so that a hanging sound server
-//! costs one thread and not one for each attempt.
+//! Each device has its own thread, which opens, holds and drops its stream. Any of these calls may hang, so a thread
+//! that does not answer in time is abandoned. Only one opening runs at once, so that a hanging sound server costs one
+//! thread in total, not one thread for each attempt.
 //!
-//! The supervisor counts the device's callbacks, and compares the open device with the polled device list, because
-//! cpal does not report device changes, and a sound server silently moves the stream of an unplugged device to
-//! another one. The open device continues until its successor is open. Each kind of cpal's errors has its own wait
-//! before the next attempt; a change in the device list ends the wait. The default may change and change back between
-//! two polls, so an opened device is checked once more afterwards.
+//! The supervisor counts the device's callbacks, and compares the open device with the polled device list, because cpal
+//! does not report device changes, and a sound server silently moves the stream of an unplugged device to another
+//! device. The open device continues until its successor is open. For each kind of cpal's errors, the supervisor waits
+//! a certain time before the next attempt. A change in the device list ends the wait. The default may change and change
+//! back between two polls, so the supervisor checks an opened device once more afterwards.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -27,7 +28,7 @@ const OPEN_LIMIT: Duration = Duration::from_secs(3);
 
 const WATCH_PERIOD: Duration = Duration::from_millis(100);
 
-/// Consecutive checks without a callback. Not a time: if the machine was suspended, the device is not at fault.
+/// Number of consecutive checks without a callback. A time limit would blame the device if the machine was suspended.
 const SILENT_LOOKS: u32 = 10;
 
 const CLOSE_LIMIT: Duration = Duration::from_millis(500);
@@ -37,7 +38,7 @@ pub(crate) struct StreamStatus<N> {
     pub(crate) description: String,
     pub(crate) device: Option<ListedDevice>,
     pub(crate) silent: Option<String>,
-    /// The reason why the chosen device is not open while the previous one continues.
+    /// The reason why the chosen device could not be opened, while the previous device continues.
     pub(crate) refused: Option<String>,
     pub(crate) note: N,
     pub(crate) openings: u64,
@@ -98,7 +99,7 @@ impl<P: Port> Supervisor<P> {
     }
 }
 
-/// Port-specific data about the open stream, readable even after the supervisor has ended.
+/// Port-specific data about the open stream. It stays readable after the supervisor has ended.
 #[derive(Clone)]
 pub(crate) struct NoteReader<N>(Arc<Mutex<StreamStatus<N>>>);
 
@@ -135,7 +136,7 @@ impl DeviceThread {
         if worker.join_within(CLOSE_LIMIT) {
             return;
         }
-        // On a separate thread, because the server may not answer either.
+        // Use a separate thread, because the server also may not answer.
         let ending = connection.map(|connection| Worker::spawn("sound connection", move || connection.end()));
         if ending.is_none_or(|ending| ending.is_err()) || !worker.join_within(CLOSE_LIMIT) {
             tracing::warn!("a sound device did not close and is abandoned");
@@ -152,7 +153,7 @@ enum Current<P: Port> {
         called: u64,
         silent_looks: u32,
     },
-    /// The substitute for a device. It stops when it is dropped.
+    /// The substitute for a device. The substitute stops when this value is dropped.
     StandIn(#[allow(dead_code, reason = "held because it stops when it is dropped")] Option<P::StandIn>),
 }
 
@@ -223,7 +224,7 @@ impl<P: Port> Watch<P> {
             match opener(target, on_failure) {
                 Ok((stream, opened)) => {
                     if events.send((number, Event::Opened(opened))).is_ok() {
-                        // No message is ever sent: this returns when the other end is dropped.
+                        // This call returns when the other end is dropped, because no message is ever sent.
                         let _ = held.recv();
                     }
                     drop(stream);
@@ -280,8 +281,8 @@ impl<P: Port> Watch<P> {
             Event::Failed(Failure { reason, kind }) if is_current => {
                 self.lose(&DeviceError::Lost { direction: P::DIRECTION, reason }, kind);
             }
-            // Events of an abandoned device are ignored. A device that fails while it opens will stall, which is
-            // handled.
+            // Events of an abandoned device are ignored. If a device fails while it opens, it will stall, and a stall
+            // is handled.
             _ => {}
         }
     }
@@ -315,7 +316,7 @@ impl<P: Port> Watch<P> {
     /// Handles a failed device or a failed opening. A failed device is replaced by silence.
     fn lose(&mut self, error: &DeviceError, kind: cpal::ErrorKind) {
         let stands = match &self.current {
-            // The current device still plays: the default changed to one that cannot be opened.
+            // The current device still plays. The default changed to a device that cannot be opened.
             Current::Device { silent_looks, .. } => {
                 *silent_looks < SILENT_LOOKS
                     && !matches!(
@@ -358,7 +359,7 @@ impl<P: Port> Watch<P> {
         if self.retry_at.is_some_and(|at| at <= Instant::now()) {
             self.retry_at = None;
             match self.current {
-                // The current device plays, but it was the default: check again which one is.
+                // The current device plays, but it was the default. Check again which device is the default.
                 Current::Device { .. } => self.generation = 0,
                 _ => self.open(),
             }
@@ -407,14 +408,14 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    /// The error for a named device that is gone: sound servers silently move its stream to another one.
+    /// Returns an error if the named device is gone, because servers silently move its stream to another device.
     fn has_gone(&self, device_list: &DeviceList, entry: &ListedDevice) -> Option<DeviceError> {
         let named = matches!(self.target, Some(Target::Named(_) | Target::MonitorOf(_)));
         let list = match P::DIRECTION {
             Direction::Output => &device_list.outputs,
             Direction::Input => &device_list.inputs,
         };
-        // Only for hosts in the list: other hosts' devices are never listed.
+        // Check only hosts in the list, because devices of other hosts are never listed.
         let same_host = |other: &ListedDevice| other.id.split(':').next() == entry.id.split(':').next();
         let hosts_differ = !device_list.outputs.iter().chain(&device_list.inputs).any(same_host);
         let gone = named && !hosts_differ && !list.iter().any(|other| other.id == entry.id);
@@ -433,7 +434,7 @@ impl<P: Port> Watch<P> {
             Ok(stood_in) => stood_in,
             Err(error) => {
                 lock(&self.status).silent =
-                    Some(format!("{reason}; and the silent clock could not replace it: {error}"));
+                    Some(format!("{reason}; and the silent clock could not start: {error}"));
                 (None, P::Note::default())
             }
         };

@@ -19,9 +19,9 @@ const SILENCE_BLOCK: usize = 1024;
 pub struct TrackInfo {
     /// The id of its list entry, which stays the same when the list is edited.
     pub id: u64,
-    /// Its index in the list at the time it was opened. [`crate::Player::status`] reports the current index.
+    /// The entry's index in the list when the track was opened. [`crate::Player::status`] reports the current index.
     pub entry: usize,
-    /// The length of the list at the time the track was opened.
+    /// The length of the list when the track was opened.
     pub count: usize,
     /// Display name: artist and title, or the file name.
     pub name: String,
@@ -31,7 +31,7 @@ pub struct TrackInfo {
     pub artist: Option<String>,
     /// Length in seconds, if known.
     pub duration: Option<f64>,
-    /// A factor applied to the samples before analysis, so that quiet and loud tracks drive a scene equally.
+    /// A factor for the samples before analysis, so that quiet and loud tracks drive a scene in the same way.
     pub scene_gain: f32,
     /// Opens the track a second time from its start, to analyse it before it is heard.
     pub reopen: Reopen,
@@ -39,12 +39,12 @@ pub struct TrackInfo {
 
 type Opening = dyn Fn() -> Result<Box<dyn FrameSource>, SourceError> + Send + Sync;
 
-/// The location of a track's frames: a song, or a part of one. Equal contents have equal frames.
+/// The location of a track's frames: a song, or a part of a song. Tracks with equal contents have equal frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Content {
     /// The whole song.
     pub song: Song,
-    /// The part of the song that is played; `None` for all of it.
+    /// The part of the song that is played; `None` for the whole song.
     pub cut: Option<Cut>,
 }
 
@@ -105,7 +105,7 @@ pub struct Track {
 }
 
 impl Track {
-    /// Wraps a decoder as entry `entry` of `count`; the id equals `entry`.
+    /// Wraps a decoder as entry `entry` of `count`. The id equals `entry`.
     pub fn of_decoder(decoder: Decoder, entry: usize, count: usize) -> Self {
         let about = decoder.info();
         let info = TrackInfo {
@@ -138,7 +138,7 @@ impl Track {
         Self { source, info: Arc::new(info) }
     }
 
-    /// Endless silence as entry `entry` of `count`, for when no track can be played; the id equals `entry`.
+    /// Endless silence as entry `entry` of `count`, for a list without a playable track. The id equals `entry`.
     pub fn silence(entry: usize, count: usize) -> Self {
         let mut track = Self::alone(Box::new(Silence { position: 0 }));
         let info = Arc::make_mut(&mut track.info);
@@ -218,19 +218,19 @@ pub enum Wanted {
     Following {
         /// The entry's id.
         after: u64,
-        /// True if the entry itself would have to be opened again because its open track cannot restart.
+        /// True if the entry must be opened again to repeat, because its open track cannot restart.
         anew: bool,
     },
-    /// The track this many entries after `from`.
+    /// The track that is `steps` entries after `from`.
     Skip {
         /// The entry's id.
         from: u64,
         /// Positive values go forward.
         steps: i32,
     },
-    /// The track at this index, or the next one that can be played.
+    /// The track at this index, or the next playable track.
     Entry(usize),
-    /// The successor of the removed entry with this id. If nothing follows, silence with the same id.
+    /// The successor of the removed entry with this id. If the entry has no successor, silence with the same id.
     InPlaceOf(u64),
     /// The first track of these files, which replace the list.
     Files(Vec<PathBuf>),
@@ -240,7 +240,7 @@ pub enum Wanted {
 pub enum Found {
     /// An opened track.
     Track(Track),
-    /// The same track again, which is open already.
+    /// The same track again. It is open already.
     Again,
     /// The end of the list.
     End,
@@ -259,8 +259,8 @@ pub trait TrackList: Send {
     /// Keeps `listing` up to date with the list from now on. By default the listing keeps showing only the first track.
     fn fill_listing(&mut self, _listing: SharedListing) {}
 
-    /// Edits the list while the entry with id `playing` plays, and reports failures to `tell`. By default nothing
-    /// changes.
+    /// Edits the list while the entry with id `playing` plays, and reports failures to `tell`. By default the list
+    /// stays unchanged.
     fn edit(&mut self, _edit: &Edit, _playing: u64, _tell: &mut dyn FnMut(String)) -> Edited {
         Edited::default()
     }
@@ -275,7 +275,7 @@ impl TrackList for OneTrack {
             Wanted::Following { anew: false, .. } if self.0 != Repeat::Off => Found::Again,
             Wanted::Following { anew: false, .. } => Found::End,
             Wanted::Skip { .. } | Wanted::Entry(0) => Found::Again,
-            // No other track can be opened: only the source is known.
+            // Only the source is known, so no other track can be opened.
             _ => Found::Nothing,
         }
     }

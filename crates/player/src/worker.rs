@@ -14,7 +14,7 @@ impl Worker {
     pub(crate) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<Self> {
         let (at_end, done) = channel();
         let handle = Builder::new().name(name.into()).spawn(move || {
-            // Dropped when the work returns or panics.
+            // `at_end` is dropped when the work returns or panics.
             let _at_end = at_end;
             work();
         })?;
@@ -35,7 +35,7 @@ impl Worker {
         matches!(self.done.try_recv(), Err(TryRecvError::Disconnected))
     }
 
-    /// Waits at most `limit` for the thread's end; true if it ended. Otherwise the thread is detached.
+    /// Waits at most `limit` for the thread's end, and returns true if it ended. Otherwise the thread is detached.
     pub(crate) fn join_within(&mut self, limit: Duration) -> bool {
         let ended = matches!(self.done.recv_timeout(limit), Err(RecvTimeoutError::Disconnected));
         if let Some(handle) = self.handle.take().filter(|_| ended)

@@ -10,7 +10,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use mariana_player::input::InputCallback;
 use mariana_player::output::{Controls, Counters, OutputCallback, Segment};
 
-// In debug builds this ends the process at the first allocation or release inside `assert_no_alloc`.
+// In debug builds this allocator ends the process at the first allocation or release inside `assert_no_alloc`.
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
@@ -64,7 +64,7 @@ fn many_events_allocate_nothing_in_the_callback() {
         }
         let size = random.below(4097);
         let channels = 1 + random.below(6);
-        // Includes buffers with an incomplete last frame.
+        // The buffers include some with an incomplete last frame.
         let length = size * channels + if channels > 1 { random.below(2) } else { 0 };
         let length = length.min(samples.len());
         let latency = [None, Some(Duration::from_millis(20)), Some(Duration::MAX)][random.below(3)];
@@ -93,8 +93,8 @@ fn a_million_buffers_of_any_size_allocate_nothing_in_the_inputs_callback() {
     let (mut sent, mut read) = (0, 0);
     for _ in 0..CALLS {
         let channels = 1 + random.below(8);
-        // Mostly small buffers, so that a million of them take little time. Some do not fit into the ring or end with
-        // an incomplete frame.
+        // Buffers are mostly small, so that a million of them take little time. Some buffers do not fit into the ring
+        // or end with an incomplete frame.
         let length = if random.below(50) == 0 { random.below(4097) } else { random.below(65) };
         let age = [None, Some(Duration::from_millis(5)), Some(Duration::MAX)][random.below(3)];
         assert_no_alloc(|| match length % 3 {

@@ -95,7 +95,9 @@ pub enum DecodeError {
         what: String,
     },
     /// The stream exceeds [`crate::limits::LIMITS`].
-    #[error("{name} has {what}, but the limit is {limit}; convert the file to stay within it")]
+    #[error(
+        "{name} has {what}, but the limit is {limit}; convert the file so that it stays within the limit"
+    )]
     OverLimit {
         /// The file's name.
         name: String,

@@ -1,5 +1,5 @@
-//! The audio callback of an input: copies frames into a ring and counts them. It never locks, allocates, frees, logs
-//! or panics. It wakes the listening thread, which needs no lock.
+//! The audio callback of an input copies frames into a ring and counts them. The callback never locks, allocates,
+//! frees, logs or panics. It wakes the listening thread without a lock.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,7 +13,7 @@ use mariana_music::StereoFrame;
 
 const CHUNK: usize = 256;
 
-/// Length of the ring, in seconds: the longest time for which the listening thread may be delayed.
+/// Length of the ring, in seconds. It is the longest delay of the listening thread without lost frames.
 const RING: f64 = 0.5;
 
 /// The callback's counters.
@@ -23,7 +23,7 @@ pub struct InputCounters {
     pub calls: AtomicU64,
     /// Frames received from the device.
     pub frames: AtomicU64,
-    /// Frames that did not fit into the ring, and glitches reported by the device.
+    /// Number of frames that did not fit into the ring, plus glitches that the device reported.
     pub lost: AtomicU64,
     /// Age of the last buffer's first frame on arrival, in nanoseconds, as the device reports it.
     pub age_ns: AtomicU64,
@@ -56,9 +56,9 @@ impl InputCallback {
         (Self { counters, ring: producer, listener, chunk: [[0.0; 2]; CHUNK] }, link)
     }
 
-    /// Receives a device's buffer: `data` with `channels` interleaved channels. `age` is the age of its first frame,
-    /// if the device reports it. A single channel goes to both sides; of more than two, the first two count. An
-    /// incomplete frame at the end is ignored. Frames that do not fit into the ring are lost and counted.
+    /// Receives a device's buffer: `data` with `channels` interleaved channels. `age` is the age of the buffer's first
+    /// frame, if the device reports it. A single channel goes to both sides. Of more than two channels, the first two
+    /// are used. An incomplete frame at the end is ignored. Frames that do not fit into the ring are lost and counted.
     pub fn take<T: Sample>(&mut self, data: &[T], channels: usize, age: Option<Duration>)
     where
         f32: FromSample<T>,
@@ -111,7 +111,7 @@ mod tests {
         assert_eq!(heard(&mut link), [[-1.0, 0.5]]);
         tap.take(&[0_u8, 128], 2, Some(Duration::from_millis(3)));
         assert_eq!(heard(&mut link), [[-1.0, 0.0]]);
-        // Zero channels, which no device has.
+        // No device has zero channels.
         tap.take(&[0.5_f32], 0, None);
         assert_eq!(heard(&mut link), [[0.5; 2]]);
         assert_eq!(link.counters.frames.load(Ordering::Relaxed), 7);

@@ -1,4 +1,4 @@
-//! The listening thread: analyses the input's frames and sends moments to the window.
+//! The listening thread analyses the input's frames and sends moments to the window.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -14,13 +14,13 @@ use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 /// The longest sleep if no callback wakes the thread.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// If no frames come for this long, in seconds, silence replaces them.
+/// If no frames arrive for this long, in seconds, silence replaces them.
 const GAP: f64 = 0.1;
 
-/// Seconds of silence that are analysed after the last frame, until every feature has settled.
+/// Seconds of silence that are analysed after the last frame, so that every feature settles.
 const REST: f64 = 20.0;
 
-/// The smallest range of sample values within a batch that counts as a signal: -80 dB. A constant offset is no signal.
+/// The smallest range of sample values in a batch that counts as a signal: -80 dB. A constant offset has no range.
 pub(super) const FLAT: f32 = 1e-4;
 
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ pub(super) struct Heard {
     pub(super) stream: u64,
     #[cfg_attr(not(test), expect(dead_code, reason = "tests distinguish the moments by it"))]
     pub(super) position: u64,
-    /// The time is that of the sample's arrival, in seconds since the epoch; numbers grow over all streams.
+    /// The moment. Its time is the arrival of its sample in seconds since the epoch. Its number grows over all streams.
     pub(super) heard: TimedFeatures,
 }
 
@@ -69,10 +69,10 @@ pub(super) struct Listener {
     analyzer: Analyzer,
     gain: GainSwitch,
     stream: u64,
-    /// Added to the numbers of the stream's moments: the number of hops before the stream began.
+    /// The number of hops before the stream began. It is added to the numbers of the stream's moments.
     first_number: u64,
     last_number: u64,
-    /// The time of the last frames or the last inserted silence, in seconds since the epoch.
+    /// The time of the last frames or of the last inserted silence, in seconds since the epoch.
     last: f64,
     /// Seconds of silence that remain to be analysed.
     rest: f64,
@@ -150,7 +150,7 @@ impl Listener {
             }
             (self.last, self.rest) = (now, REST);
         } else if now - self.last > GAP && self.rest > 0.0 {
-            // Without frames, the features fade to silence as after a song.
+            // Without frames, the features fade to silence as they do after a song.
             let missing = now - self.last;
             self.batch.resize((missing * f64::from(self.analyzer.sample_rate())) as usize, [0.0; 2]);
             self.rest -= missing;
@@ -173,12 +173,12 @@ impl Listener {
         analyzer.push(batch, &mut |moment| {
             let position = (moment.time * rate).round() as u64;
             let age = end.saturating_sub(position) as f64 / rate;
-            // Batches arrive unevenly, but time must not step back.
+            // Batches arrive at irregular times, but time must not step back.
             let time = (now - age).max(*last_time + 1e-6);
             *last_time = time;
             *last_number = *first_number + moment.number;
             let heard = TimedFeatures { time, number: *last_number, ..moment.clone() };
-            // The ring is full only while no reader looks, and then the moment is not needed.
+            // The ring is full only if no reader reads it. In this case the moment is not needed.
             let _ = moments.push(Heard { stream: *stream, position, heard });
         });
     }
@@ -267,7 +267,7 @@ mod tests {
         listener.attach(Some(link));
         tap.take(&tone(1_000), 1, None);
         listener.listen();
-        // Simulate a signal long ago.
+        // Simulate a signal that ended long ago.
         listener.ear =
             Arc::new(Ear { epoch: Instant::now() - Duration::from_secs_f64(REST + 7.0), ..Ear::new() });
         assert!(!all(&mut heard).is_empty());

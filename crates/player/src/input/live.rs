@@ -1,9 +1,9 @@
 //! Live input: [`Live`], the handle that the window holds. All methods return at once; slow work runs on threads.
 //!
-//! **Live features have the least delay.** The window of a live moment ends at its newest sample, and buffers are one
-//! hop long. Moments go through a wait-free ring to the window, which keeps the last seconds and shows the newest
-//! one, or an earlier one if the image is delayed. Silence replaces missing sound, so that the image calms down as
-//! after a song.
+//! **Live features have the shortest possible delay.** The analysis window of a live moment ends at its newest sample,
+//! and buffers are one hop long. Moments go through a wait-free ring to the application window. It keeps the last
+//! seconds and shows the newest moment, or an earlier moment if the image is delayed. Silence replaces missing sound,
+//! so that the image calms down as after a song.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -27,10 +27,10 @@ use mariana_music::{FeatureTrack, Gain, Sound};
 
 const MOMENTS: usize = 256;
 
-/// Seconds of features kept beyond the largest shift.
+/// Seconds of features that are kept beyond the largest shift.
 const TRACK_RESERVE: f64 = 1.0;
 
-/// An input without a signal for this long, in seconds, is reported.
+/// An input that has had no signal for this long, in seconds, is reported.
 const FLAT_LIMIT: f64 = 2.0;
 
 const END_LIMIT: Duration = Duration::from_millis(500);
@@ -38,7 +38,7 @@ const END_LIMIT: Duration = Duration::from_millis(500);
 /// The settings of a new input.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LiveOptions {
-    /// The input.
+    /// The input device.
     pub target: Target,
     /// The gain control, by which quiet and loud sound can drive a scene alike.
     pub gain: Gain,
@@ -53,17 +53,17 @@ pub struct LiveStatus {
     pub device: Option<ListedDevice>,
     /// The device and its format.
     pub description: String,
-    /// The reason why there is no sound, if there is none.
+    /// The reason for the silence; `None` if there is sound.
     pub silent: Option<String>,
-    /// The reason why the last chosen input is not open while the previous one continues.
+    /// The reason why the chosen input could not be opened, while the previous input continues.
     pub refused: Option<String>,
-    /// The problem of an input without a signal, and what to do.
+    /// The problem and its remedy, if the input has no signal.
     pub flat: Option<String>,
-    /// An input with a signal, if `flat` is set and one was found.
+    /// An input with a signal, if `flat` is set and such an input was found.
     pub suggestion: Option<ListedDevice>,
-    /// Lost frames and glitches.
+    /// Number of lost frames and glitches.
     pub lost: u64,
-    /// Calls of the callback.
+    /// Number of callback calls.
     pub callbacks: u64,
     /// Age of a buffer's first frame on arrival, in seconds, as the device reports it.
     pub age: f64,
@@ -76,7 +76,7 @@ pub struct Live {
     target: Target,
     ear: Arc<Ear>,
     watch: Arc<DeviceWatch>,
-    /// Dropped first.
+    /// This field is dropped first.
     supervisor: Option<Supervisor<InputPort>>,
     listener: Worker,
     gain: GainSwitch,
@@ -89,16 +89,16 @@ pub struct Live {
     /// The total time of earlier pauses, in seconds.
     paused_for: f64,
     heard_at: f64,
-    /// The sound at the start of the pause, kept because the track drops it.
+    /// The sound at the start of the pause. It is kept here because the track drops it.
     paused_at: Sound,
     moment: Moment,
 }
 
 impl Live {
-    /// Starts to listen. The device opens in the background; if that fails, [`LiveStatus::silent`] gives the reason.
+    /// Starts to listen. The device opens in the background. If that fails, [`LiveStatus::silent`] gives the reason.
     ///
     /// # Errors
-    /// A thread cannot be started.
+    /// Fails if a thread cannot be started.
     pub fn start(options: LiveOptions) -> Result<Self, PlayerError> {
         let LiveOptions { target, gain } = options;
         let (producer, moments) = RingBuffer::new(MOMENTS);
@@ -129,7 +129,7 @@ impl Live {
         })
     }
 
-    /// Switches to another input; the current one continues until the new one is open.
+    /// Switches to another input. The current input continues until the new input is open.
     pub fn choose(&mut self, target: Target) {
         self.prober.reset();
         self.target = target.clone();
@@ -148,7 +148,7 @@ impl Live {
         &self.target
     }
 
-    /// Freezes the image (true) or continues (false).
+    /// Freezes the image (true) or lets it continue (false).
     pub fn set_paused(&mut self, paused: bool) {
         let now = self.ear.now();
         match (self.paused, paused) {
@@ -164,8 +164,9 @@ impl Live {
         }
     }
 
-    /// The moment that is heard now. A positive `latency_shift` (in seconds, within the limits' `latency_ms_max`)
-    /// delays the image, for sound that is heard later than it is recorded. A negative one has no effect.
+    /// Returns the moment that is heard now. A positive `latency_shift` (in seconds, within the limits'
+    /// `latency_ms_max`) delays the image, for sound that is heard later than it is recorded. A negative
+    /// `latency_shift` has no effect.
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         while let Ok(heard) = self.moments.pop() {
             self.track.push(&heard.heard);
@@ -248,8 +249,8 @@ impl Drop for Live {
     }
 }
 
-/// The inputs to search for a signal: monitors, and also microphones if the current input is a microphone. A user who
-/// visualizes the computer's own sound does not expect a microphone to be opened.
+/// Returns the inputs to search for a signal: monitors, and also microphones if the current input is a microphone. A
+/// user who visualizes the computer's own sound does not expect Mariana to open a microphone.
 fn candidates(device_list: &DeviceList, present: &ListedDevice) -> Vec<ListedDevice> {
     let others = || device_list.inputs.iter().filter(|entry| entry.id != present.id);
     let monitors = others().filter(|entry| entry.is_monitor());

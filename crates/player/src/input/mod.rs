@@ -4,8 +4,8 @@
 //! device ─► InputCallback ─► ring of frames ─► listening thread ─► ring of moments ─► Live::now
 //! ```
 //!
-//! Both rings are wait-free at both ends. The window keeps the moments of the last seconds, so that the image can be
-//! delayed.
+//! Both rings are wait-free for their writers and readers. The window keeps the moments of the last seconds, so that
+//! the image can be delayed.
 
 mod input_callback;
 mod listener;

@@ -18,14 +18,15 @@ use crate::device_list::ListedDevice;
 use crate::error::{DeviceError, Direction};
 use crate::hosts::hush_sound_library;
 
-/// Frames per callback to request at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller buffers would not reduce
-/// the delay, because features come once per hop, and each buffer costs the PulseAudio client about 0.1 ms.
+/// Number of frames per callback to request at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller buffers would not
+/// reduce the delay, because features are computed once per hop, and each buffer costs the PulseAudio client about 0.1
+/// ms.
 const BUFFER_FRAMES: u32 = 512;
 
 const MIXED_CHANNELS_MAX: u16 = 8;
 
 pub(super) struct InputPort {
-    /// `None` means no input.
+    /// Sends the link of each opened input, or `None` if no input is open.
     pub(super) links: Sender<Option<InputCallbackLink>>,
     pub(super) listener: Thread,
 }
@@ -68,7 +69,7 @@ impl Port for InputPort {
     }
 }
 
-/// Opens and starts an input. This may block as long as the sound system does, at least until the first samples come.
+/// Opens and starts an input. Blocks until the first samples arrive, or as long as the sound system does.
 pub(super) fn open(
     target: &Target,
     listener: &Thread,
@@ -92,7 +93,7 @@ pub(super) fn open(
         (error, ErrorKind::UnsupportedConfig)
     })?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());
-    // A server mixes down channels whose positions it knows; with more than 8, they usually have only numbers.
+    // A server mixes down channels whose positions it knows. Devices with more than 8 channels usually have none.
     let mixed = converted && supported.channels() <= MIXED_CHANNELS_MAX;
     let channels = if mixed { 2 } else { supported.channels() };
     let format = if converted { SampleFormat::F32 } else { supported.sample_format() };

@@ -1,4 +1,4 @@
-//! The search for an input with a signal while the current one has none.
+//! Searches for an input with a signal while the current input has none.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -16,7 +16,7 @@ const ANSWER_LIMIT: Duration = Duration::from_millis(1500);
 
 const CANDIDATES_MAX: usize = 8;
 
-/// Wait before the next search after one without success; it doubles up to [`PAUSE_MAX`].
+/// Wait after the first search without success. The wait doubles with each further search, up to [`PAUSE_MAX`].
 const PAUSE: Duration = Duration::from_secs(2);
 
 const PAUSE_MAX: Duration = Duration::from_secs(30);
@@ -24,7 +24,7 @@ const PAUSE_MAX: Duration = Duration::from_secs(30);
 pub(super) struct Prober {
     search: Option<(Worker, Receiver<Option<ListedDevice>>)>,
     found: Option<ListedDevice>,
-    /// True if the answer of the running search no longer counts.
+    /// True if the answer of the running search must be ignored.
     stale: bool,
     next: Option<Instant>,
     pause: Duration,
@@ -36,12 +36,12 @@ impl Prober {
     }
 
     pub(super) fn reset(&mut self) {
-        // The answer of a running search is about the previous input.
+        // A running search would answer for the previous input.
         self.stale = self.search.is_some();
         (self.found, self.next, self.pause) = (None, None, PAUSE);
     }
 
-    /// An input with a signal, if one was found; starts a search among `candidates` from time to time. Returns at once.
+    /// Returns an input with a signal, if one was found, without waiting. Sometimes starts a search among `candidates`.
     pub(super) fn look(&mut self, candidates: impl FnOnce() -> Vec<ListedDevice>) -> Option<&ListedDevice> {
         if let Some((worker, answer)) = &self.search {
             if let Ok(found) = answer.try_recv() {
@@ -64,8 +64,8 @@ impl Prober {
     }
 }
 
-/// Answers with the first of the inputs that has a signal. Returns when all devices are closed again: a hanging input
-/// delays the next search, so that searches do not pile up.
+/// Answers with the first of the inputs that has a signal. Returns when all devices are closed again. So a hanging
+/// input delays the next search, and searches do not accumulate.
 fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>>) {
     candidates.truncate(CANDIDATES_MAX);
     let (answer, answers) = channel();

@@ -1,5 +1,5 @@
-//! The silent clock: takes frames in real time like a device and discards them. Without a usable device, or when one
-//! is lost, a thread calls the same `OutputCallback`, so that the song goes on. Frames are stamped with their due
+//! The silent clock takes frames in real time like a device and discards them. If no device is usable, or if a device
+//! is lost, a thread calls the same `OutputCallback`, so that the song continues. Frames are stamped with their due
 //! time, so that the song's pace does not depend on the thread's scheduling.
 
 use std::io;
@@ -12,7 +12,7 @@ use crate::worker::Worker;
 
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// After a longer gap (the process was suspended) the clock restarts: the ring is certain to hold only this much.
+/// After a longer gap (the process was suspended) the clock restarts, because the ring may not hold more frames.
 const GAP_MAX: Duration = Duration::from_millis(250);
 
 pub(crate) struct NullOutput {
@@ -30,7 +30,7 @@ impl NullOutput {
             let mut taken = 0_u64;
             while !stopped.load(Ordering::Relaxed) {
                 let passed = start.elapsed();
-                // Counted from the start, so that the errors of each sleep do not add up.
+                // Count from the start, so that the errors of each sleep do not add up.
                 let due = (passed.as_nanos() * u128::from(rate) / 1_000_000_000) as u64;
                 let frames = due.saturating_sub(taken);
                 if frames > (GAP_MAX.as_secs_f64() * f64::from(rate)) as u64 {

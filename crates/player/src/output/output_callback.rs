@@ -1,10 +1,10 @@
-//! The audio callback of an output: copies frames from a ring into the device's buffer. It never locks, allocates,
-//! frees, logs or panics. Every change of the audible sound is ramped to avoid clicks: volume and mute over 10 ms;
-//! pause, seeks and underruns over 5 ms.
+//! The audio callback of an output copies frames from a ring into the device's buffer. The callback never locks,
+//! allocates, frees, logs or panics. Every change of the audible sound is ramped to avoid clicks: volume and mute over
+//! 10 ms; pause, seeks and underruns over 5 ms.
 //!
-//! A seek hands over a new [`Segment`] through a small ring. The callback fades out the old one, takes the new one,
-//! and returns the old one through another ring, so that another thread frees it. A segment that takes over from
-//! another device has a due time: frames that are already late are dropped.
+//! A seek hands over a new [`Segment`] through a small ring. The callback fades out the old segment, takes the new
+//! segment, and returns the old segment through another ring, so that another thread frees it. A segment that continues
+//! the song of another device has a due time, and its late frames are dropped.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -24,15 +24,15 @@ const VOLUME_RAMP: f32 = 0.010;
 /// Duration of a fade in or out, in seconds.
 const FADE: f32 = 0.005;
 
-/// After an underrun the sound resumes at this many seconds in the ring (or a quarter of it, if less).
+/// After an underrun the sound resumes when the ring holds this many seconds (or a quarter of its capacity, if less).
 const REFILL: f64 = 0.020;
 
-/// Frames that are later than this, in seconds, are played anyway: the process was suspended.
+/// Frames that are later than this, in seconds, are played, because the process was suspended.
 const LATE_MAX: f64 = 3.0;
 
 const LATENCY_MAX: Duration = Duration::from_secs(5);
 
-/// Largest sample value: the device's integer formats end just below 1.
+/// Maximum sample value. It is just below 1 because the device's integer formats end there.
 const SAMPLE_MAX: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// The settings that the window writes and the callback reads.
@@ -65,7 +65,7 @@ impl Controls {
         self.volume.store(volume.to_bits(), Ordering::Relaxed);
     }
 
-    /// True if the sound is muted; the song continues silently.
+    /// True if the sound is muted. The song continues silently.
     pub fn muted(&self) -> bool {
         self.muted.load(Ordering::Relaxed)
     }
@@ -85,26 +85,26 @@ impl Controls {
         self.paused.store(paused, Ordering::Relaxed);
     }
 
-    /// The factor for samples. The third power makes equal volume steps sound about equal; 1 stays 1.
+    /// The factor for samples: the third power of the volume, so that equal volume steps sound about equal.
     fn gain(&self) -> f32 {
         if self.muted() { 0.0 } else { self.volume().powi(3) }
     }
 }
 
-/// Bins of the load histogram, one per percent.
+/// Number of bins of the load histogram, one bin per percent.
 const LOADS: usize = 64;
 
-/// The callback's counters, over all outputs of a playback.
+/// The callback's counters, summed over all outputs of a playback.
 pub struct Counters {
-    /// Calls of the callback.
+    /// Number of callback calls.
     pub callbacks: AtomicU64,
-    /// Frames written to devices.
+    /// Number of frames written to devices.
     pub frames: AtomicU64,
-    /// Gaps in the sound because the decoding or the device's thread was too late.
+    /// Number of gaps in the sound because the decoding thread or the device's thread was too late.
     pub underruns: AtomicU64,
     /// The longest call relative to the duration of its buffer, in millionths.
     pub worst_load_millionths: AtomicU64,
-    /// The number of calls per percentage of their buffer's duration; the last bin holds all larger ones.
+    /// The number of calls for each load in percent. The last bin counts all larger loads.
     loads: [AtomicU64; LOADS],
 }
 
@@ -121,8 +121,9 @@ impl Default for Counters {
 }
 
 impl Counters {
-    /// The load below which the given fraction of the calls stays (0.999 is all but one in a thousand): the duration
-    /// of a call relative to its buffer's, in steps of 0.01. Infinite if it is beyond the histogram.
+    /// Returns the load that the given fraction of the calls does not exceed (0.999 means all but one in a thousand).
+    /// The load is a call's duration relative to its buffer's duration, in steps of 0.01. It is infinite beyond the
+    /// histogram.
     pub fn load_of(&self, fraction: f64) -> f64 {
         let counts = self.loads.each_ref().map(|count| count.load(Ordering::Relaxed));
         let wanted = fraction * counts.iter().sum::<u64>() as f64;
@@ -140,32 +141,32 @@ pub struct Segment {
     id: u64,
     ring: Consumer<StereoFrame>,
     next: u64,
-    /// The number of frames once it is final; before that `u64::MAX`.
+    /// The final number of frames. It is `u64::MAX` until the number is final.
     end: Arc<AtomicU64>,
-    /// The time at which its first frame is due; `None` if it is free or has begun.
+    /// The time at which the segment's first frame is due; `None` if the segment has begun or may begin at any time.
     due: Option<Instant>,
 }
 
 impl Segment {
-    /// Creates segment `id` with room for `frames` frames: the decoding thread's end and the callback's.
+    /// Creates segment `id` with room for `frames` frames. Returns the decoding thread's end, and the callback's end.
     pub fn new(id: u64, frames: usize) -> (Producer<StereoFrame>, Arc<AtomicU64>, Self) {
         let (producer, ring) = RingBuffer::new(frames);
         let end = Arc::new(AtomicU64::new(u64::MAX));
         (producer, end.clone(), Self { id, ring, next: 0, end, due: None })
     }
 
-    /// Sets the moment for the first frame. Frames that are late by then are skipped; silence fills an early start.
+    /// Sets the due time of the first frame. Late frames are skipped; silence precedes an early start.
     pub fn due_at(self, moment: Instant) -> Self {
         Self { due: Some(moment), ..self }
     }
 
     fn drained(&self) -> bool {
-        // The end is read first, so that all frames up to it have been pushed already.
+        // Read the end first, so that all frames up to it are in the ring already.
         let end = self.end.load(Ordering::Acquire);
         self.next >= end
     }
 
-    /// True if the ring holds enough for a device that takes a full buffer of its announced size at once.
+    /// True if the ring has enough frames even if a device takes a full buffer of its announced size at once.
     fn is_well_fed(&self) -> bool {
         let ended = self.end.load(Ordering::Acquire) != u64::MAX;
         ended || self.ring.slots() >= self.ring.buffer().capacity() / 4
@@ -183,7 +184,7 @@ impl Segment {
 pub struct OutputCallbackLink {
     /// The device's frames per second.
     pub rate: u32,
-    /// The largest number of frames per call, as far as the device reports it.
+    /// The maximum number of frames per call, as far as the device reports it.
     pub buffer_frames: usize,
     /// The history of audible frames.
     pub history: Arc<SpanHistory>,
@@ -193,7 +194,7 @@ pub struct OutputCallbackLink {
 }
 
 impl OutputCallbackLink {
-    /// Hands over the next segment. Returns it if the previously offered one is still waiting.
+    /// Hands over the next segment. Returns the segment if the previously offered segment is still waiting.
     pub fn offer(&mut self, segment: Segment) -> Result<(), Segment> {
         self.incoming.push(segment).map_err(|rtrb::PushError::Full(segment)| segment)
     }
@@ -223,7 +224,7 @@ pub struct OutputCallback {
     segment: Option<Segment>,
     starved: bool,
     gain: f32,
-    /// Position in a fade, in frames: 0 is silence, `fade_frames` is full volume.
+    /// Position in a fade, in frames. 0 is silence, and `fade_frames` is full volume.
     fade: u32,
     fade_frames: u32,
     last: StereoFrame,
@@ -232,7 +233,7 @@ pub struct OutputCallback {
 }
 
 impl OutputCallback {
-    /// Creates the callback for a device of `rate` frames per second and `buffer_frames` per call, and its link.
+    /// Creates the callback, and its link, for a device of `rate` frames per second and `buffer_frames` per call.
     pub fn new(
         rate: u32,
         buffer_frames: usize,
@@ -285,7 +286,7 @@ impl OutputCallback {
     }
 
     /// Fills a device's buffer: `data` with `channels` interleaved channels. Updates the counters. `latency` is the
-    /// time from now until the buffer's first frame is heard, if the device reports a plausible one.
+    /// time from now until the buffer's first frame is heard, if the device reports a plausible latency.
     pub fn serve<T: Sample + FromSample<f32>>(
         &mut self,
         data: &mut [T],
@@ -311,7 +312,7 @@ impl OutputCallback {
         if frames > 0 {
             let load = begun.elapsed().as_nanos() as f64 / self.spans.duration_ns(frames);
             counters.worst_load_millionths.fetch_max((load * 1e6) as u64, Ordering::Relaxed);
-            // Always in range, but accessed without a possible panic.
+            // The index is always in range, but `get` excludes a panic.
             if let Some(count) = counters.loads.get(((load * 100.0) as usize).min(LOADS - 1)) {
                 count.fetch_add(1, Ordering::Relaxed);
             }
@@ -319,7 +320,7 @@ impl OutputCallback {
     }
 
     /// Fills `data` for a call at `called_at`, without updating the counters. See [`OutputCallback::serve`]. A single
-    /// channel gets the mean of left and right; of more than two, the others get silence. Samples are within -1..1.
+    /// channel gets the mean of left and right. Channels after the second get silence. Samples are within -1..1.
     pub fn fill<T: Sample + FromSample<f32>>(
         &mut self,
         data: &mut [T],
@@ -351,8 +352,8 @@ impl OutputCallback {
         self.close_span();
     }
 
-    /// Produces up to `wanted` frames in `chunk`, at `offset` of a buffer that is audible from `start_ns` on, and
-    /// returns their number (at least 1).
+    /// Produces up to `wanted` frames in `chunk`, at `offset` of a buffer that is audible from `start_ns` on. Returns
+    /// the number of frames (at least 1).
     fn next_run(&mut self, wanted: usize, start_ns: u64, offset: usize) -> usize {
         let switching = !self.incoming.is_empty() && !self.outgoing.is_full();
         if switching && (self.fade == 0 || self.segment.is_none()) {
@@ -379,7 +380,7 @@ impl OutputCallback {
         let run = if fading == 0 { wanted } else { wanted.min(fading) };
         let taken = self.take_frames(run);
         if taken == 0 {
-            // Without frames, the last one is held while it fades out.
+            // Without frames, the last frame is held while it fades out.
             self.chunk[..run].fill(self.last);
         }
         let count = if taken == 0 { run } else { taken };
@@ -402,8 +403,8 @@ impl OutputCallback {
     }
 
     /// Advances a segment with a due time to the frame that is due now, at `offset` of a buffer that is audible from
-    /// `start_ns` on. If it cannot be played yet, produces silence instead and returns its length; the clock does not
-    /// see the segment until it begins.
+    /// `start_ns` on. If the segment cannot begin yet, produces silence and returns its length. The clock does not see
+    /// the segment until it begins.
     fn await_due(&mut self, wanted: usize, start_ns: u64, offset: usize) -> Option<usize> {
         let halted = self.controls.paused();
         let segment = self.segment.as_mut()?;
@@ -439,7 +440,7 @@ impl OutputCallback {
     /// Takes up to `count` frames of the segment into `chunk`, and detects an underrun or the end.
     fn take_frames(&mut self, count: usize) -> usize {
         let Some(segment) = self.segment.as_mut().filter(|_| !self.starved) else { return 0 };
-        // Read before the ring, so that no frame pushed before the end is missed.
+        // Read the end before the ring, so that all frames pushed before the end are seen.
         let drained = segment.drained();
         let (filled, _) = segment.ring.pop_partial_slice(&mut self.chunk[..count]);
         let taken = filled.len();
@@ -456,7 +457,7 @@ impl OutputCallback {
     fn take_segment(&mut self) {
         let Ok(next) = self.incoming.pop() else { return };
         if let Some(old) = self.segment.replace(next) {
-            // The caller has checked that there is room. If there were none, leaking the segment would be the only way
+            // The caller has checked that the ring has room. Without room, leaking the segment would be the only way
             // not to free it on this thread.
             if let Err(rtrb::PushError::Full(old)) = self.outgoing.push(old) {
                 std::mem::forget(old);
@@ -466,8 +467,8 @@ impl OutputCallback {
         self.fade = 0;
     }
 
-    /// Records for the clock that `frames` at `offset` of the buffer play the last `taken` frames of the segment (0 if
-    /// it does not move).
+    /// Records for the clock that `frames` at `offset` of the buffer play the last `taken` frames of the segment.
+    /// `taken` is 0 if the segment does not move.
     fn note(&mut self, start_ns: u64, offset: usize, taken: usize, frames: usize) {
         let Some(segment) = &self.segment else { return };
         let moving = taken > 0;

@@ -214,7 +214,7 @@ fn slow_calls_are_counted() {
 }
 
 proptest! {
-    /// With a constant signal, a click is a step larger than the ramps allow.
+    /// The signal is constant, so a click is a step that is larger than the ramps allow.
     #[test]
     fn no_sequence_of_events_clicks(events in prop::collection::vec((0_u8..8, 0_usize..2000), 1..80)) {
         let mut bench = Bench::new();

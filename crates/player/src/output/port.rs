@@ -1,4 +1,4 @@
-//! The output's port for the supervisor: opens devices for an [`OutputCallback`], or starts the silent clock instead.
+//! The output's port for the supervisor opens devices for an [`OutputCallback`], or starts the silent clock.
 
 use std::io;
 use std::sync::Arc;
@@ -19,13 +19,13 @@ use crate::error::{DeviceError, Direction};
 use crate::hosts::{for_playback, hush_sound_library};
 use crate::supervisor::{NoteReader, StreamStatus, Supervisor as Watching};
 
-/// Frames per callback to request at 44.1 and 48 kHz: 21 ms.
+/// Number of frames per callback to request at 44.1 and 48 kHz: 21 ms.
 const BUFFER_FRAMES: u32 = 1024;
 
 /// The kind of output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OutputChoice {
-    /// A device if there is one, otherwise the silent clock.
+    /// A device if one can be opened, otherwise the silent clock.
     #[default]
     Auto,
     /// The silent clock.
@@ -47,11 +47,11 @@ pub struct OutputRequest {
 pub struct OutputStatus {
     /// A description of the output.
     pub description: String,
-    /// The device, if there is one.
+    /// The device; `None` on the silent clock.
     pub device: Option<ListedDevice>,
-    /// The reason why there is no sound, if there is none.
+    /// The reason for the silence; `None` if there is sound.
     pub silent: Option<String>,
-    /// The reason why the chosen device is not open while the previous one continues.
+    /// The reason why the chosen device could not be opened, while the previous device continues.
     pub refused: Option<String>,
     /// The history of audible frames; `None` before the first output is open.
     pub history: Option<Arc<SpanHistory>>,
@@ -63,10 +63,10 @@ pub struct OutputStatus {
 pub struct Supervisor(Watching<OutputPort>);
 
 impl Supervisor {
-    /// Starts the supervisor. Each new output is passed to `deliver`, and the previous one is then closed.
+    /// Starts the supervisor. Each new output is passed to `deliver`. The previous output is then closed.
     ///
     /// # Errors
-    /// A thread cannot be started.
+    /// Fails if a thread cannot be started.
     pub fn start(
         request: OutputRequest,
         controls: Arc<Controls>,
@@ -84,7 +84,7 @@ impl Supervisor {
         Watching::start(port, target).map(Self)
     }
 
-    /// Switches to another device; the current one continues until the new one is open.
+    /// Switches to another device. The current device continues until the new device is open.
     pub fn choose(&self, target: Target) {
         self.0.choose(target);
     }
@@ -114,7 +114,7 @@ struct OutputPort {
     counters: Arc<Counters>,
     silent_rate: u32,
     deliver: Box<dyn FnMut(OutputCallbackLink) + Send>,
-    /// The silent clock's link until its status is published.
+    /// The silent clock's link, kept here until the clock's status is published.
     waiting: Option<OutputCallbackLink>,
 }
 
@@ -157,7 +157,7 @@ impl Port for OutputPort {
     }
 }
 
-/// May block as long as the sound system does. Requests a buffer size: PulseAudio's default is two seconds.
+/// May block as long as the sound system does. Requests a buffer size, because PulseAudio's default is two seconds.
 fn open(
     target: &Target,
     controls: &Arc<Controls>,

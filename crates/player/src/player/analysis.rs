@@ -1,6 +1,6 @@
-//! The analysis thread: computes features of frames and stores them in the [`SharedAudibleSegments`]. **Each track is
-//! analysed separately**, as a passage of its own. So a moment of a track yields the same image no matter how it was
-//! reached, identical to that of `still` and `analyze`. A repeated track is one passage: listeners hear it as
+//! The analysis thread computes features of frames and stores them in the [`SharedAudibleSegments`]. **Each track is
+//! analysed separately**, as its own passage. So a moment of a track always yields the same image as in `still` and
+//! `analyze`, no matter how playback reached the moment. A repeated track is one passage, because listeners hear it as
 //! connected.
 
 use std::sync::mpsc::Receiver;

@@ -18,7 +18,7 @@ pub struct Moment {
     pub song_time: f64,
     /// The features of the sound.
     pub features: Features,
-    /// The position in the structure of the whole song. The player leaves it at its default; callers fill it in.
+    /// The position in the structure of the whole song. The player leaves the default value, and callers replace it.
     pub song: SongMoment,
     /// The track's id ([`TrackInfo::id`]); 0 for an input.
     pub track: u64,
@@ -31,7 +31,7 @@ pub struct Moment {
 pub(super) struct AudibleMoment {
     outputs: OutputWatch,
     audible_segments: SharedAudibleSegments,
-    /// Separate from the position's clock, because the image may be shifted.
+    /// This clock is separate from the position's clock, because the image may be shifted.
     clock: Clock,
     moment: Moment,
     /// The audible frame of the last moment, and the look-ahead of the image, in seconds.
@@ -71,7 +71,7 @@ impl AudibleMoment {
         sound.unwrap_or_else(|| self.moment.features.into())
     }
 
-    /// True if the song has ended for the image, which is later than the device if it is delayed; and the next track.
+    /// Returns true if the last frame was shown (later than it was heard, if the image is delayed), and the next track.
     pub(super) fn end_and_next(
         &mut self,
         history: Option<&Arc<SpanHistory>>,

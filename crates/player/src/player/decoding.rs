@@ -1,12 +1,12 @@
-//! The decoding thread: keeps the callback's ring filled, seeks, and moves from track to track.
+//! The decoding thread keeps the callback's ring filled, seeks, and moves from track to track.
 //!
-//! - A seek makes a new segment. The old one sounds until the new one has `PREFILL` seconds in its ring. The frames
-//!   of the last [`PREROLL`] seconds before the target go only to the analysis, so that features and their history
+//! - A seek makes a new segment. The old segment sounds until the new segment has `PREFILL` seconds in its ring. The
+//!   frames of the last [`PREROLL`] seconds before the target go only to the analysis. So features and their history
 //!   equal those of uninterrupted playback, except for effects with a longer memory.
-//! - A following track stays in the segment, and at an equal rate in the same resampler. The analysis restarts, so
-//!   that the features depend on that track alone. A skip by the user makes a new segment.
-//! - A new output also makes a new segment, but the song does not wait for it: the segment is due from the moment at
-//!   which the output opened. The part until its first audible frame is missed.
+//! - A following track stays in the segment and, at the same sample rate, in the same resampler. The analysis restarts,
+//!   so that the features depend only on this track. A skip by the user makes a new segment.
+//! - A new output also makes a new segment, but the song does not wait for it. The segment is due from the moment at
+//!   which the output opened, and the song up to its first audible frame is missed.
 
 mod command;
 mod passages;
@@ -30,8 +30,8 @@ use place::{Goal, Place};
 use segment::{CurrentSegment, SegmentStart};
 use track_queue::{Following, TrackQueue};
 
-/// Seconds that the analysis processes before a seek's target: the length of the history, after which only the beat
-/// and the bass drive remember anything. Near the song's start it is less.
+/// Seconds that the analysis processes before a seek's target. This is the length of the history. Only the beat and the
+/// bass drive have a longer memory. Near the song's start the time is shorter.
 const PREROLL: f64 = 13.0;
 
 const CHUNK: usize = 4096;
@@ -41,7 +41,7 @@ const WAIT: Duration = Duration::from_millis(20);
 /// If a wait of [`WAIT`] took longer than this, the process was suspended.
 const WAIT_MAX: Duration = Duration::from_millis(500);
 
-/// A step back at a later position than this, in seconds, returns to the start of the same track.
+/// If the position is later than this, in seconds, a step back returns to the start of the same track.
 const STEP_BACK_WITHIN: f64 = 3.0;
 
 pub(crate) struct Decoding {
@@ -113,7 +113,7 @@ impl Decoding {
         }
     }
 
-    /// Carries out `first` and all waiting commands, merging seeks into one. Returns true on [`Command::Quit`].
+    /// Executes `first` and all waiting commands, merging seeks into one. Returns true on [`Command::Quit`].
     fn obey(&mut self, first: Command, inbox: &Receiver<Command>) -> bool {
         let mut goal: Option<Goal> = None;
         for command in std::iter::once(first).chain(inbox.try_iter()) {
@@ -124,7 +124,7 @@ impl Decoding {
                     goal = Some(Goal::seek((self.time_after(goal) + seconds).max(0.0)));
                 }
                 Command::Output { link, at } => {
-                    // A pending seek is done on the new output, and a further output does not change the position.
+                    // The new output executes a pending seek, and a further output does not change the position.
                     if goal.is_none() {
                         let (passage, on_course) = self.segment.course(at, self.queue.passages.earliest());
                         self.queue.go_back_to(passage);
@@ -199,7 +199,7 @@ impl Decoding {
             Ok(resampler) => resampler,
             Err(error) => return self.report(&error),
         };
-        // If the target cannot be reached, stay at the old position or start the track again.
+        // If the target cannot be reached, try the old position, then the start of the track.
         let reached = [target, place, 0.0].into_iter().find_map(|goal| match self.seek(goal) {
             Ok(reached) => Some((goal, reached)),
             Err(error) => {
@@ -305,8 +305,8 @@ impl Decoding {
     }
 
     fn analyse(&self, input: AnalysisInput) {
-        // The analysis is faster than the sound, so this blocks only briefly. Without its thread the song still
-        // plays.
+        // The analysis is faster than the sound, so this call blocks only briefly. If the analysis thread has ended,
+        // the song still plays.
         let _ = self.analysis.send(input);
     }
 

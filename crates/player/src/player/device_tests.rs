@@ -85,7 +85,7 @@ impl TestPlayback {
         let answers = commands.clone();
         std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &track_errors));
         let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
-        // Later than any real time, so that waiting for a thread never overtakes it.
+        // This time is later than any real time, so that no wait for a thread overtakes it.
         let now = Instant::now() + Duration::from_secs(3600);
         let device = open(&commands, now, Duration::ZERO, RATE, 512, Duration::from_millis(20));
         Self {
@@ -193,7 +193,7 @@ fn the_position_is_smooth_while_a_device_is_lost() {
     evening.pass(3000, false);
     let from = (evening.last, evening.now);
     evening.stillest = Duration::ZERO;
-    // The device is lost, which is noticed after 1.1 s. The silent clock takes over, with a delay.
+    // The device is lost, and the loss is noticed after 1.1 s. The silent clock starts, with a delay.
     evening.pass(1100, true);
     evening.change(Duration::ZERO, 180 * MS, RATE, 480, Duration::ZERO);
     evening.pass(700, false);
@@ -223,14 +223,14 @@ fn the_position_is_smooth_during_many_device_changes() {
         let latency = Duration::from_millis(random(250));
         let first_call = Duration::from_millis(random(400));
         match random(4) {
-            // Lost, and noticed late.
+            // The device is lost, and the loss is noticed late.
             0 => {
                 evening.pass(random(1100), true);
                 evening.change(Duration::ZERO, first_call, rate, buffer, latency);
             }
-            // Another device, while the previous one still plays.
+            // Another device opens while the previous device still plays.
             1 => evening.change(Duration::from_millis(random(120)), first_call, rate, buffer, latency),
-            // Silent for a while, then resumed.
+            // The device is silent for a while and then resumes.
             2 => {
                 evening.pass(random(900), true);
                 evening.device.next_call = evening.now;
@@ -241,7 +241,7 @@ fn the_position_is_smooth_during_many_device_changes() {
     }
     assert!(evening.looks > 5000, "{} looks", evening.looks);
     assert!(evening.stillest <= Duration::from_millis(100), "the clock stopped for {:?}", evening.stillest);
-    // In the end the clock agrees with the sound.
+    // At the end the clock agrees with the sound.
     evening.pass(12_000, false);
     assert!(evening.ahead().abs() < 0.002, "{} s ahead of the sound", evening.ahead());
 }

@@ -12,22 +12,22 @@ use mariana_music::StereoFrame;
 
 pub(super) struct Filling {
     pub(super) id: u64,
-    /// The track time of its first frame, in seconds.
+    /// The track time of the segment's first frame, in seconds.
     pub(super) target: f64,
     pub(super) ring: Producer<StereoFrame>,
     pub(super) end: Arc<AtomicU64>,
-    /// The callback's half, until it is handed over.
+    /// The callback's half of the segment, until it is handed over.
     pub(super) waiting: Option<Segment>,
     conversion: Conversion,
-    /// Source frames before the target, which only the analysis uses.
+    /// The number of source frames before the target. Only the analysis uses these frames.
     pub(super) skip: u64,
-    /// Device frames in or past the ring.
+    /// The number of device frames that are or were in the ring.
     pub(super) pushed: u64,
     pub(super) decoded: VecDeque<StereoFrame>,
     ready: VecDeque<StereoFrame>,
-    /// Source frames since the last jump within the source.
+    /// The number of source frames since the last jump within the source.
     pub(super) since_jump: u64,
-    /// True if that jump went to the track's start.
+    /// True if the last jump went to the track's start.
     pub(super) from_start: bool,
     pub(super) exhausted: bool,
     pub(super) finished: bool,
@@ -37,12 +37,12 @@ struct Conversion {
     resampler: Resampler,
     /// The segment time at which the conversion began, in seconds.
     base: f64,
-    /// Source frames since then, without the skipped ones.
+    /// The number of source frames since `base`, without the skipped frames.
     fed: u64,
 }
 
 impl Filling {
-    /// Starts at `target` seconds of a track, with a ring of `ring_frames` device frames and a source `skip` earlier.
+    /// Starts `target` seconds into a track, with `ring_frames` frames in the ring and a source `skip` frames earlier.
     pub(super) fn new(
         id: u64,
         target: f64,

@@ -94,7 +94,7 @@ fn a_playing_track_that_is_removed_is_replaced() {
     let (mut player, folder) = playing(3, 60.0, Repeat::Off);
     player.remove_entry(0);
     expect(&mut player, "b.wav", 0, 2);
-    // Twice in a row: the successor of the first track is removed as well.
+    // Remove twice in a row, so that the successor of the first track is removed as well.
     player.append_files(vec![song(folder.path(), b'd', 60.0)]);
     player.remove_entry(0);
     player.remove_entry(0);

@@ -1,5 +1,5 @@
-//! The list thread: finds and opens tracks while others play, so that neither a slow disk nor a list of missing files
-//! delays the sound.
+//! The list thread finds and opens tracks while other tracks play, so that neither a slow disk nor a list of missing
+//! files delays the sound.
 
 use std::sync::mpsc::{Receiver, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,9 +9,9 @@ use crate::listed::Edit;
 use crate::track::{Repeat, TrackList, Wanted};
 
 pub(crate) enum Request {
-    /// Finds a track; the answer carries `id`.
+    /// Finds a track. The answer contains `id`.
     Find { id: u64, wanted: Wanted },
-    /// Changes the repeat mode and the order; a new random order begins with the entry whose id is `current`.
+    /// Changes the repeat mode and the order. A new random order begins with the entry whose id is `current`.
     Order { repeat: Repeat, shuffled: bool, current: u64 },
     /// Edits the list while the entry with id `playing` plays.
     Edit { edit: Edit, playing: u64 },
@@ -44,7 +44,7 @@ pub(crate) fn run(
 pub struct TrackErrors {
     /// The number of errors.
     pub count: u64,
-    /// The message of the last one.
+    /// The message of the last error.
     pub last: Option<String>,
 }
 

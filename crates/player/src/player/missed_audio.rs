@@ -1,30 +1,30 @@
 //! Detection of missed audio: parts of the song that were not heard because of device changes.
 //!
-//! The song does not wait for devices. The segment for the next output, or for the silent clock, is due from the
-//! moment at which that output opened, and its callback drops late frames, so that the sound after a fault matches
-//! the image. The part between the last frame of one device and the first of the next, including the time on the
-//! silent clock, was not heard. It is reported once there is sound again. Frames in the buffer of a lost device count
-//! as heard, because their fate is unknown.
+//! The song does not wait for devices. The segment for the next output, or for the silent clock, is due from the moment
+//! at which the output opened. Its callback drops late frames, so that the sound after a fault matches the image. So
+//! the part of the song between the last frame of one device and the first frame of the next device, including the time
+//! on the silent clock, was not heard. This part is reported once sound is audible again. Frames in the buffer of a
+//! lost device count as heard, because their fate is unknown.
 //!
-//! If a device merely resumes late, nothing is lost: [`Clock`](crate::clock::Clock) then runs a fifth slower (or
-//! faster) until it agrees with the sound. `cargo bench --bench device_faults` counts steps through 200 faults.
+//! If a device merely resumes late, no frame is lost. [`Clock`](crate::clock::Clock) then runs a fifth slower (or
+//! faster) until it agrees with the sound. `cargo bench --bench device_faults` counts clock steps in 200 faults.
 
 use std::fmt;
 use std::sync::Arc;
 
 use crate::clock::{Audible, SpanHistory};
 
-/// Shorter gaps than this, in seconds, are not reported.
+/// Gaps shorter than this, in seconds, are not reported.
 const REPORTED_FROM: f64 = 0.05;
 
-/// Missed parts of the song. The [`Display`](fmt::Display) text describes the last one.
+/// Missed parts of the song. The [`Display`](fmt::Display) text describes the last missed part.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MissedAudio {
     /// The number of missed parts.
     pub count: u64,
-    /// The duration of the last one, in seconds.
+    /// The duration of the last missed part, in seconds.
     pub seconds: f64,
-    /// The output after it.
+    /// The output that ended the last missed part.
     pub after: SilenceEnd,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct MissedAudioWatch {
 }
 
 impl MissedAudioWatch {
-    /// `carry` maps a frame of an earlier segment to a later one, unless a seek or another track separates them.
+    /// `carry` maps a frame of an earlier segment to a later segment, unless a seek or another track separates both.
     pub(super) fn look(
         &mut self,
         history: &Arc<SpanHistory>,
@@ -127,7 +127,7 @@ mod tests {
             watch.reported().to_string(),
             "1.3 s of the song were not heard: the sound device changed"
         );
-        // A change without a gap, during a pause or with a seek loses nothing.
+        // A change without a gap, during a pause or with a seek loses no frame.
         let (_third, third) = output(4, 5320, 500, false);
         let (_fourth, fourth) = output(5, 5320, 500, true);
         let (_fifth, fifth) = output(6, 90_000, 500, true);

@@ -9,8 +9,8 @@ use crate::clock::{Clock, SpanHistory};
 use crate::output::OutputWatch;
 use crate::track::TrackInfo;
 
-/// The audible position of a player. Clones use the same clock, so no reader sees an earlier position than another saw
-/// before, except after a seek, a skip or a change of track.
+/// The audible position of a player. Clones use the same clock. So if one reader has seen a position, no reader sees an
+/// earlier position afterwards, except after a seek, a skip or a change of track.
 #[derive(Clone)]
 pub struct Position(Arc<Mutex<State>>);
 
@@ -40,13 +40,13 @@ impl Position {
         Self(Arc::new(Mutex::new(State { outputs, audible_segments, clock, missed_audio, place })))
     }
 
-    /// The position in the audible track now, in seconds.
+    /// Returns the current position in the audible track, in seconds.
     pub fn seconds(&self) -> f64 {
         self.look().seconds
     }
 
     pub(super) fn look(&self) -> Place {
-        // A reader that panicked leaves the clock usable.
+        // The clock stays usable if a reader panicked.
         self.0.lock().unwrap_or_else(PoisonError::into_inner).look()
     }
 }

@@ -1,5 +1,5 @@
-//! The loudness of a track over its length, for the seek bar. A separate thread of the lowest priority opens the
-//! track again and decodes it as fast as it can, from the first request until another track is requested.
+//! The loudness of a track over its length, for the seek bar. A separate thread of the lowest priority opens the track
+//! again and decodes it as fast as possible, from the first request until another track is requested.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
@@ -14,7 +14,7 @@ const PARTS: usize = 600;
 
 const PARTS_A_TIME: usize = 6;
 
-/// The exponent from amplitude to loudness: 10 dB more are twice as loud (Stevens 1955, in sones).
+/// The exponent from amplitude to loudness: a sound with 10 dB more is twice as loud (Stevens 1955, in sones).
 const LOUDNESS_POWER: f32 = 0.6;
 
 const SHAPES_KEPT: usize = 16;
@@ -67,7 +67,7 @@ impl SharedShapes {
 }
 
 impl Shapes {
-    /// The shape of `track` as far as it is measured. An incomplete shape is completed in the background.
+    /// Returns the shape of `track` as far as it is measured. An incomplete shape is completed in the background.
     pub(super) fn of(&self, track: &Arc<TrackInfo>) -> Option<Arc<LoudnessShape>> {
         let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
         let known = self.shared.of(track.id);
@@ -117,7 +117,7 @@ fn run(inbox: &Receiver<Arc<TrackInfo>>, shared: &SharedShapes) {
     }
 }
 
-/// Decodes the track and publishes its shape. Returns the track that was requested meanwhile.
+/// Decodes the track and publishes its shape. Returns the track that was requested during the measurement.
 fn measure(
     track: &TrackInfo,
     source: &mut dyn FrameSource,
@@ -140,7 +140,7 @@ fn measure(
         block.clear();
         match source.next_block(&mut block) {
             Ok(1..) => block.iter().for_each(|frame| sums.push(*frame)),
-            // A track that breaks off counts as silent from there on, as in playback.
+            // If a track breaks off, its remaining parts count as silent, as in playback.
             Ok(0) | Err(_) => break,
         }
         if sums.squares.len() == sums.parts {
@@ -195,7 +195,7 @@ impl Sums {
 
     fn shape(&self) -> LoudnessShape {
         let loudest = self.squares.iter().copied().fold(0.0, f32::max);
-        // The square of the amplitude takes half the exponent.
+        // The exponent is halved for the square of the amplitude.
         let level =
             |square: &f32| if loudest > 0.0 { (square / loudest).powf(LOUDNESS_POWER / 2.0) } else { 0.0 };
         LoudnessShape { revision: 0, parts: self.parts, levels: self.squares.iter().map(level).collect() }

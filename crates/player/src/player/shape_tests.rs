@@ -108,7 +108,7 @@ fn unmeasurable_tracks_have_no_shape_and_a_new_request_is_served_at_once() {
     for (id, duration) in [None, Some(limit + 1.0), Some(f64::NAN), Some(0.0)].into_iter().enumerate() {
         assert_eq!(shapes.of(&endless(id as u64, duration)), None);
     }
-    // This long track is dropped for the next one, which claims an end but is endless.
+    // The measurement of this long track is dropped for the next track, which claims an end but is endless.
     shapes.of(&endless(10, Some(limit)));
     let last = endless(11, Some(1.0));
     let start = Instant::now();

@@ -70,7 +70,7 @@ impl FrameSource for Ramp {
     }
 }
 
-/// A list of songs; a song without frames represents a file that cannot be opened.
+/// A list of songs. A song without frames represents a file that cannot be opened.
 pub(super) struct Ramps {
     pub(super) songs: Vec<Ramp>,
     pub(super) repeat: Repeat,
@@ -157,7 +157,7 @@ impl Stepped {
         let audible_segments = SharedAudibleSegments::default();
         let track_errors = SharedTrackErrors::default();
         let (to_analysis, inbox) = sync_channel(1);
-        // Without an analysis, its input is discarded.
+        // No analysis runs in these tests, so its input is discarded.
         std::thread::spawn(move || inbox.into_iter().for_each(|_: AnalysisInput| {}));
         let (commands, inbox) = channel();
         let (to_list, requests) = channel();
@@ -427,7 +427,7 @@ fn the_position_stops_in_a_pause_except_for_seeks() {
     player.seek_to(100.0);
     wait_for(&mut player, "the seek", |player| player.now(0.0).song_time == 100.0);
     assert!(player.now(0.0).segment > stands.segment);
-    // The features belong to the position: the ramp's level there.
+    // The features match the position: the volume is the ramp's level at this position.
     wait_for(&mut player, "the features", |player| player.now(0.0).features.volume[0] > 0.0);
     player.seek_by(-30.0);
     wait_for(&mut player, "the step back", |player| player.status().position == 70.0);

@@ -9,14 +9,14 @@ use crate::worker::Worker;
 
 const END_LIMIT: Duration = Duration::from_secs(1);
 
-/// The threads that [`Player::start`](super::Player::start) starts. Dropping them ends them, within a time limit.
+/// The threads that [`Player::start`](super::Player::start) starts. Dropping this value ends them, within a time limit.
 pub(super) struct Threads {
     pub(super) commands: Sender<Command>,
-    /// Dropped first.
+    /// This field is dropped first.
     pub(super) supervisor: Option<Supervisor>,
     pub(super) decoding: Worker,
     pub(super) analysis: Worker,
-    /// Ends with the decoding.
+    /// This thread ends when the decoding thread ends.
     pub(super) list: Worker,
 }
 

@@ -52,7 +52,7 @@ fn tracks_follow_each_other_to_the_frame_and_are_reported() {
 
 #[test]
 fn tracks_of_other_rates_are_resampled_into_the_same_stream() {
-    // Ramps with the same slope over time, of 1 s, 0.5 s and 1 s.
+    // The three ramps have the same slope over time and last 1 s, 0.5 s and 1 s.
     let rates = [RATE, 44_100, 96_000];
     let songs = [1.0, 0.5, 1.0]
         .iter()
@@ -190,7 +190,7 @@ fn a_new_repeat_mode_applies_from_the_next_end_on() {
 fn silence_replaces_unplayable_tracks_and_a_skip_retries() {
     let mut list = Ramps::new(songs(&[9_600, 9_600]), Repeat::All);
     list.gone.store(true, Ordering::Relaxed);
-    // The open track cannot restart either.
+    // The open track also cannot restart.
     list.songs[0].seek_limit = -1.0;
     let gone = list.gone.clone();
     let mut stepped = Stepped::of(list, RATE);
@@ -222,7 +222,7 @@ fn another_device_continues_the_audible_track() {
         heard[0].entry,
         heard[0].segment
     );
-    // Never a step back.
+    // The position never steps back.
     let times: Vec<f64> =
         heard.iter().filter(|heard| heard.entry == 0).map(|heard| heard.reported_index).collect();
     assert!(times.windows(2).all(|pair| pair[1] >= pair[0]));

@@ -1,6 +1,7 @@
-//! Cue sheets: the tracks of files that hold a whole disc. The parser understands `FILE "name" TYPE`, `TRACK n
-//! AUDIO`, `INDEX 01 minutes:seconds:frames`, `TITLE` and `PERFORMER`. A track extends from its index 01 to the next
-//! track's, so that the gap before a track (index 00) is heard at the end of the previous track, as on a disc.
+//! Cue sheets contain the tracks of files that hold a whole disc. The parser understands `FILE "name" TYPE`,
+//! `TRACK n AUDIO`, `INDEX 01 minutes:seconds:frames`, `TITLE` and `PERFORMER`. A track extends from its index 01 to
+//! the next track's index 01. So the gap before a track (index 00) is heard at the end of the previous track, as on a
+//! disc.
 
 use std::path::Path;
 
@@ -85,7 +86,7 @@ fn disc_time(text: &[u8]) -> Option<u64> {
     let mut parts = text.split(':').map(|part| part.parse::<u64>().ok());
     let (minutes, seconds, frames) = (parts.next()??, parts.next()??, parts.next()??);
     let sound = parts.next().is_none() && minutes <= MINUTES_MAX && seconds < 60 && frames < DISC_FRAMES;
-    // Computed only for valid times, because the numbers may be of any size.
+    // Compute the sum only for valid times, because the numbers may be of any size.
     sound.then(|| (minutes * 60 + seconds) * DISC_FRAMES + frames)
 }
 

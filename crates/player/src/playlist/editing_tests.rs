@@ -78,7 +78,7 @@ proptest! {
                 prop_assert_eq!(shared.place(*id as u64), Some((index, model.len())));
             }
             prop_assert_eq!(shared.place(playing).is_none(), removed);
-            // In any order, one round from the playing (or removed) entry meets every entry once.
+            // In any order, one round from the playing (or removed) entry contains every entry once.
             let first = list.order.beside(playing, true, true);
             let mut round: Vec<usize> = std::iter::successors(first, |id| list.order.beside(*id, true, true))
                 .take(model.len())

@@ -30,7 +30,7 @@ pub enum PlaylistError {
         what: String,
     },
     /// The list or folder is empty.
-    #[error("{name} holds no tracks; choose files, or a folder or list that has some")]
+    #[error("{name} holds no tracks; choose files, or a folder or list with tracks")]
     Empty {
         /// The list's or folder's name.
         name: String,
@@ -52,13 +52,13 @@ pub enum PlaylistError {
         list: String,
     },
     /// A list contains itself, directly or through other lists.
-    #[error("{name} contains itself, and that entry is left out; correct the list that names it")]
+    #[error("{name} contains itself, so this entry was left out; remove the entry")]
     Circular {
         /// The list's name.
         name: String,
     },
     /// A list is larger than the limit.
-    #[error("{name} is too large for a list (more than {limit} bytes); split it")]
+    #[error("{name} is too large for a list (more than {limit} bytes); split the list")]
     TooLarge {
         /// The list's name.
         name: String,
@@ -66,7 +66,7 @@ pub enum PlaylistError {
         limit: u64,
     },
     /// A number of items exceeds the limit.
-    #[error("there are more than {limit} {what}, and the rest is left out; open fewer at a time")]
+    #[error("there are more than {limit} {what}, so the rest was left out; open fewer at once")]
     TooMany {
         /// The name of the items.
         what: &'static str,
@@ -74,14 +74,14 @@ pub enum PlaylistError {
         limit: usize,
     },
     /// Lists within lists, or folders within folders, are nested deeper than the limit.
-    #[error("{name} is nested more than {limit} levels deep and is left out; open it directly")]
+    #[error("{name} is nested more than {limit} levels deep, so it was left out; open {name} directly")]
     TooDeep {
         /// The name of the list or folder.
         name: String,
         /// The limit.
         limit: usize,
     },
-    /// None of the tracks can be played.
+    /// All tracks are unplayable.
     #[error("none of the {count} tracks can be played; check their paths; the last error was: {last}")]
     NothingPlayable {
         /// The number of tracks.

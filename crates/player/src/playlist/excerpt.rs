@@ -5,11 +5,11 @@ use super::lists::Cut;
 use crate::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
-/// A range of a source's frames. Parts that are adjacent in the file join without a gap as excerpts.
+/// A range of a source's frames. If two parts are adjacent in the file, their excerpts join without a gap.
 pub(super) struct Excerpt {
     source: Box<dyn FrameSource>,
     start: u64,
-    /// The end of the range (exclusive); `u64::MAX` is the source's end.
+    /// The end of the range (exclusive). `u64::MAX` means the source's end.
     end: u64,
     position: u64,
 }
@@ -66,7 +66,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Frames whose samples encode their index, 750 per second: 10 per compact disc frame.
+    /// A source whose samples encode their index, with 750 frames per second: 10 per compact disc frame.
     struct Count {
         frames: u64,
         next: u64,

@@ -27,11 +27,11 @@ const TRACK_ERRORS_KEPT: usize = 20;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
     pub song: Song,
-    /// The part of the song that is played; `None` for all of it.
+    /// The part of the song that is played; `None` for the whole song.
     pub cut: Option<Cut>,
     pub title: Option<String>,
     pub artist: Option<String>,
-    /// The length in seconds, if a list gave one.
+    /// The length in seconds, if a list gives it.
     pub duration: Option<f64>,
 }
 
@@ -62,9 +62,9 @@ impl Entry {
 pub(super) struct Gathered {
     pub entries: Vec<Entry>,
     pub track_errors: Vec<PlaylistError>,
-    /// Lists and folders that are being read. One that is met again within itself is circular.
+    /// Lists and folders that are being read. If a list or folder contains itself, it is circular.
     open: Vec<PathBuf>,
-    /// Folders that were read. Each is read only once, because links may lead to it several times.
+    /// Folders that were read. Each folder is read only once, because several links may lead to it.
     folders: BTreeSet<PathBuf>,
     lists: usize,
     looked_at: usize,
@@ -75,7 +75,7 @@ pub(super) fn is_many(path: &Path) -> bool {
     path.is_dir() || Kind::of(path).is_some()
 }
 
-/// Gathers files as they are, entries of lists, and audio files in folders and subfolders, in natural order.
+/// Gathers the given files, the entries of lists, and the audio files in folders and subfolders in natural order.
 pub(super) fn gather(paths: &[PathBuf]) -> Gathered {
     let mut gathered = Gathered::default();
     for path in paths {
@@ -92,7 +92,7 @@ impl Gathered {
         }
     }
 
-    /// True if there is room for more entries; adds an error once when the limit is reached.
+    /// True if the list has room for more entries. Adds an error when the limit is reached for the first time.
     fn has_room(&mut self) -> bool {
         let (tracks, looks) = (LIMITS.playlist_tracks_max, LIMITS.playlist_looks_max);
         let over = if self.entries.len() >= tracks {
@@ -102,7 +102,7 @@ impl Gathered {
         };
         if let (Some((what, limit)), false) = (over, self.full) {
             self.full = true;
-            // Inserted first, so that it is kept.
+            // Insert the error at the start, so that it is kept.
             self.track_errors.insert(0, PlaylistError::TooMany { what, limit });
         }
         self.looked_at += 1;
@@ -119,7 +119,7 @@ impl Gathered {
         if let Some(kind) = Kind::of(path).filter(|_| path.exists()) {
             return self.add_list(path, kind);
         }
-        // Problems of the file are reported when it is played.
+        // Problems with the file are reported when it is played.
         let song = Song::File(path.to_owned());
         self.entries.push(match item {
             Some(item) => {
@@ -214,7 +214,7 @@ fn is_audio(path: &Path) -> bool {
 
 fn read_bounded(path: &Path) -> Result<Vec<u8>, PlaylistError> {
     let unreadable = |source| PlaylistError::Unreadable { path: path.to_owned(), source };
-    // Checked before opening, because opening a pipe waits for its writer.
+    // Check the kind before opening, because opening a pipe waits for its writer.
     if !fs::metadata(path).map_err(unreadable)?.is_file() {
         return Err(PlaylistError::NotAFile { path: path.to_owned() });
     }

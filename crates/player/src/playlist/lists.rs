@@ -16,7 +16,7 @@ use crate::limits::LIMITS;
 pub struct Cut {
     /// The first frame.
     pub start: u64,
-    /// The end of the part (exclusive); `None` is the end of the file.
+    /// The end of the part (exclusive). `None` is the end of the file.
     pub end: Option<u64>,
 }
 
@@ -25,7 +25,7 @@ pub struct Cut {
 pub struct Item {
     /// The path or address.
     pub reference: Reference,
-    /// The part of the file to play; `None` for all of it.
+    /// The part of the file to play; `None` for the whole file.
     pub cut: Option<Cut>,
     /// The title, if the list gives one.
     pub title: Option<String>,
@@ -41,7 +41,7 @@ impl Item {
     }
 }
 
-/// The kinds of lists, recognised by file extension.
+/// The kinds of lists. They are recognised by file extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// M3U or M3U8 in any encoding.
@@ -53,7 +53,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of the list at `path` by its extension; `None` if it has no extension of a list.
+    /// Returns the kind of the list at `path` by its extension; `None` if the extension belongs to no kind.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
@@ -67,7 +67,7 @@ impl Kind {
     /// Parses the bytes of the list at `path`.
     ///
     /// # Errors
-    /// The bytes are not a list, or the list is empty or of an unsupported kind.
+    /// Fails if the bytes are not a list, or if the list is empty or of an unsupported kind.
     pub fn read(self, path: &Path, bytes: &[u8]) -> Result<Vec<Item>, PlaylistError> {
         let name = || name_of(path);
         let malformed = |what: &str| PlaylistError::NotAList { name: name(), what: what.to_owned() };
@@ -114,7 +114,7 @@ fn pls(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
         return None;
     }
     let mut numbered: Vec<(u64, Item)> = lines.iter().filter_map(|line| pls_file(base, line)).collect();
-    // The sort is stable: entries without a usable number keep their order, at the end.
+    // The sort is stable, so entries without a usable number keep their order. They are at the end.
     numbered.sort_by_key(|(number, _)| *number);
     Some(numbered.into_iter().map(|(_, item)| item).collect())
 }

@@ -1,4 +1,4 @@
-//! Playlists: expand files, folders and lists to entries, order them, and open one after the other.
+//! Playlists: expand files, folders and lists to entries, order the entries, and open one entry after another.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -10,8 +10,8 @@
 //! | [`editing`] | moves, removes and appends entries while the list plays |
 //!
 //! **Unplayable entries never stop the show.** Every failure becomes a message (`TrackErrors`), and the list thread
-//! continues with the next track that opens; if none does, or after 64 tracks without a frame, silence plays. The
-//! window does not open only for a single file that cannot be played, or for lists without any entry.
+//! continues with the next playable track. If no track is playable, or after 64 tracks without a frame, silence plays.
+//! The window does not open if the user gave only a single unplayable file, or only lists without any entry.
 
 mod cue;
 mod editing;
@@ -47,10 +47,10 @@ const TRACK_ERRORS_KEPT: usize = 20;
 pub struct Playlist {
     slots: Vec<Slot>,
     places: HashMap<u64, usize>,
-    /// The id of the next entry; ids are never reused.
+    /// The id of the next entry. Ids are never reused.
     next_id: u64,
     order: Order,
-    /// The last message about each entry, so that it is not repeated.
+    /// The last message about each entry, kept so that the message is not repeated.
     reported: HashMap<u64, String>,
     listing: SharedListing,
 }
@@ -61,13 +61,13 @@ struct Slot {
     listed: ListedTrack,
 }
 
-/// A playlist with its first track and the errors before it.
+/// A playlist with its first track, and the errors of entries before this track.
 pub struct Opened {
     /// The list.
     pub list: Playlist,
-    /// The first track that can be played; silence if none can.
+    /// The first playable track, or silence if no track is playable.
     pub first: Track,
-    /// Error messages; only the first ones and the last one.
+    /// The first error messages and the last one.
     pub track_errors: Vec<String>,
     /// True if a track can be played.
     pub playable: bool,
@@ -78,16 +78,16 @@ pub struct Opened {
 }
 
 impl Playlist {
-    /// Opens the list of the tracks in `paths`. If there are several tracks and none can be played, the first track is
-    /// silence.
+    /// Opens the list of the tracks in `paths`. If the list has several tracks and all of them are unplayable, the
+    /// first track is silence.
     ///
     /// # Errors
-    /// The only file cannot be played, or there is no track at all.
+    /// Fails if the only file cannot be played, or if there are no tracks at all.
     pub fn open(paths: &[PathBuf], repeat: Repeat, shuffled: bool) -> Result<Opened, PlaylistError> {
         Self::open_at(paths, repeat, shuffled, None)
     }
 
-    /// [`Playlist::open`], starting with the entry at index `place`.
+    /// Opens the list like [`Playlist::open`], but starts with the entry at index `place`.
     pub fn open_at(
         paths: &[PathBuf],
         repeat: Repeat,
@@ -118,7 +118,7 @@ impl Playlist {
         list.opened(0, Vec::new(), repeat, false)
     }
 
-    /// Searches for the first playable track, starting at `first`; silence if there is none.
+    /// Searches for the first playable track, starting at `first`. If no track is playable, the result is silence.
     fn opened(mut self, first: u64, mut track_errors: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
         let mut more = 0;
         let mut last = None;
@@ -175,7 +175,7 @@ impl Playlist {
         Ok(track)
     }
 
-    /// Opens `first` or the nearest after (or before) it; wraps if the list repeats. Stops at `open`, the open one.
+    /// Opens `first` or the nearest playable entry after (or before) it, up to `open`. Wraps if the list repeats.
     fn search(
         &mut self,
         first: u64,
@@ -211,11 +211,11 @@ impl Playlist {
         if next.is_none() && open.is_some() { Found::End } else { Found::Nothing }
     }
 
-    /// The entry `steps` from `from`, which may be gone; `None` if the list does not repeat and no step is possible.
+    /// Returns the entry `steps` from `from`, which may be removed; `None` if no step is possible without repeat.
     fn entry_after(&self, from: u64, steps: i32) -> Option<u64> {
         let around = self.order.repeat() != Repeat::Off;
         let forward = steps > 0;
-        // Whole rounds return to the start. From a removed entry, the first step leads to an entry.
+        // Whole rounds return to the start. If `from` was removed, the first step leads to an entry.
         let away = u32::from(self.index(from).is_none());
         let round = u32::try_from(self.slots.len()).unwrap_or(u32::MAX).max(1);
         let steps = steps.unsigned_abs().saturating_sub(away) % round + away;
@@ -303,7 +303,7 @@ impl TrackList for Playlist {
 }
 
 impl Playlist {
-    /// Replaces the entries by other files, if one of them can be played.
+    /// Replaces the entries by these files, if at least one of them can be played.
     fn replace(&mut self, paths: &[PathBuf], tell: &mut dyn FnMut(String)) -> Found {
         let gathered = gather(paths);
         gathered.track_errors.iter().for_each(|trouble| tell(trouble.to_string()));

@@ -1,5 +1,5 @@
-//! The order of a list's entries: list order or random, once or repeated. Entries are identified by their ids. A
-//! removed entry leaves a hole in the order, so that its successor is known while it still plays.
+//! The order of a list's entries: list order or random order, once or repeated. Entries are identified by their ids. A
+//! removed entry leaves a hole in the order, so that its successor is known while the removed entry still plays.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -8,7 +8,7 @@ use crate::track::Repeat;
 
 #[derive(Debug, Clone)]
 pub(super) struct Order {
-    /// Every entry once, and holes.
+    /// Every entry once, and the holes.
     sequence: Vec<u64>,
     places: HashMap<u64, usize>,
     holes: HashSet<u64>,
@@ -50,7 +50,7 @@ impl Order {
         self.repeat
     }
 
-    /// Sets order and repeat mode. A new random order begins with `first` and stays the same in each round.
+    /// Sets the order and the repeat mode. A new random order begins with `first` and stays the same in each round.
     pub(super) fn set(
         &mut self,
         repeat: Repeat,
@@ -114,11 +114,11 @@ impl Order {
         self.note_places(from.min(to));
     }
 
-    /// The entry after (or before) `id`, which may be a hole; wraps around the ends only if `around`.
+    /// Returns the entry after (or before) `id`, which may be a hole. Wraps around the ends only if `around` is true.
     pub(super) fn beside(&self, id: u64, forward: bool, around: bool) -> Option<u64> {
         let Some(place) = self.places.get(&id).copied() else { return self.first() };
         let (before, after) = (self.sequence.get(..place)?, self.sequence.get(place + 1..)?);
-        // The entry is its own neighbour if there is no other.
+        // If the list has no other entry, the entry is its own neighbour.
         let (before, after, itself) = (before.iter(), after.iter(), self.sequence.get(place));
         let is_entry = |id: &&u64| !self.holes.contains(*id);
         let found = match (forward, around) {
@@ -135,7 +135,7 @@ impl Order {
         self.places.extend(moved.map(|(place, id)| (*id, place)));
     }
 
-    /// A random number below `end` (SplitMix64; its bias is about 1e-15 here).
+    /// Returns a random number below `end` (SplitMix64, whose bias is about 1e-15 here).
     fn below(&mut self, end: u64) -> u64 {
         self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut mixed = self.random;

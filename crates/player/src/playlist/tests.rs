@@ -70,7 +70,7 @@ fn the_next_track_depends_on_the_repeat_mode() {
     assert_eq!(found(&mut off, Wanted::Skip { from: 0, steps: -1 }).0, Err("end"));
     assert_eq!(found(&mut off, Wanted::Skip { from: 2, steps: 9 }).0, Err("nothing"));
     assert_eq!(found(&mut off, Wanted::Skip { from: 2, steps: -9 }).0, Ok(0));
-    // Once the others are gone, the open track repeats.
+    // Once the other files are removed, the open track repeats.
     std::fs::remove_file(folder.path().join("1.wav")).unwrap();
     assert_eq!(following(&mut all.list, 2), Err("again"));
     std::fs::remove_file(folder.path().join("3.wav")).unwrap();
@@ -114,7 +114,7 @@ fn one_bad_file_is_an_error_and_several_leave_silence() {
         assert!(!opened.playable && opened.track_errors.len() == 3, "{:?}", opened.track_errors);
         assert_eq!(opened.first.source.next_block(&mut Vec::new()).unwrap(), 1024);
     }
-    // Of many errors, the first ones are reported, then the number of the others, and the last one.
+    // If there are many errors, the first errors, the number of omitted errors and the last error are reported.
     std::fs::write(folder.path().join("long.m3u"), "nowhere.wav\n".repeat(5000)).unwrap();
     let opened = Playlist::open(&paths(&folder, &["long.m3u"]), Repeat::All, true).unwrap();
     let [.., more, none] = &opened.track_errors[..] else { panic!("{:?}", opened.track_errors) };
@@ -131,7 +131,7 @@ fn dropped_files_become_the_list_if_they_can_be_played() {
     assert!(none == Err("nothing") && reported[0].contains("x.wav"), "{none:?}, {reported:?}");
     assert_eq!(following(&mut list, 0), Err("again"));
     assert_eq!(found(&mut list, Wanted::Files(paths(&folder, &["2.wav", "3.wav"]))).0, Ok(0));
-    // The new files have new ids, and the first of them follows the old track that is still playing.
+    // The new files have new ids. The first new file follows the old track that is still playing.
     assert_eq!((following(&mut list, 1), following(&mut list, 0)), (Ok(1), Ok(0)));
 }
 

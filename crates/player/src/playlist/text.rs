@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::limits::LIMITS;
 
-/// The target of a list's entry: a path as written in the list, or an address.
+/// The target of a list's entry: an address, or a path as written in the list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reference {
     /// A file, list or folder.
@@ -13,7 +13,7 @@ pub enum Reference {
     Address(String),
 }
 
-/// The trimmed lines, as UTF-8 or raw bytes (names in old lists have any encoding). `None` if not text.
+/// Returns the trimmed lines, as UTF-8 or raw bytes: names in old lists have any encoding. `None` if not text.
 pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     let utf16 = |from: fn([u8; 2]) -> u16| {
         let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);
@@ -43,7 +43,7 @@ pub(super) fn decode(bytes: &[u8]) -> String {
 }
 
 /// Resolves an entry of a list in the folder `base`. On systems whose file names are bytes, the list's bytes are tried
-/// first; backslashes count as separators if no file has such a name.
+/// first. If no file has this name, backslashes count as separators.
 pub(super) fn resolve(base: &Path, bytes: &[u8]) -> Reference {
     let text = decode(bytes);
     if let Some((scheme, rest)) = text.split_once("://")

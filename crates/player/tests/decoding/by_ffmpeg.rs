@@ -19,10 +19,10 @@ const REACH: isize = 5000;
 struct Case {
     file: &'static str,
     args: &'static [&'static str],
-    /// Largest error of a sample; 0 for lossy codecs.
+    /// Maximum error of a sample; 0 for lossy codecs.
     lossless: f32,
-    /// Largest accepted shift of the sound, in frames: encoder delay that the container does not report, and clock
-    /// rounding after a seek.
+    /// Maximum shift of the sound, in frames. The shift comes from encoder delay that the container does not report,
+    /// and from clock rounding after a seek.
     shift: usize,
 }
 
@@ -135,7 +135,7 @@ fn a_seek_with_ffmpeg_reaches_its_target() {
                 }
             }
         }
-        // A seek past the end reaches the end, and NaN the start, from which the whole file is decoded again.
+        // A seek past the end reaches the end; NaN reaches the start, from which the whole file is decoded again.
         let end = decoder.seek(1e6).unwrap();
         if (end - SECONDS).abs() > 0.1 || decode_all(&mut decoder).unwrap().len() > 4800 {
             wrong.push(format!("{}: the end is at {end}", case.file));

@@ -1,6 +1,6 @@
 //! Tests of decoding through the public API, with files that ffmpeg creates from a known signal. The signal is a
-//! function of time, so that it can be compared at any rate. Left and right differ, are broad-band (to reveal shifts)
-//! and stay below 8 kHz (to survive lossy codecs).
+//! function of time, so that the decoded sound can be compared at any rate. Left and right differ, are broad-band (to
+//! reveal shifts) and stay below 8 kHz (to survive lossy codecs).
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -50,9 +50,9 @@ struct Case {
     file: &'static str,
     args: &'static [&'static str],
     rate: u32,
-    /// Largest error of a sample against the signal; 0 for lossy codecs.
+    /// Maximum error of a sample against the signal; 0 for lossy codecs.
     lossless: f32,
-    /// Largest difference of a sample after a seek from an uninterrupted run.
+    /// Maximum difference between a sample after a seek and the same sample of an uninterrupted run.
     seek: f32,
     tail: usize,
     /// Encoder delay that ffmpeg does not write into this container, in frames.
@@ -74,7 +74,7 @@ const fn unreported(case: Case, frames: usize) -> Case {
     Case { unreported: frames, ..case }
 }
 
-/// The tested formats. AAC has no noise substitution: its random noise differs after a seek.
+/// The tested formats. AAC is encoded without noise substitution, whose random noise would differ after a seek.
 const CASES: &[Case] = &[
     case("s16.wav", &["-c:a", "pcm_s16le"], 44_100, 6e-5, 0.0, 0),
     case("s24.wav", &["-c:a", "pcm_s24le"], 44_100, 4e-7, 0.0, 0),
@@ -181,7 +181,7 @@ impl Media {
     }
 }
 
-/// All files of [`CASES`], created once; `short-` ones of a quarter of a second for the damage tests.
+/// All files of [`CASES`], created once. For the damage tests, there are also `short-` files of a quarter of a second.
 static MEDIA: LazyLock<Media> = LazyLock::new(|| {
     let media = Media { folder: tempfile::tempdir().unwrap() };
     for (prefix, seconds) in [("", SECONDS), ("short-", 0.25)] {
@@ -219,7 +219,7 @@ pub(super) fn decode_file(path: &Path) -> Vec<Frame> {
     decode_all(&mut decoder).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// The best shift of `got` against `wanted`, up to `reach` frames, and its correlation (1 is equality).
+/// Returns the best shift of `got` against `wanted`, up to `reach` frames, and its correlation (1 for equal signals).
 pub(super) fn best_shift(got: &[Frame], wanted: &[Frame], side: usize, reach: isize) -> (isize, f64) {
     let (start, length) = (20_000usize, 2048usize);
     let wanted: Vec<f64> = wanted[start..start + length].iter().map(|f| f64::from(f[side])).collect();
@@ -405,7 +405,7 @@ fn mono_is_heard_on_both_sides_at_full_level() {
     }
 }
 
-/// The left and right levels of each channel alone, relative to full scale in that channel.
+/// Returns the left and right levels of each channel alone, relative to full scale in the channel.
 pub(super) fn downmix_levels(
     folder: &Path,
     layout: &str,
@@ -591,7 +591,7 @@ fn chained_streams_continue_at_the_first_rate() {
     }
 }
 
-/// Decodes any file with a seek in between. Returns the frame count and the error that ended it.
+/// Decodes any file and seeks once. Returns the frame count and the error that ended the decoding.
 fn endure(file: &str, bytes: Vec<u8>, most: usize) -> (usize, Option<DecodeError>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(file);
@@ -670,7 +670,7 @@ fn corrupted_files_end_in_sound_or_in_an_error() {
                     let mut survived = 0;
                     for round in 0..ROUNDS {
                         let mut damaged = bytes.clone();
-                        // Every other round damages only the headers, which has the most effect.
+                        // Every second round damages only the headers, because this damage has the most effect.
                         let reach = if round % 2 == 0 { damaged.len() } else { damaged.len().min(600) };
                         for _ in 0..1 + random.below(8) {
                             let at = random.below(reach);
@@ -686,7 +686,7 @@ fn corrupted_files_end_in_sound_or_in_an_error() {
                         }
                         survived += usize::from(error.is_none());
                     }
-                    // A short Ogg file is a single page, which is rejected as a whole by its checksum.
+                    // A short Ogg file is a single page. A wrong checksum rejects the whole page.
                     let least = if case.file.ends_with("ogg") || case.file.ends_with("opus") {
                         0
                     } else {
@@ -697,7 +697,7 @@ fn corrupted_files_end_in_sound_or_in_an_error() {
             });
         }
     });
-    // Contained panics of the libraries are printed; they do not fail the test.
+    // Contained panics of the libraries are printed, but they do not fail the test.
     for failure in failures.lock().unwrap().iter() {
         println!("contained: {failure}");
     }
@@ -705,7 +705,7 @@ fn corrupted_files_end_in_sound_or_in_an_error() {
 
 #[test]
 fn a_gap_in_the_middle_does_not_shift_the_rest() {
-    // One MP3 frame is overwritten; the total length must not change.
+    // One MP3 frame is overwritten. The total length must not change.
     let bytes = std::fs::read(MEDIA.path("cbr.mp3")).unwrap();
     let mut damaged = bytes.clone();
     let at = bytes.len() / 4;

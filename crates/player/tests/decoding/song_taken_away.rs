@@ -1,4 +1,4 @@
-//! Regression test: a looping song used to be opened by its path at each lap, so that moving or deleting the file ended
+//! Regression test: a looping song was once opened by its path at each lap, so that moving or deleting the file ended
 //! the show.
 
 #![cfg(unix)]

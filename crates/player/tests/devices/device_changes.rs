@@ -2,7 +2,7 @@
 //! They need `pulseaudio`, `pactl` and `pacat`.
 //!
 //! `MARIANA_STRESS_ROUNDS=1000 cargo test -p mariana-player --test devices storm -- --nocapture` runs the long test
-//! with many changes, and prints the delays until sound was back.
+//! with many changes, and prints the times until sound was back.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -111,7 +111,7 @@ fn a_song_continues_on_another_output() {
     player.choose_output(named("usb"));
     wait_for(&mut player, "the other output", plays_on("usb"));
     assert!(player.status().position >= before, "the song went back");
-    // A missing device leaves the song on the current one and reports a reason.
+    // If the chosen device is missing, the song stays on the current device, and a reason is reported.
     player.choose_output(named("no such box"));
     wait_for(&mut player, "the refusal", |status| status.refused.is_some());
     assert!(plays_on("usb")(&player.status()), "{:?}", player.status());
@@ -137,7 +137,7 @@ fn a_preferred_output_is_used_while_it_is_connected() {
     let plugged = session.server().plug("usb", &[]);
     let target = Target::Preferred(id("usb"));
     session.server().unplug(&plugged);
-    // The device is missing at the start: the default plays, without an error.
+    // The device is missing at the start, so the default plays, without an error.
     let options = PlayerOptions { target, ..PlayerOptions::default() };
     let mut player = Player::start_alone(Box::new(Tone(0)), options).expect("a player");
     wait_for(&mut player, "the default", plays_on("viz"));
@@ -174,7 +174,7 @@ fn a_named_device_is_used_when_it_returns() {
     let mut live = listen(Target::MonitorOf("usb".into()));
     wait_for(&mut player, "the sound", plays_on("usb"));
     wait_for_live(&mut live, "the sound", hears("usb.monitor"));
-    // Unplugged: the server moves the streams to viz, which was not requested.
+    // When the device is unplugged, the server moves the streams to viz, which was not requested.
     session.server().unplug(&usb);
     let gone = |silent: &Option<String>| silent.as_deref().is_some_and(|why| why.contains("gone"));
     wait_for(&mut player, "the silent clock", |status| gone(&status.silent));
@@ -202,7 +202,7 @@ fn an_input_is_chosen_while_another_is_heard() {
     assert!(second.segment > first.segment && second.song_time > first.song_time);
     live.choose(named("no_such_box"));
     let reported = |status: &LiveStatus| status.silent.clone().unwrap_or_default();
-    // The previous input continues until the chosen one opens, and the reason is reported.
+    // The previous input continues until the chosen input opens, and the reason is reported.
     wait_for_live(&mut live, "the reason", |status, _| {
         status.refused.as_ref().is_some_and(|reason| reason.contains("no_such_box"))
     });
@@ -290,7 +290,7 @@ fn unplugging_the_only_output_leaks_no_threads_or_files() {
     let session = Session::with_server();
     let mut player = play(None);
     wait_for(&mut player, "the sound", plays_on("viz"));
-    // All null sinks, by the module's name.
+    // The module's name unplugs all null sinks.
     session.server().unplug("module-null-sink");
     let mut after = Vec::new();
     for _ in 0..6 {
@@ -299,7 +299,7 @@ fn unplugging_the_only_output_leaks_no_threads_or_files() {
         wait_for(&mut player, "the sound", plays_on("usb"));
         session.server().unplug(&usb);
         wait_for(&mut player, "silence", |status| status.silent.is_some());
-        // Until the remains of the previous device are released.
+        // Wait until the remains of the previous device are released.
         std::thread::sleep(Duration::from_secs(1));
         after.push(held());
     }
@@ -340,7 +340,7 @@ fn a_storm_of_changes_ends_with_sound() {
                 plugged = names.map(|name| session.server().plug(name, &[])).to_vec();
             }
         }
-        // Half of the changes come before the previous one was handled.
+        // Half of the changes follow before the previous change was handled.
         if random(2) == 0 {
             std::thread::sleep(Duration::from_millis(random(200) as u64));
             continue;
@@ -378,7 +378,7 @@ fn a_storm_of_changes_ends_with_sound() {
         at(1.0),
         held()
     );
-    // The number of threads varies, because some wait for an answer.
+    // The number of threads varies, because some threads wait for an answer.
     let (threads, files) = held();
     assert!(threads <= held_before.0 + 6 && files <= held_before.1 + 8, "{held_before:?} to {:?}", held());
     drop((player, live));

@@ -1,5 +1,5 @@
-//! Tests of playback through a real stream: a separate PulseAudio server, whose null sink is recorded and compared with
-//! the played song. They need `pulseaudio` and `parec`.
+//! Tests of playback through a real stream. A separate PulseAudio server has a null sink, whose recording is compared
+//! with the played song. The tests need `pulseaudio` and `parec`.
 
 #![allow(clippy::expect_used)]
 
@@ -50,7 +50,7 @@ impl Song {
             .map(|n| {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 let noise = (state >> 8) as f32 / (1 << 23) as f32 - 1.0;
-                // Below a few kilohertz, so that a resampler does not change it.
+                // Keep the noise below a few kilohertz, so that a resampler does not change it.
                 smooth += 0.2 * (noise - smooth);
                 let t = n as f64 / f64::from(rate);
                 let tone = (std::f64::consts::TAU * (200.0 * t + 100.0 * t * t)).sin();
@@ -84,7 +84,7 @@ impl FrameSource for Song {
     }
 }
 
-/// The position in `recorded` at which `wanted` begins: the shift at which a part of the left channel differs least.
+/// Returns the position in `recorded` at which `wanted` begins: the shift with the smallest left-channel difference.
 fn align(recorded: &[StereoFrame], wanted: &[StereoFrame], from: usize, length: usize) -> isize {
     let stretch = &wanted[from..from + length];
     let (mut best, mut least) = (0, f32::INFINITY);
@@ -156,7 +156,7 @@ fn played_is_recorded(rate: u32, parts: usize) {
     let from = (range.start as isize + shift) as usize;
     let heard = &recorded[from..from + range.len()];
     for channel in 0..2 {
-        // In short pieces, so that a dropout is noticed.
+        // Compare short pieces, so that a dropout is noticed.
         for (n, (heard, wanted)) in heard.chunks(4_800).zip(wanted[range.clone()].chunks(4_800)).enumerate() {
             let pick = |frame: &StereoFrame| frame[channel];
             let (correlation, level) = compare(heard.iter().map(pick), wanted.iter().map(pick));
@@ -203,8 +203,8 @@ fn the_clock_follows_the_sound() {
     wait_for(&mut player, "the sound", |status| status.position > 1.0);
     let begin = Instant::now();
     let mut last = 0.0;
-    // The lead of the song over the passed time: a lower and an upper bound, because this thread may be interrupted
-    // between two clock reads.
+    // Returns a lower and an upper bound of the song's lead over the passed time. There are two bounds because this
+    // thread may be interrupted between two clock reads.
     let mut ahead = || {
         let before = begin.elapsed().as_secs_f64();
         let now = player.now(0.0).song_time;

@@ -8,7 +8,7 @@ use crate::output::OutputCallbackLink;
 use crate::track::{Found, Repeat};
 
 pub(crate) enum Command {
-    /// Plays on this output from `at` on.
+    /// Plays on this output from the moment `at` on.
     Output {
         link: OutputCallbackLink,
         at: Instant,

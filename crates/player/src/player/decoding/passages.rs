@@ -14,7 +14,7 @@ pub(super) struct Passages {
     current: Playing,
     /// Earlier tracks of the segment whose ends may still be audible, the oldest first.
     before: VecDeque<Playing>,
-    /// The newest passage. Numbers are never reused, so late features cannot be attributed to the wrong passage.
+    /// The newest passage. Its number is never reused, so late features cannot be attributed to the wrong passage.
     last: u64,
 }
 
@@ -60,7 +60,7 @@ impl Passages {
         self.before.push_back(std::mem::replace(&mut self.current, current));
     }
 
-    /// Replaces all tracks by `track`. It is not audible until a segment begins with it.
+    /// Replaces all tracks by `track`. The track becomes audible only when a segment begins with it.
     pub(super) fn replace_with(&mut self, track: Track) {
         self.forget_earlier();
         self.last += 1;
@@ -81,8 +81,8 @@ impl Passages {
         }
     }
 
-    /// Makes the track of `passage` current again if later ones have begun ahead of time. Returns the track after it,
-    /// which is not at its start. The caller must begin a new segment.
+    /// Makes the track of `passage` current again if later tracks have begun ahead of time. Returns the track after it,
+    /// which is no longer at its start. The caller must begin a new segment.
     pub(super) fn go_back_to(&mut self, passage: u64) -> Option<Track> {
         self.forget_before(passage);
         let mut after = None;

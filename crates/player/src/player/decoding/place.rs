@@ -7,7 +7,7 @@ use super::segment::CurrentSegment;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
     pub(super) passage: u64,
-    /// The time of its track, in seconds.
+    /// The time within the passage's track, in seconds.
     pub(super) time: f64,
 }
 
@@ -16,7 +16,7 @@ pub(super) struct Goal {
     pub(super) time: f64,
     /// True if only the output changed.
     pub(super) same_run: bool,
-    /// The moment at which that time is due, if the song is running.
+    /// The moment at which `time` is due, if the song is running.
     pub(super) due: Option<Instant>,
 }
 
@@ -27,7 +27,7 @@ impl Goal {
 }
 
 impl CurrentSegment {
-    /// The audible position. Until a seek is audible, its target in passage `earliest`.
+    /// Returns the audible position. Until a seek is audible, returns its target in passage `earliest`.
     pub(super) fn place(&self, earliest: u64) -> Place {
         let heard = self.audible().and_then(|audible| self.audible_segments().lock().place(audible, 0.0));
         heard.map_or(Place { passage: earliest, time: self.start() }, |heard| Place {
@@ -36,7 +36,7 @@ impl CurrentSegment {
         })
     }
 
-    /// The passage and position at a moment if the song continues; a position not yet audible is in `earliest`.
+    /// Returns the passage and position at a moment if the song continues. A position not yet audible is in `earliest`.
     pub(super) fn course(&self, at: Instant, earliest: u64) -> (u64, Goal) {
         let Place { passage, time } = self.place(earliest);
         let stands = Goal { time, same_run: true, due: None };
@@ -44,7 +44,7 @@ impl CurrentSegment {
             return (passage, stands);
         }
         let Some(course) = self.course_of_output(at) else {
-            // No frame of the segment has been audible yet.
+            // The segment has no audible frame yet.
             let runs = |due| {
                 let late: Duration = at.saturating_duration_since(due);
                 Goal { time: self.start() + late.as_secs_f64(), same_run: true, due: Some(at.max(due)) }

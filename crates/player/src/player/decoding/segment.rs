@@ -14,25 +14,25 @@ use crate::resample::{ResampleError, Resampler};
 use crate::track::TrackInfo;
 use mariana_music::StereoFrame;
 
-/// Depth of the ring, in seconds; at least [`RING_BUFFERS`] device buffers.
+/// Depth of the ring, in seconds. The ring holds at least [`RING_BUFFERS`] device buffers.
 const RING: f64 = 0.4;
 
 const RING_BUFFERS: usize = 4;
 
-/// Seconds of a segment that must be ready before it is played: more than the look-ahead of the analysis.
+/// Seconds of a segment that must be ready before it is played. They exceed the look-ahead of the analysis.
 const PREFILL: f64 = 0.15;
 
 pub(super) struct SegmentStart {
     pub(super) passage: u64,
     pub(super) info: Arc<TrackInfo>,
-    /// The track time of its first frame, in seconds.
+    /// The track time of the segment's first frame, in seconds.
     pub(super) target: f64,
     pub(super) resampler: Resampler,
     pub(super) skip: u64,
     pub(super) from_start: bool,
 }
 
-/// The segment being filled and its output. There is none before the first output or after one that could not begin.
+/// The segment being filled and its output. The segment is missing before the first output, or if it could not begin.
 pub(super) struct CurrentSegment {
     audible_segments: SharedAudibleSegments,
     link: Option<OutputCallbackLink>,
@@ -43,7 +43,7 @@ pub(super) struct CurrentSegment {
     due: Option<Instant>,
     /// The number of output calls when the process was last suspended.
     stood_still: Option<u64>,
-    /// The start of the next segment once there is an output, in seconds.
+    /// The track time at which the next segment starts once an output is open, in seconds.
     start: f64,
 }
 
@@ -80,7 +80,7 @@ impl CurrentSegment {
         self.stood_still = self.link.as_ref().map(|link| link.history.calls());
     }
 
-    /// True if the process was suspended and the output has not called since, so that the song has not moved.
+    /// True if the process was suspended and the output has not called since. In this case the song has not moved.
     pub(super) fn stands_still(&self) -> bool {
         let calls = self.link.as_ref().map(|link| link.history.calls());
         calls.is_some() && self.stood_still == calls
@@ -157,7 +157,7 @@ impl CurrentSegment {
             self.audible_segments.lock().finish(filling.id, filling.pushed);
         }
         let prefill = ((PREFILL * f64::from(link.rate)) as u64).min(filling.ring.buffer().capacity() as u64);
-        // The first audible frames need their features, unless the ring is too full to wait for them.
+        // Wait for the features of the first audible frames, unless the ring is full.
         let is_full = !filling.is_pushed();
         let is_ready =
             filling.pushed >= prefill && (is_full || self.audible_segments.lock().has_begun(filling.id));
@@ -169,7 +169,7 @@ impl CurrentSegment {
         !filling.finished && filling.is_pushed()
     }
 
-    /// Starts the segment at the end of a track that ended before the target; `rate` is the source's.
+    /// Starts the segment at the end of a track that ended before the target. `rate` is the source's rate.
     pub(super) fn start_at_end(&mut self, passage: u64, rate: u32) {
         let Some(filling) = self.filling.as_mut().filter(|filling| filling.skip > 0) else { return };
         filling.target = (filling.target - filling.skip as f64 / f64::from(rate)).max(0.0);
@@ -205,7 +205,7 @@ impl CurrentSegment {
         filling.change_resampler(Resampler::new(rate, link.rate)?, link.rate, scratch)
     }
 
-    /// The segment time that is certainly past even with the largest delay of the image, in seconds.
+    /// The segment time, in seconds, that was certainly shown, even with the largest delay of the image.
     fn played(&self) -> f64 {
         let rate = self.output_rate().unwrap_or(1);
         let audible = self.audible().map_or(0.0, |audible| audible.frame / f64::from(rate));

@@ -22,7 +22,7 @@ enum Next {
 
 pub(super) enum Following {
     Unknown,
-    /// The same track, which is at its start again.
+    /// The same track again. It is at its start already.
     Again,
     Track(Track),
     End,
@@ -31,9 +31,9 @@ pub(super) enum Following {
 pub(super) struct TrackQueue {
     pub(super) passages: Passages,
     next: Next,
-    /// The id of the request for a skip.
+    /// The id of the pending request for a skip.
     skipping: Option<u64>,
-    /// Further skip steps since that request.
+    /// The number of further skips since this request.
     steps: i32,
     empty_tracks: u32,
     list: Sender<Request>,
@@ -70,7 +70,7 @@ impl TrackQueue {
         self.steps += if forward { 1 } else { -1 };
     }
 
-    /// Requests the target of the pending skips, counted from passage `audible`, unless another search is running.
+    /// Requests the track of the pending skips, counted from passage `audible`, unless a search is running already.
     pub(super) fn ask_for_skips(&mut self, audible: u64) {
         if self.steps != 0 && self.skipping.is_none() {
             let steps = std::mem::take(&mut self.steps);
@@ -79,12 +79,12 @@ impl TrackQueue {
         }
     }
 
-    /// Requests the first of these files, which replace the list. Skips of the old list are dropped.
+    /// Requests the first of these files, which replace the list. Pending skips of the old list are dropped.
     pub(super) fn ask_for_files(&mut self, files: Vec<PathBuf>) {
         (self.skipping, self.steps) = (self.request(Wanted::Files(files)), 0);
     }
 
-    /// Requests the track at this index of the list. Pending skips are dropped: the user gave them earlier.
+    /// Requests the track at this index of the list. Pending skips are dropped because they are older.
     pub(super) fn ask_for_entry(&mut self, entry: usize) {
         (self.skipping, self.steps) = (self.request(Wanted::Entry(entry)), 0);
     }
@@ -95,8 +95,8 @@ impl TrackQueue {
         let _ = self.list.send(Request::Edit { edit, playing });
     }
 
-    /// Handles an answer to an edit while passage `audible` is heard; `ended` if the segment is fully decoded.
-    /// Returns true if a track that had begun was removed: a new segment must begin at the audible position.
+    /// Handles an answer to an edit while passage `audible` is heard. `ended` is true if the segment is fully decoded.
+    /// Returns true if a track that had begun was removed. Then a new segment must begin at the audible position.
     pub(super) fn take_edit(&mut self, edited: Edited, audible: u64, ended: bool) -> bool {
         let playing = self.passages.entry_in(audible);
         if edited.removed == Some(playing) || edited.resume {
@@ -107,8 +107,8 @@ impl TrackQueue {
         if ahead {
             self.go_back_to(audible);
         }
-        // The track opened ahead may no longer be next. A list that has ended does not restart just because its order
-        // changed, but it continues if tracks were appended or an earlier edit is still being answered.
+        // The track opened ahead may no longer be next. A change of order does not restart a list that has ended. But
+        // the list continues if tracks were appended or an earlier edit is still being answered.
         let goes_on = !ended || edited.appended || matches!(self.next, Next::Asked(_));
         self.next = Next::Unasked;
         if goes_on {
@@ -130,8 +130,8 @@ impl TrackQueue {
         }
     }
 
-    /// Handles the list thread's answer to request `id`; `ended` if the segment is fully decoded. Returns true if the
-    /// current track, which may have changed, must begin in a new segment.
+    /// Handles the list thread's answer to request `id`. `ended` is true if the segment is fully decoded. Returns true
+    /// if the current track must begin in a new segment; the answer may have changed the current track.
     pub(super) fn take(&mut self, id: u64, found: Found, ended: bool) -> bool {
         if self.skipping == Some(id) {
             self.skipping = None;
@@ -151,13 +151,13 @@ impl TrackQueue {
             return false;
         }
         self.next = match found {
-            // The list had ended but continues because repeat was turned on.
+            // The list had ended, but continues because repeat was turned on.
             Found::Track(track) if ended => {
                 self.replace_with(track);
                 return true;
             }
             Found::Again if ended => {
-                // From now on the track repeats at each of its ends.
+                // From now on the track repeats each time it ends.
                 self.next = Next::Again;
                 return true;
             }
@@ -187,7 +187,7 @@ impl TrackQueue {
             Next::Track(track) => {
                 self.empty_tracks = if empty { self.empty_tracks + 1 } else { 0 };
                 if self.empty_tracks > EMPTY_TRACKS_MAX {
-                    self.track_errors.tell("these tracks contain no sound; choose others".into());
+                    self.track_errors.tell("these tracks contain no sound; choose other tracks".into());
                     return Following::Track(self.silence());
                 }
                 return Following::Track(track);
@@ -200,7 +200,7 @@ impl TrackQueue {
         Following::Unknown
     }
 
-    /// Goes back to the track of `passage` if the next one has begun. The caller must begin a new segment.
+    /// Goes back to the track of `passage` if a later track has begun. The caller must begin a new segment.
     pub(super) fn go_back_to(&mut self, passage: u64) {
         if let Some(mut later) = self.passages.go_back_to(passage) {
             self.next = if later.source.seek(0.0).is_ok() { Next::Track(later) } else { Next::Unasked };
@@ -218,7 +218,7 @@ impl TrackQueue {
         Track::silence(info.entry, info.count).with_id(info.id)
     }
 
-    /// Requests the track after the current one; `anew` if the current track would have to be opened again to repeat.
+    /// Requests the track after the current track. `anew` is true if the current track must be opened again to repeat.
     fn ask(&mut self, anew: bool) {
         let after = self.passages.track().info.id;
         self.next = self.request(Wanted::Following { after, anew }).map_or(Next::End, Next::Asked);
