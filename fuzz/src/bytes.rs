@@ -1,6 +1,6 @@
 //! A fuzz input as a sequence of choices.
 
-/// The rest of an input. Reads 0 after its end.
+/// The unread rest of an input. After the end of the input, each read gives 0.
 pub(crate) struct Bytes<'a>(pub(crate) &'a [u8]);
 
 /// Special numbers for arithmetic, and ordinary numbers.

@@ -122,7 +122,7 @@ pub enum Control {
 pub struct Row {
     /// The name in OSC addresses, MIDI mappings and phone requests. Never change it: users' files contain it.
     pub name: Option<&'static str>,
-    /// The value that controllers send for it.
+    /// The value that controllers send for the command.
     pub control: Option<Control>,
     /// The keys of the command.
     pub bindings: &'static [Binding],
@@ -132,7 +132,7 @@ pub struct Row {
     pub is_on: Option<fn(&ShowState) -> bool>,
     /// Returns the value of a level, 0..1.
     pub level: Option<fn(&ShowState) -> Option<f32>>,
-    /// True if phones may send it. Phones must not cause files to be written.
+    /// True if phones may send the command. Phones must not cause files to be written.
     pub for_phones: bool,
 }
 

@@ -421,7 +421,7 @@ commands! {
 pub struct Binding {
     /// The keys, each with the command that it sends.
     pub keys: &'static [(Key<&'static str>, Command)],
-    /// The command of the first key with Shift held, if it differs.
+    /// The command of the first key while Shift is held, if Shift changes the command.
     pub shifted: Option<Command>,
     /// The keys in writing, such as "F, F11 or double click".
     pub written: &'static str,

@@ -5,7 +5,7 @@
 pub enum ValueType {
     /// No value: the action runs when a button is pressed.
     Press,
-    /// On or off; without a value, it toggles.
+    /// On or off. Without a value, the switch toggles.
     Switch,
     /// A number from 0 to 1.
     Level,
@@ -18,7 +18,7 @@ pub enum ValueType {
 /// An action in the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ActionRow {
-    /// The name in OSC addresses and files: lower-case letters and underscores. It never changes.
+    /// The name in OSC addresses and files: lower-case letters and underscores. The name never changes.
     pub name: &'static str,
     /// The kind of value.
     pub takes: ValueType,

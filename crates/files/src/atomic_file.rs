@@ -32,8 +32,8 @@ pub struct Unwritable {
     pub reason: String,
 }
 
-/// A temporary file. It is removed when it is dropped, when a signal ends the process, or by the next run after a
-/// crash.
+/// A temporary file, which is removed when this is dropped, when a signal ends the process, or by the next run after
+/// a crash.
 #[derive(Debug)]
 pub struct Unfinished {
     // Open and locked while it exists.
@@ -148,7 +148,7 @@ fn remove_abandoned(folder: &Path) {
     for entry in entries.flatten() {
         let ours = entry.file_name().as_encoded_bytes().starts_with(PREFIX.as_bytes())
             && entry.file_type().is_ok_and(|kind| kind.is_file());
-        // The lock is held during the removal, so that a run that has just created the file notices.
+        // The lock is held during the removal, so that a run that has just created the file notices the removal.
         let file = ours.then(|| File::options().read(true).write(true).open(entry.path()));
         if let Some(Ok(file)) = file
             && cfg!(unix)

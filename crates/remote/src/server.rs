@@ -1,5 +1,5 @@
-//! The server's threads: one opens the port and keeps the pairing address up to date, one accepts connections, and each
-//! connection has its own.
+//! The server's threads. One thread opens the port and keeps the pairing address up to date, one thread accepts
+//! connections, and each connection has a thread.
 
 use std::io;
 use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};

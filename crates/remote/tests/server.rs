@@ -72,7 +72,7 @@ impl Place {
 
     fn answer_to(&self, bytes: &[u8]) -> String {
         let mut stream = self.connect();
-        // A server that refuses may not read to the end.
+        // A server that refuses a request may stop reading before the end.
         let _ = stream.write_all(bytes);
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);

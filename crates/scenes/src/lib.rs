@@ -157,7 +157,7 @@ impl SceneSource {
     /// version become inputs.
     ///
     /// # Errors
-    /// As [`SceneSource::compile`].
+    /// Fails like [`SceneSource::compile`].
     pub fn compile_following(
         &self,
         edits: &mut NumberEdits,
@@ -172,7 +172,7 @@ impl SceneSource {
     /// Reads the scene's text.
     ///
     /// # Errors
-    /// As [`SceneSource::compile`].
+    /// Fails like [`SceneSource::compile`].
     pub fn text(&self) -> Result<Cow<'_, str>, SceneError> {
         match self {
             Self::Formula(text) => Ok(text.into()),

@@ -19,8 +19,8 @@ impl SceneList {
         Self { start: start.clone() }
     }
 
-    /// Returns the scene after `current`. Reads the folder again. If `current` is not in the cycle, it is inserted in
-    /// sorted order.
+    /// Returns the scene after `current`. Reads the folder again. If the cycle lacks `current`, `current` is inserted
+    /// in sorted order.
     pub fn next(&self, current: &SceneSource) -> SceneSource {
         let (mut round, at) = self.round(current);
         let next = (at + 1) % round.len();

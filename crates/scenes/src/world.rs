@@ -62,7 +62,7 @@ impl SceneSource {
     /// Prepares `text` as if it were the scene's text.
     ///
     /// # Errors
-    /// As [`SceneSource::ready`].
+    /// Fails like [`SceneSource::ready`].
     pub fn ready_as(&self, text: &str) -> Result<ReadyScene, SceneError> {
         let compiled = self.compile_as(text, &mut NumberEdits::default(), &DraftTexts::default());
         self.prepare(compiled, &mut TextureCache::default())
@@ -92,7 +92,7 @@ impl SceneSource {
     /// Reads and compiles a scene. Fails if the text has mistakes.
     ///
     /// # Errors
-    /// As [`SceneSource::ready`].
+    /// Fails like [`SceneSource::ready`].
     pub fn checked(&self) -> Result<Scene, SceneError> {
         let mut compiled = self.compile()?;
         match compiled.scene.take() {

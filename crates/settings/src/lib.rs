@@ -62,6 +62,6 @@ pub enum FollowChoice {
     Songs,
     /// Songs and inputs.
     On,
-    /// None: the scene stays until the user changes it.
+    /// No source: the scene stays until the user changes it.
     Off,
 }

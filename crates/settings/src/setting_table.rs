@@ -4,8 +4,9 @@
 /// Passes the table to a macro, which defines the settings ([`super::Choices`]) or the command-line flags.
 ///
 /// A row has the documentation and serde attributes, the key in the file, the type (a [`super::Shown`]), the default,
-/// and the variant of [`super::Setting`]; in braces the name and explanation in the panel; in brackets the clap
-/// attributes and the help of the flag. Without braces there is no row in the panel, without brackets no flag.
+/// and the variant of [`super::Setting`]. Braces contain the name and explanation in the panel. Brackets contain the
+/// clap attributes and the help of the flag. A setting without braces is not in the panel. A setting without brackets
+/// has no flag.
 #[macro_export]
 macro_rules! with_settings {
     ($make:ident) => {

@@ -15,7 +15,7 @@ use super::ports::{Hear, Ports};
 
 const SAYS_SO: &str = " (fake port)";
 const ENDING: &str = "port";
-/// The interval at which a port checks if it is still in use.
+/// The interval at which a port's thread checks if the port has been dropped.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// A folder of fake devices: each file `NAME.port` is a connected device. While the device is open, its bytes arrive as

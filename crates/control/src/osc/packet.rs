@@ -16,7 +16,7 @@ pub type Timed = (OscMessage, Option<OscTime>);
 /// malformed, nested too deeply, or above the maximum number. A message has the time of its innermost bundle.
 pub fn messages(packet: &[u8]) -> (Vec<Timed>, u64) {
     let (mut found, mut rubbish) = (Vec::new(), 0);
-    // A stack of parts still to be read; the last is next.
+    // A stack of unread parts. The last part is read next.
     let mut pieces: Vec<(&[u8], usize, Option<OscTime>)> = vec![(packet, 0, None)];
     let mut elements = 0;
     while let Some((piece, depth, time)) = pieces.pop() {

@@ -18,7 +18,7 @@ use crate::action::ActionRow;
 use crate::limits::LIMITS;
 use crate::{Board, InputQueue, Present, Slider};
 
-/// The interval at which the thread checks if it is still in use.
+/// The interval at which the thread checks if the receiver has been dropped.
 const LOOK: Duration = Duration::from_millis(200);
 const LEAST_LOOK: Duration = Duration::from_millis(1);
 const PACKET_MAX: usize = 65_535;
@@ -174,8 +174,8 @@ impl Hearing {
         }
     }
 
-    /// Handles a packet at the system time `now` and returns the answers. Messages that are not due yet go to `waits`,
-    /// which returns false if it is full.
+    /// Handles a packet at the system time `now` and returns the answers. `waits` takes the messages that are not due
+    /// yet, and returns false if too many messages wait.
     fn hear(
         &self,
         packet: &[u8],

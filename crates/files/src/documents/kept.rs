@@ -1,7 +1,7 @@
 //! Backups of unsaved texts, which survive a crash.
 //!
 //! Each backup is a separate file: one line of JSON that names the text's file, then the text byte for byte. A user
-//! can recover it with any editor.
+//! can recover the text with any editor.
 
 use std::ffi::OsStr;
 use std::io;

@@ -199,7 +199,7 @@ pub fn pads() -> Vec<Note> {
     let mut notes = Vec::new();
     for bar in 0..BARS {
         let halves: &[usize] = if bar == 11 { &[0, 8] } else { &[0] };
-        // No pads in the one-sided bars and the silence of the breakdown. The last bar ends early for its
+        // The one-sided bars and the silence of the breakdown have no pads. The last bar ends early for its reverb
         // tail.
         let steps = match bar {
             20 | 21 => continue,

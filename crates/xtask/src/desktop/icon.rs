@@ -26,7 +26,7 @@ enum Outline {
 }
 use Outline::{Disc, RightHalf, Square};
 
-/// From bottom to top, each with an sRGB colour.
+/// The layers from bottom to top, each with an sRGB colour.
 const LAYERS: [(Outline, u32); 10] = [
     (Square(30.0, 9.0), 0x6B_2C0D),
     (Square(28.5, 7.5), 0xB3_561F),

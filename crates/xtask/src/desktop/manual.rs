@@ -31,7 +31,7 @@ fn page(command: Command) -> std::io::Result<(String, Vec<u8>)> {
         });
     let mut text = Vec::new();
     writeln!(text, ".TH {name} 1 \"\" \"mariana {}\" Mariana", env!("CARGO_PKG_VERSION"))?;
-    // `Man` omits an empty date from its title line, which would put the version in the date's place.
+    // Write the title line here: `Man` omits an empty date, and the version would then take the date's place.
     let mut rendered = Vec::new();
     Man::new(command).render(&mut rendered)?;
     for line in rendered.split_inclusive(|byte| *byte == b'\n').filter(|line| !line.starts_with(b".TH ")) {

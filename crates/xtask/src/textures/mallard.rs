@@ -515,7 +515,7 @@ fn head(canvas: &mut Canvas) {
             + ((p[1] - 236.0) / 78.0).powi(2);
         c = mix3(c, rgb(0x1fa06e), 0.34 * (-1.4 * sheen).exp() * (1.0 + hair));
         c = scale(c, 1.0 + 0.35 * hair);
-        // The white ring with a ragged edge, then chestnut that fades into the breast.
+        // Add the white ring with a ragged edge, then chestnut that fades into the breast.
         let sag = 14.0 * (1.0 - ((p[0] - 302.0) / 80.0).powi(2));
         let rag = 5.0 * free_turbulence(p[0] * 0.16, p[1] * 0.04, 2, 72);
         let below = p[1] - 346.0 - sag + rag;
