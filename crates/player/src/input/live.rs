@@ -1,7 +1,7 @@
 //! Live input: [`Live`], the handle that the window holds. All methods return at once; slow work runs on threads.
 //!
 //! **Live features have the shortest possible delay.** The analysis window of a live moment ends at its newest sample,
-//! and buffers are one hop long. Moments go through a wait-free ring to the application window. It keeps the last
+//! and buffers are one hop long. Moments go through a wait-free ring to the window on the screen, which keeps the last
 //! seconds and shows the newest moment, or an earlier moment if the image is delayed. Silence replaces missing sound,
 //! so that the image calms down as after a song.
 

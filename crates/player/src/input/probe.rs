@@ -41,7 +41,7 @@ impl Prober {
         (self.found, self.next, self.pause) = (None, None, PAUSE);
     }
 
-    /// Returns an input with a signal, if one was found, without waiting. Sometimes starts a search among `candidates`.
+    /// Returns the input with a signal that was found, without waiting. Starts a search of `candidates` if one is due.
     pub(super) fn look(&mut self, candidates: impl FnOnce() -> Vec<ListedDevice>) -> Option<&ListedDevice> {
         if let Some((worker, answer)) = &self.search {
             if let Ok(found) = answer.try_recv() {

@@ -62,7 +62,7 @@ impl Entry {
 pub(super) struct Gathered {
     pub entries: Vec<Entry>,
     pub track_errors: Vec<PlaylistError>,
-    /// Lists and folders that are being read. If a list or folder contains itself, it is circular.
+    /// Lists and folders that are being read, for detecting a list or folder that contains itself.
     open: Vec<PathBuf>,
     /// Folders that were read. Each folder is read only once, because several links may lead to it.
     folders: BTreeSet<PathBuf>,

@@ -32,7 +32,7 @@ pub(super) struct SegmentStart {
     pub(super) from_start: bool,
 }
 
-/// The segment being filled and its output. The segment is missing before the first output, or if it could not begin.
+/// The segment being filled and its output. Without an output, no segment exists.
 pub(super) struct CurrentSegment {
     audible_segments: SharedAudibleSegments,
     link: Option<OutputCallbackLink>,
