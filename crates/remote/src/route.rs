@@ -35,7 +35,9 @@ impl Refusal {
         match self {
             Self::Method => ("405 Method Not Allowed", "this page is read-only; send GET"),
             Self::Host => ("403 Forbidden", "open the address in Mariana's window, not a host name"),
-            Self::Nothing => ("404 Not Found", "this page does not exist; open the address in Mariana's window"),
+            Self::Nothing => {
+                ("404 Not Found", "this page does not exist; open the address in Mariana's window")
+            }
             Self::WrongToken => {
                 ("403 Forbidden", "this address is no longer valid; open the address in Mariana's window")
             }

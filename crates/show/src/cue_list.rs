@@ -215,8 +215,8 @@ pub const CAMERA_TURNS: [&str; 3] = ["camera yaw", "camera pitch", "camera zoom"
 pub const UNTURNED: [f32; 3] = [0.0, 0.0, 1.0];
 
 /// Names of the image settings, which affect the whole image of any scene: its brightness, and the opacity of a
-/// frozen frame over later frames. Both values are in 0..1. The names contain a space, so no parameter has such a
-/// name. A value stays across scenes until the show sets another value.
+/// frozen frame over later frames. Both values are in 0..1 and stay across scenes until the show changes them. The
+/// names contain a space, so no parameter has such a name.
 pub const PICTURE_NUMBERS: [&str; 2] = ["picture brightness", "picture freeze"];
 
 /// Values of [`PICTURE_NUMBERS`] for an unchanged image.

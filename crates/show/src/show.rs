@@ -59,8 +59,8 @@ impl Show {
     /// song. Messages call the text `name`. `find` is called once for each scene name.
     ///
     /// # Errors
-    /// [`CueListError::Mistakes`] if the text or its scenes have mistakes, or [`CueListError::NothingFits`] if the
-    /// song has the moment of no entry.
+    /// [`CueListError::Mistakes`] if the text or its scenes have mistakes, or [`CueListError::NothingFits`] if no
+    /// entry fits the song.
     pub fn of_text(
         name: &str,
         text: &str,
