@@ -116,7 +116,7 @@ enum Command {
     /// List the shipped scenes with their descriptions
     #[command(after_help = "Examples:\n  mariana scenes\n  mariana --scene orb    show one of them")]
     Scenes,
-    /// List the sound systems with their inputs and outputs and what these support
+    /// List the sound systems with their inputs and outputs, and the formats of these devices
     #[command(after_help = "Examples:\n  mariana devices\n  mariana devices --json\n  \
                             mariana song.flac --device \"USB\"       play on the first one with USB in its name")]
     Devices {

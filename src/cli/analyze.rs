@@ -22,7 +22,7 @@ pub(super) struct AnalyzeArguments {
     #[arg(long, conflicts_with_all = ["gain", "fps", "start", "duration"])]
     structure: bool,
     /// Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the show
-    /// that follows it
+    /// of the director
     #[arg(long, value_name = "FILE.svg", conflicts_with_all = ["gain", "fps", "start", "duration"])]
     plot: Option<PathBuf>,
     /// Also print the position in the whole song at each moment: bar, section, energy, build, drop, ...

@@ -29,10 +29,10 @@ pub(super) struct BenchArguments {
     /// Measure all shipped scenes
     #[arg(long, conflicts_with = "scene")]
     all: bool,
-    /// With --all: measure only scenes whose names contain this; can be given more than once
+    /// With --all: measure only scenes whose names contain this text; can be given more than once
     #[arg(long, value_name = "PART", requires = "all")]
     only: Vec<String>,
-    /// Also compare the frame at edges with one of 64 samples per pixel; slow
+    /// Also compare the edges in the frame with a frame of 64 samples per pixel; slow
     #[arg(long)]
     edges: bool,
     /// Print JSON instead of text

@@ -37,8 +37,8 @@ pub(super) struct CommonArguments {
     /// Conversion of light to screen colours [default: the scene's own, or in a window the last choice there]
     #[arg(long, value_name = "MAP", value_parser = choice::<WantedToneMap>())]
     pub(super) tone_map: Option<WantedToneMap>,
-    /// Automatic gain: quiet and loud songs move the image alike; values in decibels are never changed [default: auto,
-    /// or in a window the last choice there]
+    /// Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed
+    /// [default: auto, or in a window the last choice there]
     #[arg(long, value_name = "AUTO-OFF", value_parser = choice::<Gain>())]
     pub(super) gain: Option<Gain>,
     /// Read the shaders from this folder, to work on them
@@ -112,7 +112,7 @@ pub(super) fn end_by_signals() {
     };
     if let Err(error) = ending::watch(answer) {
         tracing::warn!(
-            "signals cannot be caught ({error}); if one ends this run, the next run removes its unfinished files"
+            "signals cannot be caught ({error}); if a signal ends this run, the next run removes the unfinished files"
         );
     }
 }

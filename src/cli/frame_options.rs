@@ -44,7 +44,7 @@ impl StagingArguments {
     pub(super) fn tell(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.send.len() <= LIMITS.sends_max,
-            "frames can be sent to at most {} targets, not {}: give --send less often",
+            "frames can be sent to at most {} targets, not {}: leave out some --send flags",
             LIMITS.sends_max,
             self.send.len()
         );

@@ -10,7 +10,7 @@ use crate::placement::{Corners, Crop};
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) =
-        text.split_once(['x', 'X', '×']).ok_or("write it as WIDTHxHEIGHT, such as 1280x720")?;
+        text.split_once(['x', 'X', '×']).ok_or("write the size as WIDTHxHEIGHT, such as 1280x720")?;
     let side = |text: &str| {
         let value: u32 =
             text.trim().parse().map_err(|_| format!("'{text}' is not a whole number of pixels"))?;
@@ -38,14 +38,14 @@ fn within(value: f64, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     if value >= low && value <= high {
         Ok(value)
     } else {
-        Err(format!("it must be from {low} to {high} {unit}"))
+        Err(format!("the value must be from {low} to {high} {unit}"))
     }
 }
 
 fn parse_whole(text: &str, low: u16, high: u16, unit: &str) -> Result<u16, String> {
     let value: i64 = text.trim().parse().map_err(|_| format!("'{text}' is not a whole number"))?;
     let value = u16::try_from(value).ok().filter(|value| (low..=high).contains(value));
-    value.ok_or_else(|| format!("it must be from {low} to {high} {unit}"))
+    value.ok_or_else(|| format!("the value must be from {low} to {high} {unit}"))
 }
 
 pub(super) fn parse_osc_rate(text: &str) -> Result<f64, String> {
@@ -58,7 +58,8 @@ pub(super) fn parse_percent(text: &str) -> Result<u8, String> {
 
 /// Parses a kind of blend and the fraction of the second scene: `melt:0.5`.
 pub(super) fn parse_blend(text: &str) -> Result<(BlendKind, f32), String> {
-    let (name, fraction) = text.split_once(':').ok_or("write it as KIND:FRACTION, such as melt:0.5")?;
+    let (name, fraction) =
+        text.split_once(':').ok_or("write the blend as KIND:FRACTION, such as melt:0.5")?;
     let kind = BlendKind::named(name.trim()).ok_or_else(|| {
         let names: Vec<&str> = BlendKind::ALL.iter().map(|(_, name, _)| *name).collect();
         format!("'{}' is no kind of blend: choose one of {}", name.trim(), names.join(", "))
@@ -69,7 +70,7 @@ pub(super) fn parse_blend(text: &str) -> Result<(BlendKind, f32), String> {
 pub(super) fn blend_help() -> String {
     let kinds = BlendKind::ALL.iter().map(|(_, name, meaning)| format!("{name}, where {meaning}"));
     let kinds: Vec<String> = kinds.collect();
-    format!("Kind of blend with that scene, and how far it has gone, 0 to 1: {}", kinds.join("; "))
+    format!("Kind of blend, and the fraction of the second scene from 0 to 1: {}", kinds.join("; "))
 }
 
 pub(super) fn parse_frames(text: &str) -> Result<u16, String> {
@@ -97,7 +98,7 @@ pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
 
 pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
     match parse_seconds(text)? {
-        0.0 => Err("it must be more than 0 seconds".into()),
+        0.0 => Err("the length must be more than 0 seconds".into()),
         seconds => Ok(seconds),
     }
 }

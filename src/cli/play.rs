@@ -46,8 +46,8 @@ pub(super) struct PlayArguments {
     /// Tracks to repeat
     #[arg(long, value_name = "WHAT", default_value = "all")]
     repeat: RepeatChoice,
-    /// Output device, or input with --mic and --system: an id or name from 'mariana devices', or a part of one, or
-    /// 'default' for the system's [default: the last choice in the window, at first the system's]
+    /// Output device, or input with --mic and --system: an id or name from 'mariana devices', a part of an id or name,
+    /// or 'default' for the system's device [default: the last choice in the window, at first the system's device]
     #[arg(long, value_name = "NAME", conflicts_with = "silent")]
     device: Option<String>,
     /// Play without sound, in real time
@@ -59,8 +59,8 @@ pub(super) struct PlayArguments {
     /// Volume at the start, in percent [default: the last one, at first 100]
     #[arg(long, value_name = "PERCENT", value_parser = parse_percent, allow_negative_numbers = true)]
     volume: Option<u8>,
-    /// Additional delay of the sound, beyond the one that the device reports; negative for less [default: the last one
-    /// set with [ and ]]
+    /// Additional delay of the sound, beyond the delay that the device reports; negative for less [default: the last
+    /// delay set with [ and ]]
     #[arg(long, value_name = "MS", value_parser = parse_latency, allow_negative_numbers = true)]
     latency: Option<f64>,
     /// Maximum frames per second [default: the monitor's rate]
@@ -69,7 +69,7 @@ pub(super) struct PlayArguments {
     /// Duration of the fade between scenes with N and P, in seconds; 0 cuts
     #[arg(long, value_name = "SECONDS", default_value = "0.5", value_parser = parse_fade, allow_negative_numbers = true)]
     fade: f64,
-    /// Prepare the next and the previous scene while one is shown
+    /// Prepare the next and the previous scene while the current scene is shown
     #[arg(long, value_name = "ON-OFF", default_value = "on", overrides_with = "prepare_ahead", value_parser = choice::<bool>(), action = ArgAction::Set)]
     prepare_ahead: bool,
     /// Keep the driver's compiled programs in the user's cache folder
@@ -105,7 +105,7 @@ pub(super) struct PlayArguments {
     /// address only: J shows the code to scan; docs/remote.md describes the protection
     #[arg(long, value_name = "PORT")]
     remote: Option<RemotePlace>,
-    /// Do not continue the last show, and do not save this one; choices from the settings panel still apply
+    /// Do not continue the last show, and do not save this show; choices from the settings panel still apply
     #[arg(long)]
     new: bool,
     /// Print the available OpenGL version, and exit

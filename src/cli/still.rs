@@ -32,14 +32,14 @@ pub(super) struct StillArguments {
     output: PathBuf,
     #[command(flatten)]
     scene: OneScene,
-    /// Leave out the sky, so that the image can be laid over another one: in PNG and WebP, for scenes whose sky has no
+    /// Leave out the sky, so that the image can be laid over another: in PNG and WebP, for scenes whose sky has no
     /// color
     #[arg(long, conflicts_with = "view")]
     alpha: bool,
-    /// Show this moment of a show instead of a scene: 'auto' for one that follows the song, or a .show file
+    /// Show this moment of a show instead of a scene: 'auto' for a show that follows the song, or a .show file
     #[arg(long, value_name = "AUTO-OR-FILE", conflicts_with_all = ["alpha", "into", "scene"])]
     show: Option<ShowChoice>,
-    /// Show a blend of the scene with this one
+    /// Show a blend of the scene with this second scene
     #[arg(long, value_name = "SCENE", allow_hyphen_values = true, conflicts_with = "alpha")]
     into: Option<OsString>,
     #[arg(long, value_name = "KIND:FRACTION", help = blend_help(), requires = "into", default_value = "melt:0.5", value_parser = parse_blend)]

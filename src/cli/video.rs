@@ -57,12 +57,12 @@ pub(super) struct VideoArguments {
     /// orb --scene city@1:20 [default: speakers]
     #[arg(long, value_name = "SCENE[@TIME]", allow_hyphen_values = true)]
     scene: Vec<OsString>,
-    /// Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv, webp and PNGs, for scenes
-    /// whose sky has no color
+    /// Leave out the sky, so that the video can be laid over another video: in webm, mov, mkv, webp and PNGs, for
+    /// scenes whose sky has no color
     #[arg(long, conflicts_with_all = ["codec", "view", "show"])]
     alpha: bool,
-    /// A show instead of scenes: 'auto' for one that follows the song and uses the scenes of --scene, or all shipped
-    /// ones; 'demo' for the demo track's show; or a .show file
+    /// A show instead of scenes: 'auto' for a show that follows the song with the scenes of --scene, or with all
+    /// shipped scenes; 'demo' for the demo track's show; or a .show file
     #[arg(long, value_name = "AUTO-OR-FILE")]
     show: Option<ShowChoice>,
     #[command(flatten)]
@@ -140,7 +140,7 @@ fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Re
     }
     if let (Some(file), [(_, first), ..]) = (file, &scenes[..]) {
         bail!(
-            "two scenes are named, {} and {}: give each by --scene, with its time",
+            "two scenes are named, {} and {}: give each scene with --scene and a start time",
             first.display(),
             file.display()
         );

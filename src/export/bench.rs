@@ -46,13 +46,13 @@ pub struct BenchRequest {
     pub gain: Gain,
     /// The scene; `auto` measures both modes.
     pub scene: SceneChoice,
-    /// True to measure with and without regions, even if the scene's choice names one.
+    /// True to measure with and without regions, even if the scene's choice selects one of them.
     pub both: bool,
     /// True to measure the quality of edges too, which is slow.
     pub edges: bool,
 }
 
-/// Runs the measurement. Rows are drawn alternately, frame by frame, so that load on the machine affects all of them.
+/// Runs the measurement. Rows are drawn alternately, frame by frame, so that load on the machine affects all rows.
 ///
 /// # Errors
 /// The song cannot be decoded, the scene has mistakes, or the driver reports an error.

@@ -58,7 +58,7 @@ pub enum ExportError {
         reason: String,
     },
     /// The output is the song itself.
-    #[error("{} is the song itself: choose another place with -o", .path.display())]
+    #[error("{} is the song itself: choose another path with -o", .path.display())]
     OverTheSong {
         /// The output.
         path: PathBuf,
@@ -120,7 +120,7 @@ pub enum ExportError {
         /// The scene.
         scene: String,
     },
-    /// Transparency in a format without it.
+    /// Transparency was requested in a format that does not support it.
     #[error("{output} cannot be transparent, which --alpha requires: give -o {instead}")]
     NoAlpha {
         /// The output.
@@ -143,12 +143,12 @@ pub enum ExportError {
     },
     /// ffmpeg is not installed.
     #[error(
-        "a video needs ffmpeg, which was not found ({0}): install it, or give -o a folder that ends in '/' to write stills"
+        "a video needs ffmpeg, which was not found ({0}): install ffmpeg, or give -o a folder ending in '/' for stills"
     )]
     NoEncoder(std::io::Error),
     /// ffmpeg failed.
     #[error(
-        "ffmpeg could not write {} ({message}): give -o a place with enough space and a name that ends in .mp4, .mkv \
+        "ffmpeg could not write {} ({message}): give -o a path with enough space and a name that ends in .mp4, .mkv \
          or .mov", .path.display()
     )]
     Encoder {
@@ -196,7 +196,7 @@ pub enum ExportError {
         scene: String,
     },
     /// Standard output is closed or full.
-    #[error("the results cannot be printed ({0}): send them somewhere else")]
+    #[error("the results cannot be printed ({0}): send them to another file or program")]
     Print(std::io::Error),
 }
 

@@ -31,7 +31,7 @@ use mariana_music::Sound;
 pub struct SceneChoice {
     /// The scene.
     pub source: SceneSource,
-    /// Interpreted, compiled, or the faster of them.
+    /// Interpreted, compiled, or the faster of both modes.
     pub sdf: SdfChoice,
     /// The shaders.
     pub shaders: ShaderLibrary,
@@ -112,7 +112,7 @@ impl HeadlessRenderer {
         }
         let program = link_scene(gl, &choice.shaders, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
-        // Views show cells, so they always need them.
+        // Views show the cells, so a view always needs cells.
         let change = match choice.cells {
             CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,
             change => change,
@@ -230,7 +230,7 @@ impl Painter {
     /// Holds inputs of the scene at given values; ignores inputs that the scene does not have.
     ///
     /// # Errors
-    /// A value outside its input's range.
+    /// [`ExportError::OutOfRange`] if a value is outside its input's range.
     pub fn hold(&mut self, set: &[Setting]) -> Result<(), ExportError> {
         self.held = held_of(&self.model.world().scene, set)?;
         Ok(())
@@ -270,7 +270,7 @@ impl Painter {
 /// The values at which `set` holds inputs of a scene; ignores inputs that the scene does not have.
 ///
 /// # Errors
-/// A value outside its input's range.
+/// [`ExportError::OutOfRange`] if a value is outside its input's range.
 pub(super) fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, ExportError> {
     let mut held = HeldInputs::default();
     for setting in set {

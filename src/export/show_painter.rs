@@ -122,7 +122,7 @@ impl ShowPainter {
         self.headless_renderer.dim(self.timeline.picture_at(time).brightness)
     }
 
-    /// Draws the oldest frozen frame, and mixes the later ones and the moment itself over it.
+    /// Draws the oldest frozen frame, and mixes the later ones and the frame of the moment over it.
     fn draw_anew(
         &mut self,
         (time, sound): Heard,

@@ -139,7 +139,7 @@ impl SongFeatures {
     /// The sound at `time` seconds.
     ///
     /// # Errors
-    /// [`ExportError::AfterTheEnd`] if `time` is after the song's end, or the decoder's error.
+    /// [`ExportError::AfterTheEnd`] if `time` is after the song's end, or an error of the decoder.
     pub fn require(&mut self, time: f64) -> Result<Sound, ExportError> {
         let sound = self.sound_at(time)?;
         sound.ok_or_else(|| ExportError::AfterTheEnd {

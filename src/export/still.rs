@@ -71,7 +71,7 @@ impl Blend {
     }
 }
 
-/// Draws and writes the still. Runs on the same machine give the same bytes.
+/// Draws and writes the still. All runs on one machine give the same bytes.
 ///
 /// # Errors
 /// The song or a scene has mistakes, the driver reports an error, or the output cannot be written.

@@ -114,7 +114,7 @@ fn text(name: &str, structure: &SongStructure) -> String {
         let _ = writeln!(text, "integrated loudness {loudness:.1} LUFS (EBU R128)");
     }
     if structure.cut_short {
-        let _ = writeln!(text, "the song continues after that; the rest was not analysed");
+        let _ = writeln!(text, "the song is longer, but the rest was not analysed");
     }
     let bar_of = |time: f64| structure.downbeats().filter(|downbeat| *downbeat < time + 0.01).count();
     for section in &structure.sections {

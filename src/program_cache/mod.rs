@@ -60,7 +60,7 @@ impl ProgramCache {
         Self { folder: None }
     }
 
-    /// A cache in a subfolder of `caches`; without one it stores nothing.
+    /// A cache in a subfolder of `caches`; `None` gives a cache that stores nothing.
     pub fn within(caches: Option<&Path>) -> Self {
         caches.map_or_else(Self::off, |caches| Self::in_folder(caches.join("programs")))
     }

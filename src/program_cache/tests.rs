@@ -83,7 +83,7 @@ fn the_least_recently_used_files_are_deleted_first() {
     }
     let folder = cache.folder.as_ref().unwrap().path.clone();
     fs::write(folder.join("notes.txt"), "of the user's").unwrap();
-    // Makes the oldest one the most recently used.
+    // Loading makes the oldest program the most recently used one.
     assert!(cache.load(keys[2]).is_some());
     make_room(&folder, 2 * (5000 + entry::HEADER as u64));
     assert_eq!(keys.map(|key| cache.load(key).is_some()), [true, false, true]);

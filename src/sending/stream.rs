@@ -62,8 +62,10 @@ fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
             ));
             return;
         }
-        latest_frame
-            .tell(format!("the reader of {} has disconnected: the next one gets frames", latest_frame.to()));
+        latest_frame.tell(format!(
+            "the reader of {} has disconnected: the next reader gets frames",
+            latest_frame.to()
+        ));
         tracing::debug!("{error}");
         if latest_frame.rest(PAUSE) {
             return;
@@ -238,7 +240,7 @@ mod tests {
         latest_frame.end();
         feeds.join().unwrap();
         let reported = latest_frame.news();
-        let gone = |sentence: &String| sentence.contains("has disconnected: the next one");
+        let gone = |sentence: &String| sentence.contains("has disconnected: the next reader");
         assert_eq!(reported.iter().filter(|sentence| gone(sentence)).count(), 2, "{reported:?}");
         assert!(
             reported.last().is_some_and(|last| last.contains("no more frames can be sent to")),

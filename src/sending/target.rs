@@ -19,7 +19,7 @@ impl FromStr for SenderTarget {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let kinds = "write it as y4m:FIFO, y4m:-, mjpeg:PORT or v4l2:/dev/videoN";
+        let kinds = "write the target as y4m:FIFO, y4m:-, mjpeg:PORT or v4l2:/dev/videoN";
         let (kind, place) = text.split_once(':').ok_or(kinds)?;
         match (kind, place) {
             (_, "") => Err(format!("'{kind}:' is incomplete: {kinds}")),

@@ -94,17 +94,17 @@ impl Camera {
         let refused = |reason: String| SendError::Refused { to: path.display().to_string(), reason };
         match std::fs::metadata(path) {
             Ok(found) if found.file_type().is_char_device() => {}
-            Ok(_) => return Err(refused("it is no device: give one of v4l2loopback".to_owned())),
+            Ok(_) => return Err(refused("it is no device: give a device of v4l2loopback".to_owned())),
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 let advice =
-                    "there is no such device: load v4l2loopback (modprobe v4l2loopback) and check its number";
+                    "there is no such device: load v4l2loopback (modprobe v4l2loopback) and check the number";
                 return Err(refused(advice.to_owned()));
             }
             Err(error) => return Err(refused(format!("{error}: check the path"))),
         }
         let opened = Receiver::open(&mut camera);
         opened.map_err(|error| {
-            refused(format!("{error}: give a device of v4l2loopback that may be written"))
+            refused(format!("{error}: give a device of v4l2loopback that you can write to"))
         })?;
         Ok(camera)
     }

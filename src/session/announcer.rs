@@ -85,7 +85,7 @@ impl Announcer {
         self.track_errors = track_errors.count;
         let text = match new {
             1 => last.clone(),
-            _ => format!("{new} track errors, the last one: {last}"),
+            _ => format!("{new} track errors, the last error: {last}"),
         };
         tell(&text);
         self.say(text);
@@ -100,7 +100,7 @@ impl Announcer {
         }
     }
 
-    /// Shows the next waiting notice once the current one has faded.
+    /// Shows the next waiting notice once the current notice has faded.
     pub(crate) fn update(&mut self, now: Instant) {
         if self.notice().is_none_or(|notice| notice.is_gone(now)) {
             self.shown = self.waiting.pop_front().map(|text| Sentence::new(text, None, now));
@@ -140,7 +140,7 @@ pub(crate) fn next_repeat(repeat: Repeat) -> Repeat {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TrackOrder {
-    /// The repeat mode after each track and after the last one.
+    /// The part of the list that is repeated.
     pub repeat: Repeat,
     pub shuffled: bool,
 }
@@ -210,7 +210,7 @@ mod tests {
         assert_eq!(text(&announcer), Some("x is gone"));
         now += Duration::from_secs(10);
         announcer.update(now);
-        assert_eq!(text(&announcer), Some("399 track errors, the last one: x is gone"));
+        assert_eq!(text(&announcer), Some("399 track errors, the last error: x is gone"));
         (0..9).for_each(|n| announcer.say(n.to_string()));
         now += Duration::from_secs(10);
         announcer.update(now);

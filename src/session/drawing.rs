@@ -39,7 +39,7 @@ impl Session {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
         };
-        // A slow frame or a late redraw request must not make the show look idle: it would restart at full quality.
+        // A slow frame or a late redraw request must not make the show look idle: it restarts frames at full quality.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
         let level = self.playback.level(begun);
         let drawn = drawn_size(level, whole, self.playback.side_max(&*self.screen));
@@ -48,7 +48,7 @@ impl Session {
         }
         let wanted =
             Shown { moment, size: drawn, edges: level.edges, revision: self.playback.scene.revision() };
-        // A frozen frame is still the wanted one.
+        // While the output is frozen, the shown frame is the wanted frame.
         let held = self.playback.holds_picture();
         let wanted = self.playback.pace.shown().filter(|_| held).unwrap_or(wanted);
         let new = self.playback.draw_picture(wanted, level, whole, begun)?;
@@ -264,13 +264,13 @@ impl Playback {
         }
     }
 
-    /// Returns the result in `made`. If the driver has no memory for it, skips the frame and draws the next one smaller.
+    /// Returns the result in `made`. If the driver has no memory for a frame, skips it and draws the next one smaller.
     fn without_room_smaller<T>(&mut self, made: Result<T, GpuError>) -> Result<Option<T>, GpuError> {
         match made {
             Err(GpuError::Object { what, reason }) if self.pace.make_smaller() => {
                 tracing::warn!("the driver could not make {what}: {reason}");
                 self.reports.answer(
-                    "the driver has no memory for a frame of this size: drawing a smaller one".to_owned(),
+                    "the driver has no memory for a frame of this size: frames get smaller now".to_owned(),
                 );
                 self.scene.composer_mut().give_picture_up();
                 Ok(None)

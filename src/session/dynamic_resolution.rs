@@ -1,9 +1,9 @@
 //! Keeps the window's frame rate: draws fewer pixels with cheaper terms when frames are slow, and more if there is
 //! time.
 //!
-//! A pure controller: frame times and costs are its input, a level its output. It reduces the level within a quarter
-//! of a second, by as many levels as needed, and raises it by one after seconds without a slow frame. A level that
-//! was raised too early is retried after longer and longer waits, so that the level does not oscillate.
+//! A pure controller: it takes frame times and costs, and returns a level. It reduces the level within a quarter of a
+//! second, by as many steps as needed, and raises it by one step after seconds without a slow frame. A level that was
+//! raised too early is retried after longer and longer waits, so that the level does not oscillate.
 //!
 //! **Only the window adapts.** Stills, videos, measurements and the frame of an idle show use the best level. A level
 //! sets the number of pixels, which `upscale.frag` enlarges, and the shaders' `frame_quality`, which makes costly,
@@ -184,7 +184,7 @@ impl DynamicResolution {
         }
     }
 
-    /// The level of an idle show: there is time for it.
+    /// The level of an idle show, which has time for the best level.
     pub(crate) fn still_level(&self) -> Level {
         match self.choice {
             QualityChoice::Auto | QualityChoice::Best if !self.lacks_room => STILL,

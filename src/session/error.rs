@@ -29,7 +29,7 @@ pub enum SessionError {
     )]
     NoLayerShell,
     /// A wallpaper without a monitor.
-    #[error("no monitor found: connect one")]
+    #[error("no monitor was found: connect a monitor")]
     NoMonitor,
     /// The system cannot start a thread.
     #[error(

@@ -56,7 +56,7 @@ impl MasterOutput {
         self.is_black
     }
 
-    /// True during a blackout and the fade to it.
+    /// True during a blackout and the fade to black.
     pub(crate) fn is_black(&self) -> bool {
         self.is_black
     }

@@ -49,7 +49,7 @@ impl Session {
         self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);
     }
 
-    /// Sets all corners and the selected one. Saves them once `settled`.
+    /// Sets all corners and the selected corner. Saves the corners once `settled`.
     pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
         if let Some(handles) = &mut self.interface.ui_state.corners {
             handles.take(selected, corners);

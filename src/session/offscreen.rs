@@ -60,10 +60,10 @@ impl Offscreen {
         Self::begin(prepared, false)
     }
 
-    /// Starts a session with a compiler thread on EGL's default display; without one it compiles between frames.
+    /// Starts a session with a compiler thread on EGL's default display. Without EGL, it compiles between frames.
     ///
     /// # Errors
-    /// The same as for [`Offscreen::open`].
+    /// Fails for the same reasons as [`Offscreen::open`].
     pub fn open_with_compiler(prepared: Prepared) -> Result<Self, SessionError> {
         Self::begin(prepared, true)
     }
@@ -94,7 +94,7 @@ impl Offscreen {
     /// Runs one step: input, a brief wait for due work, drawing. Replaces a lost context. Returns `false` at the end.
     ///
     /// # Errors
-    /// An error that ends the session.
+    /// Fails if an error ends the session.
     pub fn step(&mut self) -> Result<bool, SessionError> {
         let Some(mut run) = self.run.take() else { return Ok(false) };
         match run.step() {

@@ -44,7 +44,7 @@ use mariana_player::{OutputChoice, Player, PlayerOptions, Position, Target};
 
 /// Frame rate limit if the monitor reports no rate.
 const FPS_DEFAULT: f64 = 60.0;
-/// Threads that compile programs: one for the scene's own, one for the interpreter.
+/// Threads that compile programs: one for the scene's own program, one for the interpreter.
 const COMPILERS: usize = 2;
 
 /// Everything that a session plays and shows.
@@ -93,7 +93,7 @@ impl Opening<'_> {
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
-        tracing::info!("the window shows what it prepares");
+        tracing::info!("the window shows the name of the scene being prepared");
         let renderer = renderer(screen.gl(), &choices, choice)?;
         let mut announcer = Announcer::default();
         let player = tracks.map(|tracks| start_player(tracks, settings, &mut announcer)).transpose()?;

@@ -196,7 +196,7 @@ impl Interface {
         }
     }
 
-    /// Passes finished thumbnails to the scene list and the phones, and requests those that phones want.
+    /// Passes finished thumbnails to the scene list and the phones, and requests thumbnails that phones want.
     pub(super) fn update_thumbnails(&mut self, playback: &mut Playback) {
         self.draw_thumbnails_ahead(playback);
         let wanted = playback.controllers.wanted_pictures();

@@ -29,7 +29,7 @@ pub(crate) type Paint<'a> = &'a mut dyn FnMut((u32, u32)) -> Result<(), SessionE
 /// The surface that shows a session. The context of [`Screen::gl`] is current on the session's thread. Changes of the
 /// window are requests: the window system may follow them later or never, as later queries show.
 pub(crate) trait Screen {
-    /// Waits for events, at most until the given time. Returns them in order; several redraw requests become one.
+    /// Waits for events, at most until the given time. Returns the events in order; several redraw requests become one.
     fn wait(&mut self, until: Instant) -> Vec<Event>;
 
     fn gl(&self) -> &Gl;

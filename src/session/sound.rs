@@ -52,7 +52,7 @@ pub(crate) struct Start {
     pub player: Option<Player>,
     pub memory: Memory,
     pub listen: Option<ListenChoice>,
-    /// The input's id or name, or a part of it.
+    /// The id or the name of the input, or a part of either.
     pub device: Option<String>,
     pub output: Option<Target>,
     /// The delay of this run in seconds.

@@ -36,7 +36,8 @@ impl AccessibilityPublisher {
 pub(crate) struct Accessibility(Adapter);
 
 impl Accessibility {
-    /// Creates the adapter of `window`, which must not be visible yet. It is idle until assistive technology connects.
+    /// Creates the adapter of `window`, which must not be visible yet. Does nothing until assistive technology
+    /// connects.
     pub(crate) fn new(
         event_loop: &ActiveEventLoop,
         window: &Window,

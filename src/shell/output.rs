@@ -1,7 +1,7 @@
 //! The output: a window without panels that fills a monitor, while the first window keeps the panels.
 //!
-//! The window's thread opens it, like every window. One context draws into both windows, so the frame is drawn once. A
-//! monitor that is disconnected takes its window with it, and gets a new one when it returns.
+//! The window's thread opens all windows. One context draws into both windows, so the frame is drawn once. A
+//! disconnected monitor loses its window, and gets a new window when it is connected again.
 
 use winit::event::WindowEvent;
 use winit::event_loop::EventLoopProxy;
@@ -142,7 +142,7 @@ impl Output {
         true
     }
 
-    /// Closes the window; the next update opens a new one if a monitor is still wanted.
+    /// Closes the window; the next update opens a new window if a monitor is still wanted.
     pub(crate) fn close(&mut self, ui_state: &GlWindowContext) {
         if let State::On(..) = std::mem::replace(&mut self.state, State::Off) {
             ui_state.wait_for_monitor(true);

@@ -171,7 +171,7 @@ impl PreparedShow {
     /// files in `folder` or shipped ones. Messages call the text `name`.
     ///
     /// # Errors
-    /// [`ShowError::CueList`].
+    /// [`ShowError::CueList`] if the text has mistakes.
     pub fn of_text(
         name: &str,
         text: &str,
@@ -276,7 +276,7 @@ mod tests {
     use super::*;
     use mariana_music::{Section, SongBeat};
 
-    /// 32 bars of two seconds, all of them the section A.
+    /// The song has 32 bars of two seconds, all in the section A.
     fn song() -> SongStructure {
         let beat = |index: usize| SongBeat {
             time: 0.5 + 0.5 * index as f64,

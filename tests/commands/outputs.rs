@@ -20,9 +20,12 @@ fn invalid_targets_for_sending_are_refused() {
     let taken = TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let port = taken.local_addr().unwrap().port();
     send(&format!("mjpeg:{port}")).refused(&[&port.to_string(), "choose another port"]);
-    for (to, part) in
-        [("ndi:x", "y4m:FIFO"), ("mjpeg:0", "no port"), ("y4m:", "is incomplete"), ("", "write it as")]
-    {
+    for (to, part) in [
+        ("ndi:x", "y4m:FIFO"),
+        ("mjpeg:0", "no port"),
+        ("y4m:", "is incomplete"),
+        ("", "write the target as"),
+    ] {
         send(to).refused_arguments("--send", &[part]);
     }
     // Eight outputs are allowed.

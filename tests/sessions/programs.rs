@@ -139,7 +139,7 @@ fn a_rejected_interpreter_is_not_retried_and_a_smaller_one_draws() {
         "MARIANA_FAULT" = "no-interpreter@0"
     );
     let place = Place::new();
-    let sentence = "this driver cannot compile the universal interpreter: each scene gets its own";
+    let sentence = "this driver cannot compile the universal interpreter: each scene gets an interpreter";
     // The fault occurs once, in this first session.
     let app = place.open(&[]);
     app.wait_until_reported(sentence);

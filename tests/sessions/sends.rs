@@ -36,7 +36,7 @@ fn a_fifo_serves_changing_and_slow_readers() {
         // stream.
         gone += 1;
         app.wait_until("the reader to disconnect", |app| {
-            app.reported().matches("has disconnected: the next one gets").count() == gone
+            app.reported().matches("has disconnected: the next reader gets").count() == gone
         });
         pictures
     };

@@ -142,7 +142,7 @@ fn song_file(song: &Song, inputs: &mut Vec<Unfinished>) -> Result<PathBuf, Expor
     }
 }
 
-/// Writes the song's cover to a temporary file, if it has one and the format, mp4 or Matroska, supports it.
+/// Writes the cover to a temporary file, if the song has a cover and the format supports covers (mp4, Matroska).
 fn cover_file(
     decoder: &Decoder,
     output: &Path,
@@ -154,7 +154,7 @@ fn cover_file(
         CoverKind::Jpeg => (".jpg", ImageFormat::Jpeg),
         CoverKind::Png => (".png", ImageFormat::Png),
     };
-    // ffmpeg fails on a cover that it cannot decode, so it is decoded here first.
+    // Decode the cover here first, because ffmpeg fails on a cover that it cannot decode.
     let mut reader = ImageReader::with_format(Cursor::new(&bytes), format);
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(COVER_SIDE_MAX), Some(COVER_SIDE_MAX));

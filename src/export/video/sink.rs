@@ -18,7 +18,7 @@ pub(super) enum Sink {
     Encoder { ffmpeg: Box<Encoder>, has_alpha: bool },
 }
 
-/// True if the output is a folder or, by its final slash, will be one.
+/// True if the output is a folder, or will be a folder because it ends in a slash.
 pub(super) fn is_folder(path: &Path) -> bool {
     path.is_dir() || path.to_string_lossy().ends_with(['/', '\\'])
 }

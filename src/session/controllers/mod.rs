@@ -1,4 +1,4 @@
-//! External controllers: MIDI, OSC and phones. This module takes their input and sends them the show's state.
+//! External controllers: MIDI, OSC and phones. This module takes their input, and sends the show's state to them.
 //!
 //! The table of commands lists everything that a controller can do. Input arrives through [`InputQueue`], which keeps
 //! the newest value of each parameter; the session takes it once per frame.

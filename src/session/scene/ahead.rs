@@ -2,8 +2,8 @@
 //! takes one frame.
 //!
 //! Neighbours have the lowest priority: they are prepared one after another, when the current scene is complete and the
-//! compilers are idle. Each neighbour has a loader, which keeps it up to date and stays with it when it is shown. The
-//! scene shown until then becomes the other neighbour, and stays prepared.
+//! compilers are idle. Each neighbour has a loader, which reloads a changed text and goes with the scene when the scene
+//! is shown. The scene shown until then becomes the other neighbour, and stays prepared.
 
 use std::sync::Arc;
 
@@ -296,7 +296,7 @@ impl PreparedAhead {
             match renderer.rehearse(&frame, &scene.resources, program) {
                 Ok(()) => tracing::info!("{} is ready ahead", scene.title()),
                 Err(error) => {
-                    tracing::info!("not prepared ahead: {error}");
+                    tracing::info!("a scene is not prepared ahead: {error}");
                     neighbour.state = State::Left;
                 }
             }

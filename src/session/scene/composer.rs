@@ -1,4 +1,4 @@
-//! The composer of frames: draws the current scene and the one that fades out, in as many steps as needed.
+//! The composer of frames: draws the current and the outgoing scene, in as many steps as needed.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -60,7 +60,7 @@ pub(super) struct Ingredients<'a> {
 
 struct Making {
     of: (u64, Mode, Option<ViewChoice>),
-    /// The outgoing scene while it is drawn, before the current one; `None` once that is done.
+    /// The outgoing scene while it is drawn; `None` once only the current scene is left to draw.
     below: Option<Place>,
     program: Rc<Program>,
     legend: Option<Arc<LegendPicture>>,
@@ -383,7 +383,7 @@ impl SceneComposer {
         self.making.is_some() && self.has_interrupted
     }
 
-    /// True while a frame of two scenes is in progress. Both are drawn with the same values.
+    /// True while a frame of two scenes is in progress. Both scenes are drawn with the same values.
     pub(super) fn is_between_scenes(&self) -> bool {
         self.change.is_begun()
     }

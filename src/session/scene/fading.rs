@@ -130,7 +130,7 @@ impl Fading {
         }
     }
 
-    /// Notes that the show holds another frame: the last one drawn, with its fraction of the previously held one.
+    /// Notes that the show holds another frame: the last drawn one, which may still contain the frame held before.
     pub(crate) fn hold_anew(&mut self) {
         if let State::Given(_, kept) = &mut self.state {
             *kept = false;

@@ -403,7 +403,7 @@ impl ScenePreparation {
         scene.resources.uses_cells(self.choice.cells, Mode::Compiled)
     }
 
-    /// Requests interpreters that no scene has needed yet, when idle. They speed up later edits.
+    /// When idle, requests interpreters that no scene has needed yet, because they speed up later edits.
     pub(super) fn prepare_for_edits(&mut self, scenes: &PreparedScenes) {
         let is_idle = self.programs.is_idle() && self.programs.has_shown();
         if let Some(shown) = scenes.shown.as_ref().filter(|_| is_idle)
@@ -437,7 +437,7 @@ impl ScenePreparation {
             let ready = loaded.value.ok().filter(|ready| scenes.ahead.has_room_for(&ready.world));
             let scene = ready.and_then(|ready| {
                 let uploaded = self.upload(loaded.source, ready, scenes);
-                uploaded.inspect_err(|error| tracing::info!("not prepared ahead: {error}")).ok()
+                uploaded.inspect_err(|error| tracing::info!("a scene is not prepared ahead: {error}")).ok()
             });
             scenes.ahead.put(at, scene);
         }
@@ -476,7 +476,7 @@ impl ScenePreparation {
         }
     }
 
-    /// Toggles interpreted and compiled, and returns the mode. The current program is used until the other is ready.
+    /// Toggles interpreted and compiled, and returns the mode. The current program is used until the new one is ready.
     pub(super) fn toggle_mode(&mut self, shown: Mode, scenes: &mut PreparedScenes) -> Mode {
         let other = match shown {
             Mode::Interpreted => Mode::Compiled,

@@ -71,7 +71,7 @@ impl ScenePrograms {
         (self.interpreter, self.interpreted) = (None, None);
     }
 
-    /// True if the scene is waiting for an interpreter covered by this one.
+    /// True if the scene is waiting for an interpreter that `interpreter` covers.
     pub(super) fn lack(&self, interpreter: &Interpreter) -> bool {
         self.interpreted.is_none()
             && self.interpreter.as_ref().is_some_and(|needed| interpreter.covers(needed))

@@ -22,7 +22,7 @@ pub(crate) struct PreparedScenes {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
-    /// The scene is also the shown one, in another state.
+    /// The outgoing scene is also the shown scene, in another state.
     Shown,
     Before,
     FadingOut,

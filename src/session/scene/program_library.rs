@@ -109,7 +109,7 @@ impl ProgramLibrary {
             Err(error) => {
                 self.universal.give_up(non_lipschitz);
                 let sentence =
-                    "this driver cannot compile the universal interpreter: each scene gets its own";
+                    "this driver cannot compile the universal interpreter: each scene gets an interpreter";
                 match &error {
                     GpuError::GivenUp { .. } => tracing::warn!("{sentence}; {error}"),
                     _ => {

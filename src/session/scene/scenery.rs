@@ -53,7 +53,7 @@ impl SeenPictures {
     /// The contents of the shown frame.
     ///
     /// # Errors
-    /// No frame is shown, or it shows two scenes.
+    /// Fails if no frame is shown, or if the frame shows two scenes.
     pub(crate) fn scenery(&self) -> Result<Scenery, NoScenery> {
         let Pictured { source, world, frame, maker, options } =
             self.seen.as_ref().ok_or(NoScenery::NoPicture)?;

@@ -165,7 +165,7 @@ impl SceneSession {
     /// Takes the results of the loader and the compilers.
     ///
     /// # Errors
-    /// The driver rejects a scene, and no other can be shown.
+    /// Fails if the driver rejects a scene, and no other scene can be shown.
     pub(crate) fn update(&mut self) -> Result<(), GpuError> {
         while let Some(loaded) = self.preparation.library.poll() {
             self.take_loaded(loaded)?;
@@ -316,7 +316,7 @@ impl SceneSession {
         Ok(drawn)
     }
 
-    /// Removes a scene whose first frame is too slow ([`ScenePreparation::take_back`]); returns to the previous one.
+    /// Removes a scene whose first frame is too slow ([`ScenePreparation::take_back`]); returns to the previous scene.
     pub(crate) fn take_back(&mut self, why: &str) {
         let Some((mode, before)) = self.mode().zip(self.scenes.before.take()) else { return };
         let Some(expensive) = self.scenes.shown.replace(before) else { return };

@@ -58,7 +58,7 @@ pub(super) struct Step {
     pub seconds: Option<f64>,
 }
 
-/// The scene that fades out below the shown one.
+/// The scene that fades out below the shown scene.
 #[derive(Debug, Clone)]
 pub(super) struct Outgoing {
     pub place: Place,
@@ -172,7 +172,7 @@ impl ShowFollower {
         self.course.asked.as_ref() == Some(source)
     }
 
-    /// The scenes to prepare ahead: the next ones of the show, or otherwise the neighbours of `wanted` in the list.
+    /// The scenes to prepare ahead: the next scenes of the show, or otherwise the neighbours of `wanted` in the list.
     pub(super) fn wanted_ahead(&self, wanted: &SceneSource) -> WantedAhead {
         if self.course.asked.is_some() {
             WantedAhead::Upcoming(self.course.upcoming.clone())
@@ -416,7 +416,7 @@ mod tests {
         let mut scenes = PreparedScenes::with(PreparedAhead::with(None));
         let written = Circumstances { is_written: true, ..now(&one) };
         assert!(show.follow(second, &mut scenes, &written).is_none(), "its text is being edited");
-        // The edited scene stays until the show has another one.
+        // The edited scene stays until the show has another scene.
         assert!(show.follow(second, &mut scenes, &now(&one)).is_none());
         show.refuse(other.clone());
         assert_eq!(show.refused(), std::slice::from_ref(&other));

@@ -149,7 +149,7 @@ fn a_show_silently_replaces_a_scene_that_is_too_slow() {
     let mut staged = Staged::new();
     staged.session.follow(LOUD);
     staged.wait_for("loud");
-    // Its first frame is too expensive, so the calm scene returns.
+    // The first frame of the loud scene is too expensive, so the calm scene returns.
     staged.draws(false);
     let before = staged.source("calm");
     staged.session.take_back("a frame of this window would take about 99 s");
@@ -234,7 +234,7 @@ fn a_fade_by_the_user_follows_the_songs_time_and_shows_both_scenes() {
 fn neighbours_are_prepared_after_the_scene_the_next_one_first() {
     let mut staged = Staged::with(Some([loader(), loader()]), 0.0);
     let mut renderer = Renderer::new(staged.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
-    // Without a show, the neighbours are those in the folder.
+    // Without a show, the neighbours are the neighbouring files in the folder.
     staged.session.show_mut().set_prepared_show(None, None);
     staged.session.show_source(staged.source("loud"));
     staged.wait_for("loud");

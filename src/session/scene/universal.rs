@@ -1,5 +1,5 @@
-//! The universal interpreters, which draw nearly every scene: one for distances and one for all other formulas. A GPU
-//! compiles them before the first edit, so that no edit waits for a compiler. A software renderer evaluates every
+//! The universal interpreters, which draw nearly every scene: one interpreter for distances and one for other formulas.
+//! A GPU compiles them before the first edit, so that no edit waits for a compiler. A software renderer evaluates every
 //! branch, so it only uses interpreters made for particular scenes.
 
 use std::rc::Rc;

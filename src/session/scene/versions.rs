@@ -1,4 +1,4 @@
-//! Comparison of a new version of a text with the shown one.
+//! Comparison of a new version of a text with the shown version.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ const CLAUSES_TIMES: usize = 2;
 /// Clauses that an edit may add in any case.
 const CLAUSES_MORE: usize = 64;
 
-/// True if the coming scene only turns numbers into constants again. It waits for its program: the shown one is good.
+/// True if the coming scene only turns numbers into constants again. It can wait for its program: the old one is good.
 pub(super) fn only_settles(scenes: &PreparedScenes) -> bool {
     let (Some(shown), Some(coming)) = (&scenes.shown, &scenes.coming) else { return false };
     coming.settles && shown.source == coming.source && shown.programs.compiled.is_some()

@@ -29,8 +29,8 @@ impl Views {
         Self { choice, ..Self::default() }
     }
 
-    /// The chosen view of a scene with a program and the program's mode. Prefers the given mode; the other one is
-    /// used until that program is ready, so that a view stays when the mode changes.
+    /// The chosen view of a scene, with a program and the program's mode. Prefers the given mode. Until the program of
+    /// that mode is ready, uses the other mode, so that a view stays when the mode changes.
     pub(super) fn program(
         &mut self,
         scene: &PreparedScene,
@@ -79,7 +79,7 @@ impl Views {
     /// The same view with a larger or smaller number.
     ///
     /// # Errors
-    /// A message if no view is chosen or the view has no number.
+    /// Returns a message if no view is chosen or the view has no number.
     pub(super) fn stepped(&self, larger: bool) -> Result<ViewChoice, String> {
         let Some(choice) = self.choice else {
             return Err("only views have a number: press V for a view".to_owned());

@@ -2,7 +2,7 @@
 //!
 //! winit supports only windows, so these surfaces have their own event queue on winit's connection, and a thread that
 //! serves it. The show draws into them ([`super::wall`]). Each surface asks the compositor for a callback when the next
-//! frame is wanted; a covered surface never gets one.
+//! frame is wanted; a covered surface never gets this callback.
 
 mod output_surface;
 

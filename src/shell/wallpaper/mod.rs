@@ -162,7 +162,7 @@ pub(crate) fn filling(shape: (u32, u32), size: (u32, u32), area: Area) -> Panel 
 /// Another program's window: X11 id and size in pixels.
 type OtherWindow = (u32, (u32, u32));
 
-/// The window into which a screen saver's program must draw, if the variable for it is set.
+/// The window into which a screen saver's program must draw, if the environment variable for the window is set.
 pub(crate) fn of_screen_saver() -> Result<Option<OtherWindow>, String> {
     const NAME: &str = "XSCREENSAVER_WINDOW";
     let Ok(text) = std::env::var(NAME) else { return Ok(None) };

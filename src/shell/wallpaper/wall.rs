@@ -1,4 +1,4 @@
-//! Draws the wallpaper on the surfaces of a Wayland desktop, and knows which of them need a frame.
+//! Draws the wallpaper on the surfaces of a Wayland desktop, and knows which surfaces need a frame.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Further windows for the same context: the output, and wallpaper surfaces on Wayland. Also windows without input.
+//! Further windows for the same context: the output, wallpaper surfaces on Wayland, and windows without input.
 
 #![expect(unsafe_code, reason = "glutin's functions that create surfaces from window handles are unsafe")]
 
