@@ -32,7 +32,7 @@ pub(super) struct SegmentStart {
     pub(super) from_start: bool,
 }
 
-/// The segment being filled and its output. `filling` is `None` before the first output, or if a segment could not begin.
+/// The segment being filled and its output. `filling` is `None` before the first output or after a failed start.
 pub(super) struct CurrentSegment {
     audible_segments: SharedAudibleSegments,
     link: Option<OutputCallbackLink>,
