@@ -1,6 +1,6 @@
-//! Text to words: the CPU cost of an edit of a scene, compared with fidget (Keeter's successor to the work that the
-//! tape follows) on one thread and without its JIT. Run it with `cargo bench --features peer --bench language`; the
-//! feature is separate because the peer compiles slowly.
+//! From text to words: the CPU cost of an edit of a scene, compared with fidget on one thread and without its JIT.
+//! Fidget is Keeter's successor to the work on which the tape is based. Run it with `cargo bench --features peer
+//! --bench language`; the feature is separate because the peer compiles slowly.
 //!
 //! Both sides begin with a text in memory and end with the program of their interpreter:
 //!
@@ -10,8 +10,8 @@
 //! - **fidget**: `Context::from_text` (one instruction per line: no precedence, types or functions; constants in f64;
 //!   common subexpressions merged), then `VmFunction::new`, a tape of 255 registers.
 //!
-//! Throughput is in clauses of the source: lines of fidget's text, for each row that has one, otherwise clauses of
-//! the tape. A formula needs fewer words than the lines; `lets` repeats them word for word.
+//! Throughput is in clauses of the source: lines of fidget's text in rows that have such a text, otherwise clauses of
+//! the tape. A formula needs fewer words than fidget's lines; `lets` repeats the lines word for word.
 
 #![allow(clippy::expect_used)]
 
@@ -176,7 +176,8 @@ fn assert_same(text: &str, instructions: &str) {
 }
 
 fn text_to_words(criterion: &mut Criterion) {
-    // Freeing a large block makes glibc keep freed pages, as in the program; else each iteration gets them anew.
+    // Freeing a large block makes glibc keep freed pages, as in the program. Otherwise each iteration would get new
+    // pages from the system.
     drop(black_box(vec![1_u8; 16 << 20]));
     let mut group = criterion.benchmark_group("text_to_words");
     // About as many lines as fidget's largest model.

@@ -35,7 +35,7 @@ const FRAMES: usize = 64;
 /// Columns and rows of the history of the spectrum.
 const HEARD: (usize, usize) = (64, 600);
 
-/// The spectra of the frames up to this one, the newest first.
+/// The spectra of the frames up to `frame`, the newest first.
 fn heard_until(frame: usize) -> Vec<f32> {
     let of = |row: usize, column: usize| {
         0.3 + 0.3 * (0.4 * column as f32 + 0.1 * (frame as f32 - row as f32)).sin()

@@ -1,5 +1,5 @@
-//! Finds the part of a shape that decides its value at a point: the nearest operand of a union or smooth union, and
-//! so on inwards.
+//! Finds the part of a shape that decides its value at a point: the nearest operand of a union or smooth union, then
+//! the nearest operand within that operand, and so on.
 
 use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId, Op, Order, Point};
 
@@ -37,8 +37,8 @@ impl<'a> Deciding<'a> {
         self.order.nodes.iter().filter(|id| self.graph.is_clause(**id)).count()
     }
 
-    /// The path from the shape to the part that decides its value at a point, through minima and maxima and through
-    /// operations that only shift, scale or negate a value.
+    /// The path from the shape to the part that decides its value at a point. The path passes through minima, maxima,
+    /// and operations that only shift, scale or negate a value.
     pub fn path(&self, position: [f32; 3], frame: &FrameInputs) -> Vec<NodeId> {
         if self.next(self.root, |_| 0.0).is_none() {
             return vec![self.root];

@@ -1,8 +1,9 @@
-//! Traces rays through a world on the CPU. Finds the hit, its object, and the part of the scene's text that made it.
+//! Traces rays through a world on the CPU. Finds the hit, its object, and the part of the scene's text that defines the
+//! hit surface.
 //!
-//! Rays follow the same algorithm as in the shaders (`shaders/sphere_tracing.glsl`, `shaders/non_lipschitz.glsl`),
-//! with the same tree and the same constants ([`rays`]); a probe for a single point only uses a narrower cone. The
-//! probe counts evaluations and the clauses of the cells' tapes.
+//! Rays use the algorithm of the shaders (`shaders/sphere_tracing.glsl`, `shaders/non_lipschitz.glsl`), with the same
+//! tree and the same constants ([`rays`]). A probe for a single point differs only in its narrower cone. The probe
+//! counts evaluations and the clauses of the cells' tapes.
 
 mod deciding;
 mod preview;
@@ -23,13 +24,13 @@ use crate::rays;
 use crate::region::{Cell, Regions, gradient};
 use crate::world::World;
 
-/// Multiple of the cone's radius below which a ray that has used up its steps counts as a hit.
+/// A ray that has used up its steps is a hit if the distance is below this multiple of the cone's radius.
 const CAPPED_FRACTION: f32 = 8.0;
-/// The last step is at most this many times as long as the distance.
+/// Maximum length of the last step, as a multiple of the distance.
 const SLANT_MAX: f32 = 4.0;
-/// Offsets of the normal's four samples, the corners of a tetrahedron.
+/// Offsets of the four samples for the normal: the corners of a tetrahedron.
 const TAPS: [[f32; 3]; 4] = [[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];
-/// Least distance of the samples from the point.
+/// Minimum distance of the samples from the point.
 const TAP_MIN: f32 = 4e-4;
 
 /// A ray with the cone of its pixel.
@@ -55,11 +56,11 @@ impl Ray {
 pub struct Hit {
     /// Distance along the ray.
     pub distance: f32,
-    /// In the units of the scene.
+    /// Position in the units of the scene.
     pub position: [f32; 3],
     /// Index among the scene's objects.
     pub object: usize,
-    /// Index among the world's planes, if it is one.
+    /// Index among the world's planes, if the surface is a plane.
     pub plane: Option<usize>,
 }
 
@@ -70,7 +71,7 @@ pub struct Traced {
     pub hit: Option<Hit>,
     /// Number of evaluations of the distance.
     pub evaluations: u32,
-    /// Number of clauses in these evaluations.
+    /// Number of clauses that these evaluations ran.
     pub clauses: u64,
 }
 
@@ -80,7 +81,7 @@ pub struct RayProbe<'a> {
     regions: &'a Regions,
     frame: &'a FrameInputs,
     planes: &'a [[f32; 4]],
-    /// Lengths of the tapes that were run, by their first texel.
+    /// Lengths of the tapes that were run, by their first texels.
     lengths: RefCell<HashMap<u32, u64>>,
 }
 
@@ -130,7 +131,8 @@ impl<'a> RayProbe<'a> {
         unit(sum)
     }
 
-    /// The path from a shape to the hit part, as far as the text has its origin. `deciding` is the hit object's.
+    /// The path from a shape to the hit part, up to the last node whose origin in the text is known. `deciding` belongs
+    /// to the hit object.
     pub fn path(&self, hit: &Hit, deciding: Option<&Deciding<'_>>) -> Vec<NodeId> {
         let plane = hit.plane.and_then(|plane| self.world.planes.get(plane));
         let mut path = match (plane, deciding) {
@@ -227,7 +229,7 @@ impl<'a> RayProbe<'a> {
     fn trace_non_lipschitz(&self, ray: &Ray, (start, end): (f32, f32), traced: &mut Traced) -> Option<f32> {
         let walk = Walk::of(self.regions, ray);
         let mut t = start;
-        // The last point outside with its value, and the first one inside.
+        // The last point outside with its value, and the first point inside.
         let (mut outside, mut inside): ((f32, f32), Option<(f32, f32)>) = ((t, 0.0), None);
         let mut closings = 0;
         for step in 0..rays::NON_LIPSCHITZ_STEPS_MAX {
@@ -266,7 +268,7 @@ impl<'a> RayProbe<'a> {
                     gradient::slope_towards(cell.slopes, ray.direction),
                     rays::past(t).max(walk.exit_of(cell, t)) - t,
                 ),
-                // A point that rounding put outside the tree has no cell to leave.
+                // The point is outside the tree because of rounding, so there is no cell to leave.
                 None => (f32::INFINITY, 0.0),
             };
             let radius = ray.spread * t.max(rays::NON_LIPSCHITZ_NEAR);
@@ -280,7 +282,7 @@ impl<'a> RayProbe<'a> {
     }
 }
 
-/// A ray through the tree. It looks up its cell a little further on, so that it never gets stuck at a face.
+/// A ray through the tree. It looks up its cell slightly further on, so that it does not get stuck at a face.
 struct Walk<'a> {
     ray: &'a Ray,
     ahead: [f32; 3],
@@ -316,7 +318,7 @@ fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|axis| a[axis] + b[axis])
 }
 
-/// Scales a vector to length 1; returns the upward direction for a vector without one.
+/// Scales a vector to length 1. Returns the upward direction for a vector without a direction.
 fn unit(v: [f32; 3]) -> [f32; 3] {
     let size = v.iter().map(|part| part * part).sum::<f32>().sqrt();
     if size > 1e-12 && size < 1e12 { v.map(|part| part / size) } else { [0.0, 1.0, 0.0] }

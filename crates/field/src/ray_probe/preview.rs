@@ -14,8 +14,8 @@ const DARKEST: f32 = 0.18;
 /// Colour of lit surfaces, as sRGB.
 const COLOR: [f32; 3] = [236.0, 214.0, 186.0];
 
-/// Draws a formula with `side` pixels along each side, in rows from the upper left: red, green, blue and coverage.
-/// `None` if the text is not a formula.
+/// Draws a formula with `side` pixels along each side. The result has rows from the upper left, with red, green, blue
+/// and coverage per pixel; `None` if the text is not a formula.
 pub fn preview(formula: &str, side: usize) -> Option<Vec<[u8; 4]>> {
     let world = World::parse("portrait", formula).ok()?;
     let mut frame = FrameInputs { eye: EYE, ..FrameInputs::default() };

@@ -1,4 +1,4 @@
-//! Statistics of an image: rays on a coarse grid, the part of the scene that each hits, and their costs.
+//! Statistics of an image: rays on a coarse grid, the parts of the scene that they hit, and their costs.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -22,13 +22,13 @@ pub struct RayStatisticsOptions {
 pub struct RayStatistics {
     /// Number of columns of rays.
     pub columns: usize,
-    /// For each ray, in rows from the upper left: 1 + the index of the part that it hits, or 0 for the sky.
+    /// For each ray, in rows from the upper left: 1 + the index of the hit part, or 0 for the sky.
     pub cells: Vec<u16>,
-    /// The parts that are hit.
+    /// The parts that rays hit.
     pub parts: Vec<Part>,
     /// The costs of the objects, in the order of the scene.
     pub objects: Vec<ObjectCost>,
-    /// Rays that end in the sky, and clauses that were run for them.
+    /// The number of rays that end in the sky, and the number of clauses that were run for these rays.
     pub sky: (u32, u64),
 }
 
@@ -37,16 +37,16 @@ pub struct RayStatistics {
 pub struct Part {
     /// Index of the object.
     pub object: usize,
-    /// The positions in the text that contribute to it, sorted.
+    /// The positions in the text that contribute to the part, sorted.
     pub places: Vec<TextPlace>,
 }
 
 /// The cost of an object.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ObjectCost {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Clauses of its shape alone, and of its material.
+    /// The number of clauses of the shape alone, and of the material.
     pub clauses: (usize, usize),
     /// Rays that end on it.
     pub rays: u32,
@@ -54,16 +54,16 @@ pub struct ObjectCost {
     pub evaluations: u64,
     /// Clauses of these evaluations.
     pub run: u64,
-    /// The position of its declaration.
+    /// The position of the declaration.
     pub place: Option<TextPlace>,
-    /// Its parts that rays end on, the most expensive first. Each part is made by one expression.
+    /// The parts on which rays end, the most expensive part first. Each part comes from one expression.
     pub parts: Vec<PartCost>,
 }
 
 /// The cost of a part of an object.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartCost {
-    /// The file and the bytes of the expression that makes it.
+    /// The file and the byte range of the expression that defines the part.
     pub written: (usize, Range<usize>),
     /// Rays that end on it.
     pub rays: u32,
@@ -89,13 +89,13 @@ impl ObjectCost {
 }
 
 impl RayStatistics {
-    /// All clauses that were run.
+    /// The number of all clauses that were run.
     pub fn run(&self) -> u64 {
         self.sky.1 + self.objects.iter().map(|object| object.run).sum::<u64>()
     }
 
     /// Follows a ray for each cell of a grid, in rows from the upper left. `ray_at` returns the ray for fractions of
-    /// the image's width and height. `None` if `is_wanted` returns false between rows.
+    /// the image's width and height. Returns `None` if `is_wanted`, which is called between rows, returns false.
     pub fn of(
         ray_probe: &RayProbe<'_>,
         options: RayStatisticsOptions,

@@ -1,4 +1,4 @@
-//! Tests of rays in scenes with known surfaces and against another tracer.
+//! Tests of rays in scenes with known surfaces, and comparisons with a second tracer.
 
 use proptest::prelude::*;
 
@@ -142,7 +142,7 @@ proptest! {
         let wanted = marched(&world, &frame, &ray, 20.0);
         match (found, wanted) {
             (Some(found), Some(wanted)) if (found - wanted).abs() < 0.01 => {}
-            // A ray that grazes the surface may hit only with its cone, or earlier than its centre line does.
+            // If a ray grazes the surface, its cone may hit although its centre line misses, or may hit earlier.
             (Some(found), wanted) => {
                 prop_assert!(wanted.is_none_or(|wanted| found < wanted), "{found}, not {wanted:?}");
                 let [x, y, z] = ray.at(found);

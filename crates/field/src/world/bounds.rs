@@ -1,13 +1,13 @@
 //! Finds a box around a scene's surfaces by interval arithmetic on its formula (Moore 1966).
 //!
-//! A cube that extends about 1024 from the origin is repeatedly divided into eight, and slices are cut off it. Parts
-//! that contain no surface for any sound, time and parameters are dropped. This runs once per text and may take about
-//! 10 ms. An infinite scene has no bounds and is traced up to a distance of 1000.
+//! A cube that extends about 1024 from the origin is repeatedly divided into eight, and slices are cut off it. A
+//! part is dropped if it contains no surface at any sound, time and parameters. The search runs once per text and may
+//! take about 10 ms. An infinite scene has no bounds and is traced up to a distance of 1000.
 //!
 //! A blend of exponentials is constant where all of them underflow in 32 bits: e^-11d does at d = 7.9. Without
-//! bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has that problem.
-//! Dropping an exponential that vanishes in the sum by rounding would be exact, but needs a distance of 17 / 11 = 1.6
-//! between two parts of a blend by e^-11d, which is more than half of fidget's bear.
+//! bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has this problem,
+//! because it has no bounds. It would be exact to drop an exponential that vanishes in the sum by rounding. But this
+//! needs a distance of 17 / 11 = 1.6 between two parts of a blend by e^-11d, more than half the size of fidget's bear.
 
 use crate::graph::{FrameInputs, Interval};
 use crate::tape::{IntervalEvaluator, Tape};
@@ -15,9 +15,9 @@ use crate::tape::{IntervalEvaluator, Tape};
 /// A box that contains all surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// Its lower corner.
+    /// The lower corner.
     pub low: [f32; 3],
-    /// Its upper corner.
+    /// The upper corner.
     pub high: [f32; 3],
 }
 
@@ -27,7 +27,7 @@ impl Bounds {
         (0..3).all(|axis| self.low[axis] <= place[axis] && place[axis] <= self.high[axis])
     }
 
-    /// Half of its largest extent.
+    /// Half of the largest extent.
     pub fn half(&self) -> f32 {
         (0..3).map(|axis| 0.5 * (self.high[axis] - self.low[axis])).fold(0.0, f32::max)
     }
@@ -46,17 +46,18 @@ impl Bounds {
     }
 }
 
-/// Half the side of the cube that is searched; a scene with surfaces outside of it has no bounds.
+/// Half the side of the searched cube. A scene with surfaces outside of the cube has no bounds.
 const REACH: f32 = 1024.0;
-/// Multiple of [`REACH`] beyond which nothing is searched: about 1e7.
+/// Largest searched coordinate as a multiple of [`REACH`]: about 1e7.
 const FARTHEST: f32 = 8192.0;
-/// Most divisions of a part of a shell around the cube before it counts as possibly containing a surface.
+/// Maximum number of divisions of a part of a shell around the cube. A part that is still undecided may contain a
+/// surface.
 const SHELL_CUTS: usize = 3;
-/// Most clauses for the search of the shells: about 5 ms. Few formulas need more than a tenth of it.
+/// Maximum number of clauses for the search of the shells: about 5 ms. Few formulas need more than a tenth of this.
 const SHELL_CLAUSES_MAX: usize = 1 << 19;
-/// Offset of the cube's centre from the origin, so that the first cuts do not pass through objects there.
+/// Offset of the cube's centre from the origin, so that the first cuts do not pass through objects at the origin.
 const ASIDE: f32 = 0.017 * REACH;
-/// Most clauses for the search: about 10 ms.
+/// Maximum number of clauses for the search: about 10 ms.
 const CLAUSES_MAX: usize = 1 << 20;
 /// Largest size of the cells at a finished face, as a fraction of the box.
 const PRECISION: f32 = 1.0 / 200.0;
@@ -65,8 +66,8 @@ const MARGIN: f32 = 1.0 / 1000.0;
 
 type Cell = Bounds;
 
-/// A box around the surfaces of a tape's first output in all frames of `any`; `None` if they are unbounded or may be
-/// in every cell. A face is final once a point just inside it may be on a surface.
+/// A box around the surfaces of a tape's first output in all frames of `any`; `None` if the surfaces are unbounded or
+/// may be in every cell. A face of the box is final once a point just inside the face may be on a surface.
 pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     let mut evaluator = IntervalEvaluator::new(tape, any);
     let mut left = CLAUSES_MAX / tape.clauses().len().max(1);
@@ -124,9 +125,9 @@ pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     Some(Bounds { low: found.low.map(|v| v - margin), high: found.high.map(|v| v + margin) })
 }
 
-/// True if there are no surfaces outside of a cube, up to [`FARTHEST`]. Cubes of doubling sizes leave shells between
-/// them. In a box that is wide compared with its distance, interval arithmetic cannot tell which of two large terms
-/// is larger (x⁴ - 5x² over 1e3..1e7 may be below 0). A formula without distant surfaces has none in any shell.
+/// True if there are no surfaces outside of a cube, up to [`FARTHEST`]. The shells between cubes of doubling sizes are
+/// searched separately: in a box that is wide compared with its distance, interval arithmetic cannot decide which of
+/// two large terms is larger (x⁴ - 5x² over 1e3..1e7 may be below 0).
 fn is_free_outside(cube: &Cell, evaluator: &mut IntervalEvaluator<'_>, clauses: usize) -> bool {
     let mut left = (SHELL_CLAUSES_MAX / clauses.max(1)).max(1);
     let mut inner = *cube;

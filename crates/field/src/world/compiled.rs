@@ -9,7 +9,7 @@ use crate::lang::material_members;
 use crate::tape::glsl::{self, Sampling};
 
 impl World {
-    /// True if a program compiled for this world also draws the other one: they differ only in hoisted values.
+    /// True if a program compiled for this world also draws `other`, because they differ only in hoisted values.
     pub fn is_compiled_like(&self, other: &Self) -> bool {
         let materials = |world: &Self| -> Vec<usize> {
             world.scene.objects.iter().map(|object| object.material).collect()
@@ -26,7 +26,7 @@ impl World {
     /// The scene's functions as GLSL, validated by naga.
     ///
     /// # Errors
-    /// Returns an error for a graph over its limit, or for text that naga rejects, which is a bug in the generator.
+    /// Fails if the graph exceeds its limit, or if naga rejects the text, which is a bug in the generator.
     pub fn compiled_glsl(&self) -> Result<String, WorldError> {
         let generated = self.generated_functions()?;
         validate(&generated).map_err(|reason| WorldError::Refused { scene: self.name.clone(), reason })?;
@@ -105,8 +105,8 @@ impl World {
     }
 }
 
-/// Replaces the frame block's members in the functions by names for these inputs. On the CPU the names are copies
-/// that `scene_load` makes (see `shaders/frame_block.glsl`), elsewhere they are the members themselves.
+/// Replaces the frame block's members in the functions by names for these inputs. On llvmpipe the names are
+/// copies that `scene_load` makes (see `shaders/frame_block.glsl`). On GPUs the names are the members themselves.
 fn with_copies(mut functions: String, inputs: impl Iterator<Item = Input>) -> String {
     let (mut copies, mut names) = (String::new(), String::new());
     let mut load = String::from("void scene_load() {\n");

@@ -1,11 +1,11 @@
 //! Checks if the value of a scene's formula is a distance in practice, by sampling its gradient when the scene is
 //! loaded.
 //!
-//! If the formula is steeper than 1, or far flatter at its surfaces, steps by its value would miss surfaces or make
-//! them too thick. Each cell of the tree then holds bounds of the gradient (`graph::GradientInterval`: forward
-//! accumulation in intervals, with a separate rule for lengths because a square root's slope is unbounded at 0).
-//! These bounds give a step that cannot pass a surface. Boxes are cut where parts of a formula jump, so that noise
-//! has the bounds of its smooth parts.
+//! If the formula is steeper than 1, steps by its value would miss surfaces. If it is far flatter than 1 at its
+//! surfaces, they would look too thick. Each cell of the tree then holds bounds of the gradient
+//! (`graph::GradientInterval`: forward accumulation in intervals, with a separate rule for lengths because a square
+//! root's slope is unbounded at 0). With these bounds a ray can choose steps that do not pass a surface. Boxes are cut
+//! where parts of a formula jump, so that noise has the bounds of its smooth parts.
 
 use super::bounds::Bounds;
 use crate::graph::{FrameInputs, Point, TableData, cell_hash};
@@ -15,16 +15,16 @@ use crate::tape::{Dual, GradientEvaluator, Tape};
 
 /// Largest slope of a distance: 1 and an allowance for rounding.
 const STEEPEST: f32 = 1.01;
-/// Largest fraction of steeper samples. These are seams of blends, which rays hardly ever meet.
+/// Maximum fraction of samples that may be steeper. Such samples are at seams of blends, which rays hardly ever meet.
 const NON_LIPSCHITZ_FRACTION: f32 = 0.01;
 /// Allowance for steeper slopes away from the samples.
 const STEEPEST_ROOM: f32 = 2.0;
-/// Fewest samples that show the steepest slope.
+/// Minimum number of samples for finding the steepest slope.
 const STEEPEST_SAMPLES_MIN: usize = 64;
-/// A value is not a distance if half of its surface is flatter than this: steps by the value would be far too short,
-/// and the points that count as a hit would form a thick layer around the surface.
+/// A value is not a distance if it is flatter than this at half of its surface: steps by the value would be far too
+/// short, and the points that count as a hit would form a thick layer around the surface.
 const FLATTEST: f32 = 0.2;
-/// Ratio of successive scales for normalizing a value, and their number: up to 1 / [`FLATTEST`].
+/// Ratio of successive scales for normalizing a value, and the number of scales: up to 1 / [`FLATTEST`].
 const SCALE_STEP: f32 = 1.1;
 const SCALES: i32 = 18;
 /// The largest power with which a scale grows from the middle of the bounds.
@@ -33,20 +33,20 @@ const POWER_MAX: i32 = 4;
 const REACHES: [f32; 5] = [f32::INFINITY, 1.0, 0.5, 0.25, 0.125];
 /// A stronger normalization must reduce the flat part of the surfaces by this factor.
 const WORTH: f32 = 1.2;
-/// Distances from the camera's target at which a scene without bounds is sampled in turn. Samples spread over an
-/// infinite scene would hardly meet small objects.
+/// Distances from the camera's target at which the samples of a scene without bounds start, alternately. Samples spread
+/// over an infinite scene would hardly meet small objects.
 const AROUND: [f32; 4] = [30.0, 10.0, 3.0, 1.0];
-/// Number of sampled frames: silence at the start, then random ones.
+/// Number of sampled frames: silence at the start, then random frames.
 const FRAMES: usize = 4;
-/// Entries and rows of random tables. In music neighbours differ less than in these, so real tables have more.
+/// Number of entries and rows of random tables. Real tables have more: in music, neighbouring entries differ less.
 const COLUMNS: usize = 106;
 const ROWS: usize = 6;
-/// Most points at which a frame's samples start.
+/// Maximum number of points at which a frame's samples start.
 const POINTS_MAX: usize = 1024;
 const POINTS_MIN: usize = 8;
-/// Steps from a point towards the surface.
+/// Number of steps from a point towards the surface.
 const STEPS: usize = 4;
-/// Most clauses that are evaluated with their gradients: a few ms.
+/// Maximum number of clauses that are evaluated with their gradients: a few ms.
 const CLAUSES_MAX: usize = 1 << 18;
 
 #[derive(Debug, Clone, Copy)]
@@ -62,15 +62,15 @@ struct Samples {
     surface: Vec<Sample>,
 }
 
-/// Parameters that turn a value into one similar to a distance. Zeros stay zeros.
+/// Parameters that turn a value into a value similar to a distance. Zeros stay zeros.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NormalizedValue {
     pub(super) scale: f32,
     /// The growth of the divisor from the middle of the bounds, as in polynomials.
     pub(super) growth: Growth,
-    /// The unit of an arc tangent of the value, which flattens it away from surfaces. May be infinite.
+    /// The unit of an arc tangent that flattens the value away from surfaces. May be infinite.
     pub(super) reach: f32,
-    /// True if rays may step by the result as by a distance.
+    /// True if rays may step by the result, as with a distance.
     pub(super) is_distance: bool,
 }
 
@@ -85,7 +85,7 @@ pub(super) struct Growth {
 impl Growth {
     const NONE: Self = Self { middle: [0.0; 3], half: 1.0, power: 0 };
 
-    /// The growths to try. Without bounds there is no size for a scale to follow.
+    /// The growths to try. A scene without bounds has no size, so no growth is tried for it.
     fn all(bounds: Option<&Bounds>) -> Vec<Self> {
         let Some(bounds) = bounds else { return vec![Self::NONE] };
         let middle = [0, 1, 2].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]));
@@ -111,7 +111,7 @@ fn length(v: [f32; 3]) -> f32 {
 pub struct Slopes {
     /// Approximately the steepest sampled slope; infinite if there are too few samples.
     pub steepest: f32,
-    /// The factor that turns the value into a distance, if a single number does.
+    /// The factor that turns the value into a distance, if a constant factor is enough.
     pub distance_factor: Option<f32>,
     /// The normalization of the value.
     pub(super) tamed: Option<NormalizedValue>,
@@ -126,7 +126,8 @@ impl Default for Slopes {
 
 /// Normalizes the value of the tape's first output; `None` if it is a distance, that is, at most 1 steep in nearly
 /// all samples and not much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which
-/// its points start in turn. A normalized value grows without limit, or up to about `reach` or a fraction of it.
+/// its points start alternately. A normalized value grows without limit, or up to about `reach` or a fraction of
+/// `reach`.
 pub(super) fn tamed(
     tape: &Tape,
     frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
@@ -175,8 +176,8 @@ pub(super) fn tamed(
     Some(Slopes { steepest: steepest(&outside), distance_factor: factor, tamed })
 }
 
-/// Approximately the steepest slope of the samples, without seams of blends but with an allowance for the slopes that
-/// this hides. Infinite if there are too few samples.
+/// Approximately the steepest slope of the samples. It ignores seams of blends, and includes an allowance for the
+/// slopes that are ignored. Infinite if there are too few samples.
 fn steepest(samples: &[Sample]) -> f32 {
     if samples.len() < STEEPEST_SAMPLES_MIN {
         return f32::INFINITY;
@@ -226,7 +227,7 @@ fn samples(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>
                 if step == STEPS && away < 1e-3 * size {
                     found.surface.push(sample);
                 }
-                // Newton's method along the gradient.
+                // Take a step of Newton's method along the gradient.
                 at = [0, 1, 2].map(|axis| at[axis] - value * gradient[axis] / squared);
                 if (0..3).any(|axis| !(region.low[axis] <= at[axis] && at[axis] <= region.high[axis])) {
                     break;
@@ -262,7 +263,7 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
     })
 }
 
-/// A value of the sound: `fraction` of the largest that music reaches.
+/// A value of the sound: `fraction` of the largest value that music reaches.
 fn tried(input: SoundInput, fraction: f32) -> f32 {
     match input {
         // Music is hardly louder than half a full-scale square wave.

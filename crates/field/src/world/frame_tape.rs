@@ -18,14 +18,14 @@ pub struct FrameTape {
     planes: Vec<Tape>,
 }
 
-/// The scene's values in one frame, unchecked: they may not even be finite.
+/// The scene's values in one frame. They are unchecked and may be infinite or NaN.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameValues {
     /// The camera.
     pub camera: Camera<f32>,
     /// The named cameras.
     pub cameras: Vec<Camera<f32>>,
-    /// Distance within which objects block ambient light.
+    /// The distance within which objects block ambient light.
     pub reach: f32,
     /// The settings of the image.
     pub picture: Picture<f32>,
@@ -56,7 +56,7 @@ impl FrameTape {
         })
     }
 
-    /// The values in a frame.
+    /// Computes the values of a frame.
     pub fn values(&self, inputs: &FrameInputs) -> FrameValues {
         let values = |tape: &Tape| PointEvaluator::new(tape, inputs).at(&Point::at(0.0, 0.0, 0.0)).to_vec();
         let plane = |tape: &Tape| {

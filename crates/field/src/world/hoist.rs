@@ -1,8 +1,8 @@
 //! Hoisting: expressions that are constant within a frame are computed once per frame on the CPU.
 //!
-//! An expression of the frame's inputs alone (a sine of the time, a curve of the volume) becomes an input of the
-//! shaders, [`Input::Hoisted`]: a uniform of the compiled shader, an entry of the interpreter's table. Up to 256
-//! expressions are hoisted, so that no point computes the sine of the time again.
+//! An expression that reads only the frame's inputs (a sine of the time, a curve of the volume) becomes an input of the
+//! shaders, [`Input::Hoisted`]. It is a uniform of the compiled shader or an entry of the interpreter's table, so it is
+//! not computed again at each point. Up to 256 expressions are hoisted.
 
 use super::Roots;
 use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Order, Point};
@@ -28,7 +28,7 @@ impl Hoisted {
         Ok(Self { order: own.order(&roots)?, graph: own, roots })
     }
 
-    /// Computes the values for a frame. All are finite.
+    /// Computes the values for a frame. All values are finite.
     pub fn values(&self, inputs: &FrameInputs) -> Vec<f32> {
         // Uniforms and tables must hold the same number: an overflow becomes the largest number, a NaN becomes 0.
         let finite = |value: f32| if value.is_nan() { 0.0 } else { value.clamp(f32::MIN, f32::MAX) };

@@ -3,21 +3,22 @@
 //! | texel | holds |
 //! |---|---|
 //! | 0 | the addresses of the grids of the sky, the ambient light and the glow |
-//! | 1.. | the address of each object's material's grid, four objects a texel |
-//! | a grid | its lower corner, the number of its last cell along each axis (7, or 0 for a single cell) |
+//! | 1.. | for each object, the address of the grid of its material; four objects in a texel |
+//! | a grid | its lower corner; the number of the last cell along each axis (7, or 0 for a single cell) |
 //! | | cells per unit of length along each axis, 0 |
-//! | | the address of each cell's program, four cells a texel, x first |
-//! | a program | a header: the registers of up to 12 outputs, a byte each; the number of textures it samples |
-//! | | a texel for each of those: the number of the image, the address of its coordinates' tape |
-//! | | its tape |
+//! | | for each cell, x first, the address of its program; four cells in a texel |
+//! | a program | a header: the registers of up to 12 outputs, a byte each; the number of sampled textures |
+//! | | a texel for each sampled texture: the number of the image, the address of the tape of its coordinates |
+//! | | the program's tape |
 //! | | the tapes of the coordinates |
 //!
 //! [`crate::tape::interpreter`] describes the tapes, which contain a frame's numbers. Distances and objects are
 //! computed by the tapes of regions. Cells run shortened programs (`region::surface`), except for texture
 //! coordinates.
 //!
-//! Textures are sampled before a program's own tape runs. Thus only their coordinates, a few clauses, are also
-//! computed for the neighbouring pixels. A texture whose coordinates depend on another one comes after it.
+//! Textures are sampled before a program's own tape runs. Thus only the texture coordinates, which take a few clauses,
+//! are also computed for the neighbouring pixels. If a texture's coordinates depend on a second texture, the second
+//! texture is sampled first.
 
 use super::{Bounds, ShortPrograms, World, WorldError, WorthShortening};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Node, NodeId};
@@ -25,13 +26,13 @@ use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, SurfacePla
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
 
-/// Number of programs before the materials: sky, ambient light and glow.
+/// Number of programs before the programs of materials: sky, ambient light and glow.
 const PROGRAMS_OF_LIGHT: usize = 3;
 
 /// The programs that the interpreter shader runs at a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TapeBuffers {
-    /// Sky, ambient light, glow, and the materials.
+    /// The programs of sky, ambient light, glow and the materials, in this order.
     programs: Vec<Program>,
     of_objects: Vec<usize>,
     bounds: Option<Bounds>,
@@ -54,7 +55,7 @@ struct Program {
 /// Half the side of the grid in a scene without bounds.
 const AROUND_CENTER: f32 = 12.0;
 
-/// Number of clauses of the programs.
+/// The number of clauses of the programs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Cost {
     /// Clauses of the distance.
@@ -127,8 +128,8 @@ impl Program {
 
 type Sampled = (u16, [NodeId; 2]);
 
-/// Splits texture coordinates off the expressions: the remaining graph and roots, and each texture's coordinates.
-/// Textures are numbered in an order in which they can be sampled.
+/// Splits texture coordinates off the expressions. Returns the remaining graph and roots, and each texture's
+/// coordinates. Textures are numbered in an order in which they can be sampled.
 fn without_coordinates(
     graph: &Graph,
     roots: &[NodeId],
@@ -188,7 +189,8 @@ impl TapeBuffers {
         texels
     }
 
-    /// The programs that may be worth shortening before any attempt: all that are neither too short nor too long.
+    /// The programs that may be worth shortening before the first attempt: all programs that are neither too short nor
+    /// too long.
     pub fn worth_shortening(&self) -> WorthShortening {
         WorthShortening::of(self.plans().map(SurfacePlan::may_become_shorter))
     }
@@ -211,7 +213,7 @@ impl TapeBuffers {
         Grid::of_box(bounds.low, bounds.high)
     }
 
-    /// The most texels that a frame needs without shortened programs.
+    /// The maximum number of texels that a frame needs without shortened programs.
     pub fn texels_max(&self) -> usize {
         let of_programs = self
             .programs
@@ -221,7 +223,8 @@ impl TapeBuffers {
     }
 }
 
-/// Appends a program's grid, given its whole tape and the starts of its shortened ones. Returns its address.
+/// Appends a program's grid, given the addresses of the whole tape and of the shortened tapes. Returns the grid's
+/// address.
 fn append_grid(short: &ShortTapes, whole: u32, starts: &[u32], texels: &mut Vec<[u32; 4]>) -> u32 {
     let start = texels.len() as u32;
     let [x, y, z] = short.grid.low.map(f32::to_bits);
@@ -241,7 +244,7 @@ impl World {
     /// The programs of materials and light.
     ///
     /// # Errors
-    /// Returns an error for a tape that exceeds the limits.
+    /// Fails if a tape exceeds the limits.
     pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
         let failed = |source| WorldError::Tape { scene: self.name.clone(), source };
         let program =

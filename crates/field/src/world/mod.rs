@@ -30,7 +30,7 @@ pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use scene_features::SceneFeatures;
 pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
-// Types of lights and images that belong to a scene.
+// Types of lights and images that describe a scene.
 pub use crate::lang::{LightKind, ToneMap};
 
 use std::sync::Arc;
@@ -58,7 +58,7 @@ pub enum WorldError {
         /// The exceeded limit.
         source: GraphError,
     },
-    /// A tape of the scene cannot be built.
+    /// A tape for the scene cannot be built.
     #[error("{scene}: {source}")]
     Tape {
         /// The scene.
@@ -82,18 +82,18 @@ pub enum WorldError {
 /// The expressions that the shader evaluates: programs of the interpreter and functions of the compiled shader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Roots {
-    /// For the rest: the length of a ray's step, and the distance to an actual surface. The normal's x passes the
-    /// distance beyond which a surface casts no shadow, else 0.
+    /// For the surfaces that are not planes: the length of a ray's step, and the distance to an actual surface. The
+    /// input for the normal's x holds the penumbra: the distance beyond which a surface casts no shadow, or 0.
     pub distance: [NodeId; 2],
-    /// For the rest: the number of the nearest object.
+    /// For the surfaces that are not planes: the number of the nearest object.
     pub object: NodeId,
     /// The numbers of each material, in the order of [`Material::numbers`](crate::lang::Material::numbers).
     pub materials: Vec<Vec<NodeId>>,
-    /// Light from a direction.
+    /// The light from a direction.
     pub sky: [NodeId; 3],
-    /// Light on a surface from all directions.
+    /// The light on a surface from all directions.
     pub ambient: [NodeId; 3],
-    /// Emission near a point, and the distance to its source; black if no object shines.
+    /// The emission near a point, and the distance to the nearest shining object; black if no object shines.
     pub glow: [NodeId; 4],
 }
 
@@ -124,35 +124,36 @@ impl Roots {
 /// A scene that can be drawn.
 #[derive(Debug, Clone)]
 pub struct World {
-    /// Its name in messages and in the title.
+    /// The name in messages and in the title.
     pub name: String,
     /// The scene.
     pub scene: Scene,
     /// The expressions of [`World::roots`], without the parts that are constant within a frame.
     pub graph: Graph,
-    /// The parts that are computed once per frame instead.
+    /// The parts that are constant within a frame, which are computed once per frame.
     pub hoisted: Hoisted,
-    /// Surfaces that are planes, each with its object.
+    /// The surfaces that are planes, each with its object.
     pub planes: Vec<Plane>,
     /// True if there are surfaces other than planes.
     pub has_rest: bool,
-    /// Bounds of the surfaces of the rest at any sound and time, if known.
+    /// Bounds of the surfaces that are not planes, for all sounds and times; `None` if unknown.
     pub bounds: Option<Bounds>,
-    /// True if the value of the rest is not a distance: it changes faster than the position, or is much flatter at
-    /// surfaces. Rays then need the bounds of its slopes.
+    /// True if the value of the surfaces that are not planes is not a distance: it changes faster than the position, or
+    /// is much flatter at surfaces. Rays then need bounds of the value's slopes.
     pub non_lipschitz: bool,
     /// The slopes of a value that is not a distance.
     pub slopes: Slopes,
-    /// Growth of a shadow ray's shortest step with each step. It is 0 in a single scene, whose surfaces such rays
-    /// leave. In a blend a lamp of one scene may be inside a surface of the other, and rays creep along that.
+    /// Growth of a shadow ray's shortest step with each step. It is 0 in a single scene, because shadow rays leave
+    /// surfaces there. In a blend, a lamp of one scene may be inside a surface of the other scene, and shadow rays
+    /// creep along that surface.
     pub shadow_step_growth: f32,
-    /// The parts of the shaders that it needs.
+    /// The parts of the shaders that the scene needs.
     pub features: SceneFeatures,
     /// The expressions that the shader evaluates.
     pub roots: Roots,
     /// The values that the CPU computes once per frame.
     pub frame_tape: FrameTape,
-    /// For a blend: the number of parameters that belong to the outgoing scene.
+    /// For a blend, the number of parameters that belong to the outgoing scene.
     pub blended: Option<usize>,
     /// The images of [`Scene::textures`].
     pub pictures: Vec<Arc<RgbaImage>>,
@@ -162,7 +163,7 @@ impl World {
     /// Prepares the scene of a text without includes and textures.
     ///
     /// # Errors
-    /// Returns an error for mistakes in the text, or for a scene that exceeds the limits on nodes or clauses.
+    /// Fails if the text has mistakes, or if the scene exceeds the limits on nodes or clauses.
     pub fn parse(name: &str, text: &str) -> Result<Self, WorldError> {
         let mut compiled = compile(name, text, &mut no_includes);
         let Some(scene) = compiled.scene.take() else {
@@ -174,7 +175,7 @@ impl World {
     /// Prepares a scene. `pictures` are the images of its textures, in their order.
     ///
     /// # Errors
-    /// Returns an error for a scene that exceeds the limits on nodes or clauses.
+    /// Fails if the scene exceeds the limits on nodes or clauses.
     pub fn new(name: &str, mut scene: Scene, pictures: Vec<Arc<RgbaImage>>) -> Result<Self, WorldError> {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
         let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
@@ -182,11 +183,11 @@ impl World {
         Self::prepared(name, scene, Surfaces { planes, rest, glow }, None, pictures)
     }
 
-    /// The same world seen by another of [`Scene::cameras`], by number; unchanged if there is no such camera. Its
-    /// programs are the same.
+    /// Returns this world, seen by the camera with the given index in [`Scene::cameras`]; unchanged if there is no such
+    /// camera. The programs stay the same.
     ///
     /// # Errors
-    /// Returns an error for a camera that exceeds the limit on clauses.
+    /// Fails if the camera exceeds the limit on clauses.
     pub fn seen_by(&self, camera: usize) -> Result<Self, WorldError> {
         let mut world = self.clone();
         if let Some((_, camera)) = self.scene.cameras.get(camera) {
@@ -198,7 +199,8 @@ impl World {
         Ok(world)
     }
 
-    /// Prepares a scene whose surfaces are already split. `traced` replaces the analysis of the formula.
+    /// Prepares a scene that is already split into planes and other surfaces. `traced` replaces the analysis of the
+    /// formula.
     fn prepared(
         name: &str,
         mut scene: Scene,
@@ -244,7 +246,7 @@ struct Surfaces {
     glow: Option<[NodeId; 4]>,
 }
 
-/// Reach of a normalized value around its surfaces, as a fraction of half the size of their bounds.
+/// The reach of a normalized value around its surfaces, as a fraction of half the size of the bounds.
 const NORMALIZED_FRACTION: f32 = 1.0;
 const TAMED_REACH: f32 = 8.0;
 

@@ -1,21 +1,22 @@
-//! The light that shining objects give to their surroundings, the counterpart of ambient occlusion: an object that
-//! hides a part of the sky from a surface sends its own light from there instead. Once per surface the shader probes
-//! a point above it and runs one program for the emission and the distance of shining objects nearby. Only scenes
-//! with emission pay for it. No other light travels from surface to surface, except by mirrors.
+//! The light that shining objects give to their surroundings. It is the counterpart of ambient occlusion: an object
+//! that hides a part of the sky from a surface sends its own light to the surface instead. Once per surface point, the
+//! shader probes a point above the surface and runs one program, which computes the emission and the distance of
+//! shining objects nearby. Only scenes with emission have this cost. Other light travels from surface to surface only
+//! by mirrors.
 //!
 //! Shining objects are mixed by the inverse squares of their distances, so that there are no visible seams. Such a
-//! weight is never 0, so a shortened tape cannot leave an object out: most of the work that remains after shortening.
-//! Weights that end at the reach of the light would change images.
+//! weight is never 0, so a shortened tape cannot leave an object out. This is most of the work that remains after
+//! shortening. Weights that become 0 at the reach of the light would change images.
 //!
-//! Tried: skipping the program if no shining object is within reach. In most scenes nearly every surface has one (in
-//! speakers 19 % of the pixels have none, in clockwork 79 %).
+//! Tried: skipping the program if no shining object is within reach. In most scenes nearly every surface has a
+//! shining object within reach (in speakers 19 % of the pixels have none, in clockwork 79 %).
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 
-/// Emission near a point in red, green and blue, and the distance to the nearest shining object; `None` if no object
-/// shines. Nearer objects weigh more, so that there is no visible seam. An emission that depends on the normal is
-/// evaluated for a surface that faces up.
+/// The emission near a point in red, green and blue, and the distance to the nearest shining object; `None` if no
+/// object shines. Nearer objects have larger weights, so that there is no visible seam. An emission that depends on the
+/// normal is evaluated for a surface that faces up.
 pub(super) fn nearby_light(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, GraphError> {
     let zero = scene.graph.constant(0.0);
     let objects = scene.objects.iter();

@@ -1,15 +1,15 @@
 //! Splits a scene into planes, which rays hit exactly, and the rest, which is traced.
 //!
 //! A part of an object's union is taken out of the scene if it is `a*x + b*y + c*z + d` with numbers that are
-//! constant within a frame. Up to four parts are taken out. A floor then costs a ray one division instead of endless
-//! steps along it, and the rest of the scene often has bounds.
+//! constant within a frame. Up to four parts are taken out. A ray then finds a floor by one division instead of many
+//! steps along the floor, and the rest of the scene often has bounds.
 
 use std::collections::HashSet;
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 
-/// Most planes that are taken out of a scene; further ones are traced like any other shape.
+/// Maximum number of planes that are taken out of a scene. Further planes are traced like other shapes.
 pub const PLANES_MAX: usize = 4;
 
 /// A part of an object's shape that is a plane: `a*x + b*y + c*z + d` with numbers that are constant within a frame.
@@ -26,9 +26,9 @@ pub struct Plane {
 pub struct Rest {
     /// The length of a ray's step.
     pub bound: NodeId,
-    /// Distance to an actual surface, for penumbras and occlusion.
+    /// The distance to an actual surface, for penumbras and occlusion.
     pub estimate: NodeId,
-    /// Number of the object with that surface.
+    /// The number of the object with that surface.
     pub object: NodeId,
 }
 
@@ -76,8 +76,8 @@ struct Part {
 
 /// The union of the parts.
 ///
-/// Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. From the bound
-/// on, the estimate therefore grows until it casts no shadow, gradually, so that no edge is visible.
+/// Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. Beyond the bound,
+/// the estimate therefore grows until it casts no shadow. The growth is gradual, so that no edge is visible.
 fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     let penumbra = graph.input(Input::NX);
     let one = graph.constant(1.0);
@@ -106,7 +106,7 @@ fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     Some(Rest { bound: bound?, estimate: estimate?, object })
 }
 
-/// The operands of nested minima, from left to right, each once.
+/// The operands of nested minima, from left to right, without duplicates.
 fn operands_of_minimum(graph: &Graph, root: NodeId) -> Vec<NodeId> {
     let mut operands = Vec::new();
     let mut seen = HashSet::new();
@@ -123,7 +123,7 @@ fn operands_of_minimum(graph: &Graph, root: NodeId) -> Vec<NodeId> {
     operands
 }
 
-/// The dependence of each node below the roots on the point; indexed by node.
+/// For each node below the roots, its dependence on the point. Indexed by node.
 fn kinds(graph: &Graph, roots: &[NodeId]) -> Result<Vec<Shape>, GraphError> {
     let mut kinds = vec![Shape::Other; graph.len()];
     for id in graph.order(roots)?.nodes {

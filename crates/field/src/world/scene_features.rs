@@ -1,6 +1,7 @@
 //! The optional parts of the shaders that a scene needs: panels, mirrors, rough mirrors, glow, a lens.
 //!
-//! Other parts are not compiled for it, because a renderer that never skips a branch would compute them in vain.
+//! Parts that a scene does not need are not compiled, because a renderer that never skips a branch would compute them
+//! in vain.
 
 use crate::graph::NodeId;
 use crate::lang::{LightKind, Scene};
@@ -18,7 +19,7 @@ pub struct SceneFeatures {
     pub glow: bool,
     /// A lens with depth of field.
     pub lens: bool,
-    /// A blend of two scenes, where a lamp of one may be inside a surface of the other.
+    /// A blend of two scenes. A lamp of one scene may be inside a surface of the other scene.
     pub blend: bool,
 }
 

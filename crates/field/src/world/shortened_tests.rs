@@ -1,4 +1,4 @@
-//! Tests that a shortened program gives the same values in its cell as the whole one.
+//! Tests that a shortened program gives the same values in its cell as the whole program.
 
 use std::sync::Arc;
 
@@ -94,7 +94,8 @@ fn whole_texels(buffers: &TapeBuffers, frame: &FrameInputs) -> Vec<[u32; 4]> {
     buffers.texels(frame, &ShortPrograms::default())
 }
 
-/// Compares all programs of a world at many points. Returns the mean fraction of the whole tapes that was run.
+/// Compares the shortened and whole programs of a world at many points. Returns the mean length of the tapes that were
+/// run, as a fraction of the whole tapes.
 fn assert_the_same(world: &World, frame: &FrameInputs, options: &ShortenOptions<'_>) -> f64 {
     let buffers = world.tape_buffers().unwrap();
     let texels = buffers.texels(frame, &shortened(&buffers, frame, options));
@@ -167,7 +168,7 @@ fn programs_are_shortened_where_surfaces_are() {
     let whole = whole_texels(&buffers, &frame);
     let distance = Tape::build(&world.graph, &world.roots.distance, &TapeOptions::default()).unwrap();
     let mut distance = crate::tape::PointEvaluator::new(&distance, &frame);
-    // Number of shortened tapes near surfaces and away from them, with and without known surfaces.
+    // The numbers of shortened tapes near surfaces and away from surfaces, with and without known surfaces.
     let (mut near, mut away) = ([0; 2], [0; 2]);
     for number in 0..40_000 {
         let mut at = point(number, 6.0);
@@ -238,7 +239,7 @@ fn programs_that_were_shortened_with_other_numbers_are_not_run() {
     let buffers = world.tape_buffers().unwrap();
     let [quiet, loud] = [0.0, 1.0].map(|loud| frame_of(&world, 3.0, loud));
     let short = shortened(&buffers, &quiet, &ShortenOptions::default());
-    // The last cell of the sky's grid, which reads no number, and of the grid of the floor's material.
+    // The last cells of two grids: of the sky, which reads no number, and of the floor's material.
     let last_cells = |frame| {
         let texels = buffers.texels(frame, &short);
         [0, 4].map(|place| texels[texels.as_flattened()[place] as usize][3])

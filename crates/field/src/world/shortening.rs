@@ -1,37 +1,37 @@
 //! Selects the programs of materials and light that are shortened for a frame.
 //!
-//! Shortening costs time in every frame. If an attempt saves little, the program therefore stays whole for a while.
-//! Then it gets another chance, because the saving depends on the frame's numbers.
+//! Shortening costs time in every frame. If an attempt saves little, the program therefore stays whole for some
+//! frames. Then shortening is tried again, because the saving depends on the frame's numbers.
 
 use super::interpreted::TapeBuffers;
 use crate::graph::FrameInputs;
 use crate::region::surface::{ShortTapes, Shortener};
 use crate::region::{RegionKey, Surfaces};
 
-/// Least fraction of a program's clauses that shortening must save. With a tenth, five scenes run up to 9 % fewer of
-/// these clauses, but shortening takes 34 ms of each frame in wave_tank.
+/// Minimum fraction of a program's clauses that shortening must save. With a tenth, five scenes run up to 9 % fewer of
+/// these clauses, but shortening takes 34 ms per frame in wave_tank.
 const SAVED_MIN: f32 = 0.2;
 /// Frames for which a program stays whole after an attempt that saved too little.
 const REST_FRAMES: u32 = 600;
-/// Most texels of a frame's shortened programs, which are uploaded for each frame.
+/// Maximum number of texels of a frame's shortened programs. They are uploaded for each frame.
 const SHORTENED_TEXELS_MAX: usize = 1 << 15;
 
-/// The programs to shorten for a frame, and the numbers that they read. Equal requests give equal programs if the
-/// surfaces are the same. By default no program is shortened.
+/// The programs to shorten for a frame, and the numbers that they read. If the surfaces are the same, equal requests
+/// give equal programs. By default no program is shortened.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ShortenRequest {
-    /// The key of each program; `None` for a whole one. Empty if all are whole.
+    /// The key of each program; `None` for a whole program. Empty if all programs are whole.
     keys: Vec<Option<RegionKey>>,
 }
 
 /// Options for shortening.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShortenOptions<'a> {
-    /// Most texels in a texture buffer, including the whole programs, as reported by the driver.
+    /// Maximum number of texels in a texture buffer, as reported by the driver. The whole programs are included.
     pub texels_max: usize,
     /// The middle of the grid in a scene without bounds.
     pub center: [f32; 3],
-    /// The surfaces, if known: programs are shortened only there.
+    /// The surfaces, if known. Programs are shortened only at surfaces.
     pub surfaces: Option<Surfaces<'a>>,
 }
 
@@ -41,7 +41,7 @@ impl Default for ShortenOptions<'_> {
     }
 }
 
-/// Programs that were shortened for a frame. By default all are whole.
+/// The programs that were shortened for a frame. By default all programs are whole.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ShortPrograms {
     request: ShortenRequest,
@@ -49,15 +49,17 @@ pub struct ShortPrograms {
     programs: Vec<ShortTapes>,
 }
 
-/// The programs that are worth shortening, by the savings of the last attempts.
+/// Selects the programs that are worth shortening, by the savings of the last attempts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorthShortening {
-    /// Per program, the frames until the next attempt; 0 to shorten it in each frame, `None` for never.
+    /// For each program, the number of frames until the next attempt. With 0, the program is shortened in each frame;
+    /// with `None`, never.
     rests: Vec<Option<u32>>,
 }
 
 impl ShortenRequest {
-    /// True if programs built for `other` can be used: none of them was shortened with other numbers.
+    /// True if programs that were built for `other` can be used, because they were not shortened with different
+    /// numbers.
     pub fn is_served_by(&self, other: &Self) -> bool {
         let served = |(own, other): (&Option<RegionKey>, &Option<RegionKey>)| {
             own.is_none() || other.is_none() || own == other
@@ -94,7 +96,7 @@ impl WorthShortening {
         ShortenRequest { keys }
     }
 
-    /// Learns from the savings of an attempt.
+    /// Records the savings of an attempt.
     pub fn note(&mut self, short: &ShortPrograms) {
         for (rest, tapes) in self.rests.iter_mut().zip(&short.programs) {
             if tapes.saved.is_some_and(|saved| saved < SAVED_MIN) {

@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use crate::graph::{BAND_COUNT, CELL_HASH_GLSL, SoundInput};
 use crate::limits::LIMITS;
 
-/// The declarations that the generated functions rely on, in the form that naga reads.
+/// The declarations that the generated functions need, in a form that naga accepts.
 fn surroundings() -> String {
     format!(
         "#version 450\n\
@@ -23,7 +23,7 @@ fn surroundings() -> String {
     )
 }
 
-/// The error is naga's message.
+/// Validates generated functions. The error is naga's message.
 pub(super) fn validate(functions: &str) -> Result<(), String> {
     let text = surroundings() + functions + "void main() {}\n";
     let module = Frontend::default()

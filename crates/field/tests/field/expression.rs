@@ -23,7 +23,8 @@ impl Random {
     }
 }
 
-/// Builds about `operators` operators, all equally likely. Most operands are recent results, so that few stay unused.
+/// Builds about `operators` operators. All operators are equally likely. Most operands are recent results, so that few
+/// results stay unused.
 pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operators: usize) -> NodeId {
     const OF_FRAME: [Input; 4] =
         [Input::T, Input::Sound(SoundInput::VolumeLeft), Input::Band(7), Input::Param(1)];
@@ -120,11 +121,11 @@ float table_history(float u, float v) {
 }
 ";
 
-/// The largest error of a driver in an operator, by its first operand and its result.
+/// The largest error of drivers in an operator, as a function of the operator's first operand and result.
 pub(crate) type Disturbance = fn(op: Op, a: f32, result: f32) -> f32;
 
-/// The largest change of the last node of `order` at a point when the results of all operators are disturbed, in a
-/// few tries; infinite if any value is not finite.
+/// The largest change of the last node of `order` at a point when the results of all operators are disturbed. It is the
+/// maximum of a few tries, and infinite if a value is not finite.
 pub(crate) fn spread(
     graph: &Graph,
     order: &[NodeId],
@@ -141,7 +142,7 @@ pub(crate) fn spread(
         // A larger disturbance shows jumps nearby; smooth errors grow in proportion.
         let size = if attempt % 2 == 0 { 1.0 } else { 4.0 };
         for &id in order {
-            // One driver may give a whole number exactly and another a number close to it, as at the end of a TANH.
+            // Some drivers give an exact whole number where others give a number close to it, as at the ends of a TANH.
             let disturb = |op: Op, a: f32, value: f32, random: &mut Random| {
                 let by = size * disturbance(op, a, value);
                 match random.below(2) {

@@ -10,7 +10,7 @@ use mariana_field::world::{Alignment, BlendKind, World, blended_params};
 
 const RAYS: (usize, usize) = (32, 18);
 const STEPS: usize = 160;
-/// A ray hits a surface that is nearer than this fraction of its length.
+/// A ray hits a surface if the distance is less than this fraction of the ray's length.
 const NEAR: f32 = 0.004;
 const FAR: f32 = 60.0;
 
@@ -42,7 +42,7 @@ fn own_params(world: &World) -> Vec<f32> {
     world.scene.params.iter().map(|param| param.default).collect()
 }
 
-/// The fractions of an image's rays that hit surfaces of the first and of the second scene, and that end nowhere.
+/// The fractions of an image's rays that hit the first scene, that hit the second scene, and that hit no surface.
 fn shown(melt: &World, inputs: FrameInputs) -> [f32; 3] {
     let camera = melt.frame_tape.values(&inputs).camera;
     let inputs = FrameInputs { eye: camera.position, ..inputs };

@@ -1,5 +1,5 @@
 //! Traces formulas that are not distances by the bounds of their gradients in cells, in the same way as
-//! shaders/non_lipschitz.glsl. Compared with marching in small steps, no hit may be missing.
+//! shaders/non_lipschitz.glsl. All hits that marching in small steps finds must be found.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -14,12 +14,12 @@ use mariana_field::rays::{
 };
 use mariana_field::tape::{Batch, GradientIntervals, PointEvaluator, Points, Tape, TapeOptions};
 
-/// Growth of a pixel's cone: 360 rows, 40 degrees.
+/// Growth of a pixel's cone in an image with 360 rows and a field of view of 40 degrees.
 const SPREAD: f32 = 0.002;
 /// Cells along each side of the root and of the levels below it.
 const SIDES: [usize; 3] = [16, 4, 4];
 
-/// Names, formulas, half the side of the cube of cells, and the distance of the rays' starts.
+/// For each formula: its name and text, half the side of the cube of cells, and the distance of the rays' starts.
 const FORMULAS: [(&str, &str, f32, f32); 7] = [
     ("gyroid", "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)", 12.0, 0.3),
     ("shell", "abs(sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)) - 0.1", 12.0, 0.3),
@@ -67,7 +67,7 @@ impl Cells<'_> {
             let place = p.map(|v| ((v + self.half) / side).floor() as i32);
             let cell = *self.known.entry((level, place)).or_insert_with(|| {
                 let low = place.map(|place| place as f32 * side - self.half);
-                // A little larger, because rounding may place a point outside of its cell.
+                // Enlarge the cell, because rounding may place a point outside of its cell.
                 let sides = low.map(|low| Interval::new(low - 1e-5, low + side + 1e-5));
                 let gradient_interval = self.bounds.over(sides, [Interval::point(0.0); 3])[0];
                 Cell {
@@ -147,7 +147,7 @@ fn trace(
                 return traced;
             }
             closings += 1;
-            // The secant, kept off the ends so that both close in.
+            // Use the secant, but stay away from both ends so that both close in.
             let fraction = (above / (above - below)).clamp(0.1, 0.9);
             t = before + fraction * (far - before);
             continue;
@@ -162,7 +162,7 @@ fn trace(
     traced
 }
 
-/// The start of the first stretch of at least `thick` on which the value is below 0, by small steps.
+/// Finds, by small steps, the start of the first stretch of at least `thick` on which the value is below 0.
 fn march(
     batch: &mut Batch<'_>,
     origin: [f32; 3],

@@ -1,9 +1,9 @@
 //! Aligns the second scene of a blend with the first.
 //!
-//! Scenes have their objects anywhere, and flying cameras are anywhere. The second scene is therefore moved, and
-//! turned around the vertical, until its eye and line of sight coincide with the first scene's. Then the object in
-//! view turns into the new object in view, the camera hardly has to move, and lamps are as near as in their own
-//! scenes.
+//! The objects and cameras of two scenes may be far apart. The second scene is therefore moved, and turned around the
+//! vertical, until its eye and line of sight coincide with the first scene's. Then the visible object of the first
+//! scene turns into the visible object of the second scene, the camera hardly has to move, and lamps are as near as in
+//! their own scenes.
 
 use crate::graph::{Graph, NodeId};
 use crate::lang::Camera;
@@ -20,10 +20,10 @@ pub struct Alignment {
 }
 
 impl Alignment {
-    /// Leaves both scenes unchanged.
+    /// The alignment that leaves both scenes unchanged.
     pub const NONE: Self = Self { turn: [1.0, 0.0], offset: [0.0; 3] };
 
-    /// Gives two cameras the same eye and direction. Use the cameras in the middle of the blend.
+    /// The alignment that gives two cameras the same eye and direction. Use the cameras of the middle of the blend.
     pub fn of(from: &Camera<f32>, to: &Camera<f32>) -> Self {
         let yaw = |camera: &Camera<f32>| {
             let [x, z] = [0, 2].map(|axis| camera.target[axis] - camera.position[axis]);
@@ -48,7 +48,7 @@ impl Alignment {
         [cos * x - sin * z, y - b, cos * z + sin * x]
     }
 
-    /// The box in the first scene around a box in the second.
+    /// The box in the first scene that contains a box of the second scene.
     pub(super) fn common_box(&self, bounds: &Bounds) -> Bounds {
         if *self == Self::NONE {
             return *bounds;

@@ -1,16 +1,16 @@
-//! The camera between two others.
+//! The camera of a blend, between the cameras of two scenes.
 //!
-//! The target moves in a straight line. Around it the line of sight turns by yaw and pitch in the shorter direction,
-//! while its length is mixed. Two cameras that look at an object from opposite sides therefore go around it, and no
-//! camera passes through its own target.
+//! The target moves in a straight line. The line of sight turns around the target by yaw and pitch, in the shorter
+//! direction, while its length is mixed. Between two cameras that look at an object from opposite sides, the camera
+//! therefore moves around the object and does not pass through its own target.
 
 use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Camera;
 
 struct LineOfSight {
-    /// Around the vertical, 0 along z, in radians.
+    /// The angle around the vertical in radians; 0 along z.
     yaw: NodeId,
-    /// Above the horizon, in radians.
+    /// The angle above the horizon in radians.
     pitch: NodeId,
     length: NodeId,
 }
@@ -67,8 +67,8 @@ fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
     graph.sub(turn, whole)
 }
 
-/// The reciprocal of a camera's focus distance, to which blur is proportional. Finite for an infinite focus, which
-/// means the target's distance.
+/// The reciprocal of a camera's focus distance, to which blur is proportional. It is finite for an infinite focus
+/// distance, which means the target's distance.
 fn nearness(graph: &mut Graph, camera: &Camera, line: &LineOfSight) -> NodeId {
     let (one, largest) = (graph.constant(1.0), graph.constant(f32::MAX));
     let size = graph.abs(camera.focus);

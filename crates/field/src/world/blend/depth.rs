@@ -1,4 +1,4 @@
-//! Depth of the visible solids of a scene.
+//! The depth of the visible solids in a scene.
 
 use super::melt::HOLLOW;
 use super::side::Side;
@@ -6,19 +6,19 @@ use crate::graph::{FrameInputs, Graph, Point};
 use crate::tape::{PointEvaluator, Tape, TapeOptions};
 
 const RAYS: (usize, usize) = (15, 9);
-/// Most steps of a ray, and the least length of one.
+/// Maximum number of steps of a ray, and the minimum length of a step.
 const STEPS: usize = 96;
 const STEP_MIN: f32 = 0.01;
-/// Steps into a solid, and the length of one.
+/// Number of steps into a solid, and the length of a step.
 const STEPS_IN: usize = 40;
 const STEP_IN: f32 = 0.04;
-/// Depths are clamped to this range; the upper end is the depth of a hollow shell.
+/// Depths are clamped to this range. The upper end is the depth of a hollow shell.
 const RANGE: (f32, f32) = (0.05, 0.5 * HOLLOW);
 /// Quantile of the depths that represents the scene.
 const QUANTILE: f32 = 0.5;
 
-/// Median depth of the solids that rays from the side's camera hit at time 0, in silence; the upper limit if all rays
-/// miss. Ignores planes if the side has other surfaces.
+/// The median depth of the solids that rays from the side's camera hit at time 0, in silence. If all rays miss, the
+/// result is the upper limit. Planes are ignored if the side has other surfaces.
 pub(super) fn of(graph: &Graph, side: &Side) -> f32 {
     let mut depths = of_rays(graph, side).unwrap_or_default();
     depths.sort_by(f32::total_cmp);

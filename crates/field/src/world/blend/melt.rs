@@ -1,21 +1,21 @@
 //! The melt: a union of two scenes in which the old solids shrink while the new ones grow.
 //!
-//! **Union.** A mixture (1-s)*a + s*b soon loses small objects, such as a heart in a tunnel. A melt therefore draws
-//! the union of both scenes with shrunken solids. The distance a becomes a + q*f(b): f(b) rises from 0 at the other
-//! scene's surfaces to 1 far from them, and q grows without limit while the scene's fraction falls to 0
-//! ([`yielding`]). The old scene shrinks onto the surfaces of the new one, and the new one grows out of the old. q is
-//! proportional to the depth of the scene's solids ([`super::depth`]): at a fraction of 0.2 they have lost half of
-//! it. Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`], so that they vanish
-//! in time.
+//! **Union.** A mixture (1-s)*a + s*b of two distances soon loses small objects, such as a heart in a tunnel. A melt
+//! therefore draws the union of both scenes with shrunken solids. The distance a becomes a + q*f(b), where f(b) rises
+//! from 0 at the surfaces of b to 1 far from them, and q grows without limit while the fraction of a falls to 0
+//! ([`yielding`]). The old scene shrinks onto the surfaces of the new scene, and the new scene grows out of the old
+//! one. q is proportional to the depth of the scene's solids ([`super::depth`]): at a fraction of 0.2 the solids have
+//! lost half of their depth. Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`],
+//! so that they vanish in time.
 //!
 //! **Slopes.** f has a slope of at most 1 / [`REACH`], so (a + q*f(b)) / (1 + q/[`REACH`]) has a slope of at most 1.
 //! Its maximum with a has the same surfaces, and longer steps far from them. Solids are at most half of [`HOLLOW`]
-//! deep, so the scene is empty beyond some distance x from b, where q*f(b) exceeds that depth. The maximum with b - x
-//! makes rays as fast as in the new scene alone once the old one has vanished.
+//! deep, so the scene is empty beyond some distance x from b, where q*f(b) exceeds that depth. Because of the
+//! maximum with b - x, rays are as fast as in the new scene alone once the old scene has vanished.
 //!
 //! **Materials.** A point has the material of the nearer surface. Where surfaces meet, materials mix over [`SEAM`].
-//! Near the ends a scene is a thin film on the other one, so materials fade during the first and last [`BEGIN`] of
-//! the fraction.
+//! Near the start and the end of the melt, one scene is a thin film on the other scene. Materials therefore fade during
+//! the first and last [`BEGIN`] of the fraction.
 
 use super::depth;
 use super::side::{Side, Steps};
@@ -28,7 +28,7 @@ pub(super) const HOLLOW: f32 = 3.0;
 /// Distance from the other scene's surfaces at which f is 1/2.
 const REACH: f32 = 4.0;
 
-/// Half the width of a seam between materials, as a difference of distances.
+/// Half the width of a seam between materials, as a difference of the two distances.
 const SEAM: f32 = 0.3;
 
 /// Fraction at which the new scene's materials are complete.
@@ -39,13 +39,13 @@ const LEAST: f32 = 1e-6;
 pub(super) struct Melt {
     pub(super) planes: Vec<NodeId>,
     pub(super) rest: Option<Steps>,
-    /// Weight of the second side's material.
+    /// The weight of the second side's material.
     pub(super) owner: NodeId,
-    /// Least haze of the material: planes of one side alone fade into the sky.
+    /// The minimum haze of the material: if only one side has planes, they fade into the sky.
     pub(super) haze: NodeId,
 }
 
-/// The melt of two sides. If both have planes, each pair becomes a plane between them. The planes of one side alone
+/// The melt of two sides. If both have planes, each pair becomes a plane in between. If only one side has planes, they
 /// recede and fade into the sky.
 pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     let [zero, one] = [0.0, 1.0].map(|number| graph.constant(number));
@@ -82,9 +82,10 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     Melt { planes, rest, owner, haze }
 }
 
-/// The depth q that solids lose far from the other side. The fractions are the other side's and the own one.
+/// The depth q that solids lose far from the other side. The arguments include the fractions of the other side and of
+/// the solids' own side.
 fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 2]) -> NodeId {
-    // Half of the depth at an own fraction of 0.2.
+    // At an own fraction of 0.2, q is half of the depth.
     let [least, eighth] = [LEAST, 0.125 * depth].map(|number| graph.constant(number));
     let own_fraction = graph.max(own_fraction, least);
     let ratio = graph.div(other_fraction, own_fraction);
@@ -105,7 +106,7 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
     let slope = graph.add(slope, one);
     let parts = [0, 1].map(|part| {
         let value = hollow(graph, own[part]);
-        // x / (x + reach), written so that interval bounds are its ends.
+        // This is x / (x + reach), in a form whose interval bounds are exact.
         let Some(other) = other else {
             let offset = graph.add(value, lost);
             return [offset, offset];
@@ -124,7 +125,7 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
     Yielding { steps: parts.map(|part| part[0]), offset: parts[1][1] }
 }
 
-/// Distance from the other side beyond which there are no solids if `lost` is subtracted far from it.
+/// The distance from the other side beyond which no solids are left if solids far from it lose the depth `lost`.
 fn farthest(graph: &mut Graph, lost: NodeId, reach: NodeId) -> NodeId {
     let [one, least, deepest] = [1.0, LEAST, 0.5 * HOLLOW].map(|number| graph.constant(number));
     let lost = graph.max(lost, least);
@@ -141,7 +142,7 @@ fn hollow(graph: &mut Graph, value: NodeId) -> NodeId {
     graph.max(value, farther_in)
 }
 
-/// [`Melt::owner`] and [`Melt::haze`]; the arguments contain both for the planes.
+/// Computes [`Melt::owner`] and [`Melt::haze`]. The arguments contain both values for the planes.
 fn owner(
     graph: &mut Graph,
     (planes, owner_of_planes, haze): (&[NodeId], NodeId, NodeId),

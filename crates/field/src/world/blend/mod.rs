@@ -6,11 +6,12 @@
 //!
 //! **A blend is a scene.** [`World::blend`] combines two worlds; the same programs, tree and views draw the result.
 //! The fraction of the second world is the last parameter ([`blended_params`]), so one program draws every fraction.
-//! At the fractions 0 and 1 draw the pure worlds instead: they need no second field.
+//! At the fractions 0 and 1, draw the original worlds instead: they evaluate only one field.
 //!
-//! **Mixed quantities.** The light of shining objects is weighted by its side's fraction, lights change in the middle
-//! half, the tone map at the middle; sky, reach, image settings and camera are mixed. A surface has the material of
-//! its scene's nearest object. A melt selects the scene by the nearer surface, a portal by the side.
+//! **Mixed quantities.** The light of shining objects is weighted by its side's fraction. Lights change in the middle
+//! half of the transition, and the tone map changes at the middle. Sky, reach, image settings and camera are mixed. A
+//! surface has the material of the nearest object in its scene. A melt selects the scene by the nearer surface, a
+//! portal by the side.
 
 mod alignment;
 mod camera;
@@ -77,10 +78,10 @@ impl BlendKind {
     }
 }
 
-/// A reason for which two worlds cannot be blended. Each alone can be drawn, so a fade is always possible.
+/// A reason for which two worlds cannot be blended. A fade is always possible, because it draws each world alone.
 #[derive(Debug, thiserror::Error)]
 pub enum BlendError {
-    /// Together they exceed a limit of a single scene.
+    /// Together the worlds exceed a limit of a single scene.
     #[error(
         "the scenes {from} and {to} together have {count} {what}, but one scene may have at most {max}: fade instead"
     )]
@@ -102,7 +103,7 @@ pub enum BlendError {
 }
 
 /// The parameters of a frame of [`World::blend`]: the parameters of `from`, the parameters of `to`, and the fraction
-/// of `to`, which is clamped to 0..1. Missing ones have the scenes' defaults.
+/// of `to`, which is clamped to 0..1. Missing parameters have the scenes' defaults.
 pub fn blended_params(
     (from, from_params): (&Scene, &[f32]),
     (to, to_params): (&Scene, &[f32]),
@@ -123,7 +124,7 @@ impl World {
     /// the default `fraction`.
     ///
     /// # Errors
-    /// Returns a [`BlendError`] if together they exceed a limit.
+    /// Returns a [`BlendError`] if the two worlds together exceed a limit.
     pub fn blend(
         from: &World,
         to: &World,
@@ -186,7 +187,7 @@ impl World {
             origins: Default::default(),
         };
         let has_planes = [&a, &b].iter().any(|side| !side.planes.is_empty());
-        // Planes that are traced are infinite.
+        // Traced planes are infinite, so there are no bounds.
         let bounds = if has_planes && planes.is_empty() { None } else { bounds(&a, &b) };
         let surfaces = Surfaces {
             planes: planes.into_iter().map(|shape| Plane { shape, object: 0 }).collect(),
@@ -217,9 +218,9 @@ fn whole(name: String, shape: NodeId) -> Object {
     Object { name, span: Default::default(), shape, bound: None, material: 0 }
 }
 
-/// The value of [`World::shadow_step_growth`]; such a ray gets about 20 units far. Tried: the same for a ray's hits,
-/// so that rays along the last rock of a tunnel end. A growth twice as large put a speck into the sky that was no
-/// surface.
+/// The value of [`World::shadow_step_growth`] in blends. A shadow ray that creeps along a surface then travels about 20
+/// units. Tried: the same growth for a ray's hits, so that rays along the last rock of a tunnel end. With twice this
+/// growth a speck appeared in the sky where there was no surface.
 const SHADOW_STEP_GROWTH: f32 = 0.004;
 
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
@@ -238,9 +239,9 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     Ok(())
 }
 
-/// Shrinks the solids so far that the eye is outside of them, because anything may be between two cameras. The eye
-/// keeps half of the smaller distance that the two cameras have from their own scenes. If it has that already, as at
-/// the beginning and at the end, nothing changes.
+/// Shrinks the solids until the eye is outside of them, because there may be solids between the two cameras. Each
+/// camera has a distance from its own scene's surfaces; the eye keeps at least half of the smaller one. At the
+/// beginning and at the end the eye is already far enough away, so nothing changes.
 fn clear_of_the_eye(
     graph: &mut Graph,
     rest: Steps,
@@ -267,8 +268,9 @@ fn mixed_all(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<No
     a.iter().zip(b).map(|(&a, &b)| if a == b { a } else { graph.mix(a, b, s) }).collect()
 }
 
-/// The material of a melt, by the surface that a point is on. Mirrors of one side alone disappear before the middle,
-/// and mirrors of the other side appear after it, so that no frame traces more mirror rays than a single scene.
+/// The material of a melt, which depends on the surface that contains the point. Mirrors of the first side disappear
+/// before the middle, and mirrors of the second side appear after the middle, so that no frame traces more mirror rays
+/// than a single scene.
 fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s: NodeId) -> Vec<NodeId> {
     let of = |numbers: &[NodeId]| Material::of(String::new(), numbers.iter().copied());
     let (a_own, b_own) = (of(a), of(b));
@@ -292,7 +294,8 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
     mixed.numbers()
 }
 
-/// Light of nearby shining objects. Each side's is attenuated by its own distance here: shaders get distance 0.
+/// The light of nearby shining objects. Each side's light is attenuated here by that side's distance, so shaders get
+/// the distance 0.
 fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let rest = graph.sub(one, s);
@@ -317,8 +320,8 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
     Some([r, g, b, zero])
 }
 
-/// The lights of both sides, weighted by the fractions. They change in the middle half: shadow rays of both sides
-/// together cost most near the ends, where the surfaces of one scene are nearly whole.
+/// The lights of both sides, weighted by the fractions. They change in the middle half of the
+/// transition: near its ends, where the surfaces of one scene are nearly whole, shadow rays of both sides cost most.
 fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
     let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
     let s = graph.sub(s, half);
@@ -337,7 +340,7 @@ fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
     lights
 }
 
-/// Mixes image settings. The tone map is a name: it changes at the middle.
+/// Mixes image settings. The tone map cannot be mixed, so it changes at the middle.
 fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
     let half = graph.constant(0.5);
     let is_second = graph.binary(Op::LessEqual, half, s);
@@ -346,7 +349,7 @@ fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
     Picture { tone_map, ..mixed }
 }
 
-/// The box around the surfaces of both: no solid of a melt or a portal extends beyond its own scene's box.
+/// The box around the surfaces of both sides. In a melt or a portal, no solid extends beyond its own scene's box.
 fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
     match (a.rest.is_some(), b.rest.is_some()) {
         (true, true) => Some(a.bounds?.hull(&b.bounds?, 0.0)),

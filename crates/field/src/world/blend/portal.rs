@@ -1,8 +1,8 @@
-//! Portals: one scene inside a shape, the other outside, by exact constructive solid geometry.
+//! Portals: the second scene is inside a shape and the first scene is outside, by exact constructive solid geometry.
 //!
-//! **Sides.** Surfaces and their materials belong to a side. Light does not: lights, sky and glow are mixed by the
-//! fraction, because a light of one side alone would need the side at every step of its rays. A surface that the
-//! portal cuts has the material of the nearer side's object.
+//! **Sides.** Surfaces and their materials belong to a side. Lights, sky and glow are mixed by the fraction instead,
+//! because a light that shines on one side only would need the side at every step of its rays. A surface that the
+//! portal cuts has the material of the object on the nearer side.
 
 use super::alignment::Vector;
 use super::side::{self, Side, Steps};
@@ -15,15 +15,15 @@ pub enum PortalShape {
     /// A ball around the camera's target that grows beyond the scene.
     #[default]
     Ball,
-    /// The half space to the left of a plane along the line of sight that moves to the right.
+    /// The half space to the left of a plane. The plane contains the line of sight and moves to the right.
     Plane,
-    /// The shape in the second scene's block `about`, growing around the camera's target; else a ball.
+    /// The shape in the second scene's block `about`, which grows around the camera's target. Without a shape, a ball.
     Own,
 }
 
-/// Distance from its end at which a portal stops moving: it has left everything behind it.
+/// A portal stops moving at this distance from its end. All surfaces are behind it by then.
 const LEFT_MIN: f32 = 1e-3;
-/// Fraction of a transition in which a scene's shape emerges, and in which it is filled up.
+/// Fraction of a transition in which a scene's shape emerges, and in which the shape is filled up at the end.
 const QUARTER: f32 = 0.25;
 
 struct Seen {
@@ -48,7 +48,7 @@ impl Seen {
         Self { off, right, view, length }
     }
 
-    /// Coordinates of the point to the right, up and towards the eye.
+    /// The coordinates of the point along the directions right, up and towards the eye.
     fn point(&self, graph: &mut Graph) -> Vector {
         let least = graph.constant(LEFT_MIN);
         let length = graph.max(self.length, least);
@@ -71,7 +71,7 @@ fn dot(graph: &mut Graph, a: Vector, b: Vector) -> NodeId {
     graph.add(sum, parts[2])
 }
 
-/// Relative size, growing from 0 at 0 to beyond the scene at 1.
+/// The relative size, which grows from 0 at the fraction 0 to beyond the scene at the fraction 1.
 fn growth(graph: &mut Graph, fraction: NodeId) -> NodeId {
     let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
     let rest = graph.sub(one, fraction);
@@ -96,7 +96,8 @@ fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
 }
 
 /// The distance to the scene's own shape, which grows with the fraction `s`. The shape may have holes and may be
-/// infinite, so a ball makes it emerge in the first quarter, and another ball fills it up in the last.
+/// infinite. A growing ball therefore reveals it in the first quarter, and another ball fills it up in the last
+/// quarter.
 fn own_shape(
     graph: &mut Graph,
     seen: &Seen,
@@ -123,8 +124,8 @@ fn own_shape(
     Ok(graph.min(value, filled))
 }
 
-/// The distance to the portal, negative inside. At the middle it is as large as the distance from the eye to the
-/// target; towards the end it grows without limit.
+/// The distance to the portal, negative inside. At the middle of the transition, the size of the portal is the distance
+/// from the eye to the target. Towards the end the portal grows without limit.
 fn portal(
     graph: &mut Graph,
     shape: PortalShape,
@@ -140,7 +141,7 @@ fn portal(
     })
 }
 
-/// Planes, the rest, and the numbers of the material.
+/// Planes, other surfaces, and the numbers of the material.
 type Through = (Vec<NodeId>, Option<Steps>, Vec<NodeId>);
 
 /// Puts the first scene outside of the portal and the second one inside. `to` is the second scene with the numbers of
@@ -167,7 +168,7 @@ pub(super) fn through(
         (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a[part], b[part]))),
         (a, b) => a.or(b),
     };
-    // Do not use the portal's sign, which depends on rounding where it cuts.
+    // Do not use the sign of the portal's distance: at a cut surface it depends on rounding.
     let [a_near, b_near] = [(a, outside), (b, portal)].map(|(side, portal)| match side.whole(graph) {
         Some([_, estimate]) => graph.max(estimate, portal),
         None => graph.constant(f32::MAX),

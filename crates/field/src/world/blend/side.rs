@@ -7,27 +7,27 @@ use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
 use crate::world::World;
 
-/// A world in a blend's graph. Its values are distances, or normalized to be similar to distances.
+/// A world in a blend's graph. Its values are distances, or values that are normalized to be similar to distances.
 pub(super) struct Side {
-    /// Planes of slope 1.
+    /// The planes, each with slope 1.
     pub(super) planes: Vec<NodeId>,
     /// True if rays may not step by the values.
     pub(super) non_lipschitz: bool,
     pub(super) bounds: Option<Bounds>,
     pub(super) rest: Option<Steps>,
     pub(super) material: Vec<NodeId>,
-    /// Emission near a point, and the distance to its source.
+    /// The emission near a point, and the distance to the shining object.
     pub(super) glow: Option<[NodeId; 4]>,
     pub(super) lights: Vec<Light>,
     pub(super) camera: Camera,
-    /// The parameters of the blend up to its own, with the scenes' defaults.
+    /// The blend's parameters up to this side's own parameters, with the scenes' defaults.
     pub(super) params: Vec<f32>,
     pub(super) sky: Sky,
     pub(super) picture: Picture,
 }
 
 impl Side {
-    /// Copies a world into the graph. `before` are the numbers of images and parameters before its own.
+    /// Copies a world into the graph. `before` are the numbers of images and parameters that precede the world's own.
     pub(super) fn of(
         graph: &mut Graph,
         world: &World,
@@ -38,7 +38,7 @@ impl Side {
         let (planes, rest) = planes::split(&mut scene)?;
         let glow = nearby_light::nearby_light(&mut scene)?;
         let own = Own::of(graph, alignment);
-        // In distances the normal's x is the penumbra (see `Roots`).
+        // In distances, the input for the normal's x holds the penumbra (see `Roots`).
         let [moved, turned] =
             [own, own.turned(graph, alignment)].map(|own| copied(graph, &scene.graph, before, &own));
         let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
@@ -99,7 +99,7 @@ impl Side {
     }
 }
 
-/// Traced surfaces: the length of a ray's step, and the estimate.
+/// Expressions of the traced surfaces: the length of a ray's step, and the estimate.
 pub(super) type Steps = [NodeId; 2];
 
 #[derive(Clone, Copy)]
@@ -119,7 +119,7 @@ impl Own {
         Self { point, normal, eye }
     }
 
-    /// The inputs of expressions that read a normal or a direction.
+    /// The inputs for expressions that read a normal or a direction.
     fn turned(self, graph: &mut Graph, alignment: &Alignment) -> Self {
         Self { normal: alignment.own_direction(graph, self.normal), ..self }
     }
@@ -198,7 +198,7 @@ pub(super) fn position(graph: &mut Graph) -> Vector {
     [Input::X, Input::Y, Input::Z].map(|input| graph.input(input))
 }
 
-/// A value at another point, with zero normals.
+/// The value at the point `place`, with a zero normal.
 pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId, GraphError> {
     let mut moved = vec![NodeId::default(); graph.len()];
     let zero = graph.constant(0.0);

@@ -1,4 +1,4 @@
-//! Tests of blends against the two scenes they are made of.
+//! Tests that compare blends with their two scenes.
 
 use super::*;
 use crate::graph::{FrameInputs, Interval, Point, cell_hash};
@@ -198,7 +198,7 @@ fn at_either_end_a_blend_is_the_scene_there() {
 
 #[test]
 fn a_portal_of_a_scene_has_the_shape_that_it_names() {
-    // An eighth of space: to the right, above, and nearer than the target.
+    // The portal is an eighth of space: to the right of the target, above it, and nearer than it.
     let outside = world_of("sphere(p + vec3(0, 50, 0), 1)\nabout { portal = 1 }");
     let corner = world_of(
         "param k = 0.25 in 0 .. 1\nabout { portal = max(k - p.x, k - p.y, k - p.z) }\n-1\n\
@@ -311,7 +311,7 @@ fn far_from_a_scene_rays_are_as_fast_as_in_it_alone() {
     let melt = World::blend(&ground, &tunnel, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
     let at = |x: f32, y: f32| distance(&melt, [x, y, 0.0], &frame(&ground, &tunnel, 0.5));
     for height in [10.0, 100.0, 400.0] {
-        // The rock ends 5 from the middle.
+        // The rock ends at a distance of 5 from the middle.
         assert!(at(0.0, height) > 0.9 * (height - 5.0), "{} at {height}", at(0.0, height));
     }
     assert!(at(0.0, -3.5) >= -1.5, "solids may shrink only a little around the eye");
