@@ -40,7 +40,7 @@ struct Line<'a> {
 /// Prints a line for each frame to `out`.
 ///
 /// # Errors
-/// The song cannot be decoded or ends before the start, or `out` cannot be written. A closed pipe is no error.
+/// Fails if the song cannot be decoded or ends before the start, or `out` cannot be written. A closed pipe is no error.
 pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(), ExportError> {
     let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
     song.require(request.start)?;

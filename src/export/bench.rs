@@ -55,7 +55,7 @@ pub struct BenchRequest {
 /// Runs the measurement. Rows are drawn alternately, frame by frame, so that load on the machine affects all rows.
 ///
 /// # Errors
-/// The song cannot be decoded, the scene has mistakes, or the driver reports an error.
+/// Fails if the song cannot be decoded, the scene has mistakes, or the driver reports an error.
 pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
     let mut sound = song.require(request.at)?;

@@ -209,7 +209,7 @@ impl Painter {
     /// Opens a context and prepares the chosen scene.
     ///
     /// # Errors
-    /// The scene has mistakes, or the driver reports an error.
+    /// Fails if the scene has mistakes, or the driver reports an error.
     pub fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
         Self::of_ready(choice, choice.source.ready()?)
     }

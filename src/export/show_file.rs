@@ -23,7 +23,7 @@ pub struct ShowFileRequest {
 /// Writes the show file and returns the number of its entries.
 ///
 /// # Errors
-/// The song cannot be decoded, no scene can be shown, or the output cannot be written.
+/// Fails if the song cannot be decoded, no scene can be shown, or the output cannot be written.
 pub fn write_show_file(request: &ShowFileRequest) -> Result<usize, ExportError> {
     let file = match &request.output {
         Output::Path(path) => {

@@ -51,7 +51,8 @@ impl ShowPainter {
     /// Compiles all scenes of the show, to find mistakes at the start. `choice` has the options of the renderer.
     ///
     /// # Errors
-    /// A scene or a setting is refused, the driver reports an error, or all entries of the show wait for a key.
+    /// Fails if a scene or a setting is refused, the driver reports an error, or all entries of the show wait for a
+    /// key.
     pub(super) fn open(
         choice: &SceneChoice,
         prepared_show: Arc<PreparedShow>,
@@ -140,7 +141,7 @@ impl ShowPainter {
         if fraction < 1.0 { self.draw_over((time, sound), fraction, size) } else { Ok(()) }
     }
 
-    /// Mixes a moment over the last frame. As in the window, a scene that fades out at that moment is not drawn.
+    /// Mixes the frame of a moment over the last frame. As in the window, a scene that fades out then is not drawn.
     fn draw_over(
         &mut self,
         (time, sound): Heard,

@@ -23,7 +23,7 @@ impl Showing {
     /// fit the song.
     ///
     /// # Errors
-    /// The song cannot be decoded, the show has mistakes, or no scene is shown at the start.
+    /// Fails if the song cannot be decoded, the show has mistakes, or no scene is shown at the start.
     pub(super) fn prepared_show(
         &self,
         song: &mut SongFeatures,

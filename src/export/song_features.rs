@@ -36,7 +36,7 @@ impl SongFeatures {
     /// Opens `song` for times from `start` seconds on, with automatic gain.
     ///
     /// # Errors
-    /// The song cannot be decoded.
+    /// Fails if the song cannot be decoded.
     pub fn open(song: &Song, start: f64) -> Result<Self, DecodeError> {
         Self::open_with(song, start, Gain::Auto)
     }
@@ -44,7 +44,7 @@ impl SongFeatures {
     /// Opens `song` for times from `start` seconds on.
     ///
     /// # Errors
-    /// The song cannot be decoded.
+    /// Fails if the song cannot be decoded.
     pub fn open_with(song: &Song, start: f64, gain: Gain) -> Result<Self, DecodeError> {
         let mut decoder = song.open()?;
         let name = display_name(&decoder);
@@ -63,7 +63,7 @@ impl SongFeatures {
     /// Opens the same song again for times from `start` seconds on. Keeps the song's structure if it is known.
     ///
     /// # Errors
-    /// The song cannot be decoded.
+    /// Fails if the song cannot be decoded.
     pub fn beside(&self, start: f64, gain: Gain) -> Result<Self, DecodeError> {
         Ok(Self { structure: self.structure.clone(), ..Self::open_with(&self.song, start, gain)? })
     }
@@ -97,7 +97,7 @@ impl SongFeatures {
     /// The features at `time` seconds; `None` if the song has ended. Times may step back by a few seconds at most.
     ///
     /// # Errors
-    /// The file is damaged.
+    /// Fails if the file is damaged.
     pub fn at(&mut self, time: f64) -> Result<Option<Features>, DecodeError> {
         self.decode_to(time)?;
         Ok((!self.is_over(time)).then(|| self.track.at(time)))
@@ -106,7 +106,7 @@ impl SongFeatures {
     /// The sound at `time` seconds, features with tables; `None` if the song has ended.
     ///
     /// # Errors
-    /// The file is damaged.
+    /// Fails if the file is damaged.
     pub fn sound_at(&mut self, time: f64) -> Result<Option<Sound>, DecodeError> {
         self.decode_to(time)?;
         let sound = || Sound { song: self.place_in_song(time), ..self.track.sound_at(time) };

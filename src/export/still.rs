@@ -74,7 +74,7 @@ impl Blend {
 /// Draws and writes the still. All runs on one machine give the same bytes.
 ///
 /// # Errors
-/// The song or a scene has mistakes, the driver reports an error, or the output cannot be written.
+/// Fails if the song or a scene cannot be read, the driver reports an error, or the output cannot be written.
 pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     // Create the file first, so that an unwritable file is reported before the work.
     let (format, file) = match &request.output {

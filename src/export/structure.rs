@@ -30,7 +30,7 @@ pub struct StructureRequest {
 /// Decodes a song. Returns its name and its structure.
 ///
 /// # Errors
-/// The song cannot be decoded.
+/// Fails if the song cannot be decoded.
 pub fn structure_of(song: &Song) -> Result<(String, SongStructure), DecodeError> {
     let mut decoder = song.open()?;
     let name = display_name(&decoder);
@@ -48,7 +48,7 @@ pub fn structure_of(song: &Song) -> Result<(String, SongStructure), DecodeError>
 /// Prints and draws the structure as requested.
 ///
 /// # Errors
-/// The song cannot be decoded, or an output cannot be written. A closed pipe is no error.
+/// Fails if the song cannot be decoded, or an output cannot be written. A closed pipe is no error.
 pub fn tell_structure(request: &StructureRequest, out: &mut dyn Write) -> Result<(), ExportError> {
     // Create the file first, so that an unwritable file is reported before the work.
     let plot = match &request.plot {

@@ -67,8 +67,8 @@ pub struct VideoRequest {
 /// Writes the video or stills. Returns the number of frames. `progress` gets the number so far, and the total if known.
 ///
 /// # Errors
-/// The song cannot be decoded, the driver or ffmpeg fails, or the output cannot be written. An incomplete video never
-/// replaces an existing file.
+/// Fails if the song cannot be decoded, the driver or ffmpeg fails, or the output cannot be written. An incomplete
+/// video never replaces an existing file.
 pub fn write_video(
     request: &VideoRequest,
     progress: &mut dyn FnMut(u64, Option<u64>),

@@ -29,7 +29,7 @@ const ANSWER_TIME: Duration = Duration::from_secs(30);
 /// Starts the server on a port.
 ///
 /// # Errors
-/// The port is in use, or the system cannot start a thread.
+/// Fails if the port is in use, or the system cannot start a thread.
 pub(super) fn start(port: u16, latest_frame: Arc<LatestFrame>) -> Result<(), SendError> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| SendError::Refused {
         to: SenderTarget::Mjpeg(port).to_string(),

@@ -17,13 +17,13 @@ pub(super) trait Receiver: Send + 'static {
     /// Waits for a reader.
     ///
     /// # Errors
-    /// No reader can connect any more.
+    /// Fails if no reader can connect any more.
     fn open(&mut self) -> std::io::Result<()>;
 
     /// Writes a frame.
     ///
     /// # Errors
-    /// The reader has disconnected, or writing failed.
+    /// Fails if the reader has disconnected, or if the frame cannot be written.
     fn write(&mut self, picture: &OutgoingFrame) -> std::io::Result<()>;
 
     fn can_come_again(&self) -> bool;

@@ -88,7 +88,7 @@ impl Camera {
     /// Opens the device at `path` for frames of `size` pixels.
     ///
     /// # Errors
-    /// The device does not exist, cannot be written, or has another format.
+    /// Fails if the device does not exist, cannot be written, or has another format.
     pub(super) fn open(path: &Path, size: (u32, u32)) -> Result<Self, SendError> {
         let mut camera = Self { path: path.to_owned(), size, file: None };
         let refused = |reason: String| SendError::Refused { to: path.display().to_string(), reason };

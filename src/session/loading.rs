@@ -21,7 +21,7 @@ impl BackgroundWork {
     /// Starts the senders and the loaders, and waits for the first scene.
     ///
     /// # Errors
-    /// A sender or the scene fails, or the system has no thread left.
+    /// Fails if a sender or the scene fails, or the system has no thread left.
     pub(crate) fn start(
         settings: &PlaySettings,
         scene: &SceneChoice,
@@ -39,7 +39,7 @@ impl BackgroundWork {
 /// Starts a loader for the shown scene and, if it `prepares_ahead`, two for its neighbours. Waits for the first scene.
 ///
 /// # Errors
-/// The scene cannot be shown, or the system has no thread left.
+/// Fails if the scene cannot be shown, or the system has no thread left.
 fn load_first(
     scene: &SceneChoice,
     prepares_ahead: bool,

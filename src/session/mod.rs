@@ -196,7 +196,7 @@ impl Session {
     /// Updates the title and the messages. Returns `true` when a song that plays once has ended.
     ///
     /// # Errors
-    /// The only song can no longer be played.
+    /// Fails if the only song can no longer be played.
     pub(super) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, SessionError> {
         if !self.playback.reports.is_due(clock::now()) {
             return Ok(false);

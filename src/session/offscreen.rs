@@ -55,7 +55,7 @@ impl Offscreen {
     /// Starts a prepared session. The window has the size in the settings; programs are compiled between frames.
     ///
     /// # Errors
-    /// The scene or the song cannot be shown, or there is no OpenGL context.
+    /// Fails if the scene or the song cannot be shown, or there is no OpenGL context.
     pub fn open(prepared: Prepared) -> Result<Self, SessionError> {
         Self::begin(prepared, false)
     }

@@ -252,7 +252,7 @@ fn renderer(gl: &Gl, choices: &Choices, scene: &SceneChoice) -> Result<Renderer,
 /// Recreates everything that belonged to a lost context. The song and all choices are kept.
 ///
 /// # Errors
-/// The driver provides no new context.
+/// Fails if the driver provides no new context.
 pub(super) fn renewed(
     session: Session,
     settings: &PlaySettings,

@@ -40,7 +40,7 @@ pub(crate) trait Screen {
     /// Replaces a lost context. Everything created in the old one must have been dropped.
     ///
     /// # Errors
-    /// The driver provides no new context.
+    /// Fails if the driver provides no new context.
     fn renew(self: Box<Self>) -> Result<Box<dyn Screen>, SessionError>;
 
     /// The monitor's frames per second, if known.
@@ -52,7 +52,7 @@ pub(crate) trait Screen {
     /// Pixels per point of the window.
     fn scale(&self) -> f32;
 
-    /// Size in pixels of the screen that frames are drawn for: the output's, else the wallpaper's, else the window's.
+    /// Size in pixels of the surface for frames: the output, otherwise the wallpaper, otherwise the window.
     fn picture_size(&self) -> Option<(u32, u32)>;
 
     /// The window's position on the desktop in pixels, unless it fills the screen; `None` if unknown.

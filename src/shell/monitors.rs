@@ -57,7 +57,7 @@ impl MonitorWatch {
 /// Asks the X server for all monitors, from left to right. May block.
 ///
 /// # Errors
-/// There is no X server, or it does not report monitors.
+/// Fails if there is no X server, or it does not report monitors.
 #[cfg(all(unix, not(target_os = "macos")))]
 pub fn present() -> Result<Vec<Monitor>, String> {
     x11::present()

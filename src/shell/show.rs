@@ -25,7 +25,7 @@ use crate::shell::window_thread;
 /// Plays the tracks in a window until the user quits, or once; without tracks, listens to the input in the settings.
 ///
 /// # Errors
-/// There is no track to play once, or the window cannot be opened or drawn.
+/// Fails if there is no track to play once, or the window cannot be opened or drawn.
 pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     let Prepared { tracks, settings, scene, memory } = prepared;
     let started = Instant::now();

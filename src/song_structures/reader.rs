@@ -53,7 +53,7 @@ impl SongReader {
     /// Starts the thread, which waits for tracks. It calls `wake` after each analysed track.
     ///
     /// # Errors
-    /// The system cannot start a thread.
+    /// Fails if the system cannot start a thread.
     pub fn start(cache: StructureCache, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let of_thread = shared.clone();

@@ -15,7 +15,7 @@ use mariana_music::Sound;
 /// Measures the time to the first frames after adding a small ball at a new position, which no driver has cached.
 ///
 /// # Errors
-/// The scene is a single formula, or it cannot be read or drawn.
+/// Fails if the scene is a single formula, or it cannot be read or drawn.
 pub(super) fn measure_edit(
     renderer: &mut Renderer,
     request: &BenchRequest,

@@ -87,7 +87,7 @@ impl Midi {
         self.memory.file().clock
     }
 
-    /// The reading of the followed clock, and its current time in seconds.
+    /// The reading of the followed clock, and the clock's current time in seconds.
     pub(super) fn clock(&self) -> Option<(ClockReading, f64)> {
         self.hub.as_ref().filter(|_| self.follows_clock())?.clock()
     }

@@ -45,7 +45,7 @@ pub(crate) struct Controllers {
     unseen: Option<(Instant, u64)>,
     times: FrameTimes,
     board_due: Instant,
-    /// Time of the next update of the panel, and the mappings' revision that it shows.
+    /// Time of the next update of the panel, and the mappings' revision that the panel shows.
     panel_due: Instant,
     panel_revision: u64,
     /// All scenes with their titles, and the scene that was shown when they were listed.

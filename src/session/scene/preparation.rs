@@ -79,7 +79,7 @@ impl ScenePreparation {
     /// Takes the loaded scene. Returns the reason if it cannot be shown; the last good scene stays then.
     ///
     /// # Errors
-    /// The driver rejects the scene, and no other scene can be shown.
+    /// Fails if the driver rejects the scene, and no other scene can be shown.
     pub(super) fn take_loaded(
         &mut self,
         ready: Result<ReadyScene, SceneError>,
@@ -208,7 +208,7 @@ impl ScenePreparation {
     /// Takes a requested program for scenes, or the compile error.
     ///
     /// # Errors
-    /// No scene can be shown.
+    /// Fails if no scene can be shown.
     pub(super) fn take_program(
         &mut self,
         task: &Task,

@@ -242,7 +242,7 @@ mod tests {
     use mariana_field::world::World;
     use mariana_music::Features;
 
-    /// Infinitely repeated balls: their tree depends on the camera's position.
+    /// The balls repeat infinitely, so their tree depends on the camera's position.
     const TWO_CAMERAS: &str = "camera near { position = vec3(0, 2, -5)  target = vec3(0) }\n\
                                camera far { position = vec3(0, 2, -95)  target = vec3(0) }\n\
                                object balls { shape = sphere(mod(p, 4) - 2, 0.5) }";

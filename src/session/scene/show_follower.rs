@@ -134,7 +134,7 @@ impl ShowFollower {
         &self.refused
     }
 
-    /// Excludes a scene that this machine cannot draw from the show.
+    /// Removes a scene from the show, because this machine cannot draw the scene.
     pub(super) fn refuse(&mut self, source: SceneSource) {
         if !self.refused.contains(&source) {
             self.refused.push(source);

@@ -74,7 +74,7 @@ pub(crate) struct MediaControls {
 }
 
 impl MediaControls {
-    /// Starts the service on another thread, which calls `wake` for each command. Without a `position` it reports 0.
+    /// Starts the service on another thread, which calls `wake` for each command. Reports 0 without a `position`.
     pub(crate) fn start(position: Option<Position>, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));

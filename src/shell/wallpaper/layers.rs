@@ -57,7 +57,7 @@ impl Layers {
     /// Starts on the compositor of `windows`. Wakes the show after each change.
     ///
     /// # Errors
-    /// The compositor has no layer shell, or there is no output.
+    /// Fails if the compositor has no layer shell, or there is no output.
     pub(crate) fn start(windows: &Windows<WindowMessage>, waker: &Waker) -> Result<Self, SessionError> {
         let display = windows.owned_display_handle();
         let connection = wayland_connection(&display)?;

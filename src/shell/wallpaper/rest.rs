@@ -15,7 +15,7 @@ use crate::shell::monitors::Rect;
 
 const LOOK_PERIOD: Duration = Duration::from_millis(500);
 
-/// The current reason to pause, as a flag set by the thread. Dropping it ends the thread.
+/// True while the wallpaper must pause; a thread sets this flag. Dropping the flag ends the thread.
 pub(super) struct WallpaperPause(Arc<AtomicBool>);
 
 impl WallpaperPause {

@@ -15,7 +15,7 @@ use winit::event_loop::OwnedDisplayHandle;
 
 use super::LayersState;
 
-/// A surface without a request for a frame for this long is covered. The slowest monitors show 24 frames a second.
+/// A surface is covered if the compositor requests no frame for this time. Slow monitors show 24 frames a second.
 const UNSEEN: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
