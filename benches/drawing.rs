@@ -1,8 +1,8 @@
 //! Compares the CPU time of the compiled speakers scene with the same scene in handwritten GLSL.
 //!
-//! `cargo bench --bench drawing` prints medians and their ratio. It does not use criterion, because the two scenes
-//! alternate frame by frame, so that disturbances affect both, and because the time of all processor cores counts: Mesa
-//! draws on all of them.
+//! `cargo bench --bench drawing` prints medians and their ratio. It does not use criterion for two reasons. The scenes
+//! alternate frame by frame, so that disturbances affect both scenes. And the time of all processor cores counts,
+//! because Mesa draws on all cores.
 
 #![allow(clippy::unwrap_used)]
 

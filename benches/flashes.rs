@@ -1,7 +1,7 @@
 //! Measures the cost of flash limiting per frame on this machine's renderer: CPU time of all cores.
 //!
 //! `cargo bench --bench flashes` prints medians for a calm image and for a strobe. It does not use criterion, for the
-//! reasons given in `drawing`.
+//! same reasons as `drawing`.
 
 #![allow(clippy::unwrap_used)]
 
@@ -45,7 +45,7 @@ fn main() {
                 gl.finish();
                 times.push(start.elapsed().as_secs_f64() * 1000.0);
             }
-            // The limiter changes nothing in the first second.
+            // Leave out the first second, because the limiter does not dim images yet.
             let mut times = times.split_off(FPS as usize);
             times.sort_by(f64::total_cmp);
             let place = if window { "decided" } else { "decided and drawn to a copy" };

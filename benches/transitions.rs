@@ -1,9 +1,9 @@
-//! Compares transitions with their two scenes: the CPU time of each frame of a two-second transition, including its
-//! region tree, relative to the sum of both scenes' medians.
+//! Compares transitions with their two scenes. For each frame of a two-second transition it measures the CPU time,
+//! including the region tree, relative to the sum of both scenes' medians.
 //!
 //! `cargo bench --bench transitions` measures the transition from each shipped scene to the next, with all kinds of
-//! blends; `-- speakers:heart` measures one pair. It does not use criterion, as in `drawing`, and the longest of
-//! differing frames counts.
+//! blends; `-- speakers:heart` measures one pair. It does not use criterion, for the same reasons as `drawing`, and
+//! because the longest frame of a transition counts.
 
 #![allow(clippy::unwrap_used)]
 
@@ -29,7 +29,7 @@ const SIZE: (u32, u32) = (320, 180);
 /// Start of the transitions in the demo track and their duration, in seconds.
 const START: f64 = 20.0;
 const SECONDS: f64 = 2.0;
-/// Frames of a transition, without the pure scenes at its ends.
+/// Number of frames of a transition, without the first and last frame, which show only one scene.
 const FRAMES: usize = 24;
 
 struct Model {
@@ -66,7 +66,7 @@ fn median(times: &[f64]) -> f64 {
     times.get(times.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The pairs given on the command line, or each shipped scene with the next one.
+/// The pairs given on the command line, or each shipped scene with the next scene.
 fn pairs() -> Vec<(String, String)> {
     let named: Vec<(String, String)> = std::env::args()
         .filter_map(|arg| arg.split_once(':').map(|(from, to)| (from.to_owned(), to.to_owned())))

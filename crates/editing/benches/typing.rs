@@ -1,4 +1,4 @@
-//! Benchmarks of typing in a long text without a window: the edit itself, and the colours of the visible lines.
+//! Benchmarks of typing in a long text without a window: the edit, and the colours of the visible lines.
 
 #![allow(missing_docs, clippy::unwrap_used)]
 

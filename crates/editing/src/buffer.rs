@@ -44,7 +44,7 @@ impl Buffer {
         self.bytes.get(range.start.min(end)..end).unwrap_or_default()
     }
 
-    /// The byte range of a line without its line end; empty at the end of the text if there is no such line.
+    /// The byte range of a line without its line end. If there is no such line, an empty range at the end of the text.
     pub fn line_range(&self, line: usize) -> Range<usize> {
         let start = self.line_start(line);
         let Some(next) = self.starts.get(line + 1) else { return start..self.len() };
@@ -60,7 +60,7 @@ impl Buffer {
         self.slice(self.line_range(line))
     }
 
-    /// The byte offset of a line; the text's length if there is no such line.
+    /// The byte offset of a line. If there is no such line, the text's length.
     pub fn line_start(&self, line: usize) -> usize {
         self.starts.get(line).copied().unwrap_or(self.len())
     }
@@ -70,13 +70,13 @@ impl Buffer {
         self.starts.partition_point(|start| *start <= offset).saturating_sub(1)
     }
 
-    /// The line end of the first line, for lines that are inserted; `\n` if there is only one line.
+    /// The line end of the first line, which inserted lines also get; `\n` if there is only one line.
     pub fn line_end(&self) -> &'static [u8] {
         let first = self.starts.get(1).and_then(|next| self.bytes.get(next.checked_sub(2)?));
         if first == Some(&b'\r') { b"\r\n" } else { b"\n" }
     }
 
-    /// Replaces a range, clipped to the text, and returns the bytes that were there.
+    /// Replaces a range, clipped to the text, and returns the replaced bytes.
     pub fn replace(&mut self, range: Range<usize>, new: &[u8]) -> Vec<u8> {
         let end = range.end.min(self.len());
         let start = range.start.min(end);

@@ -1,4 +1,4 @@
-//! Syntax colours: the word kinds of a line, computed only for the visible lines.
+//! Syntax colours: the kinds of the words of a line. They are computed only for visible lines.
 
 use mariana_field::lang::{Word, words};
 
@@ -7,7 +7,7 @@ use crate::buffer::Buffer;
 /// A cache of the lexer's state at the start of each line: true if the line begins inside a block comment.
 #[derive(Debug, Clone, Default)]
 pub struct Colors {
-    /// One entry per line from the top; shorter than the text if later lines are not known yet.
+    /// One entry per line from the top. The list is shorter than the text if later lines have not been lexed.
     open: Vec<bool>,
 }
 
@@ -34,7 +34,7 @@ fn read(buffer: &Buffer, line: usize, open: bool) -> (Vec<Word>, bool) {
     let bytes = buffer.line(line);
     match std::str::from_utf8(bytes) {
         Ok(text) => words(text, open),
-        // Each invalid byte becomes a control character, so that the byte offsets of the words stay right.
+        // Each invalid byte becomes a control character, so that the byte offsets of the words stay correct.
         Err(_) => {
             let mut text = String::with_capacity(bytes.len());
             for chunk in bytes.utf8_chunks() {

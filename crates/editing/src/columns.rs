@@ -1,5 +1,5 @@
 //! Maps the characters of a line to fixed-width columns. A tab takes four columns, a wide character two, and a
-//! combining mark none. Bytes that are not UTF-8 are displayed as U+FFFD and never changed.
+//! combining mark takes no column. Bytes that are not UTF-8 are displayed as U+FFFD and never changed.
 
 use mariana_field::lang::columns;
 
@@ -9,9 +9,9 @@ const NO_LETTER: char = '\u{fffd}';
 /// A character with its combining marks, or a run of invalid bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cell {
-    /// Byte offset of its start in the line.
+    /// Byte offset of the cell's start in the line.
     pub start: usize,
-    /// Byte offset of its end in the line.
+    /// Byte offset of the cell's end in the line.
     pub end: usize,
     /// First column.
     pub column: usize,
@@ -34,7 +34,7 @@ pub fn cells(line: &[u8]) -> impl Iterator<Item = Cell> {
         {
             end = next;
         }
-        // A combining mark without a base character gets a column, so that it can be deleted.
+        // A combining mark without a base character gets a column, so that the user can delete it.
         width = width.max(usize::from(start > 0 || letter != Some('\u{feff}')));
         let cell = Cell { start, end, column, width, is_text };
         column += width;
@@ -42,7 +42,7 @@ pub fn cells(line: &[u8]) -> impl Iterator<Item = Cell> {
     })
 }
 
-/// The start, the end and the character of each piece of `line`; a run of invalid bytes has no character.
+/// The start, the end and the character of each piece of `line`. A run of invalid bytes has no character.
 fn letters(line: &[u8]) -> impl Iterator<Item = (usize, usize, Option<char>)> {
     let mut at = 0;
     line.utf8_chunks().flat_map(move |chunk| {
@@ -62,7 +62,7 @@ pub fn width(line: &[u8]) -> usize {
     column_of(line, line.len())
 }
 
-/// The column of the cell that contains a byte of the line; the line's width if the offset is at its end.
+/// The column of the cell that contains a byte of the line. At the line's end, the line's width.
 pub fn column_of(line: &[u8], offset: usize) -> usize {
     if line.is_ascii() && !line.iter().any(|byte| *byte < b' ' || *byte == 0x7f) {
         return offset.min(line.len());
@@ -77,7 +77,7 @@ pub fn column_of(line: &[u8], offset: usize) -> usize {
     behind
 }
 
-/// The byte offset of the cell whose left edge is nearest to a column; the line's length to the right of the last cell.
+/// The byte offset of the cell whose left edge is nearest to a column. Beyond the last cell, the line's length.
 pub fn offset_of(line: &[u8], column: f32) -> usize {
     for cell in cells(line) {
         if column < cell.column as f32 + 0.5 * cell.width as f32 {

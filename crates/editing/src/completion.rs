@@ -16,7 +16,7 @@ use crate::limits::LIMITS;
 /// Documentation of a name.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct About {
-    /// The name; for a function with its parameters.
+    /// The name. For a function, the name with its parameters.
     pub head: String,
     /// One-sentence description; may be empty.
     pub text: String,
@@ -31,13 +31,13 @@ pub struct About {
 pub struct Proposal {
     /// The name.
     pub name: String,
-    /// Its documentation.
+    /// The documentation of the name.
     pub about: About,
 }
 
 /// Keywords that declare a name at the start of a line.
 const DECLARING: [&str; 7] = ["fn", "let", "param", "material", "object", "light", "camera"];
-/// Longest head of a declaration, in bytes.
+/// Maximum length of a declaration's head, in bytes.
 const HEAD_MAX: usize = 110;
 
 static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
@@ -74,8 +74,8 @@ fn of_entry(entry: Entry) -> About {
     About { head: entry.signature, text: entry.doc, facts: facts.join(" · "), is_function: true }
 }
 
-/// Candidates for the name that ends at `offset`, best first, and the byte range that a candidate replaces. Unless
-/// `asked` (by Ctrl+Space), at least two letters must be typed.
+/// Candidates for the name that ends at `offset`, best first, and the byte range that a candidate replaces. At least
+/// two letters must be typed, unless the user `asked` with Ctrl+Space.
 pub fn proposals(
     buffer: &Buffer,
     colors: &mut Colors,
@@ -130,7 +130,7 @@ pub fn proposals(
     (range, best)
 }
 
-/// The names declared in the text, except the declaration at `besides`, which is being written.
+/// The names declared in the text, except the declaration at `besides`, which the user is typing.
 fn own_names(buffer: &Buffer, besides: usize) -> Vec<Proposal> {
     let mut found = Vec::new();
     let mut seen = BTreeSet::new();
@@ -158,7 +158,7 @@ fn declared(line: &[u8]) -> Option<(&str, usize)> {
     Some((name, indent + word.len() + blanks))
 }
 
-/// Documentation of the name that a line declares: the line itself, and the comment above it.
+/// Documentation of the name that a line declares: the line itself, and the comment above the line.
 fn declaration(buffer: &Buffer, line: usize) -> About {
     let text = String::from_utf8_lossy(buffer.line(line)).trim().to_owned();
     let is_function = text.starts_with("fn ");
@@ -189,8 +189,8 @@ pub fn documentation(buffer: &Buffer, name: &str) -> Option<About> {
     LANGUAGE.get(place).filter(|one| one.name == name).map(|one| one.about.clone())
 }
 
-/// Documentation of the name at `offset`, or else of the function whose arguments enclose it, with the byte range of
-/// that name.
+/// Documentation of the name at `offset`, and the name's byte range. Without a documented name at `offset`, uses the
+/// function whose arguments contain `offset`.
 pub fn about(buffer: &Buffer, colors: &mut Colors, offset: usize) -> Option<(Range<usize>, About)> {
     let line = buffer.line_of(offset);
     let (start, text) = (buffer.line_start(line), buffer.line(line));

@@ -15,14 +15,14 @@ const COMMENT: &[u8] = b"# ";
 pub struct Editing {
     buffer: Buffer,
     cursor: usize,
-    /// The fixed end of the selection; equals the cursor if the selection is empty.
+    /// The fixed end of the selection. It equals the cursor if the selection is empty.
     anchor: usize,
     /// The column that moves up and down try to keep.
     goal: Option<usize>,
     history: History,
     followed: Followed,
     version: u64,
-    /// First byte changed since the last [`Editing::take_changed_line`].
+    /// The first byte that has changed since the last [`Editing::take_changed_line`].
     changed_from: Option<usize>,
 }
 
@@ -32,12 +32,12 @@ pub struct Editing {
 pub struct Refused {
     /// Bytes to insert.
     pub bytes: usize,
-    /// Most bytes of a text.
+    /// Maximum number of bytes of a text.
     pub max: usize,
 }
 
 impl Editing {
-    /// Begins with the bytes of a file, with the cursor at its start.
+    /// Begins with the bytes of a file. The cursor is at the start.
     pub fn new(bytes: Vec<u8>) -> Self {
         Self {
             buffer: Buffer::new(bytes),
@@ -61,7 +61,7 @@ impl Editing {
         self.cursor
     }
 
-    /// The selected range; an empty one at the cursor if there is no selection.
+    /// The selected range. Without a selection, an empty range at the cursor.
     pub fn selection(&self) -> Range<usize> {
         self.cursor.min(self.anchor)..self.cursor.max(self.anchor)
     }
@@ -81,12 +81,12 @@ impl Editing {
         self.changed_from.take().map(|at| self.buffer.line_of(at))
     }
 
-    /// The present range of a part of an earlier version; `None` if that part was edited or the version is too old.
+    /// The present range of a part of an earlier version. `None` if the part has been edited or the version is too old.
     pub fn place(&self, version: u64, range: Range<usize>) -> Option<Range<usize>> {
         self.followed.place(version, self.version, range)
     }
 
-    /// Moves the cursor to an offset. With `select`, extends the selection to it.
+    /// Moves the cursor to an offset. With `select`, extends the selection to the offset.
     pub fn go_to(&mut self, offset: usize, select: bool) {
         self.cursor = offset.min(self.buffer.len());
         self.goal = None;
@@ -115,7 +115,7 @@ impl Editing {
     /// Moves the cursor. With `select`, extends the selection.
     pub fn go(&mut self, way: Move, select: bool) {
         let selection = self.selection();
-        // Left and Right collapse a selection to its own start or end.
+        // Left and Right collapse a selection to its start or end.
         let (cursor, goal) = match way {
             Move::Left if !select && !selection.is_empty() => (selection.start, None),
             Move::Right if !select && !selection.is_empty() => (selection.end, None),
@@ -125,7 +125,7 @@ impl Editing {
         self.goal = goal;
     }
 
-    /// Replaces the selection with `text`, converted to this text's line ends.
+    /// Replaces the selection with `text`. Converts the line ends of `text`.
     ///
     /// # Errors
     /// [`Refused`] if the result is too long; the text is then unchanged.
@@ -134,14 +134,14 @@ impl Editing {
         let joins = if typed { Joins::Typing } else { Joins::Nothing };
         let text = self.with_own_line_ends(text);
         self.replace(self.selection(), &text, joins)?;
-        // A blank ends an undo step, so that words are undone one by one.
+        // White space ends an undo step, so that words are undone one by one.
         if text.iter().all(u8::is_ascii_whitespace) {
             self.history.close();
         }
         Ok(())
     }
 
-    /// Starts a new line with the indentation of the present one, one step deeper after `{`.
+    /// Starts a new line with the indentation of the present line. After `{`, indents one step deeper.
     ///
     /// # Errors
     /// [`Refused`] if the result is too long.
@@ -170,7 +170,7 @@ impl Editing {
         }
     }
 
-    /// Replaces a range and puts the cursor behind it.
+    /// Replaces a range and puts the cursor behind the new text.
     ///
     /// # Errors
     /// [`Refused`] if the result is too long.
@@ -178,7 +178,7 @@ impl Editing {
         self.replace(range, new, Joins::Nothing)
     }
 
-    /// Replaces several ranges, in descending order, as one undo step. The cursor ends behind the text's first range.
+    /// Replaces several ranges, given in descending order, as one undo step. Puts the cursor behind the first range.
     ///
     /// # Errors
     /// [`Refused`] if the result is too long; the text is then unchanged.
@@ -199,7 +199,7 @@ impl Editing {
         Ok(())
     }
 
-    /// Like [`Editing::replace_part`], for a turned number: its values are undone together until [`Editing::settle`].
+    /// Like [`Editing::replace_part`], for a turned number. All turns until [`Editing::settle`] form one undo step.
     ///
     /// # Errors
     /// [`Refused`] if the result is too long.
@@ -207,7 +207,7 @@ impl Editing {
         self.replace(range, new, Joins::Turning)
     }
 
-    /// Selects a number without ending its turn.
+    /// Selects a number without ending the undo step of its turns.
     pub fn select_turned(&mut self, range: Range<usize>) {
         let end = range.end.min(self.buffer.len());
         (self.anchor, self.cursor, self.goal) = (range.start.min(end), end, None);
@@ -264,14 +264,14 @@ impl Editing {
     fn selected_lines(&self) -> Range<usize> {
         let selection = self.selection();
         let (first, mut last) = (self.buffer.line_of(selection.start), self.buffer.line_of(selection.end));
-        // Exclude a last line of which the selection contains no byte.
+        // Exclude the last line if the selection contains none of its bytes.
         if last > first && selection.end == self.buffer.line_start(last) {
             last -= 1;
         }
         first..last + 1
     }
 
-    /// Replaces the first bytes of each selected line. `edit` returns their number and their replacement.
+    /// Replaces the first bytes of each selected line. `edit` returns the number of these bytes and their replacement.
     fn edit_lines(&mut self, edit: impl Fn(&[u8]) -> Option<(usize, Vec<u8>)>) {
         let lines = self.selected_lines();
         let before = (self.anchor, self.cursor);
@@ -297,7 +297,7 @@ impl Editing {
         self.history.note(Step { changes, before, after: (anchor, cursor), joins: Joins::Nothing });
     }
 
-    /// Undoes the last step. Returns false if there is none.
+    /// Undoes the last step. Returns false if there is no step.
     pub fn undo(&mut self) -> bool {
         let Some(step) = self.history.undo() else { return false };
         for change in step.changes.iter().rev() {
@@ -307,7 +307,7 @@ impl Editing {
         true
     }
 
-    /// Redoes the last undone step. Returns false if there is none.
+    /// Redoes the last undone step. Returns false if there is no step.
     pub fn redo(&mut self) -> bool {
         let Some(step) = self.history.redo() else { return false };
         for change in &step.changes {

@@ -7,7 +7,7 @@ use crate::limits::LIMITS;
 /// A replaced part of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Change {
-    /// Byte offset of its start.
+    /// Byte offset of the part's start.
     pub at: usize,
     /// The old bytes.
     pub removed: Vec<u8>,
@@ -15,7 +15,7 @@ pub struct Change {
     pub inserted: Vec<u8>,
 }
 
-/// Anchor and cursor.
+/// Byte offsets of the anchor and the cursor.
 pub(crate) type Selection = (usize, usize);
 
 #[derive(Debug, Clone)]
@@ -83,7 +83,7 @@ impl History {
         self.done.drain(..gone);
     }
 
-    /// Closes the last step: the next change starts its own step.
+    /// Closes the last step, so that the next change starts a new step.
     pub(crate) fn close(&mut self) {
         if let Some(last) = self.done.last_mut() {
             last.joins = Joins::Nothing;
@@ -121,10 +121,10 @@ fn follows(last: &Step, step: &Step) -> bool {
     }
 }
 
-/// A bounded log of changes, by the version that each of them produced.
+/// A bounded log of changes. Each change is stored with the version that it produced.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Followed {
-    /// The version, the offset, the removed bytes and the inserted bytes of each change.
+    /// For each change: the version, the offset, and the numbers of removed and inserted bytes.
     changes: std::collections::VecDeque<(u64, usize, usize, usize)>,
 }
 

@@ -1,11 +1,11 @@
 //! The model of the scene editor, without a window: the text and its undo history, syntax colours, completion, and
-//! numbers that can be turned like knobs. The panel that displays it is in `mariana-ui`.
+//! numbers that can be turned like knobs. The editor's panel is in `mariana-ui`.
 //!
 //! **A text is bytes.** [`Buffer`] keeps one `Vec` with an index of line starts. Inserting a letter moves the bytes
-//! behind it, some 20 µs in 400 kB. A position is a byte offset, and bytes that are not UTF-8 survive an edit
-//! elsewhere.
+//! behind the letter, which takes some 20 µs in 400 kB. A position is a byte offset. Edits do not change bytes that
+//! are not UTF-8.
 //!
-//! **Only visible lines are examined.** Of all keys, only search and completion read the whole text.
+//! **Only visible lines are examined.** Only the keys for search and completion read the whole text.
 
 mod buffer;
 mod colors;

@@ -5,13 +5,13 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 /// Limits on an edited text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Most bytes of a text, the same as the language's limit.
+    /// Maximum number of bytes of a text, the same as the language's limit.
     pub text_bytes_max: usize,
-    /// Most bytes of the undo history; the oldest steps are dropped first.
+    /// Maximum number of bytes of the undo history. The oldest steps are dropped first.
     pub undo_bytes_max: usize,
-    /// Most recent changes in the log that maps ranges of earlier versions.
+    /// Maximum number of changes in the log that maps ranges of earlier versions.
     pub followed_changes_max: usize,
-    /// Most completion candidates.
+    /// Maximum number of completion candidates.
     pub proposals_max: usize,
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use mariana_field::lang::{Word, WordKind, number_place};
 
-/// The speed of a turn: a factor on the pointer's movement, and the number of decimals written.
+/// The speed of a turn. It determines a factor on the pointer's movement and the number of written decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TurnSpeed {
     /// A tenth of the usual speed.
@@ -16,7 +16,7 @@ pub enum TurnSpeed {
     Coarse,
 }
 
-/// A number literal, with its sign if the minus before it is one.
+/// A number literal. It includes a minus before the digits if the minus is a sign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Number {
     /// Byte range in the line.
@@ -26,7 +26,7 @@ pub struct Number {
     /// Value.
     pub value: f64,
     decimals: usize,
-    /// True for a count, such as a range's end: it stays an integer.
+    /// True for a count, such as a range's end. A count stays an integer.
     whole: bool,
 }
 
@@ -50,7 +50,7 @@ impl TurnSpeed {
 }
 
 impl Number {
-    /// The number that contains or ends at a byte of the line, given the line's words.
+    /// The number that contains the byte `at` of the line or ends there. `words` are the line's words.
     pub fn at(line: &[u8], words: &[Word], at: usize) -> Option<Self> {
         let index = words
             .iter()
@@ -87,7 +87,7 @@ impl Number {
         })
     }
 
-    /// The value after a movement to the right by `points`, already scaled by [`TurnSpeed::factor`].
+    /// The value after a movement to the right by `points`, which are already scaled by [`TurnSpeed::factor`].
     pub fn turned(&self, points: f64, speed: TurnSpeed) -> f64 {
         if self.whole {
             return (self.value + (points / POINTS_OF_STEP).round()).clamp(0.0, LARGEST);
@@ -114,8 +114,8 @@ impl Number {
         text.to_owned()
     }
 
-    /// The range in which the digits may be turned before the text must be parsed again. It never crosses 0, so that
-    /// divisions by the number stay finite.
+    /// The range in which the digits may be turned before the text must be parsed again. The range never crosses 0, so
+    /// that divisions by the number stay finite.
     pub fn room(digits: f32) -> (f32, f32) {
         if digits == 0.0 {
             return (-1.0, 1.0);
@@ -138,7 +138,7 @@ impl Number {
     }
 }
 
-/// The index, from 0, of the number whose digits begin at a byte of the text, in the language's own order.
+/// The index, from 0, of the number whose digits begin at a byte of the text. The language numbers them in this order.
 pub fn numbers_before(text: &[u8], digits: usize) -> Option<usize> {
     number_place(std::str::from_utf8(text).ok()?, digits)
 }

@@ -9,7 +9,7 @@ use crate::buffer::Buffer;
 use crate::colors::Colors;
 use crate::numbers::Number;
 
-/// Most lines above that are searched for the field to which a line belongs.
+/// Maximum number of lines to search upwards for the field to which a line belongs.
 const LINES_ABOVE: usize = 24;
 const DECIMALS: usize = 3;
 
@@ -18,7 +18,7 @@ const DECIMALS: usize = 3;
 pub enum TripleKind {
     /// The value of a colour field.
     Color,
-    /// A position: added, subtracted, or given by itself.
+    /// A position that is added, subtracted, or used directly.
     Place {
         /// True if the position is the negative of the numbers, as in `p + vec3(1, 2, 3)`.
         turned: bool,
@@ -36,7 +36,7 @@ pub struct Triple {
     pub word: Range<usize>,
     /// The numbers.
     pub numbers: [Number; 3],
-    /// Their meaning.
+    /// The meaning of the numbers.
     pub kind: TripleKind,
 }
 
@@ -52,7 +52,7 @@ static COLORS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
     fields.filter(|field| field.is_color()).map(|field| field.name).collect()
 });
 
-/// The `vec3`s of a line whose arguments are number literals.
+/// The calls of `vec3` in a line that have number literals as arguments.
 pub fn triples(buffer: &Buffer, colors: &mut Colors, line: usize) -> Vec<Triple> {
     let text = buffer.line(line);
     let words = colors.words(buffer, line);

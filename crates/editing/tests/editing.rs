@@ -1,5 +1,5 @@
-//! Property tests: random edits keep the bytes of a plain `Vec`, the line index matches the bytes, and every edit can
-//! be undone and redone.
+//! Property tests: random edits give the same bytes as edits of a plain `Vec`, the line index matches the bytes, and
+//! every edit can be undone and redone.
 
 #![allow(missing_docs, clippy::unwrap_used)]
 

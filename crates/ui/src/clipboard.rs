@@ -7,7 +7,7 @@ use std::thread::Builder;
 pub(crate) struct Clipboard {
     orders: Option<Sender<Order>>,
     pasted: Receiver<String>,
-    /// The thread's answer channel and wake function, until it starts.
+    /// The thread's answer channel and wake function, until the thread starts.
     start: Option<(Sender<String>, Wake)>,
 }
 
@@ -19,7 +19,7 @@ enum Order {
 }
 
 impl Clipboard {
-    /// Starts nothing yet. `wake` is called when pasted text has arrived.
+    /// Creates the handle; the thread starts later. `wake` is called when pasted text has arrived.
     pub(crate) fn new(wake: impl Fn() + Send + 'static) -> Self {
         let (answers, pasted) = channel();
         Self { orders: None, pasted, start: Some((answers, Box::new(wake))) }
@@ -46,7 +46,7 @@ impl Clipboard {
             match started {
                 Ok(_) => self.orders = Some(orders),
                 Err(error) => {
-                    tracing::warn!("cannot start the clipboard, so copy and paste do nothing: {error}")
+                    tracing::warn!("cannot start the clipboard, so copy and paste do not work: {error}")
                 }
             }
         }

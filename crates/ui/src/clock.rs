@@ -1,12 +1,12 @@
-//! The time of a session: the system's, or simulated in tests. A session and its panels share one thread, and simulated
-//! time applies to that thread only.
+//! The time of a session: the system's time, or simulated time in tests. A session and its panels share one thread, and
+//! simulated time applies only to this thread.
 
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 thread_local! {
     static SIMULATED: Cell<Option<Instant>> = const { Cell::new(None) };
-    /// The lead of this thread's time over the system's.
+    /// The duration by which this thread's time is ahead of the system's time.
     static AHEAD: Cell<Duration> = const { Cell::new(Duration::ZERO) };
 }
 
@@ -20,12 +20,12 @@ pub fn since(moment: Instant) -> Duration {
     now().saturating_duration_since(moment)
 }
 
-/// Advances this thread's time and stops it: from now on it moves only by this function.
+/// Advances this thread's clock and stops it: from now on only this function moves the clock.
 pub fn advance(by: Duration) {
     SIMULATED.set(Some(now() + by));
 }
 
-/// Runs `act` with the clock stopped, so that only [`advance`] moves it. Time never steps back afterwards.
+/// Runs `act` with the clock stopped, so that only [`advance`] moves the clock. Time never steps back afterwards.
 pub fn by_hand<T>(act: impl FnOnce() -> T) -> T {
     let is_simulated = SIMULATED.get().is_some();
     SIMULATED.set(Some(now()));

@@ -30,20 +30,20 @@ pub enum ControllerRow {
     },
     /// The connection code for phones.
     Phone {
-        /// The address and its code.
+        /// The address and its QR code.
         pairing_address: Arc<PairingAddress>,
         /// Who can connect, or the number of connected phones.
         about: String,
     },
-    /// The switch for tempo from MIDI clock; true if it is on.
+    /// The switch that lets MIDI clock set the tempo; true if it is on.
     Clock(bool),
     /// A parameter or an action to which a control can be mapped.
     Target {
         /// The mapping's target.
         target: Target,
-        /// Its display name.
+        /// The target's display name.
         name: String,
-        /// Its value or its meaning.
+        /// The parameter's value or the action's meaning.
         about: String,
         /// True while the panel waits for a control to map.
         learns: bool,
@@ -54,7 +54,7 @@ pub enum ControllerRow {
         mapping: Mapping,
         /// The control and its device.
         words: String,
-        /// The parameter's present position, 0..1, if it belongs to the shown scene.
+        /// The parameter's present position, 0..1, if the parameter belongs to the shown scene.
         stands: Option<f32>,
     },
 }
@@ -83,7 +83,7 @@ impl Field {
     pub const ALL: [Self; 7] =
         [Self::From, Self::To, Self::Invert, Self::Curve, Self::Smoothing, Self::PickUp, Self::Remove];
 
-    /// Its label.
+    /// The label of the part.
     pub fn words(self, mapping: &Mapping) -> String {
         let [from, to] = mapping.range;
         let end = |end: f32| {
@@ -105,7 +105,7 @@ impl Field {
         }
     }
 
-    /// The command for a click or Enter on it. `stands` is the parameter's present position, which becomes the end.
+    /// The command for a click or Enter on the part. A click on an end sets it to `stands`, the parameter's position.
     pub fn request(self, mapping: &Mapping, stands: Option<f32>) -> Option<Command> {
         let mut after = mapping.clone();
         let [from, to] = &mut after.range;
@@ -125,7 +125,7 @@ impl Field {
 /// The smoothing times on offer, in seconds.
 const SMOOTHINGS: [f32; 7] = [0.0, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0];
 
-/// The value after `present` in a list; the first one after the last and for a value that is not listed.
+/// The value after `present` in a list. The first value follows the last value and values that are not listed.
 fn next<T: Copy + PartialEq>(all: &[T], present: T) -> T {
     let place = all.iter().position(|one| *one == present).map_or(0, |place| (place + 1) % all.len().max(1));
     all.get(place).copied().unwrap_or(present)
@@ -144,7 +144,7 @@ pub struct PhoneFacts {
 pub struct ControllersState<'a> {
     /// The title of the shown scene.
     pub scene: String,
-    /// Its parameters.
+    /// The parameters of the shown scene.
     pub sliders: &'a [Slider],
     /// The state of OSC in words; `None` if it is off.
     pub osc: Option<String>,
@@ -154,7 +154,7 @@ pub struct ControllersState<'a> {
     pub midi: Option<MidiState>,
     /// True if a device's clock sets the tempo.
     pub clock: bool,
-    /// The tempo of the clock that is followed, in beats per minute.
+    /// The tempo that MIDI clock sets, in beats per minute.
     pub clock_tempo: Option<f64>,
     /// Received messages, and how many of them were ignored.
     pub counts: (u64, u64),
@@ -189,7 +189,7 @@ impl ControllersPanel {
         Field::ALL.get(self.field).copied().unwrap_or(Field::From)
     }
 
-    /// A number that changes with the panel's look.
+    /// A number that changes whenever the panel looks different.
     pub fn revision(&self) -> u64 {
         self.revision
     }
@@ -210,7 +210,7 @@ impl ControllersPanel {
         }
     }
 
-    /// Handles a key. Returns true if the panel used it, and the command for it.
+    /// Handles a key. Returns true if the panel used the key, and the key's command.
     pub fn take_key(&mut self, key: &Key) -> (bool, Option<Command>) {
         let Key::Named(named) = key else { return (false, None) };
         let row = self.rows.get(self.selected);
@@ -249,7 +249,7 @@ impl ControllersPanel {
         (true, None)
     }
 
-    /// Selects the next changeable row from an index, downwards or upwards. Keeps the selection if there is none.
+    /// Selects the next changeable row from an index, downwards or upwards. Keeps the selection if no row matches.
     fn select_from(&mut self, place: usize, down: bool) {
         let found = if down {
             self.rows.iter().enumerate().skip(place).find(|(_, row)| is_changeable(row))
@@ -262,7 +262,7 @@ impl ControllersPanel {
     }
 }
 
-/// True if two rows are about the same item, even with different texts.
+/// True if two rows are about the same item, even if their texts differ.
 fn is_same(a: &ControllerRow, b: &ControllerRow) -> bool {
     match (a, b) {
         (ControllerRow::Clock(_), ControllerRow::Clock(_)) => true,

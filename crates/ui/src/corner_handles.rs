@@ -1,4 +1,4 @@
-//! The state of the corner handles of the keystone correction. The overlay draws them, keys and the pointer change
+//! The state of the corner handles of the keystone correction. The overlay draws the handles, keys and the pointer move
 //! them, and the stage moves the frame's corners.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -37,8 +37,8 @@ impl CornerHandles {
         (self.selected, self.corners) = (selected.min(3), corners);
     }
 
-    /// Handles a key. Tab selects the next corner, arrows move it, and Home resets all four. Returns `None` for other
-    /// keys, else the command for the key, if any.
+    /// Handles a key. Tab selects the next corner, arrows move the selected corner, and Home resets all four. Returns
+    /// the key's command, if any, and the outer `None` for unrelated keys.
     pub fn take_key(&mut self, key: &Key, shift: bool) -> Option<Option<Command>> {
         let step = if shift { LARGE_STEP } else { STEP };
         let way = match key {
@@ -63,20 +63,20 @@ impl CornerHandles {
         self.selected
     }
 
-    /// The corners' positions in the window, as fractions of it.
+    /// The corners' positions as fractions of the window.
     pub fn places(&self) -> [[f64; 2]; 4] {
         let [left, top, right, bottom] = self.area;
         <[[f64; 2]; 4]>::from(self.corners)
             .map(|[x, y]| [left + x * (right - left), top + y * (bottom - top)])
     }
 
-    /// Converts a position in the window to one on the screen.
+    /// Converts a position in the window to a position on the screen.
     pub fn on_screen(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.area;
         [(x - left) / (right - left).max(1e-9), (y - top) / (bottom - top).max(1e-9)]
     }
 
-    /// A number that changes with the handles' look.
+    /// A number that changes whenever the handles look different.
     pub fn fingerprint(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         self.selected.hash(&mut hasher);

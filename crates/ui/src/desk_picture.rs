@@ -1,11 +1,11 @@
-//! The layout of a control window whose output fills another screen: a small frame in a column at the right, and the
-//! rest for panels.
+//! The layout of a control window whose output fills a second screen: a column at the right contains a small frame, and
+//! the rest is for panels.
 
 use mariana_render::placement::Area;
 
 /// Width of the column at the right, as a fraction of the window's width.
 pub(crate) const COLUMN: f64 = 1.0 / 3.0;
-/// Greatest height of the small frame, as a fraction of the window's height.
+/// Maximum height of the small frame, as a fraction of the window's height.
 const HEIGHT_MAX: f64 = 0.45;
 /// Distance from the window's edges, as a fraction of its shorter side.
 const MARGIN: f64 = 0.02;
@@ -19,7 +19,7 @@ pub fn small_in(window: (u32, u32), screen: (u32, u32)) -> Area {
     let [across, down] = [window.0, window.1].map(|side| f64::from(side.max(1)));
     let margin = MARGIN * across.min(down);
     let scale = ((COLUMN * across - margin) / width).min(HEIGHT_MAX * down / height);
-    // Whole pixels keep the edges sharp.
+    // Round to whole pixels, so that the edges are sharp.
     let pixels = |length: f64| length.round().max(1.0);
     let (right, top) = (across - pixels(margin), pixels(margin));
     [

@@ -1,5 +1,6 @@
-//! The state of the file list, for music, playlists and scenes. It needs no file dialog, which some desktops lack. The
-//! overlay draws it, keys and the pointer change it, and a thread reads folders: a slow disk delays nothing.
+//! The state of the file list, for music, playlists and scenes. The list replaces file dialogs, which some desktops
+//! lack. The overlay draws it, and keys and the pointer change it. A thread reads folders, so that a slow disk does not
+//! delay the show.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,7 +46,7 @@ pub struct FileBrowser {
     query: TextQuery,
     selected: usize,
     trouble: Option<String>,
-    /// The folder that was left upwards, to be selected in its parent.
+    /// The folder that the user left upwards. It will be selected in its parent folder.
     came_from: Option<PathBuf>,
     wanted: Sender<PathBuf>,
     read: Receiver<(PathBuf, Result<Vec<FileEntry>, String>)>,
@@ -53,10 +54,10 @@ pub struct FileBrowser {
 }
 
 impl FileBrowser {
-    /// Shows `folder`, or else the user's music folder. `wake` is called when a folder has been read.
+    /// Shows `folder`, or the user's music folder for `None`. `wake` is called when a folder has been read.
     ///
     /// # Errors
-    /// The system cannot start another thread.
+    /// Fails if the system cannot start another thread.
     pub fn start(folder: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let (wanted, requests) = channel::<PathBuf>();
         let (answers, read) = channel();
@@ -118,20 +119,20 @@ impl FileBrowser {
         self.selected
     }
 
-    /// A message in place of the entries, such as an error.
+    /// A message that replaces the entries, such as an error.
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.as_deref()
     }
 
-    /// A number that grows with every change of the list's look.
+    /// A number that grows whenever the list looks different.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Takes over folders that have been read.
+    /// Shows the entries of a folder that has been read.
     pub fn update(&mut self) {
         while let Ok((folder, listing)) = self.read.try_recv() {
-            // The user has left this folder already.
+            // Ignore a folder that the user has left.
             if folder != self.folder {
                 continue;
             }
@@ -151,9 +152,9 @@ impl FileBrowser {
         }
     }
 
-    /// Handles a key and returns its commands. Letters search; arrows select; Enter opens; Backspace goes up; Escape
-    /// clears the search text, then closes the list. With `shift`, opened files are added to the tracks; with
-    /// `command`, Enter opens the whole folder.
+    /// Handles a key and returns its commands. Letters search, arrows select, Enter opens, and Backspace goes up.
+    /// Escape clears the search text; without a search text it closes the list. With `shift`, opened files are added
+    /// to the tracks. With `command`, Enter opens the whole folder.
     pub fn take_key(&mut self, key: &Key, shift: bool, command: bool) -> Vec<Command> {
         self.revision += 1;
         match key {

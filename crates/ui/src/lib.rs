@@ -1,4 +1,4 @@
-//! Text and panels over the rendered frame. They take plain state and user input, and return shapes and commands.
+//! Text and panels over the rendered frame. Panels take plain state and user input, and return shapes and commands.
 //!
 //! [`overlay::Overlay`] draws an [`overlay::OverlayContent`] with egui. Keys and the pointer change the panels, which
 //! are plain values and return [`mariana_commands::Command`]s:
@@ -51,7 +51,7 @@ pub enum UiError {
     /// The driver rejects the shaders or buffers of the panels.
     #[error("the driver cannot draw the panels ({0}): update the graphics driver")]
     Painter(String),
-    /// Another error of the driver.
+    /// Any other error of the driver.
     #[error(transparent)]
     Gpu(#[from] GpuError),
 }

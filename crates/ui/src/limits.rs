@@ -3,9 +3,9 @@
 /// Limits on what the panels show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Most entries of a folder in the file list.
+    /// Maximum number of entries of a folder in the file list.
     pub folder_entries_max: usize,
-    /// Most distinct characters to search for in the system's fonts.
+    /// Maximum number of distinct characters to search for in the system's fonts.
     pub letters_looked_for_max: usize,
 }
 

@@ -5,9 +5,9 @@ use std::fmt;
 /// A monitor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Monitor {
-    /// The desktop's name for it, such as "HDMI-1".
+    /// The desktop's name for the monitor, such as "HDMI-1".
     pub name: String,
-    /// Position of its upper left corner on the desktop, in pixels to the right and down.
+    /// Position of the monitor's upper left corner on the desktop, in pixels to the right and down.
     pub place: (i32, i32),
     /// Width and height in pixels.
     pub size: (u32, u32),
@@ -20,7 +20,7 @@ impl fmt::Display for Monitor {
     }
 }
 
-/// The monitor with this name or, if there is none, with this number from 1.
+/// The monitor with this name. If no monitor has the name, the monitor with this number, from 1.
 pub fn named<'a>(monitors: &'a [Monitor], text: &str) -> Option<&'a Monitor> {
     let by_name = monitors.iter().find(|monitor| monitor.name.eq_ignore_ascii_case(text));
     by_name.or_else(|| monitors.get(text.parse::<usize>().ok()?.checked_sub(1)?))

@@ -4,11 +4,11 @@ use std::time::{Duration, Instant};
 
 use mariana_commands::input::{Input, PointerButton, Wheel};
 
-/// Greatest time between two clicks of a double click, and greatest distance in pixels.
+/// Maximum time between the two clicks of a double click, and maximum distance in pixels.
 const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
-/// Movement in pixels that turns a press into a drag; hands shake a little during a click.
+/// Movement in pixels that turns a press into a drag. It is not 0, because hands shake a little during a click.
 const DRAG_MIN: f64 = 4.0;
-/// Pixels of a touchpad that equal one notch of a wheel.
+/// Number of pixels of touchpad scrolling that equals one notch of a wheel.
 const NOTCH_PIXELS: f64 = 40.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ pub(crate) enum Gesture {
 pub(crate) struct Pointer {
     place: [f64; 2],
     last_click: Option<(Instant, [f64; 2])>,
-    /// While the button is held: the last position, and true once it is a drag.
+    /// While the button is held: the last position, and true once the movement is a drag.
     held: Option<([f64; 2], bool)>,
     pressed_at: [f64; 2],
 }
@@ -56,7 +56,7 @@ impl Pointer {
         }
     }
 
-    /// The start of the present gesture in pixels: the press of the held button, or else the pointer's position.
+    /// The position in pixels at which the present gesture began; the pointer's position if no button is held.
     pub(crate) fn began(&self) -> [f64; 2] {
         if self.held.is_some() { self.pressed_at } else { self.place }
     }
@@ -79,7 +79,7 @@ impl Pointer {
             now.saturating_duration_since(then) <= DOUBLE_CLICK.0 && dx.hypot(dy) <= DOUBLE_CLICK.1
         });
         self.last_click = if double { None } else { Some((now, self.place)) };
-        // No drag: a double click changes the window's size under the pointer.
+        // A double click starts no drag, because it changes the window's size under the pointer.
         self.held = (!double).then_some((self.place, false));
         self.pressed_at = self.place;
         double.then_some(Gesture::DoubleClick)

@@ -1,13 +1,13 @@
-//! Decides if the pointer is active. Pointer and bar appear when it moves, and disappear after a rest, or at once when
-//! the window enters full screen.
+//! Decides if the pointer is active. Pointer and bar appear when the pointer moves. They disappear after a rest, or at
+//! once when the window enters full screen.
 
 use std::time::{Duration, Instant};
 
 use mariana_commands::input::{Input, TouchPhase};
 
-/// Time after which a resting pointer disappears, with the bar.
+/// Time after which a resting pointer and the bar disappear.
 const STAYS: Duration = Duration::from_millis(2_500);
-/// Least movement in pixels that counts; tables shake.
+/// Minimum movement in pixels that counts. Smaller movements may come from a shaking table.
 const MOVED_MIN: f64 = 2.0;
 
 /// The position and time of the last movement.
@@ -28,7 +28,7 @@ impl PointerRest {
                 if moved {
                     self.moved = Some(now);
                 }
-                // The first position is no movement: the window may open below the pointer.
+                // The first position is no movement, because the window may open below the pointer.
                 if moved || self.place.is_none() {
                     self.place = Some(*position);
                 }
@@ -45,12 +45,12 @@ impl PointerRest {
         self.moved = Some(now);
     }
 
-    /// Makes the pointer rest until it moves.
+    /// Hides the pointer until it moves.
     pub fn sleep(&mut self) {
         self.moved = None;
     }
 
-    /// True if the pointer has moved lately. `busy` keeps it awake while it uses the bar.
+    /// True if the pointer has moved lately. `busy` means that the user is using the bar, and keeps the pointer awake.
     pub fn is_awake(&mut self, busy: bool, now: Instant) -> bool {
         if busy && self.moved.is_some() {
             self.moved = Some(now);
@@ -58,7 +58,7 @@ impl PointerRest {
         self.falls_asleep().is_some_and(|at| at > now)
     }
 
-    /// The time at which it will rest if it does not move.
+    /// The time at which the pointer will disappear if it does not move.
     pub fn falls_asleep(&self) -> Option<Instant> {
         self.moved.map(|moved| moved + STAYS)
     }

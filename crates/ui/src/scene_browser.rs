@@ -1,5 +1,5 @@
 //! The state of the scene list: a thumbnail of each scene, a search by name or comment, and marks. The overlay draws
-//! it, keys and the pointer change it, and [`Thumbnails`] finds the images.
+//! the list, keys and the pointer change it, and [`Thumbnails`] finds the images.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -22,7 +22,7 @@ pub struct Tile {
     pub comment: String,
     /// The thumbnail.
     pub picture: TilePicture,
-    /// True if the user has marked it.
+    /// True if the user has marked the scene.
     pub favourite: bool,
     source: SceneSource,
 }
@@ -30,13 +30,13 @@ pub struct Tile {
 /// The state of a thumbnail.
 #[derive(Debug, Clone)]
 pub enum TilePicture {
-    /// Not requested yet.
+    /// The thumbnail has not been requested yet.
     Unseen,
-    /// Being loaded or rendered.
+    /// The thumbnail is being loaded or rendered.
     Coming,
-    /// Finished.
+    /// The finished thumbnail.
     There(Arc<RgbaImage>),
-    /// Not available, with the reason.
+    /// The reason why there is no thumbnail.
     Missing(String),
 }
 
@@ -46,21 +46,21 @@ const CLOSE: Command = Command::TogglePanel(Panel::Scenes);
 #[derive(Debug)]
 pub struct SceneBrowser {
     tiles: Vec<Tile>,
-    /// Indices of the tiles that match the search text, marked ones first.
+    /// Indices of the tiles that match the search text, marked tiles first.
     found: Vec<usize>,
     query: TextQuery,
     /// Index in `found`.
     selected: usize,
     /// Index in `tiles` of the shown scene.
     present: Option<usize>,
-    /// Tiles side by side at the last drawing.
+    /// Number of tiles side by side at the last drawing.
     columns: usize,
     favourites: BTreeSet<String>,
     revision: u64,
 }
 
 impl SceneBrowser {
-    /// A list of `scenes`. `present` is shown, and `favourites` are the titles of marked ones.
+    /// A list of `scenes`. `present` is the shown scene, and `favourites` are the titles of marked scenes.
     pub fn new(
         scenes: Vec<SceneSource>,
         present: Option<&SceneSource>,
@@ -129,12 +129,12 @@ impl SceneBrowser {
         self.present.is_some() && self.found.get(place) == self.present.as_ref()
     }
 
-    /// A number that grows with every change of the list's look.
+    /// A number that grows whenever the list looks different.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Records the drawn tiles and the number side by side. Requests their thumbnails if they are new.
+    /// Records the drawn tiles and the number of tiles side by side. Requests missing thumbnails of the drawn tiles.
     pub fn note_drawn(&mut self, places: Range<usize>, columns: usize, thumbnails: &mut Thumbnails) {
         self.columns = columns.max(1);
         let mut wanted = Vec::new();
@@ -156,7 +156,7 @@ impl SceneBrowser {
         thumbnails.ask_for_comments(self.tiles.iter().map(|tile| &tile.source));
     }
 
-    /// Takes over comments and thumbnails.
+    /// Stores comments and thumbnails that have been found.
     pub fn take(&mut self, found: Vec<Looked>) {
         let mut described = false;
         for Looked { source, about } in found {
@@ -178,8 +178,8 @@ impl SceneBrowser {
         }
     }
 
-    /// Handles a key, with `command` for a held Ctrl or Command, and returns its commands. Letters search; arrows
-    /// select; Enter shows; Tab marks; Escape clears the search text, then closes the list.
+    /// Handles a key and returns its commands; `command` is true while Ctrl or Command is held. Letters search, arrows
+    /// select, Enter shows, and Tab marks. Escape clears the search text; without a search text it closes the list.
     pub fn take_key(&mut self, key: &Key, command: bool) -> Vec<Command> {
         self.revision += 1;
         match key {
@@ -231,8 +231,8 @@ impl SceneBrowser {
         self.revision += 1;
     }
 
-    /// Finds the tiles that contain every word of the search text. Names that begin with it come first, then marked
-    /// ones.
+    /// Finds the tiles that contain every word of the search text. Names that begin with the search text come first,
+    /// then marked scenes.
     fn search(&mut self) {
         let matches = |tile: &Tile| self.query.fits(&format!("{} {}", tile.name, tile.comment));
         let mut found: Vec<usize> =

@@ -1,5 +1,5 @@
 //! The state of the settings panel: a row for each setting of the table, and rows for outputs, monitors and the delay,
-//! which depend on the connected devices. The overlay draws it; keys and the pointer make commands from it.
+//! which depend on the connected devices. The overlay draws the panel. Keys and the pointer make commands.
 
 mod screens;
 
@@ -13,11 +13,11 @@ use mariana_settings::{Choices, Setting, SettingRow, Values};
 /// An output for songs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
-    /// Its id; `None` for the system's default.
+    /// The output's id; `None` for the system's default.
     pub id: Option<String>,
-    /// Its display name.
+    /// The output's display name.
     pub name: String,
-    /// True if songs play on it, or will when it is connected.
+    /// True if songs play on this output, or will play on it once it is connected.
     pub is_chosen: bool,
 }
 
@@ -27,7 +27,7 @@ pub struct Facts<'a> {
     pub choices: &'a Choices,
     /// The saved choices.
     pub remembered: &'a Choices,
-    /// The outputs; empty if no song can play.
+    /// The outputs. The list is empty if songs cannot be played.
     pub outputs: Vec<Output>,
     /// The connected monitors.
     pub monitors: Vec<Monitor>,
@@ -58,7 +58,7 @@ impl SettingsPanel {
         self.selected
     }
 
-    /// A number that grows with every change of the panel's look.
+    /// A number that grows whenever the panel looks different.
     pub fn revision(&self) -> u64 {
         self.revision
     }
@@ -76,8 +76,8 @@ impl SettingsPanel {
         self.revision += 1;
     }
 
-    /// Handles a key: arrows select and change, Enter chooses the next value. Returns true if the panel used it, and
-    /// its command.
+    /// Handles a key: arrows select and change, Enter chooses the next value. Returns true if the panel used the key,
+    /// and the key's command.
     pub fn take_key(&mut self, key: &Key) -> (bool, Option<Command>) {
         let command = match key {
             Key::Named(NamedKey::ArrowUp) => {
@@ -154,7 +154,7 @@ impl SettingsPanel {
     }
 }
 
-/// True if two rows are about the same setting, whatever its value.
+/// True if two rows are about the same setting, even if their values differ.
 fn is_same(a: &SettingRow, b: &SettingRow) -> bool {
     match (&a.values, &b.values) {
         (Values::OneOfRows { setting: a, .. }, Values::OneOfRows { setting: b, .. }) => a == b,
@@ -246,7 +246,7 @@ pub(crate) mod tests {
         use NamedKey::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Enter};
         let mut panel = panel(&Choices::default(), None);
         assert_eq!((press(&mut panel, ArrowUp), panel.selected()), (None, 0));
-        // Enter on the chosen output changes nothing, and arrows do not try the other outputs.
+        // Enter on the chosen output has no effect, and arrows do not try further outputs.
         assert_eq!((press(&mut panel, Enter), press(&mut panel, ArrowRight)), (None, None));
         assert_eq!((press(&mut panel, ArrowDown), panel.selected()), (None, 1));
         assert_eq!(press(&mut panel, Enter), set(Setting::Output(Some("usb".into()))));

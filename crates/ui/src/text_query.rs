@@ -2,10 +2,10 @@
 
 use mariana_commands::input::{Key, NamedKey};
 
-/// Greatest length, in characters.
+/// Maximum length, in characters.
 const LENGTH_MAX: usize = 60;
 
-/// A search text. It matches if all its words occur, in any order.
+/// A search text. It matches a text that contains all its words, in any order.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct TextQuery(String);
 

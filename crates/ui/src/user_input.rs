@@ -12,7 +12,7 @@ use mariana_commands::{Command, Switch};
 pub struct UserInput {
     pointer: Pointer,
     held: Modifiers,
-    /// Files dropped onto the window. They arrive one by one and together form a list.
+    /// Files dropped onto the window. Files of one drop arrive one by one.
     dropped: Vec<PathBuf>,
 }
 
@@ -38,7 +38,7 @@ impl UserInput {
         }
     }
 
-    /// The pressed key with its modifiers, without repeated letters: the key may have opened the text field.
+    /// The pressed key with its modifiers. Skips repeated letters, because the held key may have opened the text field.
     pub fn typed<'a>(&self, input: &'a Input) -> Option<(&'a Key, Modifiers)> {
         match input {
             Input::Key(press) => {
@@ -58,7 +58,7 @@ impl UserInput {
         self.held
     }
 
-    /// The start of the present pointer gesture, in pixels.
+    /// The position at which the present pointer gesture began, in pixels.
     pub fn began(&self) -> [f64; 2] {
         self.pointer.began()
     }

@@ -100,8 +100,8 @@ pub enum GpuError {
 pub enum DoesNotFit {
     /// The tapes are too long for a texture buffer.
     #[error(
-        "the scene's tape needs {needed} texels of a texture buffer, but the driver has {available}: it is compiled \
-         instead"
+        "the scene's tape needs {needed} texels of a texture buffer, but the driver has {available}: the scene is \
+         compiled instead"
     )]
     Texels {
         /// Texels needed.
@@ -111,7 +111,7 @@ pub enum DoesNotFit {
     },
     /// The distance needs more values at once than a tape has registers.
     #[error(
-        "the scene's distance needs more than 256 values at once, but a region's tape has 256 registers: it is \
+        "the scene's distance needs more than 256 values at once, but a region's tape has 256 registers: the scene is \
          compiled instead"
     )]
     Registers,

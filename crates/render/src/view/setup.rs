@@ -98,7 +98,8 @@ fn marks(ramp: Ramp, full: f32, unit: &str) -> Scale {
 }
 
 fn steps(legend: Legend, number: f32) -> Legend {
-    let lines = ["Steps of the ray from the eye: evaluations", "of the distance. Skipped cells need none."];
+    let lines =
+        ["Steps of the ray from the eye: evaluations", "of the distance. Skipped cells take no steps."];
     Legend { lines: lines.map(str::to_owned).to_vec(), scale: Some(marks(Ramp::Heat, number, "+")), ..legend }
 }
 
@@ -159,7 +160,7 @@ fn clauses(legend: Legend, number: f32, drawn: Drawn) -> Legend {
     let lines = if drawn.interpreted {
         ["Clauses that the interpreter runs for a pixel:", "rays, normals, shadows, occlusion, materials."]
     } else {
-        ["Compiled: no clauses are interpreted. Shown", "are distance evaluations for a pixel."]
+        ["Compiled: no clauses are interpreted. Colours", "count the pixel's distance evaluations."]
     };
     Legend { lines: lines.map(str::to_owned).to_vec(), scale: Some(marks(Ramp::Heat, number, "+")), ..legend }
 }
@@ -171,9 +172,9 @@ fn cells(legend: Legend, number: f32, drawn: Drawn) -> Legend {
         return Legend { lines: lines.map(str::to_owned).to_vec(), ..legend };
     }
     let lines = [
-        "Cells at the surfaces, and the clauses of",
-        "their tapes. Lines are the faces of cells,",
-        "bold lines those of the root's cells.",
+        "Cells at the surfaces. Colours count the",
+        "clauses of a cell's tape. Lines are faces of",
+        "cells, bold lines faces of the root's cells.",
     ];
     Legend {
         lines: lines.map(str::to_owned).to_vec(),

@@ -1,4 +1,4 @@
-//! Keys in the panel, and the texts of its rows.
+//! Tests of keys in the panel, and of the texts of its rows.
 
 use super::*;
 use mariana_commands as commands;

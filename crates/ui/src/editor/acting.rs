@@ -1,4 +1,4 @@
-//! Keys and pointer events in the text.
+//! Handling of keys and pointer events in the text.
 
 use mariana_commands::input::{Key, KeyPress, Modifiers, NamedKey};
 use mariana_commands::{Command, Panel};
@@ -14,7 +14,7 @@ use super::{Document, EditAction, Editor, EditorEvent, Question};
 pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 
 impl Editor {
-    /// Handles a key press with these modifiers. Returns true if the editor used it.
+    /// Handles a key press with these modifiers. Returns true if the editor used the key.
     pub fn take_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         if self.focus.leaves_out(press.repeat) || self.take_small_key(press, held) {
             return true;
@@ -33,7 +33,7 @@ impl Editor {
         if self.take_editing_key(&press.key, held, plain) {
             return true;
         }
-        // With AltGr, some systems report Ctrl and Alt.
+        // For AltGr, some systems report Ctrl and Alt.
         let types = plain || held.contains(Modifiers::CONTROL | Modifiers::ALT);
         match press
             .text
@@ -44,7 +44,7 @@ impl Editor {
                 self.type_text(text);
                 true
             }
-            // Other keys without text, such as F11, media keys and modifiers, belong to the show.
+            // Keys without text, such as F11, media keys and modifiers, belong to the show.
             None => matches!(press.key, Key::Character(_)),
         }
     }
@@ -369,7 +369,8 @@ impl Editor {
         }
     }
 
-    /// Opens the completion list. If the user `asked`, no typed letters are needed, and an empty result is reported.
+    /// Opens the completion list. If the user `asked` for it, typed letters are not needed, and an empty result is
+    /// reported.
     fn propose(&mut self, asked: bool) {
         self.proposals.close();
         let Some(document) = self.texts.document().filter(|document| document.is_open()) else { return };

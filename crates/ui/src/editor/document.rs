@@ -19,19 +19,19 @@ pub(crate) enum Owner {
     Shipped(SceneSource),
 }
 
-const READ_ONLY: &str = "this scene comes with Mariana: press Ctrl+S to make your own copy, then edit that";
+const READ_ONLY: &str = "this scene comes with Mariana: press Ctrl+S to make your own copy, then edit the copy";
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Question {
     Kept(Kept),
-    /// Another program wrote the file while it had unsaved edits here.
+    /// Another program wrote the file while this document had unsaved edits.
     Conflict(OnDisk),
     Gone,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Marked {
-    /// Byte range; empty if the mistake concerns the whole text.
+    /// Byte range of the mistake; empty if the mistake concerns the whole text.
     pub range: Range<usize>,
     pub message: String,
     /// A suggestion; may be empty.
@@ -53,19 +53,19 @@ pub(crate) struct Document {
     /// The file's contents as last seen; `None` while it is being read.
     pub disk: Option<OnDisk>,
     pub question: Option<Question>,
-    /// The mistakes, with the version of the text in which they were found.
+    /// The mistakes, and the version of the text that contains them.
     found: (u64, Vec<Mistake>),
-    /// The last version without mistakes, which the frame shows.
+    /// The last version of the text without mistakes, which the frame shows.
     shown: u64,
-    /// Pairs of a drafts version and the text version it contains, oldest first.
+    /// Pairs of a version of the drafts and the version of the text that it contains, oldest first.
     sent: VecDeque<(u64, u64)>,
-    /// The version that was last passed on to the loader.
+    /// The version of the text that was last passed on to the loader.
     noted: u64,
     /// First visible line and column.
     pub view: (f32, f32),
 }
 
-/// Most entries of [`Document::sent`].
+/// Maximum number of entries of [`Document::sent`].
 const SENT_MAX: usize = 256;
 
 impl Document {
@@ -133,7 +133,7 @@ impl Document {
         }
     }
 
-    /// Takes over the contents of the file. Returns true if the backup of an earlier run is no longer needed.
+    /// Loads the contents of the file. Returns true if the backup of an earlier run is no longer needed.
     pub(super) fn take_read(
         &mut self,
         holds: OnDisk,
@@ -222,17 +222,17 @@ impl Document {
         self.found = (sent.map_or(0, |(_, version)| *version), mistakes);
     }
 
-    /// Records that the version of the last mistakes has none.
+    /// Records that the version of the last findings has no mistakes.
     pub(crate) fn note_shown(&mut self) {
         self.shown = self.found.0;
     }
 
-    /// The present range of a part of the text that the frame shows; `None` if it was edited since.
+    /// The present range of a part of the text that the frame shows; `None` if the part has been edited.
     pub(crate) fn place_as_shown(&self, range: Range<usize>) -> Option<Range<usize>> {
         self.editing.place(self.shown, range)
     }
 
-    /// The mistakes at their present positions, without those whose text was edited since.
+    /// The mistakes at their present positions, without mistakes whose text has been edited.
     pub(crate) fn mistakes(&self) -> impl Iterator<Item = Marked> {
         let (version, found) = &self.found;
         found.iter().filter_map(|one| {

@@ -14,7 +14,7 @@ pub(super) struct Documents {
     /// Visible lines and columns.
     rows: usize,
     columns: usize,
-    /// Cursor and scroll position for the next text that is read, if it is a copy of the visible one.
+    /// Cursor and scroll position for the next text that is read, if that text is a copy of the visible text.
     carried: Option<(usize, (f32, f32))>,
 }
 
@@ -51,7 +51,7 @@ impl Documents {
         self.all.iter().filter(|document| document.is_dirty())
     }
 
-    /// Shows the text of a scene. Returns its file if it must be read first.
+    /// Shows the text of a scene. Returns the scene's file if it must be read first.
     pub(super) fn show_scene(&mut self, source: &SceneSource) -> Option<PathBuf> {
         match (self.all.iter().position(|document| document.is_of(source)), source) {
             (Some(known), _) => self.shown = known,
@@ -80,7 +80,7 @@ impl Documents {
         self.carried = Some((cursor, view));
     }
 
-    /// Takes over a file's contents: `true` if an earlier run's backup is obsolete, `None` if the file is not open.
+    /// Loads a file's contents. Returns `true` if an earlier run's backup is obsolete, `None` if the file is not open.
     pub(super) fn take_read(&mut self, file: &Path, holds: OnDisk, kept: Option<Kept>) -> Option<bool> {
         let carried = self.carried.take();
         Some(self.of_mut(file)?.take_read(holds, kept, carried))
@@ -105,7 +105,7 @@ impl Documents {
         }
     }
 
-    /// The tabs: one for each text of the scene, or only the visible text while the scene's files are unknown.
+    /// The tabs: one for each text of the scene, or a single tab while the scene's files are unknown.
     pub(super) fn tabs(&self, findings: Option<&Findings>) -> Vec<Tab> {
         let of_document = |document: &Document, shows| Tab {
             name: document.name(),
@@ -139,7 +139,7 @@ impl Documents {
         self.rows
     }
 
-    /// Sets the number of visible lines and columns. Returns true if it has changed.
+    /// Sets the numbers of visible lines and columns. Returns true if a number has changed.
     pub(super) fn resize(&mut self, rows: usize, columns: usize) -> bool {
         let is_new = (self.rows, self.columns) != (rows, columns);
         (self.rows, self.columns) = (rows, columns);
@@ -174,7 +174,7 @@ impl Documents {
         self.reveal_line(line);
     }
 
-    /// Moves the cursor to a range of the visible text, given as it was loaded.
+    /// Moves the cursor to a range of the visible text. The range refers to the loaded text.
     pub(super) fn go_to_loaded(&mut self, range: Range<usize>) {
         if let Some(document) = self.shown_mut()
             && let Some(now) = document.place_as_shown(range)

@@ -1,4 +1,4 @@
-//! The files of the texts: reading, saving, copying, creating, and backups of unsaved text.
+//! Reads, saves, copies and creates the files of the texts, and backs up unsaved text.
 
 use std::io;
 use std::path::Path;
@@ -11,7 +11,7 @@ use mariana_files::documents::{FileEvent, FileThread};
 use super::document::{Document, Question};
 
 pub(super) const TEMPLATE: &str = include_str!("new.scene");
-/// The longest the exit waits for backups.
+/// Maximum time for which the exit waits for backups.
 const KEEP_LIMIT: Duration = Duration::from_secs(3);
 const NO_FOLDER: &str = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";
 
@@ -33,7 +33,7 @@ impl Files {
         self.file_thread.file_events()
     }
 
-    /// Backs a text up while it has unsaved edits; deletes the backup otherwise.
+    /// Backs up a text that has unsaved edits; deletes the backup of any other text.
     pub(super) fn keep(&self, document: &Document) {
         if let Some(file) = document.file() {
             self.file_thread.keep(file, document.is_dirty().then(|| document.bytes()));

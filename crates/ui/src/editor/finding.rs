@@ -8,7 +8,7 @@ use mariana_editing::{Editing, find};
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub(crate) struct Find {
     pub query: String,
-    /// True while keys are typed into it.
+    /// True while keys are typed into the search line.
     pub typing: bool,
 }
 
@@ -63,7 +63,7 @@ impl Finding {
         }
     }
 
-    /// The next or previous match, or a message that there is none; `None` without a search text.
+    /// The next or previous match, or a message if there is no match; `None` without a search text.
     pub(super) fn next(&self, editing: &Editing, forward: bool) -> Option<Result<Range<usize>, String>> {
         let query = self.line.as_ref().map(|find| &find.query).filter(|query| !query.is_empty())?;
         let selection = editing.selection();

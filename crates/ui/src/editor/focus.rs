@@ -1,12 +1,12 @@
 //! Keyboard focus of the editor, and text that an input method is composing.
 
-/// Most letters of a composition that are displayed.
+/// Maximum number of displayed letters of a composition.
 const PREEDIT_MAX: usize = 64;
 
 #[derive(Default)]
 pub(super) struct Focus {
     is_on: bool,
-    /// True while a key is held that was pressed before the editor got the focus.
+    /// True while the user holds a key that was pressed before the editor got the focus.
     ignores_repeats: bool,
     preedit: String,
 }

@@ -1,4 +1,4 @@
-//! The loader's findings about the edited scene and about scenes edited before.
+//! The loader's findings about the edited scene and about previously edited scenes.
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ impl Found {
         self.findings = known.map(|at| self.others.swap_remove(at));
     }
 
-    /// Takes over new findings. Returns true if they are about the edited scene.
+    /// Stores new findings. Returns true if the findings are about the edited scene.
     pub(super) fn take(&mut self, findings: Findings) -> bool {
         let is_shown = Some(&findings.source) == self.source.as_ref();
         if is_shown {

@@ -1,4 +1,4 @@
-//! The editor's keys: one table from which the key handling and the manual page are made.
+//! The editor's keys. Key handling and the manual page use the same table.
 
 use mariana_commands::input::{Key, Modifiers, NamedKey};
 
@@ -17,7 +17,7 @@ pub enum EditAction {
     Copy,
     /// Cuts the selection.
     Cut,
-    /// Pastes.
+    /// Pastes the clipboard's text.
     Paste,
     /// Selects everything.
     SelectAll,
@@ -25,7 +25,7 @@ pub enum EditAction {
     Find,
     /// Goes to the next or previous match.
     FindNext {
-        /// True for the next one.
+        /// True for the next match.
         forward: bool,
     },
     /// Comments lines out, or uncomments them.
@@ -34,7 +34,7 @@ pub enum EditAction {
     Propose,
     /// Replaces the number at the cursor by a parameter.
     MakeParam,
-    /// Turns the number at the cursor.
+    /// Increases or decreases the number at the cursor.
     TurnNumber {
         /// True to increase it.
         up: bool,
@@ -45,7 +45,7 @@ pub enum EditAction {
     NextText,
     /// Goes to the next mistake.
     NextMistake,
-    /// Highlights the parts of the frame that come from the lines at the cursor, or stops that.
+    /// Switches highlighting of the parts of the frame that the lines at the cursor draw.
     Light,
     /// Shows or hides the cost of each object.
     Profile,
@@ -54,7 +54,7 @@ pub enum EditAction {
         /// True for the first answer.
         first: bool,
     },
-    /// Closes what is open in the editor, then the editor itself.
+    /// Closes an open list or card, or else the editor.
     Leave,
 }
 
@@ -63,7 +63,7 @@ pub struct Row {
     /// The key; letters in lower case.
     key: Key<&'static str>,
     held: Modifiers,
-    /// The displayed key; empty for an alternative that another row mentions.
+    /// The displayed key. Empty for an alternative key that a different row mentions.
     pub written: &'static str,
     /// The action.
     pub action: EditAction,
@@ -94,7 +94,7 @@ const fn named(
     Row { key: Key::Named(key), held, written, action, meaning }
 }
 
-/// All key bindings. Shift turns Find next into Find previous, and Undo into Redo.
+/// All key bindings. With Shift, the key for the next match finds the previous match, and Undo becomes Redo.
 pub const ROWS: &[Row] = &[
     letter("s", "Ctrl+S", EditAction::Save, "save; a shipped scene is copied to your folder"),
     letter("z", "Ctrl+Z", EditAction::Undo, "undo"),
@@ -166,7 +166,7 @@ pub fn written_rows() -> impl Iterator<Item = &'static Row> {
 }
 
 /// The action of a key with these modifiers. On non-Latin keyboards the key's position decides: `latin` is the letter
-/// that it has on a Latin keyboard.
+/// of this key on a Latin keyboard.
 pub(super) fn action_of(key: &Key, latin: Option<char>, held: Modifiers) -> Option<EditAction> {
     let shift = held.shift_key();
     let mut held = held - Modifiers::SHIFT;

@@ -1,14 +1,14 @@
 //! The scene editor in the window: the text of the shown scene, its keys, its files and its messages.
 //!
-//! It is a plain value that keys and the pointer change and the overlay draws. Every edit goes to the loader as a draft
-//! ([`Drafts`]) that replaces the file's contents. A valid draft shows in the next frame; an invalid one marks its
-//! mistakes. Files and the clipboard are accessed on other threads.
+//! The editor is a plain value. Keys and the pointer change it, and the overlay draws it. Every edit goes to the loader
+//! as a draft ([`Drafts`]) that replaces the file's contents. The next frame shows a valid draft. For an invalid draft,
+//! the editor marks the mistakes. Separate threads access files and the clipboard.
 //!
 //! [`Editor`] owns the parts and passes results between them:
 //!
 //! | part | purpose |
 //! |---|---|
-//! | `Texts` | the texts of the scene; owns the next four |
+//! | `Texts` | the texts of the scene; owns `Documents`, `Files`, `Found` and `Outbox` |
 //! | `Documents` | the open texts, the visible one, and its scroll position |
 //! | `Files` | reading, saving, copying, backups |
 //! | `Found` | the loader's findings |
@@ -68,16 +68,16 @@ use mariana_scenes::{Drafts, SceneSource};
 /// An event of the pointer in the editor. Positions are byte offsets in the visible text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EditorEvent {
-    /// A press at an offset.
+    /// The pointer was pressed at an offset.
     Press {
-        /// The offset.
+        /// The byte offset of the press.
         at: usize,
         /// 1 for a single click, 2 for a double click, 3 for a triple click.
         clicks: u8,
         /// True to extend the selection.
         select: bool,
     },
-    /// A drag to an offset.
+    /// The pointer was dragged to an offset.
     DragTo(usize),
     /// The number at an offset was grabbed.
     Grab(usize),
@@ -120,7 +120,7 @@ pub enum EditorEvent {
     GoToProbed,
     /// The card was closed.
     CloseProbed,
-    /// A row of the cost table was clicked: go to a byte of one of the scene's texts, as they were loaded.
+    /// A row of the cost table was clicked: go to a byte of one of the scene's loaded texts.
     GoTo {
         /// The text's number.
         text: usize,
@@ -159,10 +159,10 @@ impl std::fmt::Debug for Editor {
 }
 
 impl Editor {
-    /// Starts an editor without a text. `wake` is called on other threads when one of their results arrives.
+    /// Starts an editor without a text. Its threads call `wake` when one of their results arrives.
     ///
     /// # Errors
-    /// The system cannot start another thread.
+    /// Fails if the system cannot start another thread.
     pub fn start(
         drafts: Drafts,
         folders: &Folders,
@@ -181,7 +181,7 @@ impl Editor {
         })
     }
 
-    /// Shows the text of a scene, unless it is shown already.
+    /// Shows the text of a scene, unless the text is visible already.
     pub fn show_scene(&mut self, source: &SceneSource) {
         let source = match source {
             SceneSource::Blend(blend) => &blend.to.source,
@@ -197,7 +197,7 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Takes over results of other threads.
+    /// Handles results of the editor's threads.
     pub fn update(&mut self) {
         while let Some(file_events) = self.texts.file_events() {
             self.revision += 1;
@@ -240,7 +240,7 @@ impl Editor {
         self.texts.finish();
     }
 
-    /// True if it shows mistakes of the scene.
+    /// True if the editor shows mistakes of the scene.
     pub fn tells_mistakes(&self) -> bool {
         self.texts.findings().is_some_and(|found| !found.mistakes.is_empty())
     }
@@ -269,7 +269,7 @@ impl Editor {
     /// Sets the frame's position in the window and its camera.
     pub fn set_view(&mut self, map: Map, camera: Option<Camera>) {
         let (is_new, moves) = self.picture.set_view(map, camera);
-        // Only the cross at a position follows the camera.
+        // Only the cross at a position depends on the camera.
         let is_crossed =
             || self.document().is_some_and(|document| self.held_numbers.place(document).is_some());
         if is_new || moves && is_crossed() {
@@ -277,7 +277,7 @@ impl Editor {
         }
     }
 
-    /// Takes over the result of a probe of the frame.
+    /// Handles the result of a probe of the frame.
     pub fn take_answer_about_the_picture(&mut self, answer: Answer) {
         match answer {
             Answer::TooLong => self.tell("this scene is too large to be inspected while it plays"),
@@ -286,12 +286,12 @@ impl Editor {
             }
             Answer::Point(probed) if Some(&probed.source) == self.texts.source() => {
                 self.picture.take_probed(probed);
-                // Scroll to the line that drew it, but leave the cursor where the user is typing.
+                // Scroll to the line that drew the point, but leave the cursor where the user is typing.
                 if let Some(line) = self.probed_line() {
                     self.texts.reveal_line(line);
                 }
             }
-            // A late answer about a previous scene.
+            // Ignore a late answer about a previous scene.
             Answer::Point(_) | Answer::RayStatistics(..) => return,
         }
         self.revision += 1;
@@ -306,14 +306,14 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Closes the card of the clicked point. Returns true if it was open.
+    /// Closes the card of the clicked point. Returns true if the card was open.
     pub fn close_probed(&mut self) -> bool {
         let was = self.picture.close_probed();
         self.revision += u64::from(was);
         was
     }
 
-    /// True if it needs ray statistics of the frame.
+    /// True if the editor needs ray statistics of the frame.
     pub fn wants_ray_statistics(&self) -> bool {
         self.picture.wants_ray_statistics()
     }
@@ -335,7 +335,7 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Grabs the triple at an offset, unless one is grabbed. Returns true if one is grabbed then.
+    /// Grabs the triple at an offset, unless a triple is grabbed already. Returns true if a triple is grabbed now.
     fn take_three(&mut self, at: usize) -> bool {
         let found = self.document().and_then(|document| document.triple_at(at));
         if let Some((triple, line_start)) = found.filter(|_| !self.held_numbers.turns_three()) {

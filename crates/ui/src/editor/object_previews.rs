@@ -1,4 +1,4 @@
-//! Previews of the library's shapes for the completion list. A thread renders each preview when it is first needed.
+//! Previews of the library's shapes for the completion list. A thread renders a preview when it is first needed.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use mariana_field::ray_probe::preview;
 
 pub(crate) const SIDE: usize = 48;
 
-/// A preview: red, green, blue and coverage of each pixel, in rows from the upper left.
+/// A preview: red, green, blue and coverage of each pixel, row by row from the upper left.
 pub(crate) type ObjectPreview = Arc<Vec<[u8; 4]>>;
 
 pub(super) struct ObjectPreviews {
@@ -21,7 +21,7 @@ pub(super) struct ObjectPreviews {
 }
 
 impl ObjectPreviews {
-    /// Starts the thread, which calls `wake` after each preview. If it cannot start, there are no previews.
+    /// Starts the thread, which calls `wake` after each preview. If the thread cannot start, there are no previews.
     pub(super) fn new(wake: impl Fn() + Send + 'static) -> Self {
         let (orders, inbox) = channel::<(&'static str, &'static str)>();
         let (tell, drawn) = channel();
@@ -35,7 +35,7 @@ impl ObjectPreviews {
             }
         });
         if let Err(error) = started {
-            tracing::warn!("cannot start the thread for shape previews, so there are none: {error}");
+            tracing::warn!("cannot start the thread for shape previews, so the list shows none: {error}");
         }
         Self { known: BTreeMap::new(), orders, drawn }
     }
@@ -45,7 +45,7 @@ impl ObjectPreviews {
             && !self.known.contains_key(name)
         {
             self.known.insert(name, None);
-            // A send fails only if the thread did not start, which was logged.
+            // Sending fails only if the thread did not start. That was logged.
             let _ = self.orders.send((name, formula));
         }
     }

@@ -10,7 +10,7 @@ use super::document::Document;
 
 pub(super) struct Outbox {
     drafts: Drafts,
-    /// True while numbers are turned as frame inputs, so that the text need not be reloaded.
+    /// True while turned numbers are frame inputs, so that the text need not be reloaded.
     turns: bool,
     commands: Vec<Command>,
 }
@@ -42,7 +42,7 @@ impl Outbox {
         self.commands.push(Command::ReloadScene);
     }
 
-    /// Passes a changed text to the loader, unless only turned numbers changed.
+    /// Passes a changed text to the loader, unless only turned numbers have changed.
     pub(super) fn draft_change(&mut self, document: &mut Document) {
         if !self.turns {
             self.draft(document);

@@ -1,4 +1,4 @@
-//! Conversion of a number in the text to a parameter.
+//! Conversion of a number in the text into a parameter.
 
 use std::ops::Range;
 
@@ -64,7 +64,7 @@ fn param_place(buffer: &Buffer) -> usize {
     buffer.line_start(first)
 }
 
-/// A name that is unused in the text, made from the field to which the number belongs.
+/// An unused name for the parameter, made from the name of the number's field.
 fn name_for(text: &[u8], line: &[u8], digits: usize) -> String {
     let before = String::from_utf8_lossy(line.get(..digits).unwrap_or_default()).into_owned();
     let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -77,7 +77,7 @@ fn name_for(text: &[u8], line: &[u8], digits: usize) -> String {
     let text = String::from_utf8_lossy(text);
     let is_there = |name: &str| text.split(|c| !is_letter(c)).any(|word| word == name);
     let names = (0_usize..).map(|number| match number {
-        // The suffix tells the parameter from the field in the text.
+        // The suffix distinguishes the parameter from the field in the text.
         0 => format!("{stem}_knob"),
         number => format!("{stem}_knob{}", number + 1),
     });

@@ -1,4 +1,5 @@
-//! Information about the rendered frame: the clicked point, what the lines at the cursor draw, and each object's cost.
+//! Information about the rendered frame: the clicked point, the parts drawn by the lines at the cursor, and each
+//! object's cost.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -17,7 +18,7 @@ pub(crate) struct Picture {
     map: Option<Map>,
     camera: Option<Camera>,
     probed: Option<Probed>,
-    /// True while parts from the lines at the cursor are highlighted.
+    /// True while parts drawn by the lines at the cursor are highlighted.
     lights: bool,
     profiles: bool,
     ray_statistics: Option<Arc<RayStatistics>>,
@@ -31,7 +32,7 @@ pub(crate) struct Light {
 }
 
 impl Picture {
-    /// Sets the frame's position in the window and its camera. Returns for each whether it has changed.
+    /// Sets the frame's position in the window, and its camera. Returns true for each value that has changed.
     pub(super) fn set_view(&mut self, map: Map, camera: Option<Camera>) -> (bool, bool) {
         let is_new = (self.map != Some(map), self.camera != camera);
         (self.map, self.camera) = (Some(map), camera);
@@ -79,7 +80,7 @@ impl Picture {
         self.lights || self.profiles
     }
 
-    /// The text and byte range that drew the clicked point, as they were loaded.
+    /// The text that drew the clicked point, and the byte range in the loaded text.
     pub(super) fn written(&self) -> Option<(usize, Range<usize>)> {
         self.probed.as_ref()?.surface.as_ref()?.written.clone()
     }
@@ -130,7 +131,7 @@ impl Picture {
         (self.lights, self.profiles)
     }
 
-    /// The objects by descending cost, with the statistics that also contain the sky.
+    /// The objects by descending cost, and the ray statistics, which also contain the sky.
     pub(crate) fn profile(&self) -> Option<(Arc<RayStatistics>, Vec<ObjectCost>)> {
         let ray_statistics = self.ray_statistics.as_ref().filter(|_| self.profiles)?;
         let mut objects = ray_statistics.objects.clone();
@@ -139,7 +140,7 @@ impl Picture {
     }
 }
 
-/// The lines that draw parts of an object, costliest first: number, text, cost. Empty for a single line.
+/// The lines that draw parts of an object, costliest first: number, text, cost. Empty if one line draws the object.
 pub(crate) fn parts_of(object: &ObjectCost, texts: &Texts) -> Vec<(usize, String, PartCost)> {
     let mut lines: Vec<(usize, String, PartCost)> = Vec::new();
     for part in &object.parts {

@@ -8,7 +8,7 @@ use super::object_previews::{ObjectPreview, ObjectPreviews};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Proposing {
-    /// Byte offset of the name.
+    /// Byte offset of the typed name.
     pub from: usize,
     /// Candidates, best first.
     pub list: Vec<Proposal>,
@@ -60,8 +60,8 @@ impl Proposals {
         self.object_previews.update()
     }
 
-    /// Finds candidates for the name at the cursor; if the user `asked`, even without typed letters. Returns true if
-    /// there are any.
+    /// Finds candidates for the name at the cursor. If the user `asked`, no letters need be typed. Returns true if
+    /// there are candidates.
     pub(super) fn propose(&mut self, document: &Document, asked: bool) -> bool {
         let (buffer, cursor) = (document.editing.buffer(), document.editing.cursor());
         let (range, list) = document.with_colors(|colors| proposals(buffer, colors, cursor, asked));

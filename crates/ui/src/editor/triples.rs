@@ -1,12 +1,12 @@
-//! Triples of numbers in an open text: colours to pick, and positions to drag in the frame. While they change they are
-//! frame inputs, like a turned number ([`super::turning`]).
+//! Triples of numbers in an open text: colours to pick, and positions to drag in the frame. While the user changes a
+//! triple, its numbers are frame inputs, like a turned number ([`super::turning`]).
 
 use mariana_editing::{Triple, TripleKind, triples};
 
 use super::document::Document;
 
 impl Document {
-    /// The `vec3`s of a line whose arguments are number literals, and the start of the line.
+    /// The calls of `vec3` in a line that have number literals as arguments, and the start of the line.
     pub(crate) fn triples(&self, line: usize) -> (Vec<Triple>, usize) {
         let buffer = self.editing.buffer();
         (self.with_colors(|colors| triples(buffer, colors, line)), buffer.line_start(line))
@@ -24,7 +24,7 @@ impl Document {
         self.triple_at(at).filter(|(triple, _)| triple.kind == TripleKind::Color)
     }
 
-    /// The position at the cursor as written, and its sign: 1, or -1 if the scene uses its negative.
+    /// The position at the cursor as written in the text, and 1, or -1 if the scene uses the negative of the position.
     pub(super) fn place_at_cursor(&self) -> Option<([f64; 3], f64)> {
         let (triple, _) = self.triple_at(self.editing.cursor()).filter(|_| self.is_open())?;
         match triple.kind {

@@ -1,7 +1,7 @@
-//! Numbers that are turned like knobs: text and frame follow without reloading the scene.
+//! Numbers that are turned like knobs. Text and frame follow a turn without reloading the scene.
 //!
 //! When the user grabs a number, the scene is loaded once more with this number as a frame input that has a range. From
-//! then on, values go straight into the frame. The text is parsed again only when a value leaves the range, or if the
+//! then on, values go straight into the frame. The text is parsed again only if a value leaves the range, or if the
 //! number affects the scene's structure.
 
 use std::ops::Range;
@@ -20,7 +20,7 @@ const POINTS_OF_KEY: f64 = 10.0;
 #[derive(Debug, Clone, PartialEq)]
 struct Turn {
     file: PathBuf,
-    /// Each number as it was grabbed, and its present range.
+    /// The grabbed numbers with their old values, and their present byte ranges.
     numbers: Vec<(Number, Range<usize>)>,
     /// Pointer movement so far, in points at the usual speed.
     moved: f64,
@@ -32,17 +32,17 @@ struct Turn {
 #[derive(Debug, Clone, PartialEq)]
 struct Held {
     inputs: Vec<HeldNumber>,
-    /// The version of the drafts that has them.
+    /// The version of the drafts that contains the inputs.
     since: u64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct HeldNumber {
-    /// Its index among the numbers of the text.
+    /// The input's index among the numbers of the text.
     place: usize,
-    /// Offset of its digits in the loaded text.
+    /// Offset of the input's digits in the loaded text.
     digits: usize,
-    /// True if a minus precedes the digits there.
+    /// True if a minus precedes the digits in the loaded text.
     negated: bool,
     /// The range of values that a frame may set.
     room: (f32, f32),
@@ -103,7 +103,7 @@ impl HeldNumbers {
         was
     }
 
-    /// Grabs numbers of the line that begins at `line_start`, or returns why the text is read-only.
+    /// Grabs numbers of the line that begins at `line_start`, or returns the reason why the text is read-only.
     pub(super) fn take(
         &mut self,
         numbers: Vec<Number>,
@@ -144,13 +144,13 @@ impl HeldNumbers {
         Ok(())
     }
 
-    /// Turns the numbers into frame inputs with a range around their values. The text is parsed for that.
+    /// Turns the numbers into frame inputs with a range around their values. This parses the text.
     fn hold(&mut self, places: &[usize], values: &[f64], texts: &mut Texts) {
         let (Some(turn), Some(document)) = (&mut self.turn, texts.document()) else { return };
         let mut inputs = Vec::new();
         let is_triple = turn.is_triple();
         for (((_, now), place), value) in turn.numbers.iter().zip(places).zip(values) {
-            // The minus may have been added or removed since.
+            // The minus may have been added or removed since the load.
             let negated = document.editing.buffer().slice(now.start..now.start + 1) == b"-";
             let digits = digits_value(*value, negated);
             // No scene divides by a colour or a position, so its range may include 0.
@@ -218,13 +218,13 @@ impl HeldNumbers {
             let values = of_frame.into_iter().map(|(input, value)| (input.digits, value)).collect();
             texts.turn_numbers(turn.file.clone(), values);
         } else {
-            // Out of range: parse the new text, with a range around the new values.
+            // A value is out of range: parse the new text, with ranges around the new values.
             let places: Vec<usize> = held.inputs.iter().map(|input| input.place).collect();
             self.hold(&places, values, texts);
         }
     }
 
-    /// Checks after new findings if the numbers have become inputs. Those that affect the scene's structure cannot.
+    /// Checks after new findings if the numbers have become inputs. Numbers that affect the scene's structure cannot.
     pub(super) fn check(&mut self, texts: &mut Texts) {
         let (Some(turn), Some(findings)) = (&mut self.turn, texts.findings()) else { return };
         let Some(held) = &turn.held else { return };
@@ -235,7 +235,7 @@ impl HeldNumbers {
         }
     }
 
-    /// Releases the numbers, so that the text defines them again. Returns true if there were any.
+    /// Releases the numbers, so that the text defines them again. Returns true if numbers were held.
     pub(super) fn let_go(&mut self, texts: &mut Texts) -> bool {
         let Some(turn) = self.turn.take() else { return false };
         if let Some(document) = texts.document_mut() {

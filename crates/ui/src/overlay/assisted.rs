@@ -1,4 +1,4 @@
-//! Accessibility: descriptions of hand-drawn controls for screen readers, and the screen reader's changes to them.
+//! Accessibility: describes hand-drawn controls to screen readers, and lets screen readers change the controls.
 
 use std::ops::RangeInclusive;
 
@@ -10,11 +10,11 @@ use super::style;
 /// An event of an assistive technology.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Assistance {
-    /// It has started and needs the tree of controls.
+    /// The assistive technology has started and needs the tree of controls.
     Begins,
-    /// It presses or changes a control.
+    /// The assistive technology presses or changes a control.
     Act(ActionRequest),
-    /// It has ended.
+    /// The assistive technology has ended.
     Ends,
 }
 
@@ -22,7 +22,7 @@ pub(super) fn window(context: &Context) {
     let _ = context.accesskit_node_builder(accesskit_root_id(), |node| node.set_label("Mariana"));
 }
 
-/// Exposes text without a widget, under a unique name. Screen readers announce changes if `news`.
+/// Exposes text without a widget, under a unique name. If `news` is true, screen readers announce changes.
 pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
     let _ = context.accesskit_node_builder(Id::unique(("text", name)), |node| {
         node.set_role(Role::Label);
@@ -45,7 +45,7 @@ pub(super) fn ring(context: &Context, painter: &Painter) {
     }
 }
 
-/// Presses of arrow keys while `response` has the focus; positive to the right.
+/// Number of arrow key presses while `response` has the focus; positive to the right.
 fn steps_by_keys(ui: &Ui, response: &Response) -> f64 {
     if !response.has_focus() {
         return 0.0;

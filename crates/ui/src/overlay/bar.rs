@@ -28,7 +28,7 @@ const WORDS: f32 = 19.0;
 const GAP: f32 = 3.0;
 const SIGN: f32 = 15.0;
 const BAR_STEP: f32 = 3.0;
-/// Width of the volume slider: the least for which it is shown, and the greatest.
+/// Range of the volume slider's width. If there is less room, the slider is hidden.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
 const RIGHT_BUTTONS: f32 = 10.0;
 /// Height of the line of sections, and size of their letters.
@@ -52,7 +52,7 @@ const BUTTON_GAP: f32 = 2.0;
 pub struct Bar<'a> {
     /// The playing track or input.
     pub now: &'a NowPlaying,
-    /// The loudness curve of the track, as far as it is known.
+    /// The loudness curve of the track, up to the analysed position.
     pub shape: Option<&'a LoudnessShape>,
     /// The structure of the song, once it is known.
     pub song: Option<&'a SongStructure>,
@@ -74,7 +74,7 @@ pub struct Bar<'a> {
     pub seen: bool,
 }
 
-/// Steps of the level; the bar is laid out again at each step.
+/// Number of steps of the level. The bar is laid out again at each step.
 const LEVEL_STEPS: f32 = 24.0;
 
 impl Hash for Bar<'_> {
@@ -87,7 +87,7 @@ impl Hash for Bar<'_> {
     }
 }
 
-/// Draws the bar at the bottom of `space`. Returns its area and adds the user's events.
+/// Draws the bar at the bottom of `space`. Returns the bar's area and adds the user's events to `events`.
 pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, events: &mut Vec<UiEvent>) -> Rect {
     let width = space.width().min(WIDTH_MAX);
     let area = style::area(Id::unique("bar"), Order::Middle)
@@ -174,7 +174,8 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     front.galley(label.center() - 0.5 * galley.size(), galley, style::TEXT);
 }
 
-/// Draws the loudness curve around the middle of `place`, played up to `fraction`. Unknown loudness is a thin line.
+/// Draws the loudness curve around the middle of `place`. The part up to `fraction` is drawn as played. Unknown
+/// loudness becomes a thin line.
 fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, fraction: f32) {
     let bars = (place.width() / BAR_STEP).floor().max(1.0) as usize;
     for bar in 0..bars {
@@ -290,7 +291,7 @@ pub(super) fn words_of(command: &Command) -> String {
         (_, Some(binding)) => format!("{} ({})", binding.help, binding.written),
         (Command::TogglePanel(Panel::Sources), None) => {
             let key = Command::NextSource.binding().map_or("", |binding| binding.written);
-            format!("choose a sound source ({key} for the next one)")
+            format!("choose a sound source ({key} for the next source)")
         }
         (_, None) => String::new(),
     }
@@ -303,9 +304,9 @@ fn panel_button(ui: &mut Ui, icon: Icon, panel: Panel, bar: &Bar<'_>, events: &m
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lamp {
     None,
-    /// By its colour, and to screen readers.
+    /// A switch that shows its state by its colour, and to screen readers.
     Seen(bool),
-    /// By its icon, and to screen readers.
+    /// A switch that shows its state by its icon, and to screen readers.
     Hidden(bool),
 }
 

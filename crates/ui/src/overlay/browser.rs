@@ -17,18 +17,18 @@ use image::RgbaImage;
 use crate::scene_browser::{SceneBrowser, Tile, TilePicture};
 use mariana_commands::{Command, Panel};
 
-/// Least width of a tile, in points; as many as fit are side by side.
+/// Minimum width of a tile, in points. A row has as many tiles as fit.
 const TILE_MIN: f32 = 168.0;
 const GAP: f32 = 10.0;
 const NAME: f32 = 22.0;
 const LINE: f32 = 24.0;
 const WIDTH_MAX: f32 = 1180.0;
 
-/// Textures of the visible tiles, by the address of their image.
+/// Textures of the visible tiles. The key is the address of the tile's image.
 #[derive(Default)]
 pub(super) struct TilePictures {
     textures: HashMap<usize, (Arc<RgbaImage>, TextureHandle)>,
-    /// The selected tile at the last drawing. When it changes, the list scrolls to it.
+    /// The selected tile at the last drawing. When the selection changes, the list scrolls to it.
     selected: Option<usize>,
 }
 

@@ -21,7 +21,7 @@ use mariana_render::placement::Area;
 pub struct OverlayContent<'a> {
     /// A line in the lower left corner, such as "speakers · interpreted · 230 clauses".
     pub corner: Option<&'a str>,
-    /// An error that stays as long as it is given.
+    /// An error that stays visible as long as this field contains it.
     pub problem: Option<Problem<'a>>,
     /// A short message that fades.
     pub notice: Option<Notice<'a>>,
@@ -29,7 +29,7 @@ pub struct OverlayContent<'a> {
     pub params: Option<&'a mut [Slider]>,
     /// Shows the table of keys.
     pub help: bool,
-    /// A line that stays as long as it is given.
+    /// A line that stays visible as long as this field contains it.
     pub hint: Option<&'a str>,
     /// The sound sources.
     pub sources: Option<SourceList>,
@@ -64,9 +64,9 @@ pub struct OverlayContent<'a> {
 /// The sound sources.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SourceList {
-    /// Names, in the order in which the key steps through them.
+    /// Names of the sources, in the order in which the key steps through them.
     pub names: Vec<String>,
-    /// The index of the present one.
+    /// The index of the present source.
     pub present: Option<usize>,
 }
 
@@ -79,14 +79,14 @@ pub struct Problem<'a> {
     pub text: &'a str,
 }
 
-/// A short message that fades. The same text with a later `since` starts again.
+/// A short message that fades. The same text with a later `since` appears again.
 #[derive(Debug, Clone, Copy)]
 pub struct Notice<'a> {
     /// The text, such as "compiled".
     pub text: &'a str,
     /// A value below the text, 0..1: a position in the track, or the volume.
     pub fraction: Option<f32>,
-    /// The time at which it appeared.
+    /// The time at which the message appeared.
     pub since: Instant,
 }
 
@@ -111,14 +111,14 @@ impl Notice<'_> {
         CHARACTER_STANDS.saturating_mul(characters).clamp(NOTICE_STANDS, NOTICE_STANDS_MAX)
     }
 
-    /// True once it has faded.
+    /// True once the notice has faded.
     pub fn is_gone(&self, now: Instant) -> bool {
         self.opacity(now) <= 0.0
     }
 }
 
 impl<'a> OverlayContent<'a> {
-    /// Adds another notice; the newer of two is shown.
+    /// Adds a notice. Of two notices, only the newer notice is shown.
     pub fn add(&mut self, notice: Option<Notice<'a>>) {
         let newer = notice.filter(|notice| self.notice.is_none_or(|other| other.since <= notice.since));
         self.notice = newer.or(self.notice);
@@ -163,7 +163,7 @@ impl OverlayContent<'_> {
             || self.corners.is_some()
     }
 
-    /// A number that changes with the content. A notice counts until it is gone, faded or not.
+    /// A number that changes with the content. A notice is included until it is gone, even while it fades.
     pub(super) fn fingerprint(&self, now: Instant) -> u64 {
         let mut hasher = DefaultHasher::new();
         (self.corner, self.problem, self.help).hash(&mut hasher);

@@ -1,4 +1,4 @@
-//! The drawing of the controllers panel.
+//! Draws the controllers panel.
 
 use egui::{Color32, Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -41,7 +41,7 @@ pub(super) fn show(
             let moved = before.is_some_and(|before| before != panel.selected());
             let mut list = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
             if before.is_none() {
-                // Open at the top, where the connection code is.
+                // Start at the top, because the connection code is there.
                 list = list.vertical_scroll_offset(0.0);
             }
             list.show(ui, |ui| {

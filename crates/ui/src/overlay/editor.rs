@@ -1,4 +1,4 @@
-//! The drawing of the editor at the left of the window: tabs and buttons, the text, and a footer with messages.
+//! Draws the editor at the left of the window: tabs and buttons, the text, and a footer with messages.
 
 mod card;
 mod cross;
@@ -16,18 +16,18 @@ use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;
 use crate::editor::{Document, EditAction, Editor, EditorEvent, Owner, Question};
 
-/// Width of the editor as a fraction of the window's width, and its least and greatest width in points.
+/// Width of the editor as a fraction of the window's width. The range of this width follows, in points.
 const WIDTH_FRACTION: f32 = 0.56;
 const WIDTH_MIN: f32 = 500.0;
 const WIDTH_MAX: f32 = 860.0;
 const LINE: f32 = 24.0;
-/// Fewest lines of text, so that the completion list has room.
+/// Minimum number of lines of text, so that the completion list has room.
 const LINES_MIN: usize = 14;
 /// Approximate height of everything around the text.
 const AROUND: f32 = 112.0;
 const EDGE: f32 = 10.0;
 
-/// Draws the editor, and its marks and cards over the frame. Returns the editor's area, then those of its other parts.
+/// Draws the editor, and its marks and cards over the frame. Returns their areas; the first is the editor's area.
 pub(super) fn show(
     context: &egui::Context,
     rooms: &Rooms,
@@ -37,7 +37,7 @@ pub(super) fn show(
     let space = rooms.main;
     let fraction = if rooms.is_desk { 1.0 } else { WIDTH_FRACTION };
     let width = (fraction * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
-    // Only as high as its text, so that it hides no more of the frame than it must.
+    // Make the editor only as high as its text, so that it hides as little of the frame as possible.
     let font = context.layer_painter(egui::LayerId::background());
     let lines = editor.document().map_or(0, |document| document.editing.buffer().line_count());
     let wanted = (lines + 2).max(LINES_MIN) as f32 * text::cell(&font).y + AROUND;
@@ -160,7 +160,8 @@ fn written_key(action: EditAction) -> &'static str {
     written_rows().find(|row| row.action == action).map_or("", |row| row.written)
 }
 
-/// A text button with a key, right-aligned. Returns its area, and true if clicked. `is_on` marks a switch that is on.
+/// A right-aligned text button with its key. Returns the button's area, and true if the user clicked the button.
+/// `is_on` marks a switch that is on.
 fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) -> (Rect, bool) {
     let color = style::ACCENT;
     let galley = style::line(ui.painter(), words, style::proportional(style::SMALL_SIZE), color, f32::MAX);
@@ -180,7 +181,7 @@ fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) 
     (rect, clicked)
 }
 
-/// Draws the mistake or documentation at the cursor, then the message or cursor position. Returns the footer's top.
+/// Draws the mistake or documentation at the cursor, then the message or cursor position. Returns the top edge.
 fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
     let painter = ui.painter();
     let (small, width) = (style::proportional(style::SMALL_SIZE), space.width());

@@ -25,7 +25,7 @@ pub enum UiEvent {
 pub enum SceneListEvent {
     /// A scene was chosen.
     Show {
-        /// Its index.
+        /// The scene's index.
         place: usize,
         /// True if the list closes.
         close: bool,
@@ -34,9 +34,9 @@ pub enum SceneListEvent {
     Mark(usize),
     /// These tiles were drawn.
     Drawn {
-        /// Their indices.
+        /// The tiles' indices.
         places: Range<usize>,
-        /// Tiles side by side.
+        /// Number of tiles side by side.
         columns: usize,
     },
 }
@@ -46,14 +46,14 @@ pub enum SceneListEvent {
 pub enum FileListEvent {
     /// A matching entry was chosen.
     Open {
-        /// Its index.
+        /// The entry's index.
         place: usize,
         /// True if a file is added to the tracks instead of replacing them.
         append: bool,
     },
     /// The whole shown folder was chosen.
     OpenFolder {
-        /// True if it is added to the tracks instead of replacing them.
+        /// True if the folder's files are added to the tracks instead of replacing them.
         append: bool,
     },
     /// The shortcut with this index was chosen.
@@ -80,7 +80,7 @@ pub enum SettingEvent {
         row: usize,
         /// The new number: milliseconds or percent.
         number: f64,
-        /// True once the pointer has released it.
+        /// True once the pointer has released the slider.
         settled: bool,
     },
     /// The panel was closed.

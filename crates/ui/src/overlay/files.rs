@@ -1,4 +1,4 @@
-//! The drawing of the file list with its shortcuts.
+//! Draws the file list with its shortcuts.
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 

@@ -1,6 +1,6 @@
 //! Fallback fonts: a thread searches the system's fonts for characters that the built-in fonts lack. egui requests each
-//! missing character once, during layout, and draws a box. The show is woken when fonts have been found. The thread
-//! starts with the first missing character.
+//! missing character once, during layout, and draws a box. The thread starts at the first missing character, and wakes
+//! the show when it has found fonts.
 
 use std::collections::BTreeSet;
 use std::mem;
@@ -20,7 +20,7 @@ struct Start {
 
 pub(super) struct Fallback {
     missed: Arc<Missed>,
-    /// Present until the thread starts.
+    /// The data for the thread, present until the thread starts.
     start: Option<Start>,
     wanted: Option<Sender<BTreeSet<char>>>,
     found: Arc<Mutex<Vec<FontInsert>>>,
@@ -31,9 +31,9 @@ struct Missed(Mutex<Letters>);
 
 #[derive(Default)]
 struct Letters {
-    /// Since the last request to the thread.
+    /// Characters that egui has missed since the last request to the thread.
     new: BTreeSet<char>,
-    /// Since the start.
+    /// Characters that egui has missed since the program started.
     all: BTreeSet<char>,
 }
 
@@ -49,8 +49,8 @@ impl FontProvider for Missed {
 }
 
 impl Fallback {
-    /// Records the characters that `context` lacks and searches `fonts` for them. `wake` is called on another thread
-    /// when [`Self::add_found`] has something to add.
+    /// Records the characters that `context` lacks and searches `fonts` for them. The thread calls `wake` when
+    /// [`Self::add_found`] has fonts to add.
     pub(super) fn new(context: &Context, fonts: SystemFonts, wake: impl Fn() + Send + 'static) -> Self {
         let missed = Arc::new(Missed::default());
         context.add_font_provider(missed.clone());
@@ -78,7 +78,7 @@ impl Fallback {
         }
     }
 
-    /// Requests the characters that are missing since the last call.
+    /// Requests the characters that egui has missed since the last call.
     pub(super) fn look(&mut self) {
         let new = mem::take(&mut lock(&self.missed.0).new);
         if new.is_empty() {
@@ -112,7 +112,7 @@ fn search(mut start: Start, requests: &Receiver<BTreeSet<char>>, found: &Mutex<V
     }
 }
 
-/// No statement can leave the guarded data half changed, so a poisoned lock is safe to use.
+/// Ignores poisoning, because a panic cannot leave the guarded data half changed.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -7,7 +7,7 @@ use egui::{CornerRadius, Galley, Painter, Rect, vec2};
 use super::style;
 use mariana_commands::{Binding, bindings};
 
-/// Least text size in points, for windows that are too small for the table.
+/// Minimum text size in points, for windows that are too small for the table.
 const SIZE_MIN: f32 = 6.0;
 const COLUMNS_MAX: usize = 2;
 /// Distance between columns, in ems.
@@ -81,7 +81,7 @@ impl Table {
         self.rows.len().div_ceil(self.columns.max(1))
     }
 
-    /// Includes the gap to the next column.
+    /// Width of a column, including the gap to the next column.
     fn column_width(&self) -> f32 {
         self.caps_width + self.em + self.meaning_width + COLUMN_GAP * self.em
     }
@@ -106,7 +106,7 @@ impl Table {
     }
 }
 
-/// The keys of a binding one by one: "F, F11 or double click" has three.
+/// The single keys of a binding: "F, F11 or double click" has three.
 fn caps(binding: &Binding) -> impl Iterator<Item = &'static str> {
     binding.written.split(", ").flat_map(|part| part.split(" or "))
 }
@@ -120,7 +120,7 @@ mod tests {
         let full_screen = bindings().find(|binding| binding.written.contains("F11")).unwrap();
         assert_eq!(caps(full_screen).collect::<Vec<_>>(), ["F", "F11", "double click"]);
         for binding in bindings() {
-            // Every named key has a keycap; media keys are not named.
+            // Every named key has a keycap. Media keys have no names.
             assert!(caps(binding).count() <= binding.keys.len() + 1, "{}", binding.written);
         }
     }

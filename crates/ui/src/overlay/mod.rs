@@ -1,10 +1,10 @@
 //! The overlay: everything drawn over the frame, from notices and sliders to the editor.
 //!
 //! The session passes an [`OverlayContent`] and asks [`Overlay::due`] when the window must be drawn again. Unchanged
-//! content is painted again without a new layout, and an empty overlay costs nothing.
+//! content is painted again without a new layout, and an empty overlay has no cost.
 //!
-//! Keys belong to the show until Shift+Tab, or Tab with a screen reader, moves the focus to the controls; Escape
-//! returns it. A click that begins on a panel belongs to the overlay.
+//! Keys belong to the show until Shift+Tab, or Tab with a screen reader, moves the focus to the controls. Escape
+//! returns the focus to the show. A click that begins on a panel belongs to the overlay.
 
 mod assisted;
 mod bar;
@@ -67,7 +67,7 @@ pub struct Overlay {
     input: PendingInput,
     /// Pixels of the window per point at the last painting.
     scale: f32,
-    /// Created when something is drawn for the first time.
+    /// The painter, which is created at the first draw.
     painter: Option<Painter>,
     pointer: Pointer,
     cursor: CursorIcon,
@@ -90,7 +90,7 @@ struct Shown {
 /// The result of [`Overlay::paint`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Painted {
-    /// True if the user moved a slider and thereby changed [`OverlayContent::params`].
+    /// True if the user moved a slider, which changed [`OverlayContent::params`].
     pub params_changed: bool,
     /// Events of the panels, in order.
     pub events: Vec<UiEvent>,
@@ -103,7 +103,8 @@ pub struct Painted {
 }
 
 impl Overlay {
-    /// An empty overlay. Calls no OpenGL. `wake` is called on another thread when the overlay becomes [`Self::due`].
+    /// Creates an empty overlay without calling OpenGL. Other threads call `wake` when the overlay becomes
+    /// [`Self::due`].
     pub fn new(gl: &Gl, scale: f32, wake: impl Fn() + Send + 'static) -> Self {
         let panels = Panels::new(SystemFonts::new(), wake);
         Self {
@@ -120,7 +121,7 @@ impl Overlay {
         }
     }
 
-    /// Handles input. Returns true if only the overlay may use it; never so for keys: see [`Overlay::take_key`].
+    /// Handles input. Returns true if only the overlay may use the input. Keys go to [`Overlay::take_key`] instead.
     pub fn on_input(&mut self, input: &Input) -> bool {
         let consumed = self.pointer.on_event(input);
         self.input.add(input, self.panels.context().pixels_per_point());
@@ -144,7 +145,8 @@ impl Overlay {
         });
     }
 
-    /// Passes a key to the controls: Tab moves the focus; Enter, Space and arrows act. Returns false for other keys.
+    /// Passes a key to the controls. Tab moves the focus; Enter, Space and arrows act on the focused control. Returns
+    /// false for unrelated keys.
     pub fn take_key(&mut self, key: &Key, shift: bool) -> bool {
         let Some(key) = key_of_controls(key) else { return false };
         if self.has_key_focus() {
@@ -167,7 +169,7 @@ impl Overlay {
             }
         }
         self.assisted = assistance == Assistance::Begins;
-        // The next paint lays out again and reports the controls.
+        // Make the next paint lay out the panels again and report the controls.
         self.shown = None;
     }
 
@@ -176,7 +178,7 @@ impl Overlay {
         self.assisted
     }
 
-    /// The time at which the window must be drawn again because of `content`: `now`, later, or `None` without input.
+    /// The time at which `content` must be drawn again: `now` or later. `None` if nothing changes without input.
     pub fn due(&self, content: &OverlayContent<'_>, now: Instant) -> Option<Instant> {
         let Some(shown) = &self.shown else {
             let changes =
@@ -189,7 +191,7 @@ impl Overlay {
         if relaid { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
     }
 
-    /// Paints `content` over a window of `size` pixels, `scale` per point. Calls no OpenGL if there is nothing to show.
+    /// Paints `content` over a window of `size` pixels, with `scale` pixels per point. Empty content costs no OpenGL.
     ///
     /// # Errors
     /// [`UiError::Painter`] or [`UiError::Gpu`] if the driver reports an error.
@@ -268,7 +270,7 @@ impl Overlay {
             primitives: self.panels.context().tessellate(output.shapes, pixels_per_point),
             pixels_per_point,
             size,
-            // Computed after the layout, in which sliders may have moved.
+            // Compute the fingerprint after the layout, because sliders may have moved during the layout.
             fingerprint: content.fingerprint(now),
             interactive,
             changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
@@ -298,17 +300,17 @@ impl Overlay {
     fn take_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
         let scale = self.scale;
         let zoom = style::zoom(points(size, scale));
-        // Not with `set_zoom_factor`, which applies only from the next pass and guesses the size in this one.
+        // `set_zoom_factor` would apply only from the next pass on and guess the size in this pass.
         self.panels.context().options_mut(|options| options.zoom_factor = zoom);
         let mut input = self.input.take(scale, now);
         input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));
         let was = self.shown.as_ref().is_some_and(|shown| shown.interactive);
         if was && !interactive {
-            // Controls for screen readers only do not react to the pointer.
+            // Controls that are only for screen readers do not react to the pointer.
             input.events.push(Event::PointerGone);
         }
         if interactive && !was {
-            // Tell egui about the events it has missed.
+            // Send egui the events that it has missed.
             if self.panels.context().input(|input| input.pointer.any_down()) {
                 input.events.push(egui::Event::PointerGone);
             }

@@ -1,4 +1,4 @@
-//! The playing track or input, in the form that the bar and the messages show.
+//! The playing track or input, as the bar and messages show it.
 
 use std::hash::{Hash, Hasher};
 
@@ -6,7 +6,7 @@ use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 use mariana_player::track::Repeat;
 
-/// Steps of the position in seconds; the bar is laid out again at each step.
+/// Step of the position in seconds. The bar is laid out again at each step.
 const POSITION_STEP: f64 = 0.1;
 
 /// A snapshot of the player for display.
@@ -37,7 +37,7 @@ pub struct NowPlaying {
 }
 
 impl NowPlaying {
-    /// A song.
+    /// The display of a song.
     pub fn of_song(status: &PlayerStatus) -> Self {
         let track = &status.track;
         Self {
@@ -55,12 +55,12 @@ impl NowPlaying {
         }
     }
 
-    /// An input.
+    /// The display of a live input.
     pub fn of_input(status: &LiveStatus, paused: bool) -> Self {
         Self { title: status.name.clone(), paused, live: true, ..Self::default() }
     }
 
-    /// The played fraction of the track, 0..1; `None` if its length is unknown.
+    /// The played fraction of the track, 0..1; `None` if the track's length is unknown.
     pub fn fraction(&self) -> Option<f32> {
         let duration = self.duration.filter(|duration| *duration > 0.0)?;
         Some((self.position / duration).clamp(0.0, 1.0) as f32)

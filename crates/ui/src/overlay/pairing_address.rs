@@ -1,4 +1,4 @@
-//! The connection code for phones: a QR code with its address in words.
+//! The connection code for phones: a QR code, and its address as text.
 
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
@@ -6,7 +6,7 @@ use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, 
 use super::style;
 use mariana_remote::{Code, PairingAddress};
 
-/// Greatest side of the code with its white margin, in points, and as a fraction of the panel's width.
+/// Maximum side of the code with its white margin: first in points, then as a fraction of the panel's width.
 const SIDE_MAX: f32 = 190.0;
 const FRACTION_MAX: f32 = 0.45;
 const LINES_HEIGHT: f32 = 90.0;
@@ -64,12 +64,12 @@ fn squares(code: &Code) -> usize {
     code.side() + 2 * Code::EDGE
 }
 
-/// The size of a module in points: whole pixels, so that the code is at most `side` points wide.
+/// The size of a module (a square of the code) in points. It is whole pixels, and the code is at most `side` wide.
 fn square(code: &Code, side: f32, pixel: f32) -> f32 {
     (side / squares(code) as f32 / pixel).floor().max(1.0) * pixel
 }
 
-/// Draws the code dark on white, as cameras expect it.
+/// Draws the code dark on white, because cameras expect these colours.
 fn draw_code(painter: &Painter, code: &Code, from: Pos2, square: f32, pixel: f32) -> Rect {
     let from = pos2((from.x / pixel).round() * pixel, (from.y / pixel).round() * pixel);
     let place = |(x, y): (usize, usize)| {

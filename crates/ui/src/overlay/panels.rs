@@ -1,4 +1,4 @@
-//! The layout of the panels, without a window or OpenGL: input and content in, shapes out.
+//! The layout of the panels: turns input and content into shapes, without a window or OpenGL.
 
 use std::time::{Duration, Instant};
 
@@ -18,14 +18,14 @@ use super::{
 };
 use mariana_render::system_fonts::SystemFonts;
 
-/// Widest line at the top or in the corner, as a fraction of the window's width.
+/// Maximum width of a line at the top or in the corner, as a fraction of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
 const SENTENCE_ROWS_MAX: usize = 4;
-/// Greatest height of a problem, as a fraction of the window's height.
+/// Maximum height of a problem, as a fraction of the window's height.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
 /// Width of a value bar below a short text, in points.
 const FRACTION_WIDTH: f32 = 180.0;
-/// Least width for a problem beside the parameters, in points.
+/// Minimum width for a problem next to the parameters, in points.
 const PROBLEM_WIDTH_MIN: f32 = 420.0;
 
 pub(super) struct Panels {
@@ -52,12 +52,12 @@ pub(super) struct LaidOut {
     pub panels: Vec<Rect>,
     pub params_changed: bool,
     pub events: Vec<UiEvent>,
-    /// Time until egui wants another layout without input; very long if it needs none.
+    /// Time until egui needs another layout without input. It is very long if egui needs no layout.
     pub repaint_after: Duration,
 }
 
 impl Panels {
-    /// An empty layout. Another thread calls `wake` when it has found characters that egui lacks in `fonts`.
+    /// Creates an empty layout. The font thread calls `wake` when it has found missing characters in `fonts`.
     pub(super) fn new(fonts: SystemFonts, wake: impl Fn() + Send + 'static) -> Self {
         let context = Context::default();
         style::apply(&context);
@@ -103,7 +103,7 @@ impl Panels {
         self.had_controls = content.bar.is_some() || content.is_interactive();
         let (mut panels, mut params_changed, mut events) = (Vec::new(), false, Vec::new());
         self.fallback.add_found(&self.context);
-        // egui may ask for another pass after it has learned sizes.
+        // egui may request another pass after it has learned sizes.
         let kept = &mut self.kept;
         let output = self.context.run_pass(input, |context| {
             panels.clear();
@@ -136,7 +136,7 @@ fn show(
     let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 
-    // Everything else is above the bar.
+    // The remaining panels are above the bar.
     let mut space = space;
     if let Some(bar) = &content.bar {
         let rect = bar::show(context, space, bar, events);
@@ -157,7 +157,7 @@ fn show(
     }
     let Rooms { main: space, mut side, is_desk } = rooms;
     if is_desk {
-        // Below the small frame and the next scene, along their left edge.
+        // Put the sliders below the small frame and the next scene, along their left edge.
         side.set_width(params::width(side.width() + 2.0 * style::MARGIN));
     }
     let mut left = space;
@@ -203,7 +203,7 @@ fn show(
     changed
 }
 
-/// Shows the open list in the middle, and discards the state of the others. Returns the areas.
+/// Shows the open list in the middle, and discards the state of closed lists. Returns the areas.
 fn show_lists(
     context: &Context,
     space: Rect,
@@ -246,7 +246,7 @@ fn show_sentences(
         || content.settings.is_some()
         || content.controllers.is_some();
     if has_heading {
-        // Keep them off the heading and the close button of an open list.
+        // Keep messages away from the heading and the close button of an open list.
         let sentences = u8::from(content.hint.is_some()) + u8::from(content.notice.is_some());
         below.min.y = (space.max.y - f32::from(sentences) * NOTICE_HEIGHT).max(space.min.y);
     }

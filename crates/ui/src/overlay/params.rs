@@ -1,4 +1,4 @@
-//! The sliders of the scene's parameters, without egui's sliders, which would take the keyboard focus from the show.
+//! The sliders of the scene's parameters. egui's sliders would take the keyboard focus from the show.
 
 use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -12,7 +12,7 @@ const WIDTH: f32 = 260.0;
 const LANE: f32 = 10.0;
 const RAIL_HEIGHT: f32 = 3.0;
 const KNOB_RADIUS: f32 = 5.5;
-/// Height of a slider's clickable area, in points; larger than its drawing.
+/// Height of a slider's clickable area, in points. It is larger than the drawn slider.
 const HOLD_HEIGHT: f32 = 18.0;
 const RESET_SIZE: f32 = 16.0;
 /// Step for keys and screen readers, as a fraction of the range.
@@ -22,7 +22,8 @@ pub(super) fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }
 
-/// Draws the panel at the upper right. Returns its area, and true if a value changed. Below `cover` clicks are ignored.
+/// Draws the panel at the upper right. Returns the panel's area, and true if a value changed. Ignores clicks below
+/// `cover`.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -33,7 +34,7 @@ pub(super) fn show(
     let width = width(space.width() + 2.0 * style::MARGIN);
     let id = Id::unique("overlay parameters");
     if context.memory(|memory| memory.area_rect(id)).is_none() {
-        // egui's first pass finds the size and shows nothing.
+        // egui's first pass only finds the size.
         context.request_discard("the size of the parameters' panel");
     }
     let area = style::area(id, Order::Middle)
@@ -62,7 +63,8 @@ pub(super) fn show(
     (shown.response.rect, shown.inner)
 }
 
-/// Draws a parameter's name, value and slider. Returns true if the value changed. A click on the name learns a control.
+/// Draws a parameter's name, value and slider. Returns true if the value changed. After a click on the name, the next
+/// moved control is mapped to the parameter.
 fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiEvent>) -> bool {
     let before = slider.value;
     slider.value = slider.clamped(slider.value);

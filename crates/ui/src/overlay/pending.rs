@@ -1,4 +1,4 @@
-//! Collects the user's input between layouts and translates it to egui's events.
+//! Collects the user's input between layouts and translates it into egui's events.
 
 use std::time::Instant;
 
@@ -18,7 +18,7 @@ pub(super) struct PendingInput {
 }
 
 impl PendingInput {
-    /// Starts without events. Textures may have sides of up to `texture_side_max` texels.
+    /// Starts without events. egui's textures may have sides of up to `texture_side_max` texels.
     pub(super) fn new(texture_side_max: Option<usize>) -> Self {
         let raw = RawInput { max_texture_side: texture_side_max, focused: true, ..RawInput::default() };
         Self { raw, place: None, held: Modifiers::NONE, finger: None, started: clock::now() }
@@ -40,7 +40,7 @@ impl PendingInput {
         self.raw.events.retain(|event| matches!(event, Event::AccessKitActionRequest(_) | Event::Key { .. }));
     }
 
-    /// Adds events of the pointer and of modifier keys. Other keys do not go to egui.
+    /// Adds events of the pointer and of modifier keys. egui gets no other keys.
     pub(super) fn add(&mut self, input: &Input, pixels_per_point: f32) {
         let points = |[x, y]: [f64; 2]| pos2(x as f32, y as f32) / pixels_per_point;
         match input {

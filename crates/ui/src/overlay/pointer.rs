@@ -1,4 +1,4 @@
-//! Decides if a click belongs to the overlay or to the show: to the overlay if it began on a panel.
+//! Decides if a click belongs to the overlay or to the show. Clicks that begin on a panel belong to the overlay.
 
 use egui::{Pos2, Rect, pos2};
 use mariana_commands::input::{Input, TouchPhase};
@@ -14,7 +14,7 @@ pub(super) struct Pointer {
 }
 
 impl Pointer {
-    /// Handles an event. Returns true if it belongs to the overlay alone.
+    /// Handles an event. Returns true if only the overlay may use the event.
     pub(super) fn on_event(&mut self, input: &Input) -> bool {
         match input {
             Input::PointerMoved([x, y]) => {

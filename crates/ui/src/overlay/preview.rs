@@ -1,4 +1,4 @@
-//! The preview of the next scene: an image with its title, and below it level and beat.
+//! Draws the preview of the next scene: its image and title, and below them the level and the beat.
 
 use std::sync::Arc;
 
@@ -13,17 +13,17 @@ use super::{assisted, style};
 pub struct NextScene {
     /// Title.
     pub title: String,
-    /// Preview image, once it is rendered.
+    /// Preview image, once the image is rendered.
     pub picture: Option<Arc<RgbaImage>>,
     /// The present level, 0..1.
     pub level: f32,
     /// Strength of the beat, 0..1.
     pub beat: f32,
-    /// A number that changes with the other fields.
+    /// A number that changes whenever one of the fields above changes.
     pub revision: u64,
 }
 
-/// Greatest width of the image: in points, and as a fraction of the window.
+/// Maximum width of the image: first in points, then as a fraction of the window.
 const WIDTH: f32 = 160.0;
 const FRACTION: f32 = 0.3;
 const LEVEL: f32 = 4.0;

@@ -1,4 +1,5 @@
-//! The panel for a compiler's messages. Text is in columns as in a terminal, so that underlines are below their words.
+//! The panel for a compiler's messages. Text is laid out in columns, as in a terminal, so that underlines are below
+//! their words.
 
 use egui::{Color32, Painter, Pos2, Rect, Vec2, pos2, vec2};
 
@@ -6,13 +7,13 @@ use super::content::Problem;
 use super::style;
 use mariana_field::lang::columns;
 
-/// Text sizes in points; the largest that fits the longest line is used.
+/// Text sizes in points. The panel uses the largest size at which the longest line fits.
 const SIZES: [f32; 5] = [13.0, 12.0, 11.0, 10.0, 9.0];
 const HEADING_GAP: f32 = 8.0;
 /// Distance between lines, in line heights of the font.
 const LINE_HEIGHT: f32 = 1.1;
 
-/// Draws the panel at the lower left and returns its area. It is as large as its text, which is cut if necessary.
+/// Draws the panel at the lower left and returns its area. The panel is as large as its text. Long text is cut.
 pub(super) fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rect {
     let inner = space.size() - 2.0 * style::PADDING;
     let heading = style::line(
@@ -55,7 +56,7 @@ fn cell_of(painter: &Painter, size: f32) -> Vec2 {
     })
 }
 
-/// Draws text so that each character begins in its column; a fallback font may have other widths.
+/// Draws text so that each character begins in its column, even if a fallback font has other widths.
 fn draw_cells(painter: &Painter, start: Pos2, text: &str, color: Color32, size: f32, cell: f32) {
     let mut column = 0;
     for run in runs(text) {
@@ -83,7 +84,7 @@ fn width(text: &str) -> usize {
     text.chars().map(columns).sum()
 }
 
-/// The first lines of `text`, at most `rows` of `width_max` columns; the last one counts the lines left out.
+/// The first lines of `text`, at most `rows` lines of `width_max` columns. The last line counts the lines left out.
 fn cut(text: &str, rows: usize, width_max: usize) -> Vec<String> {
     let all: Vec<&str> = text.trim_end().lines().collect();
     let mut kept = all.clone();
@@ -165,7 +166,7 @@ mod tests {
     fn long_lines_end_in_an_ellipsis_within_their_columns() {
         assert_eq!(cut_line("abcdef", 6), "abcdef");
         assert_eq!(cut_line("abcdefg", 6), "abcde…");
-        // A wide character takes two columns and is not cut in half.
+        // A wide character takes two columns, so only the first of the wide characters fits.
         assert_eq!(cut_line("ab球球球", 6), "ab球…");
         assert_eq!(cut_line("ab球球", 6), "ab球球");
     }

@@ -9,16 +9,17 @@ use mariana_render::placement::Area;
 /// Areas of a window, in points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rooms {
-    /// For the editor, lists, settings and messages.
+    /// The area for the editor, lists, settings and messages.
     pub(super) main: Rect,
-    /// For sliders and the next scene.
+    /// The area for sliders and the next scene.
     pub(super) side: Rect,
     /// True in a control window: the small frame is above `side`.
     pub(super) is_desk: bool,
 }
 
 impl Rooms {
-    /// Divides `space` within a window of `screen` points, whose small frame has the area `picture` if there is one.
+    /// Divides `space`, a part of a window of `screen` points. `picture` is the area of the small frame, if the window
+    /// has one.
     pub(super) fn of(space: Rect, screen: Rect, picture: Option<Area>) -> Self {
         let Some([_, _, _, bottom]) = picture else {
             return Self { main: space, side: space, is_desk: false };
@@ -36,7 +37,7 @@ impl Rooms {
         self.side.min.y = (rect.bottom() + style::MARGIN).min(self.side.bottom());
     }
 
-    /// Position and width for a small panel at the upper right of the frame, or in the side of a control window.
+    /// Position and width for a small panel at the upper right of the frame, or in the side column of a control window.
     pub(super) fn small(&self, size_max: f32, fraction: f32) -> (egui::Pos2, f32) {
         match self.is_desk {
             true => (self.side.min + vec2(5.0, 5.0), size_max.min(self.side.width() - 10.0).max(0.0)),

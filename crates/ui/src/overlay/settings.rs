@@ -1,4 +1,4 @@
-//! The drawing of the settings panel: a row for each setting, with its values.
+//! Draws the settings panel: a row for each setting, with its values.
 
 use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -11,13 +11,13 @@ use mariana_settings::{Setting, SettingRow, Values};
 const WIDTH_MAX: f32 = 640.0;
 const ROW: f32 = 26.0;
 const LANE: f32 = 10.0;
-/// Greatest width of a row's name: in points, and as a fraction of the row.
+/// Maximum width of a row's name: first in points, then as a fraction of the row.
 const NAME: (f32, f32) = (170.0, 0.34);
-/// Range of the delay slider in milliseconds, either way. Keys reach further.
+/// Maximum delay of the slider in milliseconds, in both directions. Keys reach larger delays.
 const RAIL_MS: f64 = 500.0;
 pub(super) struct Seen {
     selected: usize,
-    /// Height for all rows, and the scroll position.
+    /// Height of the panel's list, and its scroll position.
     height: f32,
     offset: f32,
     /// True until the selected row is visible.
@@ -91,7 +91,7 @@ fn rows(
         (top, bottom) = (bottom, bottom + row_height);
     }
     let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-    // The scroll bar takes width when it appears, which can move the selected row. Sizes may need more than one pass.
+    // When the scroll bar appears, it takes width, so the selected row can move. Sizes may need more than one pass.
     let stands = last_seen.as_ref().filter(|seen| seen.selected == selected && seen.height == height);
     let offset = last_seen.as_ref().map_or(0.0, |seen| seen.offset);
     let is_seen = |offset: f32| top >= offset - 0.5 && bottom.min(top + height) <= offset + height + 0.5;
@@ -129,7 +129,7 @@ fn draw_row(
     let width = ui.available_width();
     let start = start_of_values(width);
     let height = ROW * lines_of(ui, row, width) as f32;
-    // In other rows only the values can be clicked.
+    // A row that is one of several choices is a button. In all other rows, only the values can be clicked.
     let sense = match row.values {
         Values::OneOfRows { .. } => Sense::click(),
         Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => Sense::hover(),
@@ -170,7 +170,7 @@ fn draw_row(
     response
 }
 
-/// The name at the left, with a mark for a row that is one of several choices and for a value from the command line.
+/// Draws the name at the left. Marks a row that is one of several choices, and a value from the command line.
 fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: bool) {
     let painter = ui.painter();
     let (mark, color) = match (&row.values, is_selected) {
@@ -186,7 +186,7 @@ fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: boo
     let end = rect.left() + 6.0 + name.size().x;
     painter.galley(pos2(rect.left() + 6.0, middle - 0.5 * name.size().y), name, color);
     if row.for_this_run {
-        // Only a dot if there is no room for the words.
+        // If there is no room for the words, draw only a dot.
         let font = style::proportional(style::SMALL_SIZE);
         let left = rect.left() + 6.0 + width - end;
         let mark = style::line(painter, THIS_RUN, font, style::DIM, left.max(8.0));
@@ -220,7 +220,7 @@ fn lines_of(ui: &Ui, row: &SettingRow, width: f32) -> usize {
     lines
 }
 
-/// Draws values side by side, in as many lines as needed. Returns the index of the clicked one.
+/// Draws values side by side, in as many lines as needed. Returns the index of the clicked value.
 fn draw_names(
     ui: &Ui,
     rect: Rect,
@@ -263,7 +263,7 @@ fn draw_names(
 struct Scale {
     from: f64,
     to: f64,
-    /// The value after a double click.
+    /// The value that a double click sets.
     usual: f64,
     words: fn(f64) -> String,
     rounded: fn(f64) -> f64,
@@ -291,7 +291,7 @@ const PERCENT: Scale = Scale {
     step: 5.0,
 };
 
-/// Draws a slider for a number. Returns the value that the user sets, and true once it is released.
+/// Draws a slider for a number. Returns the value that the user sets, and true once the user releases the slider.
 fn draw_number(ui: &Ui, rect: Rect, name: &str, shift: f64, scale: &Scale) -> Option<(f64, bool)> {
     let painter = ui.painter();
     let words = (scale.words)(shift);

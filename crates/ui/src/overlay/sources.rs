@@ -1,4 +1,4 @@
-//! The list of sound sources.
+//! Draws the list of sound sources.
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, WidgetInfo, pos2, vec2};
 
@@ -7,12 +7,12 @@ use super::events::UiEvent;
 use super::style;
 use mariana_commands::Command;
 
-/// Height of a row, in text sizes.
+/// Height of a row as a multiple of the text size.
 const ROW: f32 = 1.7;
-/// Widest row, as a fraction of the window's width.
+/// Maximum width of a row, as a fraction of the window's width.
 const WIDTH_MAX: f32 = 0.6;
 
-/// Draws the panel at the upper left of `space` and returns its area. A click chooses a source.
+/// Draws the panel at the upper left of `space` and returns the panel's area. A click chooses a source.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,

@@ -1,5 +1,5 @@
-//! The style: one set of colours, sizes and shapes for all panels. Dark, mostly opaque backgrounds keep light text
-//! readable over bright and dark frames.
+//! The style: one set of colours, sizes and shapes for all panels. Backgrounds are dark and mostly opaque, so that
+//! light text is readable over bright and dark frames.
 
 use std::sync::Arc;
 
@@ -10,13 +10,13 @@ use mariana_render::reading_order::as_seen;
 
 pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
 pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
-/// The part of a track that is still to come.
+/// Colour of the part of a track that has not been played.
 pub(super) const AHEAD: Color32 = Color32::from_rgb(92, 98, 110);
 pub(super) const BUTTON: Color32 = Color32::from_rgb(196, 200, 208);
 pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
-/// Hints, and chosen values.
+/// Colour of hints and chosen values.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
-/// Text on a background of [`ACCENT`].
+/// Colour of text on a background of [`ACCENT`].
 pub(super) const ON_ACCENT: Color32 = Color32::from_rgb(8, 10, 13);
 pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
 
@@ -30,7 +30,8 @@ pub(super) const PADDING: Vec2 = Vec2::new(14.0, 11.0);
 pub(super) const TEXT_SIZE: f32 = 14.0;
 pub(super) const SMALL_SIZE: f32 = 12.5;
 pub(super) const HEADING_SIZE: f32 = 15.5;
-/// Least text size in small windows, in the window system's points. Only the keys and a problem shrink further.
+/// Minimum text size in small windows, in the window system's points. Only the table of keys and a problem use
+/// smaller text.
 const SMALLEST: f32 = 9.0;
 
 pub(super) fn proportional(size: f32) -> FontId {
@@ -41,14 +42,14 @@ pub(super) fn monospace(size: f32) -> FontId {
     FontId::monospace(size)
 }
 
-/// One line of text, cut with an ellipsis beyond `width` points.
+/// One line of text. Text beyond `width` points is replaced by an ellipsis.
 pub(super) fn line(painter: &Painter, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
     let mut job = LayoutJob::simple_singleline(as_seen(text).into_owned(), font, color);
     job.wrap = TextWrapping::truncate_at_width(width.max(1.0));
     painter.layout_job(job)
 }
 
-/// Centred text in at most `rows` lines of `width` points, the last cut with an ellipsis.
+/// Centred text in at most `rows` lines of `width` points. Text beyond the last line is replaced by an ellipsis.
 pub(super) fn lines(
     painter: &Painter,
     text: &str,
@@ -94,7 +95,8 @@ pub(super) fn apply(context: &egui::Context) {
     });
 }
 
-/// The zoom of panels: smaller in small windows, larger above 1920x1080 points, which are seen from further away.
+/// The zoom of panels. It is smaller in small windows, and larger in windows above 1920x1080 points, which are seen
+/// from further away.
 pub(super) fn zoom(size: Vec2) -> f32 {
     let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(SMALLEST / SMALL_SIZE, 1.0);
     let grown = (size.x / 1920.0).min(size.y / 1080.0).clamp(1.0, 2.0);

@@ -27,12 +27,12 @@ impl PanelSwitches {
         self.corner = !self.corner;
     }
 
-    /// Opens a panel and closes any other; closes the panel if it is open.
+    /// Opens a panel and closes any other panel. If the panel is open already, closes it.
     pub fn toggle(&mut self, panel: Panel) {
         self.open = if self.open == Some(panel) { None } else { Some(panel) };
     }
 
-    /// Closes the open panel, or else the keys. Returns false if neither is open.
+    /// Closes the open panel, or else the table of keys. Returns false if both are closed.
     pub fn close(&mut self) -> bool {
         let closed = self.open.take().is_some();
         closed || std::mem::take(&mut self.help)

@@ -144,7 +144,7 @@ fn underlines_are_below_their_words() {
     let laid_out = Stage::new(SCREEN).frame(Vec::new(), OverlayContent { problem, ..Default::default() });
     let (_, texts) = drawn(&laid_out);
     let (source, marks) = (place_of(&texts, "+ nonsense(2)"), place_of(&texts, "^^^^^^^^ here"));
-    // One text begins with a space, the other with the width of the text before it.
+    // One text begins with a space, the second begins after the width of the text before it.
     let cell = source.width() / " + nonsense(2)".len() as f32;
     let (name, mark) = (source.left() + 3.0 * cell, marks.left() + 18.0 * cell);
     assert!((name - mark).abs() < 0.05 * cell, "the name begins at {name}, its marks at {mark}");
@@ -413,7 +413,7 @@ fn noticed(text: &str) -> OverlayContent<'_> {
     OverlayContent { notice, ..Default::default() }
 }
 
-/// Long enough for a search on a busy system.
+/// Maximum time of a font search on a busy system.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 #[test]
@@ -443,7 +443,7 @@ fn missing_letters_are_searched_for_once() {
     for _ in 0..3 {
         stage.frame(Vec::new(), noticed("日本"));
     }
-    // Only the new letter is searched for. No font has it, so there is no wake-up.
+    // The search only looks for the new letter. No font contains it, so there is no wake-up.
     assert_eq!(stage.panels.fallback().missed(), 2);
     stage.frame(Vec::new(), noticed("日本語"));
     assert_eq!(stage.panels.fallback().missed(), 3);

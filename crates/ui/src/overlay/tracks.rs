@@ -1,4 +1,4 @@
-//! The track list: a click plays a track, a drag moves it, the cross removes it.
+//! The track list: a click plays a track, a drag moves a track, and the cross removes a track.
 
 use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 use mariana_commands::Command;
@@ -99,7 +99,7 @@ fn row(ui: &mut Ui, tracks: &Tracks<'_>, index: usize, events: &mut Vec<UiEvent>
         events.push(UiEvent::Command(Command::PlayTrack(index)));
     }
     response.dnd_set_drag_payload(index);
-    // A line at the drop position: above or below the row under the pointer.
+    // Draw a line at the drop position: above or below the row under the pointer.
     let Some(pointer) = response.ctx.pointer_interact_pos().filter(|_| response.contains_pointer()) else {
         return;
     };

@@ -11,7 +11,7 @@ use mariana_commands::{Command, Switch};
 const STANDS: Duration = Duration::from_secs(6);
 const FADES: Duration = Duration::from_millis(700);
 const NAMED: [Command; 3] = [Command::ToggleHelp, Command::NextScene, Command::Fullscreen(Switch::Toggle)];
-/// Widest line, as a fraction of the window's width.
+/// Maximum width of a line, as a fraction of the window's width.
 const WIDTH_MAX: f32 = 0.9;
 
 /// The content of the welcome text.
@@ -33,7 +33,7 @@ impl Welcome<'_> {
         1.0 - (fading.as_secs_f32() / FADES.as_secs_f32()).min(1.0)
     }
 
-    /// The time of the next change of its look; `None` once it is gone.
+    /// The time at which the text looks different; `None` once the text is gone.
     pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
         (self.opacity(now) > 0.0).then(|| now.max(self.since + STANDS))
     }

@@ -3,7 +3,7 @@
 use crate::monitor::{Monitor, named};
 use mariana_settings::{Setting, SettingRow, Values};
 
-/// The rows for the output's monitor; none if there is only one monitor.
+/// The rows for the output's monitor. The list is empty if there is only one monitor.
 pub(super) fn rows(monitors: &[Monitor], now: Option<&str>, remembered: Option<&str>) -> Vec<SettingRow> {
     if monitors.len() < 2 && now.is_none() {
         return Vec::new();

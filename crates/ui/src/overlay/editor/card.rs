@@ -1,4 +1,4 @@
-//! The card about the clicked point of the frame.
+//! Draws the card about the clicked point of the frame.
 
 use egui::{Context, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, WidgetInfo, pos2, vec2};
 
@@ -107,10 +107,10 @@ fn rows(surface: Option<&Surface>) -> Vec<(&'static str, String)> {
 fn placed(space: Rect, point: Pos2, size: egui::Vec2) -> Rect {
     let right = point.x + APART + size.x <= space.right();
     let x = if right { point.x + APART } else { point.x - APART - size.x };
-    // Without room beside the editor, it covers the editor's edge.
+    // If there is no room next to the editor, the card covers the editor's edge.
     let x = x.max(space.left()).min(space.right() - size.x);
     let y = (point.y + APART).min(space.bottom() - size.y).max(space.top());
-    // It must not cover the point if there is room above it.
+    // If there is room above the point, the card must not cover the point.
     let covers = Rect::from_min_size(pos2(x, y), size).contains(point);
     let above = point.y - APART - size.y;
     Rect::from_min_size(pos2(x, if covers && above >= space.top() { above } else { y }), size)

@@ -1,4 +1,5 @@
-//! A cross at the position under the text cursor. Its arms drag along the axes, its middle in the view plane.
+//! A cross in the frame at the position that is under the text cursor. The user drags the cross's arms to move the
+//! position along an axis, or its middle to move the position in the view plane.
 
 use egui::{Color32, Context, CursorIcon, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, Vec2, vec2};
 use glam::DVec3;
@@ -11,7 +12,7 @@ use mariana_render::placement::Map;
 
 /// Length of an arm perpendicular to the view direction, in points.
 const ARM: f32 = 64.0;
-/// Least length of an arm that can be dragged; a shorter one points at the camera.
+/// Minimum length of an arm that can be dragged. A shorter arm points at the camera.
 const ARM_MIN: f32 = 10.0;
 /// Half the side of a handle's clickable area.
 const HANDLE: f32 = 9.0;
@@ -20,14 +21,14 @@ const FINE: f64 = 0.1;
 const COLORS: [Color32; 3] =
     [Color32::from_rgb(236, 96, 84), Color32::from_rgb(120, 204, 96), Color32::from_rgb(104, 148, 244)];
 
-/// A draggable handle: its position, and pairs of a screen direction and the scene vector to which it corresponds.
+/// A draggable handle: its position, and pairs of a screen direction and the corresponding vector in the scene.
 struct Handle {
     name: &'static str,
     at: Pos2,
     ways: Vec<(Vec2, DVec3)>,
 }
 
-/// Draws the cross unless `hidden` covers it. Returns the areas of its handles.
+/// Draws the cross unless the area `hidden` covers it. Returns the areas of the cross's handles.
 pub(super) fn show(
     context: &Context,
     screen: Rect,
@@ -45,7 +46,7 @@ pub(super) fn show(
     let Some(middle) = seen(place).filter(|at| screen.contains(*at) && !hidden.contains(*at)) else {
         return Vec::new();
     };
-    // The same length on screen at any distance and frame size.
+    // Arms have the same length on screen at any distance and frame size.
     let depth = (place - camera.position).dot(camera.forward);
     let length = f64::from(ARM / (0.5 * screen.height())) * depth * camera.tan_half.1;
     let upwards = seen(place + length * camera.up).map_or(ARM, |tip| (tip - middle).length());

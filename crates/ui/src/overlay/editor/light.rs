@@ -1,4 +1,4 @@
-//! Highlights over the frame for what the lines at the cursor draw.
+//! Highlights the parts of the frame that the lines at the cursor draw.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -17,14 +17,14 @@ const EDGE: u8 = 190;
 /// Subdivisions of the mesh that follows the frame's corners on the screen.
 const PARTS: usize = 12;
 
-/// The last mask, to be uploaded again only after a change.
+/// The last mask. It is uploaded again only after a change.
 #[derive(Clone)]
 struct Kept {
     fingerprint: u64,
     texture: TextureHandle,
 }
 
-/// The screen position of a point of the frame, given as fractions to the right and down.
+/// The screen position of a point of the frame. `at` gives the point as fractions to the right and down.
 pub(super) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Option<Pos2> {
     let [x, y] = led(&inverse(map), at)?;
     Some(pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height()))
@@ -67,7 +67,7 @@ pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
 
 /// Pixels of the mask for each cell along each axis, for a smooth outline.
 const FINER: usize = 3;
-/// Greatest distance from 0.5 of the interpolated coverage on the outline.
+/// The outline is drawn where the interpolated coverage differs from 0.5 by at most this number.
 const OUTLINE: f32 = 0.17;
 
 fn mask(light: &Light) -> ColorImage {
@@ -92,7 +92,7 @@ fn mask(light: &Light) -> ColorImage {
     for (place, pixel) in image.pixels.iter_mut().enumerate() {
         let at = |place: usize| (place as f32 + 0.5) / FINER as f32 - 0.5;
         let (x, y) = (at(place % (FINER * columns)), at(place / (FINER * columns)));
-        // A mean of the neighbourhood turns the steps of the grid into slopes.
+        // The mean of the neighbourhood turns the steps of the grid into slopes.
         let around = [(-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)];
         let lit = around.into_iter().map(|(dx, dy)| fraction(x + dx, y + dy)).sum::<f32>() / 4.0;
         let covers = match lit {

@@ -11,12 +11,12 @@ use crate::overlay::{icons, style};
 const WIDTH: f32 = 190.0;
 const HEIGHT: f32 = 310.0;
 
-/// The picked colour. Hue and saturation are remembered where the numbers do not determine them, as for black.
+/// The picked colour. It keeps hue and saturation even if the numbers do not determine them, as for black.
 #[derive(Clone, Copy)]
 struct Picked {
     at: usize,
     color: Hsva,
-    /// Factor by which it is brighter than 1.
+    /// Factor by which the colour is brighter than 1.
     bright: f64,
 }
 
@@ -59,7 +59,7 @@ pub(super) fn show(
             ui.spacing_mut().slider_width = WIDTH;
             let corner = ui.cursor().min;
             let changed = color_picker_hsva_2d(ui, &mut picked.color, Alpha::Opaque);
-            // Cover egui's first row: it has numbers in screen units and a button for egui's own clipboard.
+            // Cover egui's first row, because it has numbers in screen units and a button for egui's own clipboard.
             let row =
                 Rect::from_min_size(corner, egui::vec2(ui.min_rect().width(), ui.spacing().interact_size.y));
             ui.painter().rect_filled(row, 0.0, style::ON_ACCENT);
@@ -102,7 +102,7 @@ mod tests {
     fn a_linear_colour_becomes_a_screen_colour() {
         assert_eq!(look([1.0, 1.0, 1.0]), Color32::WHITE);
         assert_eq!(look([0.0, 0.0, 0.0]), Color32::BLACK);
-        // Half the light looks more than half as bright on a screen.
+        // On a screen, half the light looks more than half as bright.
         assert!(look([0.5, 0.5, 0.5]).r() > 180);
         assert_eq!(look([300.0, 0.0, 0.0]), Color32::from_rgb(255, 0, 0));
         assert_eq!(look([-1.0, 0.0, 2.0]), Color32::from_rgb(0, 0, 255));

@@ -1,4 +1,4 @@
-//! The completion list: names, and documentation of the selected one.
+//! Draws the completion list: names, and documentation of the selected name.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ const WIDTH: f32 = 190.0;
 const PICTURE: f32 = 72.0;
 const ABOUT_WIDTH: f32 = 330.0;
 
-/// Draws the list below `at`, or above the text line of height `line` if there is no room below.
+/// Draws the list below `at`. If there is no room below, draws it above the text line, which has the height `line`.
 pub(super) fn show(
     ui: &Ui,
     space: Rect,
@@ -92,7 +92,7 @@ struct Uploaded {
     texture: TextureHandle,
 }
 
-/// The texture of a preview, kept until another preview is shown.
+/// The texture of a preview. It is kept until a different preview is shown.
 fn texture(context: &Context, object_preview: &ObjectPreview) -> TextureId {
     let id = Id::unique("portrait of a proposal");
     let known = context.data(|data| data.get_temp::<Uploaded>(id));

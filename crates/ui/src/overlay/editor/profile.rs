@@ -1,4 +1,4 @@
-//! The table of the objects' costs, most expensive first.
+//! Draws the table of the objects' costs, most expensive object first.
 
 use egui::{Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -6,7 +6,7 @@ use crate::editor::{Editor, EditorEvent, parts_of};
 use crate::overlay::{assisted, style};
 
 const ROW: f32 = 16.0;
-/// Most objects that are listed individually, and most parts of one object.
+/// Maximum number of objects that are listed individually. The maximum number of parts of an object follows.
 const OBJECTS_MAX: usize = 7;
 const PARTS_MAX: usize = 3;
 const COUNTED: &str = "shape, material: operations of the object's own formulas. seen: fraction of the image where \
@@ -29,7 +29,7 @@ fn leave_out_parts(rows: &mut Vec<Row>, rows_max: usize) {
     }
 }
 
-/// Draws the table at the bottom of `space`. Returns its top.
+/// Draws the table at the bottom of `space`. Returns the table's top edge.
 pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(EditorEvent)) -> f32 {
     if !editor.picture().switches().1 {
         return space.bottom();

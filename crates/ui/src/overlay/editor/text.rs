@@ -1,4 +1,4 @@
-//! The visible lines of the text: line numbers, colours, selection, mistakes, cursor, and grips on numbers.
+//! Draws the visible lines of the text: line numbers, colours, selection, mistakes, cursor, and grips on numbers.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -78,7 +78,7 @@ pub(super) fn cell(painter: &Painter) -> Vec2 {
     })
 }
 
-/// Draws the text in `space`. Returns the area of the colour picker, if it is open.
+/// Draws the text in `space`. Returns the area of the colour picker, if the picker is open.
 pub(super) fn show(
     ui: &Ui,
     space: Rect,
@@ -167,7 +167,7 @@ fn draw_number(painter: &Painter, right: f32, page: &Page, line: usize, document
     painter.galley(pos2(right - galley.size().x, page.at(line, 0.0).y), galley, color);
 }
 
-/// Draws a line's letters. Letters beyond ASCII are placed one by one: a fallback font may have other widths.
+/// Draws a line's letters. Letters beyond ASCII are placed one by one, because a fallback font may have other widths.
 fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, font: &FontId) {
     let text = document.editing.buffer().line(line);
     let words = document.words(line);
@@ -306,7 +306,7 @@ fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: boo
         painter.vline(rect.left(), rect.y_range(), Stroke::new(1.6, color));
     }
     if focused {
-        // The position for an input method's candidate window.
+        // An input method places its candidate window at this position.
         let cursor_rect = rect.intersect(page.rect);
         let (purpose, should_interrupt_composition) = (IMEPurpose::Normal, false);
         painter.ctx().output_mut(|output| {
@@ -316,7 +316,7 @@ fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: boo
     }
 }
 
-/// Draws text that an input method is composing, underlined, over the text behind the cursor.
+/// Draws underlined text that an input method is composing. It covers the text behind the cursor.
 fn draw_preedit(painter: &Painter, page: &Page, document: &Document, letters: &str, font: &FontId) {
     if letters.is_empty() {
         return;
@@ -352,7 +352,7 @@ fn point(
         )
     });
     if editor.held_numbers().turns_three() {
-        // The picker or the cross changes them.
+        // The picker or the cross still changes the numbers.
         if !down {
             ask(EditorEvent::LetGo);
         }
@@ -408,7 +408,7 @@ fn point(
     }
 }
 
-/// True if the pointer has moved since the press, so that a click selects nothing.
+/// True if the pointer has moved since the press. A small movement during a click must not select text.
 fn moved_enough(ui: &Ui) -> bool {
     ui.input(|input| {
         let way = input.pointer.press_origin().zip(input.pointer.latest_pos());
