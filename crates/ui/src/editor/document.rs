@@ -19,7 +19,8 @@ pub(crate) enum Owner {
     Shipped(SceneSource),
 }
 
-const READ_ONLY: &str = "this scene comes with Mariana: press Ctrl+S to make your own copy, then edit the copy";
+const READ_ONLY: &str =
+    "this scene comes with Mariana: press Ctrl+S to make your own copy, then edit the copy";
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Question {
