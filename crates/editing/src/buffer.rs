@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// Bytes with an index of line starts. A line ends at `\n`; a `\r` before it belongs to the line end.
+/// Bytes with an index of line starts. A line ends at `\n`; a `\r` before the `\n` belongs to the line end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Buffer {
     bytes: Vec<u8>,

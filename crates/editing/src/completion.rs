@@ -18,9 +18,9 @@ use crate::limits::LIMITS;
 pub struct About {
     /// The name. For a function, the name with its parameters.
     pub head: String,
-    /// One-sentence description; may be empty.
+    /// One-sentence description. It may be empty.
     pub text: String,
-    /// Accuracy and source, as in "exact · Quilez"; may be empty.
+    /// Accuracy and source, as in "exact · Quilez". It may be empty.
     pub facts: String,
     /// True for a function.
     pub is_function: bool,

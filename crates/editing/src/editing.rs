@@ -128,7 +128,7 @@ impl Editing {
     /// Replaces the selection with `text`. Converts the line ends of `text`.
     ///
     /// # Errors
-    /// [`Refused`] if the result is too long; the text is then unchanged.
+    /// [`Refused`] if the result is too long. The text does not change then.
     pub fn insert(&mut self, text: &[u8]) -> Result<(), Refused> {
         let typed = text.len() <= 4 && !text.contains(&b'\n') && self.selection().is_empty();
         let joins = if typed { Joins::Typing } else { Joins::Nothing };
@@ -181,7 +181,7 @@ impl Editing {
     /// Replaces several ranges, given in descending order, as one undo step. Puts the cursor behind the first range.
     ///
     /// # Errors
-    /// [`Refused`] if the result is too long; the text is then unchanged.
+    /// [`Refused`] if the result is too long. The text does not change then.
     pub fn replace_parts(&mut self, parts: &[(Range<usize>, Vec<u8>)]) -> Result<(), Refused> {
         let (max, bytes) = (LIMITS.text_bytes_max, parts.iter().map(|(_, new)| new.len()).sum());
         if self.buffer.len() + bytes > max {
@@ -264,7 +264,7 @@ impl Editing {
     fn selected_lines(&self) -> Range<usize> {
         let selection = self.selection();
         let (first, mut last) = (self.buffer.line_of(selection.start), self.buffer.line_of(selection.end));
-        // Exclude the last line if the selection contains none of its bytes.
+        // Exclude the last line if the selection ends at the line's start.
         if last > first && selection.end == self.buffer.line_start(last) {
             last -= 1;
         }

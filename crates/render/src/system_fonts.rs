@@ -33,7 +33,7 @@ const WRITINGS: [Writing; 5] = [
     Writing("zh", "Chinese", " SC"),
 ];
 
-/// The system's fonts, and a record of those in use.
+/// The system's fonts, and a record of the fonts in use.
 pub struct SystemFonts {
     /// The folder to search instead of the system's folders.
     folder: Option<PathBuf>,

@@ -12,7 +12,7 @@ use mariana_render::placement::{Area, Corners};
 const STEP: f64 = 0.001;
 const LARGE_STEP: f64 = 0.01;
 
-/// The four corners and the selected one.
+/// The four corners and the index of the selected corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerHandles {
     corners: Corners,
@@ -22,7 +22,7 @@ pub struct CornerHandles {
 }
 
 impl CornerHandles {
-    /// Shows handles for these corners and selects the upper left one.
+    /// Shows handles for these corners and selects the upper left corner.
     pub fn new(corners: Corners) -> Self {
         Self { corners, selected: 0, area: [0.0, 0.0, 1.0, 1.0] }
     }
@@ -32,7 +32,7 @@ impl CornerHandles {
         self.area = area;
     }
 
-    /// Takes over the present corners and selects one of them.
+    /// Sets the corners and selects one of them.
     pub fn take(&mut self, selected: usize, corners: Corners) {
         (self.selected, self.corners) = (selected.min(3), corners);
     }

@@ -20,7 +20,7 @@ pub struct FileEntry {
     pub name: String,
     /// Full path.
     pub path: PathBuf,
-    /// True for a folder or a link to one.
+    /// True for a folder or a link to a folder.
     pub is_folder: bool,
 }
 
@@ -114,7 +114,7 @@ impl FileBrowser {
         self.query.text()
     }
 
-    /// Index of the selected entry among the matching ones.
+    /// Index of the selected entry among the matching entries.
     pub fn selected(&self) -> usize {
         self.selected
     }

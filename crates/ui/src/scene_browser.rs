@@ -119,7 +119,7 @@ impl SceneBrowser {
         self.query.text()
     }
 
-    /// Index of the selected tile among the matching ones.
+    /// Index of the selected tile among the matching tiles.
     pub fn selected(&self) -> usize {
         self.selected
     }

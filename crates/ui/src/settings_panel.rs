@@ -110,7 +110,7 @@ impl SettingsPanel {
         Some(Command::Set(SetSetting { setting: setting.clone(), settled: true }))
     }
 
-    /// Selects a row and changes its number, if it has one.
+    /// Selects a row and changes its number, if the row has a number.
     pub fn change_number(&mut self, row: usize, number: f64, settled: bool) -> Option<Command> {
         self.select(row);
         match &self.rows.get(row)?.values {

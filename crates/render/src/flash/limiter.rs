@@ -19,13 +19,13 @@ use super::fields;
 use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
 use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, Times};
 
-/// Fraction of a field above which flashes are limited; a little less than the fraction that counts.
+/// Fraction of a field above which flashes are limited. It is a little less than the fraction that counts.
 pub(super) const AREA: f64 = 0.2;
 /// If a second contains this many changes and the last change is a rise, the rise begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
 /// Seconds for which a cell stays marked.
 pub(super) const HOLD: f64 = 1.0;
-/// Margin of a limited cell above its lowest luminance; a little less than the change that counts as a flash.
+/// Margin of a limited cell above its lowest luminance. It is a little less than the change that counts as a flash.
 pub(super) const SWING: f32 = 0.07;
 /// Half of the time for which lows are remembered, in seconds.
 const MEMORY: f64 = 0.6;
@@ -93,7 +93,7 @@ struct Cell {
     shown_red_changes: Times,
     /// Lowest displayed luminance in the current part of the memory, and in the previous part.
     lows: [f32; 2],
-    /// Largest luminance; infinite if the cell is not limited.
+    /// Maximum luminance. It is infinite if the cell is not limited.
     ceiling: f32,
     grey: f32,
 }
@@ -182,7 +182,7 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// The step to a frame that is shown `seconds` after the previous one.
+    /// The step to a frame that is shown `seconds` after the previous frame.
     pub fn next(&mut self, seconds: f64) -> Step {
         let seconds = if seconds.is_finite() { seconds.clamp(0.0, 60.0) } else { 0.0 };
         self.memory += seconds;

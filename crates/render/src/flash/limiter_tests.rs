@@ -150,7 +150,7 @@ fn slow_small_and_rare_changes_pass_unchanged() {
 fn three_hertz_pass_at_uneven_frame_times() {
     let mut show = Show::new();
     for frame in 0..600_u32 {
-        // A few milliseconds early or late; the flash follows the frames.
+        // Frames are a few milliseconds early or late, and the flash follows the frames.
         let jitter = f64::from(frame * 7 % 5) / 1000.0 - f64::from((frame + 599) * 7 % 5) / 1000.0;
         let color = if frame % 20 < 3 { WHITE } else { BLACK };
         show.frame(1.0 / 60.0 + jitter, color, everywhere);

@@ -125,7 +125,7 @@ impl Frame {
         }
     }
 
-    /// The point that the camera looks at; finite.
+    /// The point that the camera looks at. Its coordinates are finite.
     pub fn target(&self) -> glam::DVec3 {
         camera::place(self.values.camera.target)
     }

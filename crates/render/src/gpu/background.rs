@@ -36,7 +36,7 @@ use crate::frame::picture::Picture;
 use crate::limits::LIMITS;
 use compile_worker::{CompileWorker, Made};
 
-/// A context for a worker; not current on any thread yet.
+/// A context for a worker. It is not current on any thread yet.
 pub struct WorkerContext {
     display: Display,
     context: NotCurrentContext,
@@ -123,7 +123,7 @@ pub struct Finished {
     pub program: Result<ReadyProgram, GpuError>,
 }
 
-/// Longest wait for busy drivers at exit. A process that exits while a driver compiles may crash.
+/// Maximum wait for busy drivers at exit. A process that exits while a driver compiles may crash.
 const END_WAIT: Duration = Duration::from_secs(4);
 
 /// The queue of programs to compile and its worker threads.
@@ -316,7 +316,7 @@ fn work(
             break;
         }
         wake();
-        // Save after sending: writing to a disk may take long.
+        // Send the result before saving it, because writing to a disk may be slow.
         if let Some((key, bytes)) = to_keep {
             sources.cache.save(key, &bytes);
         }

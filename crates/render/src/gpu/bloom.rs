@@ -65,7 +65,7 @@ impl BloomTargets {
     }
 }
 
-/// Sizes of the levels, largest first; at least one.
+/// Sizes of the levels, largest first. There is at least one level.
 fn level_sizes(size: (u32, u32)) -> Vec<(u32, u32)> {
     let mut sizes = vec![(size.0.div_ceil(2).max(1), size.1.div_ceil(2).max(1))];
     while let Some(&(width, height)) = sizes.last()

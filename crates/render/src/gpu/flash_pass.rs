@@ -81,7 +81,7 @@ struct FlashPrograms {
 
 struct FlashMemory {
     measured: Target,
-    /// States of this frame and of the previous one.
+    /// States of this frame and of the previous frame.
     followed: [Target; 2],
     noted: [Target; 2],
     marks: Target,

@@ -30,7 +30,7 @@ impl Probe {
     /// Compiles and links the complete text of a fragment shader, including `#version`, that writes `outputs` vec4.
     ///
     /// # Errors
-    /// Fails with the driver's log. Its line numbers are those of the files that [`super::shader_source`] marked.
+    /// Fails with the driver's log. Its line numbers refer to the files that [`super::shader_source`] marked.
     pub fn new(gl: &Gl, fragment: &str, size: (u32, u32), outputs: usize) -> Result<Self, GpuError> {
         let program = link_texts(gl, ("a probe's vertex shader", VERTEX), ("a probe", fragment))?;
         let target = Target::new(gl, size, &vec![Texel::Rgba32F; outputs], None)?;

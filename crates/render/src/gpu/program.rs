@@ -85,7 +85,7 @@ pub(super) fn binding_of(block: &str) -> u32 {
     UNIFORM_BLOCKS.iter().find(|(name, _)| *name == block).map_or(0, |(_, binding)| *binding)
 }
 
-/// The name of a scene's texture in the shaders; its unit is its number.
+/// The name of a scene's texture in the shaders. The texture's unit is its number.
 pub fn scene_texture(index: usize) -> String {
     format!("scene_texture_{index}")
 }

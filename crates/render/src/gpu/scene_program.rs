@@ -219,13 +219,13 @@ pub fn drawing_variant_of(
     }
 }
 
-/// Turns a counting variant into one that draws views.
+/// Turns a counting variant into a variant that draws views.
 pub fn as_views(mut counting: Variant) -> Variant {
     counting.defines.push("VIEWS 1".to_owned());
     counting
 }
 
-/// The variant without a visible sky, for images that are laid over others.
+/// The variant without a visible sky, for images that are laid over other images.
 pub fn without_sky(mut variant: Variant) -> Variant {
     variant.defines.push("NO_SKY 1".to_owned());
     variant

@@ -319,7 +319,7 @@ impl SceneResources {
         self.uploaded.borrow().clone()
     }
 
-    /// Uploads regions that were built elsewhere.
+    /// Uploads regions that the caller has built.
     pub fn take_regions(&self, built: Arc<BuiltRegions>) {
         let last = self.regions();
         if last.as_ref().is_some_and(|last| Arc::ptr_eq(last, &built)) {

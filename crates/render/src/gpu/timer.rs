@@ -68,7 +68,7 @@ impl FrameTimer {
 
     pub(super) fn end(&mut self) {
         let Some(query) = self.running.take() else { return };
-        // SAFETY: the query is the active one, which `begin` started.
+        // SAFETY: the active query is the query that `begin` started.
         unsafe { self.gl.end_query(glow::TIME_ELAPSED) }
         self.on_their_way.push_back(query);
     }
@@ -93,7 +93,7 @@ impl FrameTimer {
     }
 }
 
-/// Measures GPU times of frames that are drawn in one call. The default measures nothing.
+/// Measures GPU times of frames that are drawn in one call. The default does not measure.
 #[derive(Default)]
 pub(super) struct PictureClock {
     timer: Option<FrameTimer>,

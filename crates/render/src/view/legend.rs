@@ -73,7 +73,7 @@ const FRACTION_MAX: (f32, f32) = (0.7, 0.7);
 /// Maximum number of single colours in a column.
 const ROWS_MAX: usize = 6;
 
-/// Draws legends, and caches the last one.
+/// Draws legends, and caches the last legend.
 pub struct LegendPainter {
     letters: Letters,
     last: Option<Known>,
@@ -92,7 +92,7 @@ impl Default for LegendPainter {
 }
 
 impl LegendPainter {
-    /// The legend for a frame of `size` pixels; `None` if it would cover too much of the frame.
+    /// The legend for a frame of `size` pixels; `None` if the legend would cover too much of the frame.
     pub fn picture(&mut self, legend: Legend, size: (u32, u32)) -> Option<Arc<LegendPicture>> {
         if let Some(known) = self.last.as_ref().filter(|known| known.legend == legend && known.size == size) {
             return known.drawn.clone();

@@ -35,7 +35,7 @@ pub(crate) struct Marked {
     /// Byte range of the mistake; empty if the mistake concerns the whole text.
     pub range: Range<usize>,
     pub message: String,
-    /// A suggestion; may be empty.
+    /// A suggestion. It may be empty.
     pub hint: String,
 }
 
@@ -51,7 +51,7 @@ pub(crate) struct Document {
     pub owner: Owner,
     pub editing: Editing,
     colors: RefCell<Colors>,
-    /// The file's contents as last seen; `None` while it is being read.
+    /// The file's contents when last read; `None` while the file is being read.
     pub disk: Option<OnDisk>,
     pub question: Option<Question>,
     /// The mistakes, and the version of the text that contains them.
@@ -169,7 +169,7 @@ impl Document {
             }
             OnDisk::Bytes(bytes) if !self.is_dirty() => {
                 self.question = None;
-                // If the new text is too long, keep the old one.
+                // If the new text is too long, keep the old text.
                 if self.editing.replace_all(&bytes).is_ok() {
                     self.disk = Some(OnDisk::Bytes(bytes));
                     return Change::Taken;

@@ -1,4 +1,4 @@
-//! The open texts of the editor, the visible one, and its scroll position.
+//! The open texts of the editor, the visible text, and its scroll position.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};

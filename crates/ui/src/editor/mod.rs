@@ -9,7 +9,7 @@
 //! | part | purpose |
 //! |---|---|
 //! | `Texts` | the texts of the scene; owns `Documents`, `Files`, `Found` and `Outbox` |
-//! | `Documents` | the open texts, the visible one, and its scroll position |
+//! | `Documents` | the open texts, the visible text, and its scroll position |
 //! | `Files` | reading, saving, copying, backups |
 //! | `Found` | the loader's findings |
 //! | `Outbox` | drafts, values of turned numbers, commands |

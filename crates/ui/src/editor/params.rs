@@ -50,7 +50,7 @@ impl NewParam {
     }
 }
 
-/// The declaration's position: after the last parameter, or before the first line of code other than an include.
+/// The declaration's position: after the last parameter. Without parameters, before the first code after the includes.
 fn param_place(buffer: &Buffer) -> usize {
     let starts = |line: usize, word: &[u8]| buffer.line(line).trim_ascii_start().starts_with(word);
     let last = (0..buffer.line_count()).rev().find(|line| starts(*line, b"param "));

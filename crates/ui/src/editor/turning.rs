@@ -16,7 +16,7 @@ use super::texts::Texts;
 /// Pointer movement, in points, that equals one key press.
 const POINTS_OF_KEY: f64 = 10.0;
 
-/// Numbers of one line that are being turned: one number, or the three of a `vec3`.
+/// Numbers of one line that are being turned: a single number, or the three numbers of a `vec3`.
 #[derive(Debug, Clone, PartialEq)]
 struct Turn {
     file: PathBuf,
@@ -126,13 +126,8 @@ impl HeldNumbers {
             let now = line_start + number.range.start..line_start + number.range.end;
             (number, now)
         };
-        let turn = Turn {
-            file,
-            numbers: numbers.into_iter().map(placed).collect(),
-            moved: 0.0,
-            exact,
-            held: None,
-        };
+        let turn =
+            Turn { file, numbers: numbers.into_iter().map(placed).collect(), moved: 0.0, exact, held: None };
         let range = turn.range();
         self.turn = Some(turn);
         if places.len() == values.len() {

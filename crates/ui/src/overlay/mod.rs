@@ -292,7 +292,7 @@ impl Overlay {
         is_new.then_some(cursor)
     }
 
-    /// True if the pointer is over a panel, or was pressed on one and is still held.
+    /// True if the pointer is over a panel, or was pressed on a panel and is still held.
     pub fn has_pointer(&self) -> bool {
         self.pointer.is_busy()
     }

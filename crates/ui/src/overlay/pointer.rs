@@ -35,7 +35,7 @@ impl Pointer {
         }
     }
 
-    /// True if the pointer is on a panel, or was pressed on one and is still held.
+    /// True if the pointer is on a panel, or was pressed on a panel and is still held.
     pub(super) fn is_busy(&self) -> bool {
         self.held > 0 || self.is_on_panel(self.place)
     }

@@ -66,7 +66,7 @@ fn draw_cells(painter: &Painter, start: Pos2, text: &str, color: Color32, size: 
     }
 }
 
-/// Splits `text` into runs of ASCII and single other characters with their combining marks.
+/// Splits `text` into runs of ASCII and single characters beyond ASCII with their combining marks.
 fn runs(text: &str) -> impl Iterator<Item = &str> {
     let mut rest = text;
     std::iter::from_fn(move || {

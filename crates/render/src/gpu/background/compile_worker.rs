@@ -17,7 +17,8 @@ use crate::gpu::scene_program::SCENE_SHADER;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::{SceneShape, StandIns};
 
-/// Size of the warm-up images; like most window sizes, no power of two (see [`crate::gpu::stand_ins`]).
+/// Size of the warm-up images. Like the sides of most windows, these are no powers of two (see
+/// [`crate::gpu::stand_ins`]).
 const WARM_UP_SIZE: (u32, u32) = (18, 14);
 
 const SLOW_COMPILER: Duration = Duration::from_secs(2);

@@ -37,7 +37,7 @@ impl Canvas {
         Ok(())
     }
 
-    /// Drops the targets. The last image is shown until the next one is finished.
+    /// Drops the targets. The last image stays visible until the next image is finished.
     pub(super) fn put_targets_away(&mut self) {
         (self.making, self.finished_light) = (None, None);
         if let Some(targets) = self.targets.take()

@@ -1,4 +1,4 @@
-//! Fades between images: mixes the light of an earlier image into new ones, before the tone map.
+//! Fades between images: mixes the light of an earlier image into new images, before the tone map.
 
 use crate::gpu::target::Target;
 

@@ -200,7 +200,7 @@ impl Painter {
         result
     }
 
-    /// Draws a frame twice on a temporary canvas: without a fade, and with one.
+    /// Draws a frame twice on a temporary canvas: first without a fade, then with a fade.
     pub(super) fn rehearse(
         &mut self,
         frame: &Frame,

@@ -81,7 +81,7 @@ impl Placing {
         target: &Target,
         (map, part): (&Map, Area),
     ) -> Result<(), GpuError> {
-        // OpenGL's first row is the lowest one.
+        // OpenGL's first row is the lowest row.
         self.block.set(&numbers(&within([0.0, 1.0, 1.0, 0.0], map), part));
         passes.prepare();
         picture.bind_color(0, unit_of("picture"));

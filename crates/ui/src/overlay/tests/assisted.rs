@@ -14,7 +14,7 @@ fn assisted_stage() -> Stage {
     stage
 }
 
-/// The controls after some frames: egui learns sizes in the first one.
+/// The controls after some frames, because egui learns sizes in the first frame.
 fn controls<'a>(stage: &mut Stage, content: impl Fn() -> OverlayContent<'a>) -> Vec<Node> {
     stage.frame(vec![], content());
     stage.frame(vec![], content());
