@@ -1,5 +1,5 @@
-// Halves a bloom level with thirteen taps, which form five overlapping boxes of four (Jimenez 2014). With FIRST the
-// boxes are weighted, so that a pixel much brighter than its surroundings does not cause a flickering glow.
+// Halves a bloom level with thirteen taps, which form five overlapping boxes of four taps (Jimenez 2014). With FIRST,
+// the boxes are weighted, so that a pixel much brighter than its surroundings does not cause a flickering glow.
 
 #include "post_block.glsl"
 #include "sample_light.glsl"
@@ -12,7 +12,7 @@ vec3 tap(vec2 place, vec2 texel, float x, float y) {
     return texture(picture, place + texel * vec2(x, y)).rgb;
 }
 
-// The mean of four taps, weighted; alpha is the weight.
+// The weighted mean of four taps. Alpha is the weight.
 vec4 weighed(vec3 sum, float fraction) {
     vec3 mean = 0.25 * sum;
 #ifdef FIRST

@@ -1,4 +1,4 @@
-// Enlarges a bloom level twofold by a tent of nine taps (Jimenez 2014) and blends it into the target.
+// Doubles the size of a bloom level by a tent filter of nine taps (Jimenez 2014) and blends the result into the target.
 
 #include "post_block.glsl"
 

@@ -1,5 +1,5 @@
-// Computes the mean colour of each cell of the finished frame in linear light, for the flash limiter. With SHOWN, the
-// colours after the limiter.
+// Computes the mean colour of each cell of the finished frame in linear light, for the flash limiter. With
+// SHOWN, computes the colours after the limiter.
 
 #include "flash_rules.glsl"
 #ifdef SHOWN
@@ -15,7 +15,7 @@ layout(location = 0) out vec4 mean;
 // A cell's colour is the mean of a square of its pixels, this many along each side.
 const int SAMPLES = 8;
 
-// Approximates linear_from_srgb of encode.glsl within 0.0005 without powers, which took half of this pass on a CPU.
+// Approximates linear_from_srgb of encode.glsl within 0.0005. It avoids powers, which took half of this pass on a CPU.
 vec3 roughly_linear(vec3 color) {
     return color * (0.044876 + color * (0.501656 + color * (0.599042 - 0.145574 * color)));
 }

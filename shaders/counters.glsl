@@ -6,8 +6,8 @@ float count_reflection = 0.0;
 float count_normal = 0.0;
 float count_shadow = 0.0;
 float count_occlusion = 0.0;
-float count_capped = 0.0;   // rays of this pixel that reached their step limit
-float count_lookups = 0.0;  // lookups of a point's cell
+float count_capped = 0.0;   // number of rays of this pixel that reached their step limit
+float count_lookups = 0.0;  // number of lookups of a point's cell
 #define COUNT(kind) count_##kind += 1.0
 #define COUNT_N(kind, n) count_##kind += float(n)
 #else

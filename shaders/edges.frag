@@ -1,4 +1,5 @@
-// Keeps only pixels that differ visibly from their neighbours: they get more samples, by the stencil or written mark.
+// Keeps only pixels that differ visibly from their neighbours. These pixels get more samples, selected by the stencil
+// or by the written mark.
 
 #include "picture_block.glsl"
 #include "encode.glsl"
@@ -7,10 +8,10 @@ uniform sampler2D picture;
 
 layout(location = 0) out float mark;
 
-// Keys from this value on belong to rough mirrors (scene.frag), whose noise is visible from this contrast on.
+// Keys of at least this value belong to rough mirrors (scene.frag). Their noise is visible from the next contrast on.
 const float ROUGH_KEY = 1024.0;
 const float ROUGH_CONTRAST = 0.02;
-// The contrast for distant neighbours, where colours differ even without noise.
+// The limit of contrast for distant neighbours, whose colours differ even without noise.
 const float FAR_ROUGH_CONTRAST = 0.06;
 
 const int NEAREST = 4;
@@ -37,7 +38,8 @@ void look_around(ivec2 texel, ivec2 limit, int from, int to, inout vec4 low, ino
     }
 }
 
-// Approximately the visible difference in brightness. The mapping is monotonic, so the extremes are enough.
+// Approximates the visible difference in brightness. The mapping is monotonic, so the extremes of the colours are
+// enough.
 float contrast(vec4 low, vec4 high) {
     vec3 range = srgb_from_linear(shown(high.rgb)) - srgb_from_linear(shown(low.rgb));
     return max(range.r, max(range.g, range.b));
@@ -54,7 +56,7 @@ void main() {
         mark = 1.0;
         return;
     }
-    // Search further away for noise that the nearest pixels do not show.
+    // Search farther neighbours for noise that the nearest pixels do not show.
     if (high.a < ROUGH_KEY) discard;
     look_around(texel, limit, NEAREST, NEIGHBOURS, low, high);
     if (contrast(low, high) < FAR_ROUGH_CONTRAST) discard;

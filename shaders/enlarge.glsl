@@ -2,7 +2,7 @@
 
 uniform sampler2D picture;      // finished
 
-// The weights of four pixels around a position that is `t` beyond the second.
+// The weights of four pixels around a position that is `t` beyond the second pixel.
 vec4 weights(float t) {
     return vec4(
         t * (-0.5 + t * (1.0 - 0.5 * t)),
@@ -31,6 +31,6 @@ vec3 enlarged(vec2 at) {
             high = near ? max(high, color) : high;
         }
     }
-    // Clamp to the nearest four pixels, so that edges get no rims.
+    // Clamp to the range of the nearest four pixels, so that edges get no rims.
     return clamp(sum, low, high);
 }

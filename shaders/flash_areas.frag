@@ -1,15 +1,15 @@
-// Computes the limited cells of each row: the marked cells in crowded fields.
+// Computes the limited cells of each row. These are the marked cells in crowded fields.
 
 #include "flash_rows.glsl"
 
-uniform sampler2D marked_rows;      // of flash_rows.frag
-uniform sampler2D covered_rows;     // of flash_fields.frag
+uniform sampler2D marked_rows;      // output of flash_rows.frag
+uniform sampler2D covered_rows;     // output of flash_fields.frag
 
-layout(location = 0) out vec4 limited;  // xy of light, zw of red
+layout(location = 0) out vec4 limited;  // xy for light, zw for red
 
 void main() {
     int own = int(gl_FragCoord.y);
-    // A field that begins in a row also covers the rows after it.
+    // A field that begins in a row also covers the following rows.
     uvec2 light = uvec2(0u);
     uvec2 red = uvec2(0u);
     for (int row = max(own - FIELD_ROWS + 1, 0); row <= own; row++) {

@@ -2,14 +2,14 @@
 
 #include "flash_rules.glsl"
 
-// Values at each cell's centre: w the ceiling of luminance, z the fraction of grey.
+// The values at each cell's centre: w the ceiling of luminance, z the fraction of grey.
 uniform sampler2D ceilings;
 
 vec2 ceiling_of(ivec2 cell) {
     return texelFetch(ceilings, clamp(cell, ivec2(0), ivec2(COLUMNS, ROWS) - 1), 0).wz;
 }
 
-// The ceiling and fraction at a position in cells, interpolated between the centres of four.
+// The ceiling and the fraction of grey at a position in cells, interpolated between the centres of four cells.
 vec2 ceiling_at(vec2 place) {
     ivec2 first = ivec2(floor(place - 0.5));
     vec2 fraction = fract(place - 0.5);
@@ -18,7 +18,7 @@ vec2 ceiling_at(vec2 place) {
     return mix(low, high, fraction.y);
 }
 
-// True if such a ceiling may change light, allowing for rounding in the interpolation.
+// True if a result of `ceiling_at` may change light, allowing for rounding in the interpolation.
 bool limits(vec2 ceiling) {
     return ceiling.x < 0.9999 * OPEN || ceiling.y > 0.0;
 }

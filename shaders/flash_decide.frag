@@ -4,10 +4,10 @@
 #include "flash_rows.glsl"
 
 uniform sampler2D cells;            // mean colours
-uniform sampler2D light_swings;     // of flash_follow.frag, for this frame
+uniform sampler2D light_swings;     // output of flash_follow.frag for this frame
 uniform sampler2D red_swings;
-uniform sampler2D limited_rows;     // of flash_areas.frag
-uniform sampler2D shown_swings;     // of flash_note.frag, for the last frame
+uniform sampler2D limited_rows;     // output of flash_areas.frag
+uniform sampler2D shown_swings;     // output of flash_note.frag for the last frame
 uniform sampler2D shown_rest;
 uniform sampler2D shown_lows;
 uniform sampler2D shown_red_swings;

@@ -1,8 +1,9 @@
-// For each row, finds the columns in crowded fields that begin in it, with too many marked cells (flash/fields.rs).
+// For each row, finds the columns of the crowded fields that begin in the row. A crowded field has too many marked
+// cells (flash/fields.rs).
 
 #include "flash_rows.glsl"
 
-uniform sampler2D marked_rows;      // of flash_rows.frag
+uniform sampler2D marked_rows;      // output of flash_rows.frag
 
 layout(location = 0) out vec4 covered;  // xy for light, zw for red
 
@@ -13,7 +14,7 @@ uint bits_of(uint row) {
     return row + (row >> 8u) & 0x1fu;
 }
 
-// The cells of a row from this column on, as many as a field is wide.
+// The cells of a row that a field covers if it begins at this column.
 uint window(uvec2 row, int column) {
     uvec2 rest = column < HALF ? row : uvec2(row.y, 0u);
     uint by = uint(column % HALF);

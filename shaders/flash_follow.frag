@@ -1,15 +1,15 @@
-// Detects changes of cells before the limiter, and rises that would begin one flash too many (flash/limiter.rs).
+// Detects changes of cells before the limiter, and rises that would exceed the number of flashes (flash/limiter.rs).
 
 #include "flash_swing.glsl"
 
 uniform sampler2D cells;            // mean colours of this frame
-uniform sampler2D light_swings;     // of this pass, for the last frame
+uniform sampler2D light_swings;     // output of this pass for the last frame
 uniform sampler2D red_swings;
 uniform sampler2D light_ages;
 uniform sampler2D light_rest;
 uniform sampler2D red_ages;
 uniform sampler2D red_rest;
-uniform sampler2D shown_swings;     // of flash_note.frag
+uniform sampler2D shown_swings;     // output of flash_note.frag
 uniform sampler2D shown_rest;
 uniform sampler2D shown_red_swings;
 
@@ -33,7 +33,7 @@ void main() {
     float hold = state.w - flash_step.x;
     hold = change > 0.0 && are_enough(ages, EARLY) ? HOLD : hold;
     note_change(ages, change, false);
-    // Mark the cell if its colour after the limiter, as bright and as red as allowed, would rise once too often.
+    // Mark the cell if its allowed colour after the limiter would rise once too often.
     vec4 shown = remembered(texelFetch(shown_swings, cell, 0), vec4(NO_SWING, NEVER));
     vec4 shown_ages = remembered(texelFetch(shown_rest, cell, 0), vec4(NEVER));
     bool rises = light_change(shown.xyz, min(light, shown.w + RELEASE * flash_step.x)) > 0.0;

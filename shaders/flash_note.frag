@@ -3,8 +3,8 @@
 #include "flash_swing.glsl"
 
 uniform sampler2D shown_cells;      // mean colours of this frame after the limiter
-uniform sampler2D own_ceilings;     // of flash_decide.frag
-uniform sampler2D shown_swings;     // of this pass, for the last frame
+uniform sampler2D own_ceilings;     // output of flash_decide.frag
+uniform sampler2D shown_swings;     // output of this pass for the last frame
 uniform sampler2D shown_ages;
 uniform sampler2D shown_rest;
 uniform sampler2D shown_lows;

@@ -3,10 +3,10 @@
 #include "flash_swing.glsl"
 #include "flash_rows.glsl"
 
-uniform sampler2D light_swings;     // of flash_follow.frag, for this frame
+uniform sampler2D light_swings;     // output of flash_follow.frag for this frame
 uniform sampler2D red_swings;
 
-layout(location = 0) out vec4 marked;   // xy cells whose light flashes too often, zw cells whose red does
+layout(location = 0) out vec4 marked;   // xy cells whose light flashes too often, zw cells whose red flashes too often
 
 void main() {
     int row = int(gl_FragCoord.y);

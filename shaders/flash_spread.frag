@@ -4,7 +4,7 @@
 // post_target.zw is a step along the axis.
 #include "post_block.glsl"
 
-uniform sampler2D ceilings;     // of flash_decide.frag, or of this pass along the other axis
+uniform sampler2D ceilings;     // output of flash_decide.frag, or of this pass for the first axis
 
 layout(location = 0) out vec4 spread;   // x ceiling, y highest luminance while a rise is delayed, z fraction of grey, w
                                         // the lower of x and y

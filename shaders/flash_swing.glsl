@@ -1,9 +1,9 @@
-// Detects the changes of a cell between peaks and valleys: crates/render/src/flash/swing.rs on the GPU.
+// Detects the changes of a cell between peaks and valleys, like crates/render/src/flash/swing.rs.
 
 #include "flash_block.glsl"
 #include "flash_rules.glsl"
 
-// Above any luminance, and longer than any age in the memory.
+// A value above all luminances and all ages in the memory.
 const float NEVER = 1e9;
 
 // The stored value, or `at_first` if there is no earlier frame.
@@ -15,11 +15,11 @@ float luminance(vec3 color) {
     return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
 
-// x: the last change, 1 up, -1 down, 0 none. y, z: the lowest and highest luminance since then; after a rise y is its
-// valley, after a fall z is its peak.
+// x: the last change: 1 up, -1 down, 0 none. y, z: the lowest and the highest luminance since that change. After a
+// rise, y is the valley before the rise; after a fall, z is the peak before the fall.
 const vec3 NO_SWING = vec3(0.0, NEVER, -NEVER);
 
-// The change that a luminance makes: 1, -1, or 0 for none.
+// The change that this luminance causes: 1, -1, or 0 for no change.
 float light_change(inout vec3 swing, float light) {
     float low = swing.x > 0.0 ? swing.y : min(swing.y, light);
     float high = swing.x < 0.0 ? swing.z : max(swing.z, light);
@@ -30,7 +30,7 @@ float light_change(inout vec3 swing, float light) {
     return change;
 }
 
-// True if this luminance may be the one that makes the last change count, because the change was small so far.
+// True if the last change may become large enough to count at this luminance, because it was too small so far.
 bool may_count_only_at(vec3 swing, float light) {
     bool sure = swing.z - swing.y >= SURE_CHANGE && swing.y < SURE_DARKER;
     bool risen = swing.x > 0.0 && light - swing.y >= LIGHT_CHANGE && swing.y < LIGHT_DARKER;
@@ -38,8 +38,8 @@ bool may_count_only_at(vec3 swing, float light) {
     return !sure && (risen || fallen);
 }
 
-// x: 1 if the last change led to red, 0 if not, -1 before the first frame; plus UNSURE if rough measurement may have
-// caused the change. yz: the chromaticity since then that is farthest from the next change.
+// x: 1 if the last change led to red, 0 if not, -1 before the first frame. UNSURE is added if an error of measurement
+// may have caused the change. yz: the chromaticity since the last change that is farthest from the next change.
 const vec3 NO_RED_SWING = vec3(-1.0, 0.0, 0.0);
 const float UNSURE = 0.25;
 
@@ -83,12 +83,12 @@ Ages aged(vec4 newest, vec2 oldest) {
     return Ages(min(newest + flash_step.x, NEVER), min(oldest + flash_step.x, NEVER));
 }
 
-// True if one more change, if it is a rise, begins one flash too many within a second, less `early`.
+// True if one more rise would begin one flash too many within 1 s - `early`.
 bool are_enough(Ages ages, float early) {
     return ages.oldest.y < 1.0 - early - ROUNDING;
 }
 
-// Seconds for which a rise marks a cell: none, until the rise is late enough, or as long as for a flash.
+// Seconds for which a rise marks a cell: 0, or until the rise is late enough, or as long as for a flash.
 float hold_after(Ages ages) {
     return are_enough(ages, EARLY) ? HOLD : (are_enough(ages, 0.0) ? EARLY : 0.0);
 }
@@ -98,7 +98,7 @@ bool is_put_off(float hold) {
     return hold > 0.0 && hold <= EARLY + ROUNDING;
 }
 
-// Records a change. Without one, `renews` sets the age of the last change to 0.
+// Records a change. If there is no change, `renews` sets the age of the last change to 0.
 void note_change(inout Ages ages, float change, bool renews) {
     if (renews && change == 0.0) {
         ages.newest.x = 0.0;

@@ -7,7 +7,7 @@ layout(std140) uniform FrameBlock {
     vec4 camera_up;         // xyz to the upper edge
     vec4 camera_forward;    // xyz along the viewing axis, unit length
     vec4 frame_clock;       // x time in seconds; y lights; z the row of the history at age 0, w the rows up to age 1
-    vec4 block_bounds_low;        // xyz lower corner of the traced surfaces; w 1 if there are any
+    vec4 block_bounds_low;        // xyz lower corner of the traced surfaces; w 1 if there are traced surfaces
     vec4 block_bounds_high;       // xyz upper corner; w 1 if the corners are known
     vec4 plane_objects;     // the object of each plane
     vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
@@ -36,8 +36,8 @@ layout(std140) uniform PassBlock {
 
 #define frame_time frame_clock.x
 
-// The allowed cost of a frame apart from its number of pixels, 0..1: 1 in stills, videos and measurements. Use it to
-// reduce expensive work smoothly whose loss is hardly visible. A window changes it in small steps.
+// The allowed cost of a frame apart from its number of pixels, 0..1. It is 1 in stills, videos and measurements; a
+// window changes it in small steps. Use it to reduce expensive work smoothly where the loss is hardly visible.
 #define frame_quality frame_reach.y
 #define shadow_step_growth frame_reach.w
 
@@ -45,9 +45,9 @@ layout(std140) uniform PassBlock {
 #define PLANES PLANES_MAX   // compiled scenes define their number
 #endif
 
-// llvmpipe fetches every number of a block for each pixel: thirty instructions, where a copy takes none. On it,
-// values that rays read often are copied once per sample, as `scene_load` does for a compiled scene's inputs. GPUs
-// read blocks for free, and copies would take registers there.
+// llvmpipe takes thirty instructions to fetch a number of a block for each pixel. A copy takes none. On llvmpipe,
+// values that rays read often are therefore copied once per sample; `scene_load` does this for a compiled scene's
+// inputs. GPUs read blocks for free, and copies would take registers there.
 #ifdef SOFTWARE
 vec4 bounds_low;
 vec4 bounds_high;
@@ -72,7 +72,7 @@ void load_frame() {
 void load_frame() {}
 #endif
 
-// The plane with a number. (A variable index would keep the copies in memory.)
+// The plane with the given number. (With a variable index, the compiler would keep the copies in memory.)
 vec4 plane_of(int number) {
     vec4 plane = planes[0];
     for (int i = 1; i < PLANES; i++) plane = number == i ? planes[i] : plane;

@@ -10,7 +10,7 @@ const int MATERIAL_PROGRAMS = 4;
 
 void scene_load() {}
 
-// The program for a point or a direction: the directory entry `place` has a grid with a program for each cell.
+// The program for a point or a direction. The directory entry `place` has a grid with a program for each cell.
 int program_at(int place, vec3 at) {
     int grid = int(texelFetch(tape, place >> 2)[place & 3]);
     uvec4 low = texelFetch(tape, grid);
@@ -27,9 +27,9 @@ struct Place {
     vec3 n;
 };
 
-// Runs a program (crates/field/src/world/interpreted.rs): first its textures, whose coordinates are computed for the
-// pixel to the right, the pixel above, and here; then its tape. The results stay in the registers that the returned
-// header lists.
+// Runs a program (crates/field/src/world/interpreted.rs): first its textures, then its tape. Texture coordinates are
+// computed for this pixel, the pixel to the right, and the pixel above. The results stay in the registers that the
+// returned header lists.
 uvec4 run_program(int program, Place here, Place right, Place above) {
     uvec4 head = texelFetch(tape, program);
 #if SAMPLES > 0
@@ -42,7 +42,8 @@ uvec4 run_program(int program, Place here, Place right, Place above) {
     for (int round = 0; round <= SAMPLES; round++) {
         vec2 uv;
         uvec4 texture_head;
-        // One call in a loop: each call is compiled separately. Three runs per texture, one for the own tape.
+        // Use a single call in a loop, because each call is compiled separately. The loop runs three times per texture,
+        // and once for the program's own tape.
         for (;;) {
             bool is_own = sample_number >= samples;
             texture_head = texelFetch(tape, program + 1 + sample_number);
@@ -78,8 +79,8 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
 // Computes the normal, the object and the occluders' distances of a point with one call in a loop, because each call
 // is compiled separately. Each round finds the next probe that needs an evaluation.
 //
-// Tried: one call of run_region for rays, probes and shadows. Xe has 13 % less code and as many spills, Vega (ACO) 29
-// % less code but 156 registers, which leaves one wave.
+// Tried: one call of run_region for rays, probes and shadows. On Xe it saves 13 % of the code but no spills. On Vega
+// (ACO) it saves 29 % of the code, but takes 156 registers, which leaves one wave.
 const int OBJECT_PROBE = 4;
 const int FIRST_OCCLUSION_PROBE = 5;
 const int PROBES_END = 9;
@@ -133,7 +134,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
     }
 }
 
-// Step of the loop over programs of light: ambient light, glow if any object shines, and material.
+// The step of the loop over the programs: ambient light, glow if any object shines, and material.
 #ifdef GLOW
 const int LIGHT_STEP = 1;
 #else
@@ -156,7 +157,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     Place here = Place(p, s.normal);
     Place right = Place(p + along_surface(dx, s.normal, direction), s.normal);
     Place above = Place(p + along_surface(dy, s.normal, direction), s.normal);
-    // The ambient light, the glow, then the material: again one call in a loop.
+    // Compute ambient light, glow and material with a single call in a loop.
     uvec4 head = uvec4(0u);
     for (int i = 0; i < 3; i += LIGHT_STEP) {
         int place = i == 0 ? AMBIENT_PROGRAM : MATERIAL_PROGRAMS + s.object;
@@ -165,7 +166,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         Place over = above;
 #ifdef GLOW
         if (i == 1) {
-            // For a texture, the mean colour around the point.
+            // The probe covers this width, so that a texture gives its mean colour around the point.
             vec3 width = vec3(GLOW_PROBE * frame_reach.x, 0.0, 0.0);
             place = GLOW_PROGRAM;
             asked = Place(p + width.x * s.normal, vec3(0.0));
@@ -184,7 +185,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     return s;
 }
 
-// Tried: one call of run_program for materials, light and sky. It saves 9 to 14 % of the code, but the sky is then
+// Tried: one call of run_program for materials, light and sky. It saves 9 to 14 % of the code. But the sky is then
 // computed before the lights, and every compiled scene loses a wave on Vega.
 vec3 sky_color(vec3 direction, vec3 dx, vec3 dy) {
     uvec4 head = run_program(program_at(SKY_PROGRAM, direction), Place(vec3(0.0), direction), Place(vec3(0.0), direction + dx),

@@ -4,15 +4,15 @@
 // At the start the registers hold x, y, z and the normal. A region's tape has the distance beyond which a surface
 // casts no shadow instead of the normal's x.
 //
-// There are two loops over clauses. EVERY_CASE is for renderers that never skip a branch. It runs both clauses of a
-// texel in one round, and rare operators, always second in a texel, between runs of texels, because they would
-// otherwise be computed with every clause. GPUs skip branches, and their compilers inline a function at each call, so
-// their loop has only one clause.
+// There are two loops over clauses. The loop with EVERY_CASE is for renderers that never skip a branch. It runs both
+// clauses of a texel in one round. Rare operators are always second in a texel and run between runs of texels, because
+// they would otherwise be computed with every clause. The second loop is for GPUs, which skip branches. It runs one
+// clause per round, because compilers inline a function at each call.
 
 uniform usamplerBuffer tape;        // RGBA32UI
 
 #ifdef COUNT_EVALUATIONS
-float count_clauses = 0.0;          // clauses of regions run in this pixel, including empty ones
+float count_clauses = 0.0;          // clauses of regions run in this pixel, including empty clauses
 float count_surface_clauses = 0.0;  // clauses of materials and light
 #define COUNT_CLAUSES(kind, count) count_##kind += count
 #define CLAUSES_RUN count_clauses
@@ -24,7 +24,8 @@ float count_surface_clauses = 0.0;  // clauses of materials and light
 #define BYTE(word, place) ((word >> (8 * place)) & 255u)
 #define HAS(word, place, bit) ((word & (1u << (8 * place + bit))) != 0u)
 
-// True if an operand is the immediate, by the clause's form; by the operand's byte with at most 128 registers.
+// True if an operand is the immediate. This follows from the clause's form or, with at most 128 registers, from the
+// operand's byte.
 bool form_is_immediate(uint word, const int place) {
     // LOAD has the number 2.
     return place == 2 ? (word & 192u) == 192u || (word & 255u) == 2u : (word & 192u) == 128u;
@@ -36,18 +37,18 @@ int operator_number(uint word) {
     return int(opcode < 64u ? opcode : 64u | (opcode & 63u));
 }
 
-// The operators, and the macros READ(word, place) and WRITE(at, value) for registers. Few registers are variables,
-// selected by the bits of the register's number; more are an array.
+// The operators, and the macros READ(word, place) and WRITE(at, value) for registers. A small number of registers
+// are variables, selected by the bits of the register's number. A larger number is stored in an array.
 #include "operators.glsl"
 
-// `last` is true for the second clause of a texel: a constant at each call, or a variable in the loop of a GPU.
+// `last` is true for the second clause of a texel. It is a constant with EVERY_CASE, else a variable.
 #ifdef EVERY_CASE
 #define CLAUSE_PLACE const bool
 #else
 #define CLAUSE_PLACE bool
 #endif
 
-// Clears registers before a run, so that GPUs' compilers do not keep them alive. On a CPU clearing would take time.
+// Clears registers before a run, so that GPUs' compilers do not keep their values. On a CPU clearing would take time.
 #ifdef EVERY_CASE
 #define FORGET(file, first, count)
 #else
@@ -76,12 +77,12 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     float a;
     float b;
 #ifdef EVERY_CASE
-    // llvmpipe needs a second exit of the loop: without it, the lanes that end first lose the last texel that they
-    // read. Tried: a loop without a counter. Images were wrong for the same reason.
+    // llvmpipe needs a second exit of the loop. Without a second exit, the lanes that end first lose the last texel
+    // that they read. Tried: a loop without a counter. Images were wrong for the same reason.
     //
-    // Tried on llvmpipe: two texels in each round, 7 % fewer instructions, but gyroid takes 11 % longer because its
-    // rare operators end rounds early. Roots between runs as rare operators: 7 % less in kaleidoscope, 5 % more in
-    // lattice and wave_tank.
+    // Tried on llvmpipe: two texels in each round. This takes 7 % fewer instructions, but gyroid takes 11 % longer
+    // because its rare operators end rounds early. Tried: roots as rare operators. This saves 7 % in kaleidoscope and
+    // costs 5 % in lattice and wave_tank.
     int end = first + TEXELS_MAX;
     for (int round = 0; round < TEXELS_MAX; ++round) {
         while (texel < end) {
@@ -96,7 +97,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
         REGION_WRITE(BYTE(words.z, 1), r);
     }
 #ifdef LIMITED_ROUNDS
-    // Four more for the rounds of the ray's own step.
+    // Add four for the rounds of the ray's own step.
     rounds_of_last = texel - first + 4;
     rounds_run += rounds_of_last;
 #endif
@@ -112,9 +113,9 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     return vec2(REGION_READ(words.z, 2), REGION_READ(words.z, 3));
 }
 
-// The registers, and the sampled colours with four channels per texture. GPUs' compilers put more than 64 registers
-// into memory (crates/field/src/tape/interpreter.rs). The colours are then behind them, because a separate array
-// would occupy registers during all of the shading.
+// The registers, and the sampled colours with four channels per texture. GPUs' compilers put arrays of more than 64
+// registers into memory (crates/field/src/tape/interpreter.rs). The colours then follow the registers in the same
+// array, because a separate array would occupy registers during all of the shading.
 #if REGISTERS > 64 && !defined(EVERY_CASE)
 float tape_file[REGISTERS + 4 * SAMPLES];
 #define SAMPLED(at) tape_file[uint(REGISTERS) + uint(at)]

@@ -1,9 +1,10 @@
-// Depth of field: adds up the light of all discs that reach a pixel, each as bright as its point divided by its area.
-// Light from behind a sharp point does not spread over it. Alpha is the fraction of discs in front.
+// Depth of field: adds up the light of all discs that reach a pixel. A disc's brightness is the light of its point,
+// divided by the disc's area. A sharp point is not covered by light from behind it. Alpha is the fraction of discs in
+// front.
 
 #include "post_block.glsl"
 
-uniform sampler2D picture;          // light; alpha the radius of its disc, negative in front of the sharp distance
+uniform sampler2D picture;          // light; alpha the radius of the disc, negative in front of the sharp distance
 
 layout(location = 0) out vec4 blurred;
 
@@ -11,7 +12,7 @@ const float PI = 3.14159265;
 const float GOLDEN_ANGLE = 2.39996323;
 const int TAPS_MAX = 80;
 
-// Fraction of a disc with a radius in pixels that covers an area in pixels.
+// The fraction of a disc that covers an area. Radius and area are in pixels.
 float fraction_of(float area, float radius) {
     return min(1.0, area / (PI * radius * radius + 1e-6));
 }
@@ -26,7 +27,7 @@ void main() {
     float front = 0.0;
     for (int i = 0; i < TAPS_MAX; i++) {
         if (i >= taps) break;
-        // A spiral, denser in the middle; each tap represents a part of a ring.
+        // The taps form a spiral, which is denser in the middle. Each tap represents a part of a ring.
         float u = (float(i) + 0.5) / float(taps);
         float radius = reach * pow(u, 0.6);
         float area = 1.2 * PI * reach * reach * pow(u, 0.2) / float(taps);

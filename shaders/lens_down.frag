@@ -1,10 +1,10 @@
-// Halves the resolution for depth of field: light, and in alpha the radius of its disc in pixels of the smaller
-// image, negative in front of the sharp distance.
+// Halves the resolution for depth of field. The result is light, with the radius of its disc in alpha: in pixels of the
+// smaller image, negative in front of the sharp distance.
 
 #include "post_block.glsl"
 
 uniform sampler2D picture;          // twice as large
-uniform sampler2D spreads;          // the same size: radius of each point's disc, in pixels
+uniform sampler2D spreads;          // as large as `picture`: radius of each point's disc, in pixels
 
 layout(location = 0) out vec4 smaller;
 
@@ -12,14 +12,14 @@ void main() {
     ivec2 limit = textureSize(spreads, 0) - 1;
     ivec2 corner = 2 * ivec2(gl_FragCoord.xy);
     vec3 sum = vec3(0.0);
-    // The nearest of the four, so that a sharp point is not blurred together with its background.
+    // Use the nearest of the four pixels, so that a sharp point is not blurred together with its background.
     float spread = 1e4;
     for (int i = 0; i < 4; i++) {
         ivec2 texel = min(corner + ivec2(i & 1, i >> 1), limit);
         sum += texelFetch(picture, texel, 0).rgb;
         spread = min(spread, texelFetch(spreads, texel, 0).r);
     }
-    // Subtract the blur of halving and enlarging, so that the total is the lens's blur.
+    // Subtract the blur of halving and enlarging, so that the total blur is the lens's blur.
     float disc = sqrt(max(0.25 * spread * spread - 2.6, 0.0));
     smaller = vec4(0.25 * sum, spread < 0.0 ? -disc : disc);
 }

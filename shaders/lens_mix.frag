@@ -1,4 +1,5 @@
-// Mixes sharp and blurred light: sharp where a point's disc is smaller than a pixel, blurred elsewhere.
+// Mixes sharp and blurred light. The light is sharp where a point's disc is smaller than a pixel, and blurred
+// elsewhere.
 
 #include "post_block.glsl"
 
@@ -11,7 +12,7 @@ layout(location = 0) out vec4 light;
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     vec2 place = post_place();
-    // A tent, so that neither the taps nor the smaller texels are visible.
+    // Use a tent filter, so that taps and texels of the smaller image are invisible.
     vec2 step = 0.5 / vec2(textureSize(blurred, 0));
     vec4 soft = vec4(0.0);
     for (int i = 0; i < 4; i++) soft += 0.25 * texture(blurred, place + step * vec2(2 * (i & 1) - 1, 2 * (i >> 1) - 1));

@@ -7,11 +7,11 @@ const float PI = 3.14159265;
 #endif
 
 struct Incoming {
-    vec3 direction;     // towards its middle
-    vec3 mirrored;      // towards its part nearest to the mirrored line of sight
-    float t;            // its distance
-    float widening;     // tangent of half the angle that it fills
-    vec3 light;         // on a surface perpendicular to the direction; for a panel, on this surface
+    vec3 direction;     // towards the middle of the light
+    vec3 mirrored;      // towards the part of the light nearest to the mirrored line of sight
+    float t;            // distance of the light
+    float widening;     // tangent of half the angle that the light fills
+    vec3 light;         // on a surface perpendicular to the direction; for a panel, on the lit surface
     float shadow;       // fraction that shadows remove
 };
 
@@ -23,13 +23,13 @@ float faded(float t, float range) {
 }
 
 #ifdef PANELS
-// An edge's part of Lambert's formula for the light of a polygon (1760): the angle between the directions to its
-// ends, times the edge's normal.
+// An edge's part in Lambert's formula for the light of a polygon (1760): the edge's normal, multiplied by the angle
+// between the directions to the edge's ends.
 vec3 edge_of_panel(vec3 a, vec3 b) {
     vec3 across = cross(a, b);
     float sine = length(across);
     float angle = atan(sine, dot(a, b));
-    // There is no normal on the line of an edge. For short edges the sine replaces the angle.
+    // On an edge's line there is no normal. For short edges, use the sine instead of the angle.
     return sine > 1e-5 ? across * (angle / sine) : across;
 }
 
@@ -65,7 +65,7 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
 }
 #endif
 
-// The light with that number at p; `direction` is the ray's direction.
+// The light with the given number at p. `direction` is the ray's direction.
 Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     vec4 place = lights[4 * number];
     vec4 color = lights[4 * number + 1];
@@ -108,10 +108,10 @@ vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, f
     return (f0 + (1.0 - f0) * grazing) * (spread * masking);
 }
 
-// Least alpha: a sharper highlight would be smaller than a pixel.
+// Minimum of alpha. A sharper highlight would be smaller than a pixel.
 const float ALPHA_MIN = 0.02;
 
-// Reflectance towards the eye, without mirror images. The diffuse part gets what Fresnel's reflection leaves.
+// Reflectance towards the eye, without mirror images. Fresnel's reflection reduces the diffuse part.
 vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     float seen = max(dot(normal, -direction), 1e-3);
     float facing = max(dot(normal, incoming.mirrored), 1e-3);

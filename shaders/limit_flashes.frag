@@ -1,5 +1,5 @@
-// Dims a finished frame where it would flash too often (`gpu::flash_pass`). It is drawn over the frame in the window
-// or in a copy, so that all other pixels stay unchanged.
+// Dims a finished frame where it would flash too often (`gpu::flash_pass`). The result is drawn over the frame in
+// the window or over a copy of it, so that all other pixels stay unchanged.
 
 #include "post_block.glsl"
 #include "encode.glsl"

@@ -2,12 +2,12 @@
 
 #include "material_fields.glsl"
 
-// All properties of a surface point except the light of lamps on it.
+// All properties of a surface point except the light that lamps send to it.
 struct Surface {
     int object;
     vec3 normal;
     Material material;
     vec3 ambient;       // light from all directions
-    float open;         // fraction of it that arrives
-    vec3 glow;          // light from shining objects that hide the rest
+    float open;         // fraction of the ambient light that arrives
+    vec3 glow;          // light from shining objects that block ambient light
 };

@@ -1,6 +1,6 @@
 // Traces rays through formulas that are not distances (NON_LIPSCHITZ) instead of sphere_tracing.glsl's `trace`. Each
-// cell (regions.glsl) has bounds of the gradient (region/gradient.rs): the value divided by the rate at which it can
-// fall along the ray is a step that cannot pass a surface. It is limited to the cell's face.
+// cell (regions.glsl) has bounds of the gradient (region/gradient.rs): a step cannot pass a surface if its length is
+// the value divided by the rate at which the value can fall along the ray. Steps end at the cell's face.
 
 struct Slopes {
     vec3 low;
@@ -29,14 +29,14 @@ vec2 non_lipschitz_span(vec3 origin, vec3 direction) {
     return vec2(max(span.x, tree.x), min(span.y, tree.y));
 }
 
-// The step with which a ray at t reaches its end in `left` steps that grow with the distance.
+// The step of a ray at t, if it reaches its end in `left` steps that grow with the distance.
 float even_step(int left, float t, float end) {
     float from = max(t, NON_LIPSCHITZ_NEAR);
     return from * (pow(end / from, 1.0 / float(left)) - 1.0);
 }
 
-// First surface along the ray: the change of sign. The pixel's cone has the radius `cone` at t = 0 and grows by
-// `spread`.
+// The first surface along the ray, where the value changes its sign. The pixel's cone has the radius `cone` at t = 0
+// and grows by `spread`.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
     vec2 span = non_lipschitz_span(origin, direction);
@@ -44,7 +44,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     float t = max(past(span.x), start);
     if (t >= end) return behind;
     Walk walk = walk_of(origin, direction);
-    // The last point outside and its value, 0 if it was not evaluated, and the first point inside.
+    // The last point outside with its value (0 if it was not evaluated), and the first point inside.
     float outside = t;
     float above = 0.0;
     float inside = -1.0;
@@ -84,16 +84,16 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             bool close = inside - outside < CLOSE_ENOUGH * radius;
             if (!(above > 0.0) || close || closings == CLOSINGS_MAX) return Hit(inside, NOTHING, true);
             closings++;
-            // The secant, kept away from both ends so that both close in.
+            // Use the secant, but stay away from both ends so that both close in.
             t = mix(outside, inside, clamp(above / (above - below), 0.1, 0.9));
         } else {
-            // The step of `non_lipschitz_step` in crates/field/src/rays.rs.
+            // Compute the step in the same way as `non_lipschitz_step` in crates/field/src/rays.rs.
             float slope = slope_towards(unpack_slopes(cell.slopes), direction);
             float safe = slope > 0.0 ? value / slope : FAR;
             float leaves = max(past(t), exit_of(cell, walk, q, t)) - t;
             float least = (NON_LIPSCHITZ_STEP_MIN + NON_LIPSCHITZ_STEP_GROWTH * float(i)) * radius;
             if (left <= NON_LIPSCHITZ_STEPS_MAX - NON_LIPSCHITZ_STEPS_MANY) least = max(least, even_step(left, t, end));
-            // A point that rounding put outside the tree has no cell to leave.
+            // If rounding puts a point outside the tree, there is no cell to leave.
             t += cell.side > 0.0 ? max(min(safe, leaves), least) : past(least);
         }
     }

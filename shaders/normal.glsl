@@ -8,7 +8,7 @@ float tap_distance(float cone) {
     return CHOSEN_TAP(max(0.6 * cone, 4e-4));
 }
 
-// The normal from the sum of the taps, each multiplied by its distance value.
+// The normal from the sum of the taps. Each tap is multiplied by its distance value.
 vec3 normal_of(vec3 sum) {
     float size = length(sum);
     return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);
@@ -19,7 +19,7 @@ vec3 sum_of_taps(vec4 d) {
 }
 
 // Converts a value to a distance at the surface that is shaded. A value that is not a distance is divided by the
-// slope there. On a plane, whose surroundings were not evaluated, only the sign counts.
+// slope there. On a plane, only the sign is used, because the surroundings were not evaluated.
 #ifdef NON_LIPSCHITZ
 float slope_here = 1e-9;
 #define NOTE_SLOPE(sum, h) slope_here = max(length(sum) / (4.0 * (h)), 1e-9)

@@ -1,19 +1,19 @@
-// Ambient occlusion from four probes along the normal: compares the distance at each probe with its height (Quilez
-// 2008; Abt 2022, section 3.5). It affects ambient light only. Shining objects nearby add glow instead.
+// Ambient occlusion from four probes along the normal. It compares the distance at each probe with the probe's height
+// (Quilez 2008; Abt 2022, section 3.5), and affects only ambient light. Nearby shining objects add glow instead.
 
 // Heights of the probes, as fractions of the reach of occlusion (`frame_reach`).
 const vec4 PROBE_FRACTIONS = vec4(0.0625, 0.25, 0.5625, 1.0);
 const vec4 PROBE_WEIGHTS = vec4(1.0, 0.8, 0.64, 0.512) / (1.0 + 0.8 + 0.64 + 0.512);
 #define probes (frame_reach.x * PROBE_FRACTIONS)
 
-// True if the scene without planes can affect a probe. A probe of height h is unaffected by a distance above h.
+// True if surfaces other than planes can affect a probe. A probe of height h is unaffected by a distance above h.
 bool occluder_near(vec3 p) {
     if (bounds_low.w < 0.5) return false;
     vec3 outside = max(max(bounds_low.xyz - p, p - bounds_high.xyz), 0.0);
     return bounds_high.w < 0.5 || dot(outside, outside) < probes.w * probes.w;
 }
 
-// Openness of the point, 1 if unoccluded, from the scene's distances at the probes.
+// The openness of the point, computed from the scene's distances at the probes; 1 if the point is unoccluded.
 float openness(vec3 p, vec3 normal, vec4 d) {
     for (int i = 0; i < PLANES; i++) {
         float height = dot(planes[i].xyz, p) + planes[i].w;
@@ -24,11 +24,12 @@ float openness(vec3 p, vec3 normal, vec4 d) {
 }
 
 #ifdef GLOW
-// Position of the probe for glow, as a fraction of the reach along the normal. From there, objects in front of the
-// surface are nearer and objects behind it farther away.
+// Position of the probe for glow, as a fraction of the reach along the normal. At that position,
+// objects in front of the surface are nearer and objects behind the surface are farther away.
 const float GLOW_PROBE = 0.25;
 
-// The received light, from the emission and the distance at the probe: none beyond the reach, all of it on contact.
+// The received light, computed from the emission and the distance at the probe. It is the whole emission on contact,
+// and 0 beyond the reach.
 vec3 glow_from(vec4 found) {
     float near = clamp(1.0 - max(AS_DISTANCE(found.a), 0.0) / frame_reach.x, 0.0, 1.0);
     return light_of(found.rgb) * (near * near * near);

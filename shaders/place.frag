@@ -1,4 +1,4 @@
-// Draws a finished frame into a window: cropped, mirrored, warped to four corners; black around it.
+// Draws a finished frame into a window. The frame is cropped, mirrored and warped to four corners, and black around it.
 
 #include "post_block.glsl"
 #include "place_block.glsl"
@@ -6,10 +6,10 @@
 
 layout(location = 0) out vec4 screen;
 
-// Most pixels of the frame along each side of a pixel of the window that are averaged.
+// Maximum number of averaged pixels of the frame along each side of a pixel of the window.
 const int TAPS_MAX = 8;
 
-// Covered fraction of a pixel, by its distance to an edge in pixels.
+// The covered fraction of a pixel, given its distance to an edge in pixels.
 float inside(float pixels) {
     return clamp(pixels + 0.5, 0.0, 1.0);
 }
@@ -32,7 +32,7 @@ void main() {
     if (taps == ivec2(1)) {
         color = enlarged(place);
     } else {
-        // The mean of the frame's pixels under a pixel of the window.
+        // Compute the mean of the frame's pixels under a pixel of the window.
         for (int y = 0; y < taps.y; y++) {
             for (int x = 0; x < taps.x; x++) {
                 vec2 at = place + step * ((vec2(float(x), float(y)) + 0.5) / vec2(taps) - 0.5);

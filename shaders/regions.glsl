@@ -1,10 +1,11 @@
-// Looks up cells in the tree over space, which is built for each frame (crates/field/src/region/). A cell has a lower
-// bound of the distance from its points to every surface, and a shortened tape for the distance inside it.
+// Looks up cells in the tree over space, which is built for each frame (crates/field/src/region/). A cell has a
+// lower bound of the distance from its points to all surfaces, and a shortened tape for the distance in the cell.
 //
 // Texels 0..4095 are the root's 16 x 16 x 16 cells, x first. A divided cell has a brick of 4 x 4 x 4.
 //
-// - x: the bound, as float bits, 0 if the cell may contain a surface; DIVIDED if it has a brick
-// - y: the brick's first texel; else the tape's first texel, and from bit 24 on the number of the nearest object
+// - x: DIVIDED if the cell has a brick; else the bound as float bits, which is 0 if the cell may contain a surface
+// - y: the brick's first texel if the cell has a brick; else the tape's first texel, and the number of the nearest
+//   object from bit 24 on
 
 uniform usamplerBuffer regions;     // RGBA32UI
 
@@ -12,8 +13,8 @@ const uint DIVIDED = 0xFFFFFFFFu;
 // ROOT_SIDE, AHEAD and other constants are shared with the CPU: crates/field/src/rays.rs.
 
 struct Cell {
-    float bound;    // lower bound of the distance from its points to any surface
-    int tape;       // first texel of the tape for bound and estimate inside
+    float bound;    // lower bound of the distance from points of the cell to all surfaces
+    int tape;       // first texel of the tape for bound and estimate in the cell
     int object;     // the nearest object, or SEVERAL
     float side;     // in root cells; 0 outside of the tree
 #ifdef NON_LIPSCHITZ
@@ -55,7 +56,7 @@ vec3 in_root(vec3 p) {
     return (p - region_low.xyz) * region_scale.xyz;
 }
 
-// A ray through the tree, with few members: they occupy registers while the scene is evaluated.
+// A ray through the tree. It has few members because they occupy registers while the scene is evaluated.
 struct Walk {
     vec3 origin;
     vec3 direction;
@@ -72,16 +73,17 @@ Walk walk_of(vec3 origin, vec3 direction) {
     return Walk(origin, direction, inverse, nudge);
 }
 
-// The position for looking up the ray's cell at t, slightly further on, so that a ray never gets stuck at a face.
+// The position at which the ray's cell at t is looked up. It is slightly beyond t, so that a ray never gets stuck at a
+// face.
 vec3 place_on(Walk walk, float t) {
     vec3 ahead = mix(vec3(-walk.nudge), vec3(walk.nudge), greaterThanEqual(walk.direction, vec3(0.0)));
     return in_root(walk.origin + t * walk.direction) + ahead;
 }
 
-// The distance at which the ray leaves the cell of q, which is `place_on` t.
+// The distance at which the ray leaves the cell of q. q is the result of `place_on` for t.
 float exit_of(Cell cell, Walk walk, vec3 q, float t) {
     vec3 face = (floor(q / cell.side) + step(vec3(0.0), walk.direction)) * cell.side;
-    // From the point itself, which is a nudge behind q.
+    // Measure from the point at t, which is a nudge behind q.
     vec3 left = (face - q) * walk.inverse + walk.nudge * abs(walk.inverse);
     return t + min(left.x, min(left.y, left.z));
 }

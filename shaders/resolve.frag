@@ -6,17 +6,17 @@
 uniform sampler2D picture;          // the first samples
 #ifdef EDGE_LIST
 uniform sampler2D extra_samples;    // further samples at edges, weighted, in blocks
-uniform usampler2D edge_squares;    // the block of each pixel's samples, counted from 1; 0 for none
+uniform usampler2D edge_squares;    // number of the block of each pixel's samples, starting at 1; 0 for no block
 #else
 uniform sampler2D extra_samples;    // weighted sum of further samples
 #endif
 
 layout(location = 0) out vec4 light;
 
-// The most samples in a block.
+// Maximum number of samples in a block.
 const int BLOCK_MAX = 16;
 
-// The sum of a pixel's further samples; alpha sums the weights.
+// The weighted sum of a pixel's further samples. Alpha is the sum of the weights.
 vec4 further_samples(ivec2 texel) {
 #ifdef EDGE_LIST
     ivec2 square = ivec2(texelFetch(edge_squares, texel, 0).xy);

@@ -1,11 +1,13 @@
-// Limits the rounds of a pixel's loops in the variant LIMITED_ROUNDS, the interpreter on llvmpipe: it ends every loop
-// of a group of pixels for good once their loops together have run 65,535 rounds, and would then show old registers.
+// Limits the rounds of a pixel's loops in the variant LIMITED_ROUNDS, the interpreter on llvmpipe. When the loops of a
+// group of pixels have run 65,535 rounds together, llvmpipe ends all of these loops for good, and the image would show
+// old registers.
 //
-// Each texel of a tape is a round. Rays therefore take as many steps as they can afford, and longer steps when few
-// are left. The remaining rounds are for surfaces.
+// Each texel of a tape is a round. Rays therefore take only the steps that they can afford, and longer steps when few
+// steps are left. The remaining rounds are for surfaces.
 
-// Rounds of the pixel up to which rays of each kind are traced. A step takes a group as many rounds as its longest
-// pixel, and a pixel cannot count those of the others. So these limits leave room: measured, not proven.
+// Rounds of the pixel up to which rays of each kind are traced. A step takes as many rounds as the slowest pixel of the
+// group needs, and a pixel cannot count the rounds of other pixels. The limits therefore leave room. They were
+// measured, not proven.
 const int EYE_ROUNDS = 26000;
 const int MIRROR_ROUNDS = 30000;
 const int SHADOW_ROUNDS = 40000;

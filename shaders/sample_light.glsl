@@ -12,15 +12,15 @@ vec3 storable(vec3 light) {
     return clamp(light, 0.0, LIGHT_MAX);
 }
 
-// With this weight the mean of the samples is nearly the mean of their visible brightness, so edges of bright light
-// stay smooth (Karis 2014). The bounds keep sums within 16-bit floats.
+// With this weight, the visible brightness of the samples' mean is nearly the mean of their visible brightness, so
+// edges of bright light stay smooth (Karis 2014). The bounds keep sums within 16-bit floats.
 float sample_weight(vec3 light) {
     float exposure = clamp(picture_look.x, 0.01, 1.0);
     return 1.0 / (1.0 + exposure * max(light.r, max(light.g, light.b)));
 }
 
-// A pixel's first sample stores a key of its surfaces in alpha. Further ones are weighted, and alpha sums the
-// weights.
+// A pixel's first sample stores a key of its surfaces in alpha. Further samples are weighted, and alpha is the sum of
+// the weights.
 vec4 stored_sample(vec3 light, float key, bool further) {
     light = storable(light);
     float weight = sample_weight(light);

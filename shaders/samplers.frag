@@ -1,8 +1,8 @@
-// Reads as many textures as any program may; its result is discarded.
+// Reads the maximum number of textures that a program may read. The result is discarded.
 //
 // Mesa binds no sampler for a texture buffer, so the previous program's sampler stays in that slot. llvmpipe compiles
-// a scene's program once for each combination of samplers in its slots, read or not. Drawing this program first gives
-// every scene the same combination.
+// a scene's program once for each combination of samplers in the slots, even if the program does not read them. When
+// this program is drawn first, every scene gets the same combination.
 
 uniform sampler2D slot_0;
 uniform sampler2D slot_1;

@@ -31,15 +31,15 @@ layout(location = 3) out vec4 more_clauses;         // of materials and light, 0
 #if defined(LENS) && !defined(COUNT_EVALUATIONS)
 layout(location = 1) out float sample_spread;       // radius of the point's disc in pixels
 
-// The blur of a thin lens: a point at distance z becomes a disc of radius * |1/sharp - 1/z| at distance 1; negative
-// in front of the sharp distance.
+// The blur of a thin lens: a point at distance z becomes a disc of radius * |1/sharp - 1/z| at distance 1; the result
+// is negative in front of the sharp distance.
 float spread_at(float nearness) {
     float limit = picture_lens.z * viewport.y;
     return clamp(picture_lens.x * (picture_lens.y - nearness) / (2.0 * camera_position.w), -limit, limit);
 }
 #endif
 #if defined(BEAMS) && !defined(VIEWS)
-// Free distance of the pixel's beam. The last of the outputs (crates/render/src/gpu/renderer.rs).
+// The free distance of the pixel's beam. It must be the last output (crates/render/src/gpu/renderer.rs).
 #if defined(COUNT_EVALUATIONS)
 layout(location = 4) out float sample_beam;
 #elif defined(LENS)
@@ -54,14 +54,15 @@ float seen_nearness = 0.0;
 // Light from the surface at p towards the eye, without mirror images.
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
-    // Light without shadows comes first: while a shadow ray runs, all values that are used later occupy registers.
+    // Add the light without shadows first: while a shadow ray runs, all values that are used later occupy registers.
     vec3 light = m.emission + m.color * (light_of(s.ambient) * s.open + s.glow);
-    // The loop tests at its end: a renderer that never skips a branch would otherwise run one more round in vain.
+    // The loop tests at its end. With a test at the start, a renderer that never skips a branch would run one more
+    // round in vain.
     int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
     int i = 0;
     do {
-        // frame_reach.z is 0. Without it compilers compute expressions that are the same for all lights before the
-        // loop, where they occupy registers during the shadow rays.
+        // frame_reach.z is 0. Without this term, compilers move expressions that are the same for all lights before the
+        // loop, and the results occupy registers during the shadow rays.
         vec3 view_direction = direction + frame_reach.z * float(i);
         Incoming incoming = light_at(i, p, s.normal, view_direction);
         if (max(incoming.light.r, max(incoming.light.g, incoming.light.b)) > 1e-5) {
@@ -93,7 +94,7 @@ void add_to_key(int object, bool flat_surface, vec3 normal) {
     surface_key = mod(surface_key * 29.0 + 27.0 * float(object + 1) + facing, KEYS);
 }
 
-// The most surfaces on a path: four mirrors and the surface in the last one.
+// Maximum number of surfaces on a path: four mirrors, and the surface that the last mirror shows.
 #if defined(MIRRORS) && !defined(COVERAGE)
 const int SURFACES_MAX = 5;
 #else
@@ -106,8 +107,8 @@ const float FRACTION_MIN_LEAST = 0.06;
 const float FAINT = 0.02;
 
 #ifdef BLUR
-// Two numbers of 0..1 for a surface of the path. A pixel's numbers come from a hash (pcg3d, Jarzynski and Olano 2020)
-// and are the same in each frame. Its further samples follow the R2 sequence (Roberts 2018).
+// Two numbers in 0..1 for a surface of the path. A pixel's numbers come from a hash (pcg3d, Jarzynski and Olano 2020)
+// and are the same in each frame. The pixel's further samples follow the R2 sequence (Roberts 2018).
 vec2 scatter(int surface) {
     uvec3 v = uvec3(uvec2(sample_place()), uint(surface)) * 1664525u + 1013904223u;
     v.x += v.y * v.z;
@@ -129,7 +130,8 @@ vec3 facet(vec3 normal, float alpha, vec2 random) {
 }
 #endif
 
-// Light along a ray from the eye. A single loop over the path's surfaces: a driver compiles tracing and shading once.
+// The light along a ray from the eye. There is a single loop over the path's surfaces, so that a driver compiles
+// tracing and shading once.
 vec3 scene_color(vec3 origin, vec3 direction) {
     float spread = camera_position.w;
     float fraction_min = mix(FRACTION_MIN_LEAST, FRACTION_MIN, frame_quality);
@@ -141,7 +143,8 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
-        // Movement of the point for the pixel to the right and the pixel above, before the rays meet the surface.
+        // The movement of the ray's point to the pixel to the right and to the pixel above, before it is projected onto
+        // the surface.
         float reached = travelled + (hit.met ? hit.t : 1.0);
         float wide = reached * (1.0 + blurred / spread);
         vec3 dx = camera_right.xyz * (2.0 * viewport.z * wide);
@@ -170,7 +173,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
             float most = max(1.0 - m.blur, m.reflect);
 #ifdef BLEND
-            // Otherwise a fading mirror would end in bright rims.
+            // Reduce it for faint mirrors. Otherwise a fading mirror would end in bright rims.
             grazing *= min(m.reflect * (1.0 / FAINT), 1.0);
 #endif
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
@@ -197,7 +200,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         if (surface == 0) sky_fraction = vec3(0.0);
 #endif
         if (max(sky_fraction.r, max(sky_fraction.g, sky_fraction.b)) > 0.0) {
-            // For a camera inside an object `reached` is 0.
+            // `reached` is 0 if the camera is inside an object.
             float scale = 1.0 / max(reached, 1e-6);
             color += sky_fraction * light_of(sky_color(direction, dx * scale, dy * scale));
         }
@@ -224,7 +227,7 @@ void main() {
 #else
     sample_color = stored_sample(color, surface_key + seen_rough, pass_sample.z > 0.5);
 #ifdef BEAMS
-    // The last bits hold the steps.
+    // The last bits hold the number of steps.
     sample_beam = uintBitsToFloat((floatBitsToUint(beam_free) & ~STEPS_BITS) | uint(min(beam_steps, int(STEPS_BITS))));
 #endif
 #endif

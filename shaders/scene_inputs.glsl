@@ -1,4 +1,4 @@
-// The inputs of a scene's expressions in addition to the point: tables of the sound, and textures.
+// The inputs of a scene's expressions that need functions: tables of the sound, and textures.
 
 float table_band(float index) {
     return frame_bands[int(clamp(index, 0.0, float(BAND_COUNT - 1)))].x;
@@ -8,7 +8,8 @@ float table_band(float index) {
 // B-splines. Each texel holds the polynomial between two entries, constant term first. All zero without sound.
 uniform samplerBuffer sound_tables;
 
-// The piece of a row with this many pieces, and the position in it, 0..1. The coordinate is clamped to 0..1.
+// The number of the piece at the coordinate u in a row of `pieces` pieces. x is the position in the piece, 0..1. u is
+// clamped to 0..1.
 int table_piece(int pieces, float u, out float x) {
     float along = (u > 0.0 ? min(u, 1.0) : 0.0) * float(pieces);
     int piece = min(int(along), pieces - 1);
@@ -44,10 +45,10 @@ float table_history(float u, float age) {
     float y = along - float(upper);
     int at = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + upper * PIECES + piece;
     float sum = 0.0;
-    // frame_reach.z is 0. Without it compilers unroll the loop, and four rows occupy registers at once.
+    // frame_reach.z is 0. Without this term, compilers unroll the loop, and four rows occupy registers at once.
     int rows = 4 + int(frame_reach.z);
     for (int row = 0; row < rows; row++) {
-        // The cubic B-spline at the row's distance from that age.
+        // The weight is the cubic B-spline at the row's distance from the age.
         float off = abs(y + 1.0 - float(row));
         float far = 2.0 - off;
         float weight = off < 1.0 ? 2.0 / 3.0 - 0.5 * off * off * far : far * far * far / 6.0;

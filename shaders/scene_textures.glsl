@@ -1,4 +1,4 @@
-// The scene's textures, a texture unit each: OpenGL 3.3 has no arrays of samplers with variable indices.
+// The scene's textures. Each has its own sampler, because OpenGL 3.3 has no variable indices into arrays of samplers.
 
 #if TEXTURES > 0
 uniform sampler2D scene_texture_0;
@@ -37,7 +37,8 @@ uniform sampler2D scene_texture_10;
 uniform sampler2D scene_texture_11;
 #endif
 
-// Reads a texture with the footprint of a pixel: the movements of uv for the pixel to the right and the pixel above.
+// Reads a texture with the footprint of a pixel. dx and dy are the changes of uv to the pixel to the right and to the
+// pixel above.
 vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) {
 #if TEXTURES > 0
     if (index == 0) return textureGrad(scene_texture_0, uv, dx, dy);

@@ -1,16 +1,16 @@
 // Shadows: the fraction of a light that arrives at a point.
 
 const float SHADOW_STEP_MIN = 0.03;
-// Start of a shadow ray, so that it does not hit the surface that it leaves.
+// Start of a shadow ray. It is not 0, so that the ray does not hit the surface that it leaves.
 const float SHADOW_START = 0.02;
-// Shadow rays are also dimmed by surfaces they pass outside the scene's bounds, up to the largest width of a
-// penumbra: the light's distance divided by its sharpness, within this range.
+// Surfaces also dim shadow rays that pass outside the scene's bounds, up to the largest width of a penumbra. This width
+// is the light's distance divided by its sharpness, clamped to this range.
 const float SHADOW_MARGIN_MIN = 0.1;
 const float SHADOW_MARGIN_MAX = 3.0;
 // The sharpness of a penumbra, a light's distance divided by its radius, is clamped to this range.
 const float SHARPNESS_MIN = 2.0;
 const float SHARPNESS_MAX = 64.0;
-// Range of an infinitely distant light.
+// Length of shadow rays towards an infinitely distant light.
 const float SUN_DISTANCE = 1000.0;
 
 vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
@@ -28,7 +28,8 @@ vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
 #else
 const int SHADOW_STEPS_MAX = 96;
 const float SHADOW_STEP_GROWTH = 0.0;
-// Longest step near the scene: longer ones would be visible in the penumbra. Farther away, half the distance.
+// Longest step near the scene. Longer steps would be visible in the penumbra. Farther away, a step may be half the
+// distance.
 const float SHADOW_STEP_MAX = 0.6;
 
 // Visible fraction of a light from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest pass
@@ -52,7 +53,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         Cell cell = NO_CELL;
 #else
         Cell cell;
-        // Skips cells whose surfaces are too far away to reduce the light further.
+        // Skip cells whose surfaces are too far away to reduce the light further.
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
             cell = cell_at(q);
@@ -60,7 +61,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             float leaves = max(past(t), exit_of(cell, walk, q, t));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
             t = leaves;
-            // No triangulation after a skip.
+            // Prevent triangulation after a skip.
             stride = 1e4;
             previous = 1e4;
             if (t >= end) break;
@@ -73,13 +74,13 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
-        // The last two points' spheres are empty. They meet `behind` back from this point and `closest` off the ray.
-        // A stride longer than its sphere, taken next to a surface, allows no triangulation.
+        // The spheres of the last two points are empty. They meet at `behind` back along the ray and `closest` off the
+        // ray. A stride that is longer than its sphere, next to a surface, allows no triangulation.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));
         visible = min(visible, sharpness * closest / max(t - behind, 1e-3));
-        // Not d < 0.002, so that NaN also ends the ray.
+        // The condition is not d < 0.002, so that NaN also ends the ray.
         if (!(d >= 0.002) || visible < 0.004) {
             visible = 0.0;
             break;

@@ -1,10 +1,10 @@
 // Sphere tracing (Hart 1996; Abt 2022, section 2.2) inside the scene's bounds. Planes are solved exactly.
 
-// STEPS_MAX, HIT_FRACTION and other constants are shared with the CPU: crates/field/src/rays.rs.
+// The CPU uses the same STEPS_MAX, HIT_FRACTION and other constants: crates/field/src/rays.rs.
 
-// The last step is at most this many times as long as the distance.
+// Maximum length of the last step, as a multiple of the distance.
 const float SLANT_MAX = 4.0;
-// Multiple of the cone's radius below which a ray that has used up its steps counts as a hit.
+// A ray that has used up its steps is a hit if the distance is below this multiple of the cone's radius.
 const float CAPPED_FRACTION = 8.0;
 
 struct Hit {
@@ -13,7 +13,7 @@ struct Hit {
     bool met;       // true if the ray hits a surface
 };
 
-// Entry and exit of the ray into the box; empty if entry > exit.
+// The distances at which the ray enters and leaves the box; the ray misses the box if entry > exit.
 vec2 box_span(vec3 origin, vec3 direction, vec3 low, vec3 high) {
     // A component of exactly 0 would make 0 * inf = NaN.
     vec3 inverse = 1.0 / (direction + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(direction, vec3(0.0))));
@@ -24,7 +24,7 @@ vec2 box_span(vec3 origin, vec3 direction, vec3 low, vec3 high) {
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
-// The part of the ray in the traced scene's bounds, enlarged by a margin; empty if entry > exit.
+// The part of the ray in the traced scene's bounds, which are enlarged by a margin; empty if entry > exit.
 vec2 traced_span(vec3 origin, vec3 direction, float margin) {
     if (bounds_low.w < 0.5) return vec2(1.0, 0.0);
     if (bounds_high.w < 0.5) return vec2(0.0, FAR);
@@ -43,33 +43,34 @@ Hit trace_planes(vec3 origin, vec3 direction, float start) {
     return hit;
 }
 
-// Beams: on llvmpipe, further samples of a pixel do not start at the eye. The pixel's first ray finds the free
-// distance of its beam, which contains all of the pixel's rays: at a distance t within a radius of the first ray. If
-// no surface is nearer than twice that radius, the free ball around a step contains the beam and meets the previous
-// ball. Beams and NO_CELLS make compiled scenes without a tree 23 % faster on llvmpipe (median), interpreted ones 2
-// %. On a GPU a beam would occupy one more register during shading, which costs waves; fewer pixels are at edges
-// there.
+// Beams: on llvmpipe, further samples of a pixel do not start at the eye. A beam contains all rays of the pixel: at a
+// distance t they are within a radius of the first ray. The first ray finds the free distance of the beam. If all
+// surfaces are farther away than twice the radius, the free ball around a step contains the beam and meets the previous
+// ball. On llvmpipe, beams and NO_CELLS make compiled scenes without a tree 23 % faster (median), and interpreted
+// scenes 2 %. On GPUs a beam would occupy one more register during shading, which costs waves, and fewer pixels are at
+// edges.
 #ifdef SOFTWARE
 #define BEAMS
 #endif
 #ifdef BEAMS
-// Least bound of a cell, in radii, to carry a beam. In other cells the distance may be larger than the bound.
+// A ray that carries a beam skips a cell only if the bound is at least this many radii of the beam. In other cells it
+// evaluates the distance, which may be larger than the bound.
 const float BEAM_BOUND = 3.5;
 
-// The bits that hold the steps in a number with both.
+// The bits that hold the number of steps, in a number that also holds the free distance.
 const uint STEPS_BITS = 127u;
 
-// Start of this sample's ray from the eye, without surfaces before it, and the number of steps up to there.
+// The distance at which this sample's ray starts (no surface is nearer), and the number of steps up to there.
 float ray_start = 0.0;
 int ray_steps = 0;
 // The radius of the beam at distance 1; 0 if no more samples follow.
 float beam_spread = 0.0;
-// Free distance of the beam, and the steps of this ray up to there.
+// The free distance of the beam, and the number of steps of this ray up to there.
 float beam_free = 0.0;
 int beam_steps = 0;
 
-// Free distance of a beam after a step to t; negative once a surface was too near. `nearest` is a lower bound of the
-// distance from the start of the step, or from the cell that it skips, to any surface.
+// The free distance of a beam after a step to t; negative once a surface was too near. `nearest` is a lower bound of
+// the distance to all surfaces, from the start of the step or from the skipped cell.
 float free_after(float free, float nearest, float t) {
     float radius = beam_spread * t;
     float stays = nearest >= 2.0 * radius ? t - radius : -free;
@@ -80,7 +81,7 @@ float free_after(float free, float nearest, float t) {
 #ifdef NON_LIPSCHITZ
 #include "non_lipschitz.glsl"
 #else
-// First surface along the ray. The pixel's cone has the radius `cone` at t = 0 and grows by `spread`.
+// The first surface along the ray. The pixel's cone has the radius `cone` at t = 0 and grows by `spread`.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
     vec2 span = traced_span(origin, direction, 0.0);
@@ -108,7 +109,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         Cell cell = NO_CELL;
 #else
         Cell cell;
-        // Skips cells without a surface, up to the point where the distance must be evaluated.
+        // Skip cells without a surface, up to the point at which the distance must be evaluated.
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
             cell = cell_at(q);
@@ -134,9 +135,9 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
 #endif
         // Not d >= reach, so that NaN also ends the ray.
         if (!(d >= reach * (cone + spread * t))) break;
-        // Tried: longer steps, as far as the last two distances predict, taken back where the empty spheres do not
-        // meet (Keinert et al. 2014 do so). 2 to 10 % fewer evaluations in seven scenes, 2 % more in lattice, whose
-        // bound is not smooth.
+        // Tried: longer steps that the last two distances predict, undone where the empty spheres do not meet (Keinert
+        // et al. 2014). Seven scenes need 2 to 10 % fewer evaluations; lattice, whose bound is not smooth, needs 2 %
+        // more.
         t += d;
 #ifdef BEAMS
         free = free_after(free, d, t);

@@ -1,16 +1,17 @@
 // A point of a surface, from a compiled scene's functions.
 
-// The distance for a ray. Compiled functions need no cell.
+// The distance for a ray. Compiled functions do not use the cell.
 vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return scene_distance(p, penumbra);
 }
 
-// The evaluated points, in this order: the point itself for its object, the normal's taps, the occlusion's probes.
+// The order of the evaluated points: the point itself (for its object), the normal's taps, the occlusion's probes.
 const int FIRST_TAP = 1;
 const int FIRST_PROBE = 5;
 const int LAST_PROBE = 8;
 
-// `plane` is the plane that contains `p`, or NOTHING. `dx` and `dy` lead to the neighbouring pixels' rays here.
+// `plane` is the plane that contains `p`, or NOTHING. `dx` and `dy` lead to the neighbouring pixels' rays
+// at this distance.
 Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, vec3 dy) {
     Surface s;
     s.normal = vec3(0.0);
@@ -24,7 +25,8 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     vec4 d = probes;
     float h = tap_distance(cone);
     int last = occluder_near(p) ? LAST_PROBE : FIRST_PROBE - 1;
-    // One loop, so that a driver compiles the scene once for all points. It ends early if no occluder is near.
+    // Use one loop, so that a driver compiles the scene once for all points. The loop ends early if no occluder is
+    // near.
     for (int i = plane != NOTHING ? FIRST_PROBE : 0; i <= last; i++) {
         int at = i < FIRST_PROBE ? i - FIRST_TAP : i - FIRST_PROBE;
         vec4 place = vec4(equal(ivec4(0, 1, 2, 3), ivec4(at)));
@@ -51,7 +53,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
                                 along_surface(dy, s.normal, direction));
     s.open = openness(p, s.normal, d);
 #ifdef GLOW
-    // For a texture, the mean colour around the point.
+    // With this width, a texture gives its mean colour around the point.
     vec3 width = vec3(GLOW_PROBE * frame_reach.x, 0.0, 0.0);
     s.glow = glow_from(scene_glow(p + width.x * s.normal, width, width.zyx));
 #endif

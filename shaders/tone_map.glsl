@@ -1,8 +1,8 @@
-// Tone maps: from exposed light, finite and not negative, to linear light of the screen, 0..1.
+// Tone maps: they convert exposed light, which is finite and not negative, to linear light of the screen, 0..1.
 // crates/field/src/lang/scene.rs assigns the numbers of TONE_MAP.
 
 #if TONE_MAP == 0
-// AgX (Troy Sobotka): 16.5 stops of light, desaturated and mapped by a curve in logarithms; bright colours fade to
+// AgX (Troy Sobotka): light is desaturated, and a curve in logarithms maps 16.5 stops of it. Bright colours fade to
 // white. The stops are 10 below and 6.5 above middle grey, which becomes 0.48 of the encoded range, with a slope of
 // 2.2.
 const mat3 AGX_INSET = mat3(
@@ -15,9 +15,9 @@ const mat3 AGX_OUTSET = mat3(
     -0.0990297440797205, -0.0989611768448433, 1.15107367264116);
 const float AGX_DARKEST = -12.47393;
 const float AGX_STOPS = 16.5;
-// Strengthens colours, which neutral AgX leaves weak.
+// Strengthens colours, which are weak in neutral AgX.
 const float AGX_SATURATION = 1.4;
-// The exponent that decodes the result: a little more contrast than AgX's 2.2.
+// The exponent that decodes the result. It gives a little more contrast than AgX's 2.2.
 const float AGX_POWER = 2.36;
 
 vec3 tone_map(vec3 color) {

@@ -1,7 +1,7 @@
 // Colours of the views (variant VIEWS), 0..1 in sRGB, from the values recorded for a sample. Each view has a function
 // `view_NAME` of the ray's direction.
 
-// The most texels of a tape that are counted.
+// Maximum number of counted texels of a tape.
 const int TAPE_TEXELS_MAX = 4096;
 // Half the width of the lines on a slice and at the faces of cells, in pixels.
 const float LINE_WIDTH = 0.8;
@@ -14,17 +14,17 @@ vec3 heat_color(float fraction) {
 
 // The distance at a point, or the formula's value, including planes.
 float value_at(vec3 p) {
-    // There is no cell at this point, so the whole tape runs.
+    // This point is outside the tree, so the whole tape runs.
     Cell whole = cell_at(vec3(-1.0));
     float d = bounds_low.w < 0.5 ? FAR : scene_distance(whole, p, 0.0).y;
     for (int i = 0; i < PLANES; i++) {
         if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, dot(planes[i].xyz, p) + planes[i].w);
     }
-    // NaN counts as far away.
+    // Treat NaN as far away.
     return abs(d) < 1e9 ? d : 1e9;
 }
 
-// Covered fraction of a pixel that is `away` pixels from the middle of a line.
+// The covered fraction of a pixel that is `away` pixels from the middle of a line.
 float line_cover(float away, float half_width) {
     return clamp(half_width + 0.5 - away, 0.0, 1.0);
 }
@@ -37,7 +37,7 @@ vec3 view_slice(vec3 direction) {
     t = clamp(t, 1e-3, 1e6);
     float d = value_at(camera_position.xyz + t * direction);
     float pixel = 2.0 * camera_position.w * t;
-    // Change of the value from pixel to pixel; for a signed distance at most the pixel's width.
+    // The change of the value from pixel to pixel. For a signed distance, it is at most the pixel's width.
     float slope = max(fwidth(d), 0.05 * pixel);
     float spacing = view_choice.y;
     vec3 color = d > 0.0 ? COLOR_OUTSIDE : COLOR_INSIDE;
@@ -60,13 +60,13 @@ vec3 view_slice(vec3 direction) {
     return mix(color, COLOR_ZERO, line_cover(abs(d) / slope, 1.5));
 }
 
-// Number of clauses in a tape of the regions.
+// The number of clauses in a region's tape.
 float tape_length(int first) {
     int texels = 0;
     for (; texels < TAPE_TEXELS_MAX; texels++) {
         if ((texelFetch(regions, first + texels).z & 255u) == 0u) break;
     }
-    // Two to a texel; the second clause of the last texel is END.
+    // A texel has two clauses, but the second clause of the last texel is END.
     return 2.0 * float(texels) + 1.0;
 }
 

@@ -16,7 +16,7 @@ vec3 noted_p = vec3(0.0);
 vec3 noted_normal = vec3(0.0);
 float noted_open = 1.0;
 int noted_object = 0;
-// Light of the lamps without shadows, and the light that arrives.
+// The light of the lamps without shadows, and the light that arrives.
 float noted_light = 0.0;
 float noted_arrives = 0.0;
 

@@ -250,7 +250,7 @@ impl Diagnostics {
         self.list.is_empty()
     }
 
-    /// Returns the diagnostics in the order of their locations. If some were dropped, the last one says so.
+    /// Returns the diagnostics in the order of their locations. If diagnostics were dropped, the last one reports this.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.list.sort_by_key(|one| one.span);
         if self.dropped > 0 {
