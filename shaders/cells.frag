@@ -12,7 +12,7 @@ uniform sampler2D picture;      // finished
 
 layout(location = 0) out vec4 mean;
 
-// A cell's colour is the mean of a square of its pixels, this many along each side.
+// A cell's colour is the mean of a square of samples, with this number of samples along each side.
 const int SAMPLES = 8;
 
 // Approximates linear_from_srgb of encode.glsl within 0.0005. It avoids powers, which took half of this pass on a CPU.

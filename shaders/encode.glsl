@@ -1,4 +1,4 @@
-// Conversion between linear light and sRGB (IEC 61966-2-1). Only this file converts; framebuffers do not.
+// Conversion between linear light and sRGB (IEC 61966-2-1). Conversion happens only here, not in framebuffers.
 
 vec3 srgb_from_linear(vec3 color) {
     vec3 low = 12.92 * color;

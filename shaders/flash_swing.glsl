@@ -93,7 +93,7 @@ float hold_after(Ages ages) {
     return are_enough(ages, EARLY) ? HOLD : (are_enough(ages, 0.0) ? EARLY : 0.0);
 }
 
-// True if a cell with this mark is marked only because a rise is delayed.
+// True if this mark only means that a rise is delayed.
 bool is_put_off(float hold) {
     return hold > 0.0 && hold <= EARLY + ROUNDING;
 }

@@ -44,7 +44,8 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
     vec3 c = normalize(middle + right.xyz + up.xyz);
     vec3 d = normalize(middle - right.xyz + up.xyz);
     vec3 flux = edge_of_panel(a, b) + edge_of_panel(b, c) + edge_of_panel(c, d) + edge_of_panel(d, a);
-    // The part below the horizon is not cut off, so panels that are only partly above it are slightly too dark.
+    // A panel's part below the horizon is not cut off, so panels that are partly below the horizon are slightly too
+    // dark.
     float arriving = before > 0.0 ? max(-0.5 * dot(flux, normal), 0.0) : 0.0;
     float t = length(middle);
     // The intersection of the mirrored line of sight with the panel's plane, clamped to the panel.

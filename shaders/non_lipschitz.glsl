@@ -72,7 +72,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (i == NON_LIPSCHITZ_STEPS_MAX - 1) COUNT(capped);
 #endif
         float radius = cone + spread * max(t, NON_LIPSCHITZ_NEAR);
-        // NaN counts as inside.
+        // Treat NaN as inside.
         if (value > 0.0) {
             outside = t;
             above = value;

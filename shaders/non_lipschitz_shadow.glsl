@@ -34,7 +34,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
-        // NaN counts as inside.
+        // Treat NaN as inside.
         if (!(values.y > 0.0)) return 0.0;
         float towards = slope_towards(unpack_slopes(cell.slopes), to_light);
         float stride = towards > 0.0 ? values.x / towards : FAR;

@@ -1,4 +1,5 @@
-// Draws a finished frame into a window. The frame is cropped, mirrored and warped to four corners, and black around it.
+// Draws a finished frame into a window. The frame is cropped, mirrored and warped to four corners. The rest of the
+// window is black.
 
 #include "post_block.glsl"
 #include "place_block.glsl"

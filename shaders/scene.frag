@@ -143,7 +143,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
-        // The movement of the ray's point to the pixel to the right and to the pixel above, before it is projected onto
+        // The movement of the ray's end to the pixel to the right and to the pixel above, before it is projected onto
         // the surface.
         float reached = travelled + (hit.met ? hit.t : 1.0);
         float wide = reached * (1.0 + blurred / spread);

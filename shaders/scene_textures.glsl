@@ -1,4 +1,5 @@
-// The scene's textures. Each has its own sampler, because OpenGL 3.3 has no variable indices into arrays of samplers.
+// The scene's textures. Each texture has its own sampler, because OpenGL 3.3 allows no variable indices into arrays of
+// samplers.
 
 #if TEXTURES > 0
 uniform sampler2D scene_texture_0;

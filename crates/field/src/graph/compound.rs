@@ -420,7 +420,7 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
     best
 }
 
-/// Compares a part with an operation, and adds what it requires of the operands to `bound`. With `negated`, the part
+/// Compares a part with an operation, and adds the operands that the part requires to `bound`. With `negated`, the part
 /// must equal the operation with the opposite number.
 fn fit(
     values: &impl Values,

@@ -60,7 +60,7 @@ const TIME_MAX: f32 = 86_400.0;
 
 impl FrameInputs {
     /// Returns the inputs of all frames at once: any sound, any time, parameters within their ranges. Bounds computed
-    /// with them hold for every frame; a value computed with them is the value in silence.
+    /// with them hold for every frame; values computed with them are the values in silence.
     pub fn any(params: impl IntoIterator<Item = (f32, f32)>) -> Self {
         Self {
             spectrum: TableData::within(0.0, 1.0),

@@ -158,7 +158,8 @@ impl GradientInterval {
 }
 
 /// A box that is cut where parts of a formula jump. In each piece the slopes belong to one side of the jump, so their
-/// bounds are much tighter than over the whole box. Noise needs this: it is smooth, but its parts jump at its cells.
+/// bounds are much tighter than over the whole box. Noise needs such cuts: it is smooth, but its parts jump at the
+/// borders of its cells.
 #[derive(Debug, Clone, Default)]
 pub struct Pieces {
     cuts: Vec<(usize, f32)>,

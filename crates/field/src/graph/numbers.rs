@@ -6,7 +6,7 @@
 pub const SMALLEST: f32 = f32::MIN_POSITIVE;
 /// TANH clamps its operand to this magnitude, where its value is 1 in f32. Drivers overflow for much larger operands.
 pub const TANH_MAX: f32 = 10.0;
-/// Largest f32 below 2^31. Cell numbers are clamped to it before they become integers.
+/// Largest f32 below 2^31. Cell numbers are clamped to this limit before they become integers.
 pub const CELL_MAX: f32 = 2_147_483_520.0;
 
 #[inline(always)]

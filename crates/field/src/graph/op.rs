@@ -158,7 +158,8 @@ macro_rules! operators {
             }
 
             /// Returns intervals that hold the partial derivatives by a and by b over the given intervals, where `r`
-            /// bounds the value. At kinks they hold the slopes of both sides. Jumps have no slope (`slope_rules.rs`).
+            /// bounds the value. At kinks the intervals hold the slopes of both sides. Jumps have no slope
+            /// (`slope_rules.rs`).
             #[inline(always)]
             pub fn slope_bounds(
                 self, a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
@@ -477,7 +478,7 @@ operators! {
 pub const FIRST_BINARY: u8 = 64;
 
 impl Op {
-    /// The operators that read a curve of the sound. Frames hold these curves only for them.
+    /// The operators that read a curve of the sound. Frames hold the curves only if a scene uses these operators.
     pub const CURVES: [Op; 3] = [Op::Spectrum, Op::Waveform, Op::History];
 
     /// The operator's number.

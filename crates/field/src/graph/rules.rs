@@ -286,8 +286,8 @@ pub(super) fn max(a: Interval, b: Interval) -> Interval {
     neg(min(neg(a), neg(b)))
 }
 
-/// If both ends are in one period, the value increases with a. Otherwise it is between 0 and b, up to the rounding of
-/// the quotient, the product and the difference, each relative to an operand.
+/// If both ends are in one period, the value increases with a. Otherwise the value is between 0 and b, up to the
+/// rounding of the quotient, the product and the difference, each relative to an operand.
 pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
     if a.is_unbounded() || b.is_unbounded() {
         return Interval::ANY;

@@ -48,11 +48,11 @@ pub struct ObjectCost {
     pub name: String,
     /// The number of clauses of the shape alone, and of the material.
     pub clauses: (usize, usize),
-    /// Rays that end on it.
+    /// The number of rays that end on the object.
     pub rays: u32,
-    /// Evaluations of the distance for these rays.
+    /// The number of evaluations of the distance for these rays.
     pub evaluations: u64,
-    /// Clauses of these evaluations.
+    /// The number of clauses that these evaluations ran.
     pub run: u64,
     /// The position of the declaration.
     pub place: Option<TextPlace>,
@@ -65,11 +65,11 @@ pub struct ObjectCost {
 pub struct PartCost {
     /// The file and the byte range of the expression that defines the part.
     pub written: (usize, Range<usize>),
-    /// Rays that end on it.
+    /// The number of rays that end on the part.
     pub rays: u32,
-    /// Evaluations of the distance for these rays.
+    /// The number of evaluations of the distance for these rays.
     pub evaluations: u64,
-    /// Clauses of these evaluations.
+    /// The number of clauses that these evaluations ran.
     pub run: u64,
 }
 

@@ -90,7 +90,7 @@ pub struct RegionVariant {
     pub operators: BTreeSet<Op>,
     /// The compounds that may occur.
     pub compounds: Compounds,
-    /// Number of registers, up to 256, rounded by [`rounded_registers`]. GPUs round it up to a power of two.
+    /// Number of registers, up to 256, rounded by [`rounded_registers`]. GPUs round this number up to a power of two.
     pub registers: usize,
     /// True if rays need the cells' bounds of the gradient.
     pub non_lipschitz: bool,

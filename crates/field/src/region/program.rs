@@ -63,7 +63,7 @@ pub(super) const OBJECT: usize = 2;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Program {
     pub(super) inputs: usize,
-    /// Number of inputs that are in registers at the start; the others are texture samples.
+    /// Number of inputs that are in registers at the start. The other inputs are texture samples.
     pub(super) in_registers: usize,
     pub(super) steps: Vec<Step>,
     pub(super) roots: Vec<Arg>,

@@ -1,9 +1,9 @@
 //! Shortens a program for each of 64 cells: decides minima, folds constants, and drops unneeded steps.
 //!
-//! Decisions are masks of 64 bits, one bit per cell: the cells that need a value, those where it is a number, and
-//! those where it equals one of its operands. Cells with the same decisions share a program, which is written
-//! once. Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020), section
-//! 3, shortens one tape for one cell at a time.
+//! Decisions are masks of 64 bits, one bit per cell: the cells that need a value, the cells where the value is a
+//! number, and the cells where the value equals one of its operands. Cells with the same decisions share a program,
+//! which is written once. Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020),
+//! section 3, shortens one tape for one cell at a time.
 
 use multiversion::multiversion;
 

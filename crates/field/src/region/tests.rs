@@ -220,7 +220,7 @@ fn registers_of(tree: &Regions, tape: u32) -> usize {
 
 #[test]
 fn operands_of_history_reads_have_registers() {
-    // While one half of each sum is computed, the other half is kept. This takes the most registers.
+    // While one half of each sum is computed, the other half is kept. No other code takes as many registers.
     fn sum(first: u32, count: u32) -> String {
         match count {
             1 => format!("length(p - vec3({first}, 0.5 * {first}, 2))"),

@@ -75,7 +75,7 @@ pub struct Regions {
 const TIGHTENINGS_MAX: usize = 3;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
-/// Penumbras and occlusion ask for distances up to this far from surfaces: slightly more than the highest probe.
+/// Penumbras and occlusion evaluate distances up to this far from surfaces: slightly more than the highest probe.
 pub(super) const AROUND: f32 = 1.2;
 /// Bounds are reduced by this fraction of the box's size and its distance from the origin, because GPUs round
 /// differently. Two dozen roundings of numbers of that size add up to a fraction of 3e-6.

@@ -186,7 +186,7 @@ impl Allocator<'_> {
                 farthest = Some((self.next_use[register], register as u8));
             }
         }
-        // At most two operands are pinned, or all outputs except the one being fetched.
+        // At most two operands are pinned, or all outputs except the output that is being fetched.
         let Some((_, register)) = farthest else {
             return Err(TapeError::RegisterCount { count: self.options.registers });
         };

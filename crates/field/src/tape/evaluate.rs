@@ -390,7 +390,8 @@ fn along(slope: f32, change: f32) -> f32 {
     if change == 0.0 || slope == 0.0 { 0.0 } else { slope * change }
 }
 
-/// Evaluates a tape and its gradient by forward-mode dual numbers, within one frame. Textures count as constant.
+/// Evaluates a tape and its gradient by forward-mode dual numbers, within one frame. Textures are treated as
+/// constants.
 #[derive(Debug, Clone)]
 pub struct GradientEvaluator<'a> {
     tape: &'a Tape,

@@ -19,7 +19,7 @@ pub fn literal(value: f32) -> String {
     }
 }
 
-/// The name of an input in the generated code. `p` and `n` are arguments of the function, all others are uniforms.
+/// The name of an input in the generated code. `p` and `n` are arguments of the function; the other names are uniforms.
 ///
 /// `frame_time` is a float. `frame_heard` holds the sound's numbers, `frame_params` the parameters and
 /// `frame_hoisted` the values that are computed once per frame, four to a vec4. `frame_bands` is 32 vec4 with a band

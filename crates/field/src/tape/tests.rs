@@ -316,7 +316,7 @@ fn deep_expressions_need_no_stack_and_few_registers() {
     assert!(glsl::function(&graph, &[left], "deep", glsl::Sampling::None).unwrap().lines().count() > 200_000);
 }
 
-/// A balanced tree over 2^10 leaves of x, y and z takes one register per level, and spills if there are fewer.
+/// A balanced tree over 2^10 leaves of x, y and z takes one register per level. With fewer registers it spills.
 #[test]
 fn spilling_uses_memory_only_where_registers_run_out() {
     let mut graph = Graph::new();

@@ -4,10 +4,11 @@
 //! part is dropped if it contains no surface at any sound, time and parameters. The search runs once per text and may
 //! take about 10 ms. An infinite scene has no bounds and is traced up to a distance of 1000.
 //!
-//! A blend of exponentials is constant where all of them underflow in 32 bits: e^-11d does at d = 7.9. Without
-//! bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has this problem,
-//! because it has no bounds. It would be exact to drop an exponential that vanishes in the sum by rounding. But this
-//! needs a distance of 17 / 11 = 1.6 between two parts of a blend by e^-11d, more than half the size of fidget's bear.
+//! A blend of exponentials is constant where all of the exponentials underflow in 32 bits: e^-11d underflows at d =
+//! 7.9. Without bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has this
+//! problem, because it has no bounds. It would be exact to drop an exponential that vanishes in the sum by rounding.
+//! But this needs a distance of 17 / 11 = 1.6 between two parts of a blend by e^-11d, more than half the size of
+//! fidget's bear.
 
 use crate::graph::{FrameInputs, Interval};
 use crate::tape::{IntervalEvaluator, Tape};

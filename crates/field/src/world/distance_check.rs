@@ -31,7 +31,7 @@ const SCALES: i32 = 18;
 const POWER_MAX: i32 = 4;
 /// Fractions of the largest reach to try. An infinite reach leaves the value unchanged.
 const REACHES: [f32; 5] = [f32::INFINITY, 1.0, 0.5, 0.25, 0.125];
-/// A stronger normalization must reduce the flat part of the surfaces by this factor.
+/// A stronger normalization is used only if it reduces the flat part of the surfaces by this factor.
 const WORTH: f32 = 1.2;
 /// Distances from the camera's target at which the samples of a scene without bounds start, alternately. Samples spread
 /// over an infinite scene would hardly meet small objects.
@@ -106,7 +106,7 @@ fn length(v: [f32; 3]) -> f32 {
     v.iter().map(|part| part * part).sum::<f32>().sqrt()
 }
 
-/// The slopes of the value of a world's rest, if it is not a distance.
+/// The slopes of a world's value (without planes), if that value is not a distance.
 #[derive(Debug, Clone, Copy)]
 pub struct Slopes {
     /// Approximately the steepest sampled slope; infinite if there are too few samples.
@@ -124,9 +124,10 @@ impl Default for Slopes {
     }
 }
 
-/// Normalizes the value of the tape's first output; `None` if it is a distance, that is, at most 1 steep in nearly
-/// all samples and not much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which
-/// its points start alternately. A normalized value grows without limit, or up to about `reach` or a fraction of
+/// Normalizes the value of the tape's first output; `None` if the value is a distance. A distance has a slope of at
+/// most 1 in nearly all samples, and not much less at its surfaces. `frames` are the frames to sample, each with the
+/// boxes in which its points start alternately. A normalized value grows without limit, or up to about `reach` or a
+/// fraction of
 /// `reach`.
 pub(super) fn tamed(
     tape: &Tape,

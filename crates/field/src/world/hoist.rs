@@ -1,8 +1,8 @@
 //! Hoisting: expressions that are constant within a frame are computed once per frame on the CPU.
 //!
 //! An expression that reads only the frame's inputs (a sine of the time, a curve of the volume) becomes an input of the
-//! shaders, [`Input::Hoisted`]. It is a uniform of the compiled shader or an entry of the interpreter's table, so it is
-//! not computed again at each point. Up to 256 expressions are hoisted.
+//! shaders, [`Input::Hoisted`]. It is a uniform of the compiled shader or an entry of the interpreter's table, so the
+//! expression is not computed again at each point. Up to 256 expressions are hoisted.
 
 use super::Roots;
 use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Order, Point};

@@ -9,9 +9,9 @@
 //! so that they vanish in time.
 //!
 //! **Slopes.** f has a slope of at most 1 / [`REACH`], so (a + q*f(b)) / (1 + q/[`REACH`]) has a slope of at most 1.
-//! Its maximum with a has the same surfaces, and longer steps far from them. Solids are at most half of [`HOLLOW`]
-//! deep, so the scene is empty beyond some distance x from b, where q*f(b) exceeds that depth. Because of the
-//! maximum with b - x, rays are as fast as in the new scene alone once the old scene has vanished.
+//! The maximum of this quotient and a has the same surfaces, and allows longer steps far from surfaces. Solids are at
+//! most half of [`HOLLOW`] deep, so the scene is empty beyond some distance x from b, where q*f(b) exceeds that depth.
+//! Because of the maximum with b - x, rays are as fast as in the new scene alone once the old scene has vanished.
 //!
 //! **Materials.** A point has the material of the nearer surface. Where surfaces meet, materials mix over [`SEAM`].
 //! Near the start and the end of the melt, one scene is a thin film on the other scene. Materials therefore fade during

@@ -240,7 +240,7 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
 }
 
 /// Shrinks the solids until the eye is outside of them, because there may be solids between the two cameras. Each
-/// camera has a distance from its own scene's surfaces; the eye keeps at least half of the smaller one. At the
+/// camera has a distance from its own scene's surfaces; the eye keeps at least half of the smaller distance. At the
 /// beginning and at the end the eye is already far enough away, so nothing changes.
 fn clear_of_the_eye(
     graph: &mut Graph,
