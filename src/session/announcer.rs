@@ -26,7 +26,7 @@ struct Sentence {
     /// Length of the bar below the text, 0..1.
     fraction: Option<f32>,
     since: Instant,
-    /// True if the notice is the position in the track, which is updated while visible.
+    /// True if the notice shows the position in the track and is updated while it is visible.
     is_position: bool,
 }
 
@@ -65,13 +65,13 @@ impl Announcer {
         }
     }
 
-    /// Reports new track errors and missed audio (also on the terminal), and a change of track.
+    /// Announces a change of track. Reports new track errors and missed audio, also on the terminal.
     pub(crate) fn look(&mut self, status: &PlayerStatus) {
         self.look_at_track_errors(&status.track_errors);
         self.look_at_missed_audio(status.missed_audio);
         let track = (status.track.id, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
-            // At the start, the first notice about the scene names the track too.
+            // Do not announce the first track: the first notice about the scene names it.
             if self.track.is_some() {
                 self.answer(described(&status.track));
             }

@@ -26,7 +26,7 @@ impl Session {
             Command::SeekTo(seconds) => self.playback.with_song(|player| player.seek_to(seconds)),
             Command::Position(fraction) => self.playback.seek_to_fraction(&mut *self.screen, fraction),
             Command::VolumeBy(delta) => self.playback.change_volume(|player| player.change_volume(delta)),
-            // The volume slider of the bar already shows the volume.
+            // Show no notice, because the volume slider already shows the volume.
             Command::Volume(volume) if sender == Sender::Window => self.playback.with_song(|player| {
                 player.set_volume(volume);
                 if player.status().muted {
@@ -130,7 +130,7 @@ impl Session {
             }
             Command::Leave => self.leave(),
             Command::ToggleHelp => self.interface.ui_state.panels.toggle_help(),
-            // The main loop ends before this command arrives here.
+            // The main loop carries out this command.
             Command::Quit => {}
         }
         self.playback.hurry_reports();

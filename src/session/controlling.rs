@@ -47,7 +47,8 @@ impl Session {
         if self.playback.scene.revision() != before {
             self.playback.controllers.note_turned(since, self.playback.scene.revision());
         } else if self.playback.scene.shown_parameters().are_turning() {
-            // The parameter starts from its old value, and the next frame shows the first step.
+            // The next frame still shows the old value, so the input becomes visible with the revision after this
+            // one.
             self.playback.controllers.note_turned(since, before + 1);
         }
         self.playback.answer(learned);

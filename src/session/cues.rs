@@ -1,4 +1,4 @@
-//! The cues of a show file, which wait for a key, and the times of the key presses.
+//! The cues of a show file, which start when a key is pressed, and the times of the key presses.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The control of scenes by a show, which is from the director or from a file.
+//! Lets a show choose the scenes. The show comes from the director or from a file.
 
 use super::cues::Pressed;
 use super::{Playback, Session};
@@ -17,7 +17,7 @@ impl Session {
         let playing = self.playback.listening.playing();
         let (follow, words) = match (self.playback.direction.follows(playing), playing) {
             (true, _) => (FollowChoice::Off, "the scene stays: press A to let scenes follow the song"),
-            // The choice is not `On`, because a scene named on the next command line must stay.
+            // Not `On`, because the next run must keep a scene that its command line names.
             (false, Playing::Song | Playing::Demo) => (FollowChoice::Songs, FOLLOWS),
             (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
         };

@@ -45,7 +45,7 @@ pub(crate) struct Direction {
     asked: Arc<Mutex<Asked>>,
     named: Option<ShowSource>,
     follow: FollowChoice,
-    /// True if the command line names a scene, which then stays.
+    /// True if the command line names a scene. This scene stays.
     names_scene: bool,
     of: Option<(ShowSource, OfTrack)>,
 }
@@ -127,7 +127,7 @@ impl Direction {
                     self.of = Some((source, track));
                     self.loader.request(key);
                 } else if self.of.take().is_some() {
-                    // The show of the last track is over. The current scene stays until this track is known.
+                    // End the last track's show. The current scene stays until this track is analysed.
                     return Some(ShowNotice::PreparedShow(None));
                 }
             }

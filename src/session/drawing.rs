@@ -16,18 +16,19 @@ use crate::session::screen::Screen;
 use crate::ui::overlay::{Overlay, OverlayContent, Painted, PanelSwitches};
 use mariana_player::Moment;
 
-/// Interval of repaints of a window without a frame, because another window may have covered it.
+/// Interval at which a window without a frame is repainted, because another window may have covered it.
 const WAITING_AGAIN: Duration = Duration::from_millis(250);
 
 impl Session {
-    /// Draws the window, or a part of a slow frame. Returns `true` for the first frame, with which the song starts.
+    /// Draws the window, or a part of a slow frame. Returns `true` for the first frame, which starts the song.
     pub(super) fn draw(&mut self) -> Result<bool, SessionError> {
         if let Some(seconds) = self.playback.first_shown_after.take() {
-            // The first frame is never dimmed, so it was shown before the driver had compiled the limiter's programs.
+            // The limiter's programs are compiled only after the first frame, because the first frame is never
+            // dimmed.
             self.playback.renderer.limit_flashes(seconds)?;
         }
         let begun = clock::now();
-        // A frame whose regions are finished was already due earlier.
+        // A frame that waited for its regions was counted when it was requested.
         if !self.playback.scene.composer().has_regions() && !self.playback.scene.composer().is_drawing() {
             self.playback.pace.begun(begun, self.playback.controllers.are_unseen());
         }
@@ -39,7 +40,8 @@ impl Session {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
         };
-        // A slow frame or a late redraw request must not make the show look idle: it restarts frames at full quality.
+        // A slow frame or a late redraw request must not make the show look idle: an idle show restarts its frame at
+        // full quality.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
         let level = self.playback.level(begun);
         let drawn = drawn_size(level, whole, self.playback.side_max(&*self.screen));
@@ -138,7 +140,7 @@ impl Session {
         Ok(first)
     }
 
-    /// Shows the name of the scene being prepared in a window without a frame: an empty window looks broken.
+    /// While the window has no frame, shows the name of the scene being prepared: an empty window looks broken.
     fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), SessionError> {
         let now = clock::now();
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
@@ -165,7 +167,8 @@ struct Picture {
 }
 
 impl Playback {
-    /// Draws the wanted frame or a part of it. `whole` is the screen's size in pixels. Returns a finished frame.
+    /// Draws the wanted frame or a part of it. `whole` is the screen's size in pixels. Returns the frame if it is
+    /// finished.
     fn draw_picture(
         &mut self,
         wanted: Shown,
@@ -195,8 +198,8 @@ impl Playback {
         Ok(new)
     }
 
-    /// Dims for the master output and the flash limiter. `true` if an old frame is dimmed; `None` without enough
-    /// memory.
+    /// Dims the frame for the master output and the flash limiter. Returns `true` if the last frame is dimmed
+    /// further, and `None` if the driver lacks memory.
     fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<Option<bool>, SessionError> {
         let gain = self.master_output.gain(begun);
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
@@ -252,7 +255,7 @@ impl Playback {
         screen.gl().info().texture_side_max
     }
 
-    /// Checks the frame in progress. Draws a slow frame with fewer pixels. If that is not enough, removes the scene.
+    /// If the frame in progress is too slow, draws it with fewer pixels. If it stays too slow, removes the scene.
     fn weigh_picture(&mut self, level: Level, now: Instant) {
         let Some(seconds) = self.scene.composer().seconds_of_picture() else { return };
         match self.pace.weigh(level, seconds, now) {
@@ -264,7 +267,8 @@ impl Playback {
         }
     }
 
-    /// Returns the result in `made`. If the driver has no memory for a frame, skips it and draws the next one smaller.
+    /// Returns the value in `made`. If the driver has no memory for a frame, skips the frame and makes the next one
+    /// smaller.
     fn without_room_smaller<T>(&mut self, made: Result<T, GpuError>) -> Result<Option<T>, GpuError> {
         match made {
             Err(GpuError::Object { what, reason }) if self.pace.make_smaller() => {
@@ -279,8 +283,8 @@ impl Playback {
         }
     }
 
-    /// The cost of a frame. `drawing` is the time until the frame was handed over, `showing` the total time. The
-    /// hand-over usually waits for the monitor, but a software renderer draws during that time.
+    /// Returns the cost of a frame. `drawing` is the time until the hand-over, `showing` includes the hand-over. The
+    /// hand-over usually waits for the monitor, but a software renderer still draws then.
     pub(super) fn cost(&mut self, screen: &mut dyn Screen, drawing: Duration, showing: Duration) -> Duration {
         match (screen.gl().info().software, self.renderer.gpu_time()) {
             (true, _) => showing,
@@ -322,7 +326,7 @@ impl Interface {
         );
         content.next = playback.preview.next().filter(|_| !self.ui_state.bare);
         let due = self.overlay.due(&content, now);
-        // The bar disappears when the pointer has rested.
+        // The bar disappears when the pointer has not moved for a while.
         let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);
         due.into_iter().chain(goes).min()
     }

@@ -25,7 +25,7 @@ pub(crate) enum Verdict {
 /// The number of new frames per second, counted over a second or more so that it is readable.
 #[derive(Debug, Default)]
 struct PictureRate {
-    /// Start of the count, and the frames since then.
+    /// Start of the count, and the number of frames since then.
     counted: Option<(Instant, u32)>,
     last: Option<Instant>,
     per_second: Option<f64>,
@@ -99,7 +99,7 @@ impl DrawingPace {
         &self.times
     }
 
-    /// The time of the next frame. `answers` is true if a controller is waiting for it.
+    /// Returns when the next frame is due. `answers` is true if the frame shows new controller input.
     pub(crate) fn due(&self, answers: bool) -> Instant {
         self.pacing.due(answers)
     }
@@ -141,7 +141,7 @@ impl DrawingPace {
         }
     }
 
-    /// Turns the saving of samples during edits on or off. An idle show still gets the best quality: there is time.
+    /// Sets whether frames use fewer samples because the scene is `edited`. An idle show still gets the best quality.
     pub(crate) fn set_edited(&mut self, edited: bool) {
         self.resolution.set_edited(edited);
     }
@@ -171,7 +171,7 @@ impl DrawingPace {
         self.resolution.to_string()
     }
 
-    /// Judges a frame that will take this many seconds. In an idle show, a frame may be slow.
+    /// Judges a frame that will take `seconds`. A frame of an idle show may be slow.
     pub(crate) fn weigh(&mut self, level: Level, seconds: f64, now: Instant) -> Verdict {
         if level != self.resolution.level() {
             Verdict::GoOn
@@ -193,7 +193,7 @@ impl DrawingPace {
         self.shown.replace(shown).is_none()
     }
 
-    /// Notes that a new frame took `time` until it was shown, and `cost` without waiting for the monitor.
+    /// Notes a new frame that was shown after `time`. `cost` excludes the wait for the monitor.
     pub(crate) fn note_times(&mut self, level: Level, time: Duration, cost: Duration) {
         self.times.note(time);
         if level == self.resolution.level() {
@@ -202,7 +202,7 @@ impl DrawingPace {
     }
 }
 
-/// The size in which a level draws a window, limited to texture sides of `side_max` texels and the maximum of pixels.
+/// Returns the size of a frame at `level`: at most the maximum number of pixels, with sides of at most `side_max`.
 pub(crate) fn drawn_size(level: Level, window: (u32, u32), side_max: u32) -> (u32, u32) {
     let within = (window.0.min(side_max), window.1.min(side_max));
     level.size_in(within_pixels(within, LIMITS.picture_pixels_max))
@@ -274,7 +274,7 @@ mod tests {
         let level = pace.level(later, false);
         pace.show(Shown { moment: moment(1.0, 0.5), size: WINDOW, edges: level.edges, revision: 3 });
         assert!(!pace.could_be_better(later, false, SIDE_MAX));
-        // The show changes with the sound, with the revision, and if there is no sound.
+        // A frame differs if the sound or the revision changes, or the sound ends.
         assert!(pace.note_wanted(Some(moment(1.0, 0.6)), 3, later));
         assert!(pace.note_wanted(Some(moment(1.0, 0.5)), 4, later));
         assert!(pace.note_wanted(None, 3, later));
@@ -303,7 +303,7 @@ mod tests {
         assert_eq!(pace.note_picture(now + Duration::from_millis(500)), 0.5);
         let mut pace = pace.renewed(now);
         assert_eq!((pace.shown(), pace.note_picture(now + Duration::from_secs(9))), (None, 0.0));
-        assert!(!pace.make_smaller(), "no frame was shown that could be too large");
+        assert!(!pace.make_smaller(), "no frame was shown, so none can be too large");
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Keeps the window's frame rate: draws fewer pixels with cheaper terms when frames are slow, and more if there is
-//! time.
+//! Keeps the window's frame rate: when frames are slow, they get fewer pixels and cheaper terms; when there is time,
+//! they get more.
 //!
 //! A pure controller: it takes frame times and costs, and returns a level. It reduces the level within a quarter of a
 //! second, by as many steps as needed, and raises it by one step after seconds without a slow frame. A level that was
@@ -53,21 +53,21 @@ const SIDE_MIN: u32 = 16;
 const HIGH: usize = 2;
 const MEDIUM: usize = 5;
 const LOW: usize = 8;
-/// The first level with visible losses. It is used only if the show would not move otherwise.
+/// The first level with visible losses. It is used only below [`FPS_USABLE`] frames per second.
 const POOR: usize = 8;
 /// Below this many frames per second a show does not seem to move.
 const FPS_USABLE: f64 = 24.0;
 
-/// The time span and the minimum number of the frames considered before the level is reduced.
+/// The level is reduced when the frames of this time span are slow, or at least this number of frames.
 const LOOK: (Duration, usize) = (Duration::from_millis(250), 3);
 /// Two frames in a row that exceed their time by this factor reduce the level at once.
 const FAR_TOO_LONG: f64 = 4.0;
-/// Time without slow frames before a better level is tried: initial and maximal.
+/// Initial and maximum time without slow frames before a better level is tried.
 const PATIENCE: (Duration, Duration) = (Duration::from_secs(2), Duration::from_secs(64));
 const PATIENCE_FRAMES: usize = 8;
-/// A level left again within this time was tried too early.
+/// If a better level must be reduced again within this time, it was tried too early.
 const TOO_EARLY: Duration = Duration::from_secs(12);
-/// An early try is forgotten after a better level has held for this long.
+/// If a better level holds for this time, the initial [`PATIENCE`] applies again.
 const FORGOTTEN: Duration = Duration::from_secs(60);
 const FRAMES_MAX: usize = 4096;
 /// Frames that are ignored after a change of level, because targets are created and the GPU's times arrive late.
@@ -81,11 +81,11 @@ const AIM: f64 = 0.8;
 const FREE: f64 = 0.72;
 /// If a lower level saves less than this fraction of the cost, pixels are not the bottleneck.
 const HELP: f64 = 0.1;
-/// A level at which fewer pixels do not help is kept for this time: initial and maximal.
+/// Initial and maximum time for which a level is kept because fewer pixels do not help.
 const HELPLESS: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(320));
 
 impl Level {
-    /// The size in which a window of `window` pixels is drawn. Short sides are not reduced.
+    /// Returns the size of a frame for a window of `window` pixels. Short sides are not reduced.
     pub(crate) fn size_in(self, window: (u32, u32)) -> (u32, u32) {
         let side =
             |pixels: u32| ((f64::from(pixels) * self.scale).round() as u32).max(pixels.clamp(1, SIDE_MIN));
@@ -115,7 +115,7 @@ pub(crate) struct DynamicResolution {
     edited: bool,
     /// True if the next valid cost alone chooses the level.
     begins: bool,
-    /// True if the driver has once had no memory for a frame.
+    /// True once the driver has had no memory for a frame.
     lacks_room: bool,
     last: Option<Instant>,
     patience: Duration,
@@ -152,9 +152,8 @@ impl DynamicResolution {
         }
     }
 
-    /// The controller for a software renderer. It starts with the fewest pixels for a fast first frame, and then
-    /// chooses the level from that frame's cost. At full size, the targets and unfinished parts of that frame took 0.1
-    /// s.
+    /// Creates the controller for a software renderer. The first frame has the fewest pixels, because at full size
+    /// its targets and unfinished parts took 0.1 s. The cost of the first frame then chooses the level.
     pub(crate) fn beginning_small(choice: QualityChoice, fps: f64) -> Self {
         let new = Self::new(choice, fps);
         if choice == QualityChoice::Auto {
@@ -173,7 +172,7 @@ impl DynamicResolution {
         if self.edited { Level { edges: edits::SAMPLES, ..level } } else { level }
     }
 
-    /// Turns the saving of samples during edits on or off. Only automatic quality uses it.
+    /// Sets whether frames use fewer samples because the scene is `edited`. Only automatic quality reduces samples.
     pub(crate) fn set_edited(&mut self, edited: bool) {
         if self.choice == QualityChoice::Auto && self.edited != edited {
             self.edited = edited;
@@ -192,7 +191,7 @@ impl DynamicResolution {
         }
     }
 
-    /// Notes a frame that was drawn at `now` at `cost`, which excludes the wait for the monitor.
+    /// Notes a frame that was drawn at `now`. `cost` excludes the wait for the monitor.
     pub(crate) fn note(&mut self, now: Instant, cost: Duration) {
         if self.choice != QualityChoice::Auto {
             return;
@@ -236,10 +235,11 @@ impl DynamicResolution {
         self.level != before
     }
 
-    /// Draws fewer pixels at any cost of a frame. Returns `false` if neither moving frames nor stills can get smaller.
+    /// Draws fewer pixels, even if frames are fast. Returns `false` if neither moving frames nor stills can get
+    /// smaller.
     pub(crate) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
-        // Until now stills had all pixels.
+        // Until the first lack of memory, stills have all pixels.
         let shrinks_stills = !std::mem::replace(&mut self.lacks_room, true);
         if has_smaller {
             self.change(self.level + 1);
@@ -263,14 +263,14 @@ impl DynamicResolution {
         (self.frames.len() >= count).then(|| self.cost_of(count, 0.5))?
     }
 
-    /// The cost that the fraction `part` of the last `count` frames does not exceed.
+    /// Returns the cost that a fraction `part` of the last `count` frames does not exceed.
     fn cost_of(&self, count: usize, part: f64) -> Option<f64> {
         let mut costs: Vec<f64> = self.frames.iter().rev().take(count).map(|(_, cost)| *cost).collect();
         costs.sort_by(f64::total_cmp);
         costs.get(((costs.len() as f64 * part) as usize).min(costs.len().saturating_sub(1))).copied()
     }
 
-    /// True if fewer pixels have not helped. Restores the previous level then.
+    /// If fewer pixels have not helped, restores the previous level and returns `true`.
     fn looks_helpless(&mut self, now: Instant, cost: f64) -> bool {
         let Some((before, cost_before)) = self.gave_way.take() else { return false };
         let expected = level_at(self.level).cost() / level_at(before).cost();
@@ -285,7 +285,7 @@ impl DynamicResolution {
         true
     }
 
-    /// Chooses the best level that fits, judged by the cost of one frame at the current level.
+    /// Chooses the best level that fits. `cost` is the cost of one frame at the current level.
     fn begin(&mut self, cost: f64) {
         let fraction = cost / self.level().cost();
         let fits = |level: &usize| fraction * level_at(*level).cost() <= FREE * self.time_at(*level);
@@ -311,10 +311,10 @@ impl DynamicResolution {
     }
 
     fn come_back(&mut self, now: Instant) {
-        // A level that fits only because samples are saved would be left again when the text rests.
+        // Do not raise the level during edits: it might fit only because frames use fewer samples.
         let Some(better) = self.level.checked_sub(1).filter(|_| !self.edited) else { return };
         let since = self.frames.front().map(|(then, _)| now.saturating_duration_since(*then));
-        // The oldest frames stored are a little younger than the patience.
+        // The stored frames span slightly less time than the patience.
         let waited = since.is_some_and(|since| since + LOOK.0 >= self.patience);
         if !waited || self.frames.len() < PATIENCE_FRAMES {
             return;

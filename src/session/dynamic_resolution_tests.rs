@@ -161,7 +161,7 @@ fn an_intermittent_load_does_not_make_the_level_oscillate() {
             time += cost.max(1.0 / FPS);
             cost
         });
-        // In the last three minutes: less than one change in ten seconds.
+        // The last three minutes have less than one change in ten seconds.
         let late = window.changes_after(220.0);
         assert!(late <= 18, "period {period}: {late} changes, {:?}", window.changes);
     }

@@ -46,7 +46,7 @@ impl Session {
         let (held, begun) = (self.interface.input.held(), clock::now());
         let Some(editor) = &mut self.interface.ui_state.editor else { return false };
         let taken = match input {
-            // The overlay takes clicks on the editor.
+            // The overlay handles clicks on the editor before this function is called.
             Input::PointerButton { pressed: true, .. } => {
                 editor.set_focus(false);
                 false
@@ -90,7 +90,7 @@ impl Session {
     pub(super) fn follow_editor(&mut self) {
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
         let commands = editor.take_commands();
-        // The text is loaded once, regardless of the number of keys.
+        // Load the text once, regardless of the number of keys.
         let (reloads, others): (Vec<_>, Vec<_>) =
             commands.into_iter().partition(|command| *command == Command::ReloadScene);
         if !reloads.is_empty() {

@@ -66,7 +66,8 @@ impl FrameSenders {
         self.is_new = !self.sends.is_empty();
     }
 
-    /// Reads the shown frame if it is due, and passes on finished reads. Returns the time of the next check.
+    /// Starts to read the shown frame if it is due, and sends frames that have been read. Returns the time of the
+    /// next check.
     pub(crate) fn go_on(
         &mut self,
         gl: &Gl,
@@ -77,7 +78,7 @@ impl FrameSenders {
             return Ok(None);
         }
         let is_wanted = self.sends.iter().any(Sending::is_wanted);
-        // A new receiver gets the current frame, even if it has not changed for long.
+        // Send the current frame to a new receiver, even if the frame has not changed for a long time.
         self.is_new |= is_wanted && !self.was_wanted;
         self.was_wanted = is_wanted;
         if self.is_new && is_wanted && now >= self.due {

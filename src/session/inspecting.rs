@@ -1,4 +1,4 @@
-//! Queries of the editor about the frame: a clicked point, and the effect of the text's lines.
+//! The editor's queries about the frame: what a clicked point shows, and what the lines of the text do.
 
 use super::{Interface, Playback};
 use crate::placement::{Map, led};
@@ -7,7 +7,7 @@ use crate::probing::Scenery;
 use crate::session::screen::Screen;
 use crate::ui::editor::Editor;
 
-/// The thread that inspects frames, once needed, and the frame's position in the window.
+/// Inspects frames on a thread, which starts with the first query.
 #[derive(Default)]
 pub(crate) struct Probing {
     prober: Option<Prober>,

@@ -23,7 +23,8 @@ pub(crate) struct Panel {
 }
 
 impl Lay {
-    /// Copies the frame to the current window of `size` pixels. `area` is the part of the window for the screen.
+    /// Copies the frame to the current window of `size` pixels. `area` is the part of the window that shows the
+    /// screen.
     pub(crate) fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
         let inner = self.inner(renderer);
         if self.placement.is_plain() && inner == WHOLE && area == WHOLE {
@@ -49,7 +50,7 @@ impl Lay {
         renderer.show_in_part(size, area, &map, part)
     }
 
-    /// Copies the frame into a part of the current window of `size` pixels. The background is not part of the frame.
+    /// Copies the frame into the part `area` of the current window of `size` pixels, without changing the rest.
     pub(crate) fn show_small(
         &self,
         renderer: &mut Renderer,
@@ -60,7 +61,7 @@ impl Lay {
         renderer.show_in_part(size, area, &map, self.placement.part())
     }
 
-    /// Maps positions in a window to positions in the frame, as fractions. `area` is the window's part for the screen.
+    /// Maps positions in a window to positions in the frame, as fractions. `area` is the part that shows the screen.
     pub(crate) fn map(&self, renderer: &Renderer, area: Area) -> Map {
         within(area, &within(self.inner(renderer), &self.placement.map()))
     }

@@ -11,7 +11,7 @@ use crate::config::{LastShow, PlaySettings};
 use crate::scenes::SceneSource;
 use mariana_player::ListedTracks;
 
-/// If less than this is left of a track, in seconds, the next run starts it from the beginning.
+/// If a track has fewer seconds left than this, the next run starts it from the beginning.
 const LEFT_MIN: f64 = 5.0;
 
 const LOOK_PERIOD: Duration = Duration::from_secs(1);
@@ -50,7 +50,7 @@ impl Legacy {
         is_due
     }
 
-    /// Returns `true` if `left` must be written at `now`. `before` is the state in the file at the start.
+    /// Returns `true` if `left` must be written at `now`. `before` returns the state that the file had at the start.
     fn takes(&mut self, left: &Left, before: impl FnOnce() -> Left, now: Instant) -> bool {
         let (written, at) = self.written.get_or_insert_with(|| (before(), now));
         let is_due = now.saturating_duration_since(*at) >= PLACE_PERIOD;
@@ -61,7 +61,7 @@ impl Legacy {
         is_new
     }
 
-    /// Returns `true` if the list of this revision must be written, or removed for `None`.
+    /// Returns `true` if the list of this `revision` must be written. For `None`, the saved list must be removed.
     fn takes_tracks(&mut self, revision: Option<u64>) -> bool {
         self.tracks.replace(revision) != Some(revision)
     }
@@ -154,7 +154,7 @@ impl Playback {
     }
 }
 
-/// The files of a list. `None` if an entry is built in or a part of a file, which a saved list cannot name.
+/// Returns the files of a list; `None` if an entry is built in or only part of a file: a saved list cannot name it.
 fn files_of(list: &ListedTracks) -> Option<Vec<PathBuf>> {
     list.entries.iter().map(|track| track.file.clone().filter(|_| track.start.is_none())).collect()
 }

@@ -67,7 +67,7 @@ impl Listening {
         self.started
     }
 
-    /// True if a song is running. An input may fall silent at any time, which stops its clock.
+    /// Returns `true` if a song is running. An input never counts, because its clock stops when it falls silent.
     pub(crate) fn runs(&mut self) -> bool {
         !self.paused && self.with_song(|player| !player.status().ended).unwrap_or_default()
     }
@@ -126,7 +126,7 @@ impl Listening {
         })
     }
 
-    /// Sets the tempo in beats per minute; `None` returns to the measured one. Returns a message.
+    /// Sets the tempo in beats per minute; `None` restores the measured tempo. Returns a message.
     pub(crate) fn set_tempo(&mut self, tempo: Option<f64>) -> Option<String> {
         let Some(tempo) = tempo else {
             self.taps = TapTempo::default();
@@ -194,8 +194,8 @@ impl Listening {
         self.sound.take_reported_problems()
     }
 
-    /// The current sound, with its position in the song and the tapped tempo. For an input the song data contain the
-    /// energy, and the bar if it is certain; for a track not yet analysed, only the energy.
+    /// The current sound, with its position in the song and the tapped tempo. For a track that is not yet analysed,
+    /// the song data contain only the energy; for an input, the energy, and the bar if it is certain.
     pub(crate) fn now(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
         self.track = now.track;
@@ -217,7 +217,7 @@ impl Listening {
         Some(now)
     }
 
-    /// Follows the clock of a device, given as a reading and the device's seconds; `None` stops following.
+    /// Follows the `clock` of a device: a reading and the device's time in seconds. `None` stops following.
     pub(crate) fn set_clock(&mut self, clock: Option<(ClockReading, f64)>) {
         self.clock = clock.map(|(reading, _)| reading);
         self.clock_now = (clock.map_or(0.0, |(_, now)| now), clock::now());

@@ -36,7 +36,8 @@ impl BackgroundWork {
     }
 }
 
-/// Starts a loader for the shown scene and, if it `prepares_ahead`, two for its neighbours. Waits for the first scene.
+/// Starts a loader for the shown scene and, if `prepares_ahead`, two loaders for its neighbours. Waits for the first
+/// scene.
 ///
 /// # Errors
 /// Fails if the scene cannot be shown, or the system has no thread left.

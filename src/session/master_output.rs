@@ -84,7 +84,7 @@ impl MasterOutput {
         self.shown.held.is_some()
     }
 
-    /// True if the user has no effect on a frame shown at `now`.
+    /// Returns `true` if the user's controls do not change a frame that is shown at `now`.
     pub(crate) fn are_idle(&self, now: Instant) -> bool {
         !self.is_frozen && self.brightness >= 1.0 && self.light_at(now) >= 1.0
     }

@@ -98,7 +98,7 @@ impl Playback {
             self.scene.composer_mut().fading_mut().hold_anew();
         }
         match is {
-            // The show holds the frame completely, so keep the current frame.
+            // The show holds the whole frame, so abandon the frame in progress.
             Some(1.0..) => self.scene.composer_mut().give_picture_up(),
             fraction => self.scene.composer_mut().mix_held(fraction),
         }
@@ -130,8 +130,8 @@ impl Playback {
 }
 
 impl Interface {
-    /// The part of a window of `size` pixels for the frame. It is as large as possible, or small beside the panels
-    /// while an output shows the frame. It is always large while corners are moved or the panels are hidden.
+    /// Returns the part of a window of `size` pixels that shows the frame. The part is as large as possible. While an
+    /// output shows the frame, it is small beside the panels, unless corners are moved or the panels are hidden.
     pub(super) fn note_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
         let is_small = screen.has_output() && !self.ui_state.bare && self.ui_state.corners.is_none();
         self.ui_state.picture = is_small.then(|| small_in(size, lay.screen));

@@ -104,7 +104,7 @@ pub(crate) struct Session {
     screen: Box<dyn Screen>,
 }
 
-/// Sound, scenes with their show, and frames, however they are controlled.
+/// The sound, the scenes and their show, and the frames. Does not depend on the user interface.
 pub(crate) struct Playback {
     listening: Listening,
     scene: SceneSession,
@@ -117,7 +117,7 @@ pub(crate) struct Playback {
     shaders: ShaderLibrary,
     pace: DrawingPace,
     master_output: MasterOutput,
-    /// Time from black to the first frame, in seconds, until the flash limiter has taken it.
+    /// Seconds from black to the first frame; `None` once the flash limiter has used the time.
     first_shown_after: Option<f64>,
     preview: Preview,
     frame_senders: FrameSenders,
@@ -258,7 +258,7 @@ impl Session {
         }
         let to_send = self.playback.send(&mut *self.screen, now)?;
         let edited = self.playback.scene.saves_samples(now);
-        // A frame in progress is finished even if the edited text comes to rest.
+        // When the edited text rests, first finish the frame in progress.
         if edited || !self.playback.scene.composer().is_drawing() {
             self.playback.pace.set_edited(edited);
         }
@@ -291,7 +291,7 @@ impl Session {
             || self.playback.is_dimming(now)
             || self.screen.is_stale()
             || overlay_due.is_some_and(|due| due <= now);
-        // The first frame starts the song, visible or not.
+        // Draw the first frame even in a hidden window, because it starts the song.
         let seen = self.screen.is_seen()
             || self.playback.pace.shown().is_none()
             || self.playback.frame_senders.are_any();
@@ -360,8 +360,8 @@ impl Playback {
         }
     }
 
-    /// Shows the next or the previous view. The flash limiter is reset, because it would distort the colours of a
-    /// view, which encode numbers. The key does not repeat: only single key presses bypass the limiter.
+    /// Shows the next or the previous view. Resets the flash limiter, because it would distort the numbers that a
+    /// view's colours encode. The key does not repeat, so that only single key presses bypass the limiter.
     pub(super) fn go_view(&mut self, forward: bool) {
         self.scene.go_view(forward);
         self.renderer.forget_flashes();
@@ -390,7 +390,7 @@ impl Playback {
         }
     }
 
-    /// The sleep of an idle session. It is shorter in silence, to notice new sound.
+    /// Returns how long an idle session sleeps: shorter while the sound is silent, to notice new sound.
     fn idle_interval(&self, seen: bool) -> Duration {
         if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
     }

@@ -36,7 +36,7 @@ impl Playback {
         let picture = self.finish(begun);
         let Some(performed) = self.scene.performed(moment.song_time) else { return };
         let performed = Performed { picture, ..performed };
-        // A still scene has an old moment: the moment at which the scene became still.
+        // Record a still scene at the current time, because `moment` is the time at which the scene became still.
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
         let time = now.map_or(moment.song_time, |now| now.song_time);
         let of = (track, self.reports.playing().title.as_str());
@@ -45,7 +45,7 @@ impl Playback {
         }
     }
 
-    /// Records that the shown frame stays, because it is frozen or its brightness changes.
+    /// Records that the last frame is still shown: it is frozen, or only its brightness changes.
     pub(super) fn record_again(&mut self, begun: Instant) {
         if !self.recording.is_on() {
             return;

@@ -1,8 +1,9 @@
 //! The start of a session: creates everything that lives as long as the window, on the session's thread.
 //!
-//! **A lost context is replaced.** When the driver reports a lost context, everything that belongs to it is dropped
-//! while it is still current and recreated from the worlds, which are plain values (`renewed`); the song is not
-//! affected. If the driver has no memory for a frame, a smaller one is drawn. `faults` lets tests cause both failures.
+//! **A lost context is replaced.** When the driver reports a lost context, `renewed` drops everything that belongs to
+//! the context while the context is still current. It recreates everything from the worlds, which are plain values.
+//! The song is not affected. If the driver has no memory for a frame, a smaller one is drawn. `faults` lets tests
+//! cause both failures.
 
 use std::sync::Arc;
 
@@ -262,7 +263,7 @@ pub(super) fn renewed(
     let Session { playback, interface, screen, .. } = session;
     let Playback { renderer: old_renderer, scene: old_scene, mut frame_senders, mut reports, .. } = playback;
     let Interface { overlay, .. } = interface;
-    // Drop the objects of the old context while it is current: in the new context, their names are other objects.
+    // Drop the objects of the old context while it is current: in the new context, their names denote other objects.
     let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);

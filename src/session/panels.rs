@@ -1,4 +1,4 @@
-//! The panels over the frame. They are plain values, which this module changes by commands of keys and the pointer.
+//! The panels over the frame. They are plain values, which this module changes on key and pointer commands.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

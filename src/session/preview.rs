@@ -20,11 +20,11 @@ use crate::ui::overlay::NextScene;
 use mariana_music::Sound;
 
 const SIZE: (u32, u32) = (160, 90);
-/// The shortest interval of previews, and of updates of level and beat.
+/// Minimum interval between two previews, and between two updates of level and beat.
 const EVERY: Duration = Duration::from_millis(200);
 /// Assumed drawing time before the first measurement.
 const ASSUMED: Duration = Duration::from_millis(6);
-/// The longest drawing time while the show is idle.
+/// Maximum drawing time of a preview while the show is idle.
 const AT_REST: Duration = Duration::from_millis(100);
 /// The available time must exceed the last drawing time by this factor.
 const RESERVE: f64 = 1.5;
@@ -53,7 +53,7 @@ impl Preview {
 }
 
 impl Session {
-    /// Updates the preview if there is time: `rest` until the next frame is due, `None` while the show is idle.
+    /// Updates the preview if there is time. `rest` is the time until the next frame; `None` while the show is idle.
     pub(super) fn update_preview(&mut self, now: Instant, rest: Option<Duration>) -> Result<(), GpuError> {
         let is_wanted =
             self.choices.next_scene || (self.screen.has_output() && !self.interface.ui_state.clean);

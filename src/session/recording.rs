@@ -1,6 +1,6 @@
-//! Records everything that changes a song's frames, by any controller, as a show that repeats it.
+//! Records a performance as a show, which repeats all changes of the song's frames, whoever made them.
 //!
-//! Each track gets its own file, rewritten within a second of each change, so that a crash loses at most that second.
+//! Each track has its own file. A change is written within a second, so that a crash loses at most one second.
 
 use std::time::{Duration, Instant};
 
@@ -70,7 +70,8 @@ impl Recording {
         keep(&self.files, &mut take, now);
     }
 
-    /// Records a frame of a track at `time` seconds. Returns a message once the performance is full.
+    /// Records a frame of a track at `time` seconds. Returns a message when the performance has reached its maximum
+    /// length.
     pub(crate) fn note(
         &mut self,
         (track, title): (OfTrack, &str),
@@ -106,7 +107,7 @@ impl Recording {
         is_news.then_some("the recording has reached the maximum length of a show: the rest is not recorded")
     }
 
-    /// Records that the last frame of a track is still shown at `time` seconds, with the effects of the master output.
+    /// Records that the last frame of a track is still shown at `time` seconds, with the state of the master output.
     pub(crate) fn note_picture(&mut self, track: OfTrack, time: f64, picture: &Finish, is_held: bool) {
         let Some(take) = self.take.as_mut().filter(|take| take.track == track) else { return };
         if is_held && !take.is_held {
@@ -152,7 +153,7 @@ impl Take {
             (None, Some(directed)) => directed,
             (Some(shown), Some(directed)) if directed.1 >= shown.start => directed,
             (None, None) => (TimedTransition::CUT, time),
-            // The entry is unchanged if the scene is no longer directed, or if the show takes it over in the middle.
+            // Keep the entry if the show no longer directs the scene, or starts to direct it in the middle.
             (Some(shown), _) if shown.goes_on_in(&seen, time) => (shown.transition, shown.start),
             (Some(shown), _) if shown.source == *seen.source => (TimedTransition::CUT, time),
             (Some(_), _) => changes,
@@ -173,7 +174,7 @@ impl Take {
 impl Showing {
     fn goes_on_in(&self, seen: &Performed<'_>, time: f64) -> bool {
         let is_same = self.source == *seen.source && self.camera.as_deref() == seen.camera;
-        // A frozen frame ends a manual fade: only one scene is drawn behind the frozen frame.
+        // Freezing ends a manual fade, because only one scene is drawn behind the frozen frame.
         let fades =
             self.transition.kind == TransitionKind::Fade && time < self.start + self.transition.seconds;
         is_same && self.start <= time && (seen.directed.is_some() || seen.fades || !fades)
@@ -197,7 +198,7 @@ fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
         return;
     }
     let comments = [
-        format!("A performance to {}.", take.title),
+        format!("A performance of the scenes to {}.", take.title),
         "Render it with `mariana video SONG --show FILE`.".to_owned(),
     ];
     // A long performance is a long text, so it is printed on the file thread.

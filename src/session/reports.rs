@@ -81,8 +81,8 @@ impl Reports {
         self.announcer.notice()
     }
 
-    /// Reports once why the chosen output is not used. Unless `silence_asked`, also reports once why there is no sound;
-    /// a later reason is not reported, because a sound server that has died has no devices either.
+    /// Reports once why the chosen output is not used. Unless `silence_asked`, also reports why there is no sound,
+    /// but only the first reason: when a sound server has died, missing devices follow.
     pub(crate) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
         if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.reported_silent) {
             tell(&format!("the song plays without sound: {reason}"));
@@ -110,7 +110,7 @@ impl Reports {
         self.announcer.follow(&self.playing);
     }
 
-    /// The window's title, if it has changed. Some window systems are slow to set it.
+    /// Returns `title` if it has changed, because some window systems are slow to set a title.
     pub(crate) fn changed_title(&mut self, title: String) -> Option<&str> {
         let is_new = title != self.title;
         self.title = title;

@@ -13,7 +13,7 @@ use crate::export::painter::SceneChoice;
 use crate::gpu::error::GpuError;
 use crate::ui::UiError;
 
-/// A context lost again within this time after its replacement is not replaced again.
+/// If a replaced context is lost within this time, it is not replaced again.
 const RENEWED_AGAIN: Duration = Duration::from_secs(5);
 
 pub(crate) struct Run {
@@ -56,7 +56,7 @@ impl Run {
         }
     }
 
-    /// Returns `true` if a lost context may be replaced: for the first loss within [`RENEWED_AGAIN`].
+    /// Returns `true` if `error` is a lost context and the last replacement is longer ago than [`RENEWED_AGAIN`].
     pub(super) fn can_go_on_after(&self, error: &SessionError) -> bool {
         let Some(doing) = doing_at_loss(error) else { return false };
         let is_first = self.renewed_at.is_none_or(|at| clock::since(at) > RENEWED_AGAIN);

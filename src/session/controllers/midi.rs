@@ -117,7 +117,7 @@ impl Midi {
         self.revision += 1;
     }
 
-    /// The effects of moved knobs. While learning, moved knobs have no effect.
+    /// Returns what the moved `knobs` change. They change nothing while a mapping is learned.
     pub(super) fn take(&mut self, knobs: &[KnobMove], scene: &SceneSession) -> Vec<Outcome> {
         let title = scene.scenes().name().unwrap_or_default();
         let stands = |name: &str| {

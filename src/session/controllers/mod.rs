@@ -26,11 +26,11 @@ use mariana_control::midi::{ClockReading, KnobMove, Outcome, Target};
 use mariana_control::{Board, InputBatch, InputQueue, Present, Slider};
 use mariana_music::{Features, SongMoment};
 
-/// The shortest interval between two input batches: a flood of messages must not keep the session from drawing.
+/// Minimum interval between two input batches: a flood of messages must not keep the session from drawing.
 const INTERVAL: Duration = Duration::from_millis(4);
-/// The longest time between two updates of the published state, while the session is awake.
+/// Maximum time between two updates of the published state while the session is awake.
 const BOARD_AGE: Duration = Duration::from_millis(40);
-/// The longest time between two updates of the controllers panel.
+/// Maximum time between two updates of the controllers panel.
 const PANEL_AGE: Duration = Duration::from_millis(100);
 
 pub(crate) struct Controllers {
@@ -86,7 +86,7 @@ impl Controllers {
         self.network.note_sound(features, song, now);
     }
 
-    /// True if the published state is due; `turned` is true after input.
+    /// Returns `true` if the published state must be updated. `turned` is true after input.
     pub(crate) fn board_is_due(&mut self, turned: bool, now: Instant) -> bool {
         let is_asked = self.network.is_asked() || self.phones.is_asked();
         let is_due = is_asked && (turned || now >= self.board_due);
@@ -197,7 +197,7 @@ impl Controllers {
         self.unseen.is_some()
     }
 
-    /// Notes that input, which arrived at `since`, has changed the scene. The scene shows the input from `revision` on.
+    /// Notes that input has changed the scene. The input arrived at `since` and is visible from `revision` on.
     pub(crate) fn note_turned(&mut self, since: Option<Instant>, revision: u64) {
         self.unseen = self.unseen.or(since.map(|since| (since, revision)));
     }

@@ -1,4 +1,4 @@
-//! OSC as set on the command line: receiving, answers, and sending of sound values.
+//! OSC, as set on the command line: receives and answers messages, and sends sound values.
 
 use std::time::{Duration, Instant};
 
@@ -101,7 +101,7 @@ pub(super) fn sent_addresses() -> impl Iterator<Item = String> {
     sample(&Features::SILENCE, &SongMoment::UNKNOWN).into_iter().map(|(address, _)| address)
 }
 
-/// The sound values that scenes read, by address. A list of numbers is one message.
+/// Returns the sound values that scenes read, by address. Each list of numbers becomes one message.
 fn sample(features: &Features, song: &SongMoment) -> Sample {
     let mut sample = vec![
         ("/sound/bands".to_owned(), features.bands.to_vec()),

@@ -7,9 +7,9 @@ use mariana_control::Directed;
 /// The active clips of a scene; in a blend, one for each of its two worlds.
 #[derive(Default)]
 pub(super) struct ActiveClips<'a> {
-    /// The clip of the scene; in a blend, of the outgoing scene.
+    /// The clip of the scene; in a blend, the outgoing scene's clip.
     pub first: Option<&'a Clip>,
-    /// In a blend, the clip of the incoming scene.
+    /// In a blend, the incoming scene's clip.
     pub second: Option<&'a Clip>,
 }
 
@@ -24,14 +24,15 @@ impl<'a> ActiveClips<'a> {
         Moves { first: of(self.first), second: of(self.second) }
     }
 
-    /// The clip of the visible scene; in a blend, of the incoming scene.
+    /// Returns the clip of the visible scene; in a blend, the incoming scene's clip.
     pub(super) fn last(&self) -> Option<&'a Clip> {
         self.second.or(self.first)
     }
 }
 
 impl Moves<'_> {
-    /// The show's value for a knob's parameter. The first `split` parameters belong to the outgoing scene.
+    /// Returns the value that the show sets for a knob's parameter. The first `split` parameters belong to the
+    /// outgoing scene.
     pub(super) fn of(&self, knob: &Knob, name: &str, split: usize) -> Option<Directed> {
         let moves = if knob.place < split { &self.first } else { &self.second };
         let moved = moves.iter().find(|moved| moved.name == name)?;
