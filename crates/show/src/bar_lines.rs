@@ -10,13 +10,13 @@ const BAR_WITHOUT_BEATS: f64 = 2.0;
 pub struct BarLines {
     /// Start of each bar in seconds, ascending. The list has at least one entry.
     starts: Vec<f64>,
-    /// Length of the bars before the first and after the last start, in seconds.
+    /// Length in seconds of the bars before the first entry of `starts` and after the last entry.
     usual: f64,
     beats: f64,
 }
 
 impl BarLines {
-    /// The bar lines of a song. In a song without beats, bars take two seconds and start with the song.
+    /// Returns the bar lines of `song`. Without beats, bars take two seconds, and bar 1 starts with the song.
     pub fn of(song: &SongStructure) -> Self {
         let starts: Vec<f64> = song.downbeats().collect();
         let mut lengths: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -29,7 +29,7 @@ impl BarLines {
         }
     }
 
-    /// Returns the start of a bar in seconds. Bar 1 is the first whole bar; fractions interpolate within a bar.
+    /// Returns the start of `bar` in seconds. Bar 1 is the first whole bar, and 1.5 is the middle of that bar.
     pub fn time_of(&self, bar: f64) -> f64 {
         let at = bar - 1.0;
         let last = self.starts.len() - 1;

@@ -19,7 +19,7 @@ pub struct Entry {
     pub scene: String,
     /// Name of a camera; `None` for the scene's default camera.
     pub camera: Option<String>,
-    /// The transition. `None` uses the scene's preferred transition, or else a short fade.
+    /// The transition. `None` means the scene's preferred transition, or a short fade if the scene prefers none.
     pub transition: Option<Transition>,
     /// The settings of parameters and cameras.
     pub settings: Vec<Setting>,
@@ -103,7 +103,7 @@ impl Length {
         Unit { of: Self::Bars, names: &["bar", "bars"] },
     ];
 
-    /// The number without its unit.
+    /// Returns the number without the unit.
     pub fn number(self) -> f64 {
         match self {
             Self::Seconds(number) | Self::Beats(number) | Self::Bars(number) => number,
@@ -112,7 +112,7 @@ impl Length {
 }
 
 pub(super) struct Unit {
-    /// Constructor of a length in this unit.
+    /// Converts a number to a length in this unit.
     pub of: fn(f64) -> Length,
     /// Names in show files. The first name is printed for the number 1, the last name for other numbers.
     pub names: &'static [&'static str],
@@ -130,7 +130,7 @@ pub enum TransitionKind {
 }
 
 impl TransitionKind {
-    /// Returns the kind in the scene language, which has no portal shapes.
+    /// Returns the kind without a portal's shape, as the scene language names it.
     pub fn way(self) -> Way {
         match self {
             Self::Cut => Way::Cut,
@@ -139,7 +139,7 @@ impl TransitionKind {
         }
     }
 
-    /// Returns the kind of the blend if the two worlds are blended.
+    /// Returns the kind of blend; `None` for a cut or a fade.
     pub fn blend(self) -> Option<BlendKind> {
         match self {
             Self::Blend(kind) => Some(kind),
@@ -148,7 +148,7 @@ impl TransitionKind {
     }
 }
 
-/// Portals become balls.
+/// A portal becomes a ball, because [`Way`] has no shapes.
 impl From<Way> for TransitionKind {
     fn from(way: Way) -> Self {
         match way {
@@ -167,8 +167,8 @@ pub struct Transition {
     pub kind: TransitionKind,
     /// Duration; zero for a cut.
     pub length: Length,
-    /// True if the next entry may cut the transition off. Otherwise the transition is shortened to end before that
-    /// entry.
+    /// True if the next entry may interrupt the transition. Otherwise the transition is shortened, so that it ends
+    /// before the next entry.
     pub unfinished: bool,
 }
 
@@ -206,23 +206,23 @@ pub struct Step {
     pub over: Length,
 }
 
-/// Names of the camera settings, which turn the camera of any scene like a drag in the window. Yaw is in degrees to
-/// the left, pitch in degrees upwards, and zoom is a factor on the distance to the target. The names contain a space,
-/// so no parameter has such a name.
+/// Names of the settings that turn the camera of any scene, as a drag in the window does. Yaw is in degrees to the
+/// left, pitch in degrees upwards, and zoom is a factor on the distance to the target. The names contain a space, so
+/// no parameter has such a name.
 pub const CAMERA_TURNS: [&str; 3] = ["camera yaw", "camera pitch", "camera zoom"];
 
 /// Values of [`CAMERA_TURNS`] for an unchanged camera.
 pub const UNTURNED: [f32; 3] = [0.0, 0.0, 1.0];
 
-/// Names of the image settings, which affect the whole image of any scene: its brightness, and the opacity of a
-/// frozen frame over later frames. Both values are in 0..1 and stay across scenes until the show changes them. The
-/// names contain a space, so no parameter has such a name.
+/// Names of the image settings, which affect the whole image of any scene: the brightness, and the opacity of a
+/// frozen frame over later frames. Both values are in 0..1. A new scene does not reset them. The names contain a
+/// space, so no parameter has such a name.
 pub const PICTURE_NUMBERS: [&str; 2] = ["picture brightness", "picture freeze"];
 
 /// Values of [`PICTURE_NUMBERS`] for an unchanged image.
 pub const PLAIN_PICTURE: [f32; 2] = [1.0, 0.0];
 
-/// True if a name after `set` is a camera or image setting instead of a parameter.
+/// True if `name` is a camera setting or an image setting, not a parameter of a scene.
 pub(super) fn is_of_no_scene(name: &str) -> bool {
     CAMERA_TURNS.contains(&name) || PICTURE_NUMBERS.contains(&name)
 }

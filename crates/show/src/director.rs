@@ -1,8 +1,8 @@
 //! Chooses the scenes for a song automatically.
 //!
 //! - Scenes change at the starts of sections, and about every eighth bar in long sections. Scenes do not change
-//!   during a build; the drop brings the next scene at once.
-//! - A section that returns brings its scene back, with another camera if the scene has several.
+//!   during a build; the next scene starts at the drop.
+//! - When a section is repeated, its scene returns, with another camera if the scene has several.
 //! - The choice depends on the song's energy, the contrast to the previous scene, and the time since a scene was last
 //!   shown.
 //! - Calm music gets melts and fades, and loud music gets cuts. Changes between the cameras of a scene follow the
@@ -22,7 +22,7 @@ use mariana_field::lang::{About, Way};
 use mariana_field::world::{BlendKind, PortalShape};
 use mariana_music::SongStructure;
 
-/// The director's knowledge about a scene.
+/// Facts about a scene from which the director chooses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneCard {
     /// The name or file of the scene.
@@ -36,14 +36,14 @@ pub struct SceneCard {
 /// Music is calm below this energy, and loud from [`LOUD`] on.
 const CALM: f32 = 0.45;
 const LOUD: f32 = 0.6;
-/// Energy from which cameras change twice as often.
+/// From this energy on, cameras change twice as often as in loud music.
 const VERY_LOUD: f32 = 0.8;
 
 /// The rhythm of camera changes for a range of energy.
 struct Turns {
     below: f32,
     bars: f64,
-    /// Minimum time for a camera, in seconds.
+    /// Minimum time in seconds between two camera changes.
     seconds_min: f64,
     /// Duration of the fade in bars; 0 cuts.
     fade: f64,
@@ -59,13 +59,13 @@ const TURNS: [Turns; 4] = [
 
 /// Weights of a scene's score. Before the random bonus, a perfect scene scores 0.
 mod points {
-    /// Points per unit of energy outside the scene's range.
+    /// Points per unit by which the music's energy is outside the scene's range.
     pub(super) const OUTSIDE: f32 = -6.0;
-    /// Points per unit of energy from the middle of the scene's range.
+    /// Points per unit between the music's energy and the middle of the scene's range.
     pub(super) const OFF_MIDDLE: f32 = -1.0;
     /// Points per mood in common with the previous scene.
     pub(super) const SAME_MOOD: f32 = -0.3;
-    /// Points for an earlier appearance of the scene, divided by the number of changes since then.
+    /// Points for a scene that was shown before, divided by the number of changes since then.
     pub(super) const SEEN: f32 = -2.0;
     /// Points for a scene that belongs to another section.
     pub(super) const TAKEN: f32 = -1.0;
@@ -120,8 +120,8 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> CueList {
     cue_list
 }
 
-/// Chooses the scene for music of this energy after the scenes `seen`, without a song's structure. `None` if there
-/// are no scenes.
+/// Chooses the scene that follows the scenes `seen` if only the energy of the music is known. Returns `None` if
+/// `cards` is empty.
 pub(super) fn next_scene(cards: &[SceneCard], seen: &[usize], energy: f32) -> Option<usize> {
     let (of_letter, visits) = (HashMap::new(), Vec::new());
     let mut director = Director { cards, seed: seen.len() as u64, of_letter, seen: seen.to_vec(), visits };
@@ -178,8 +178,8 @@ impl<'a> Director<'a> {
             + points::CHANCE * chance(self.seed, index, scene)
     }
 
-    /// Returns the cameras of a scene in the order of their use; `None` is the default camera. A scene that
-    /// returns starts with another camera.
+    /// Returns the cameras of a scene in the order in which the show uses them; `None` is the default camera. When a
+    /// scene is shown again, it starts with another camera.
     fn views(&mut self, scene: usize, index: usize, change: &Change<'_>) -> Vec<Option<String>> {
         let Some(card) = self.cards.get(scene) else { return Vec::new() };
         let mut views: Vec<Option<String>> = vec![None];
@@ -195,7 +195,7 @@ impl<'a> Director<'a> {
     }
 }
 
-/// Chooses the transition to a scene. `coin` is random and decides between equally suitable kinds.
+/// Chooses the transition to a scene. The random `coin` decides if several kinds suit the music.
 fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool) -> Transition {
     if change.reason == Reason::Drop {
         return Transition::CUT;
@@ -230,7 +230,7 @@ fn turns_at(energy: f32) -> &'static Turns {
     [calm, even, loud].into_iter().find(|turns| energy < turns.below).unwrap_or(very_loud)
 }
 
-/// Returns the bars with camera changes, between a change and the next change at `end` seconds.
+/// Returns the bars in which the camera changes, between a scene change and the next scene change at `end` seconds.
 fn bars_of(turns: &Turns, song: &SongStructure, lines: &BarLines, change: &Change<'_>, end: f64) -> Vec<u32> {
     let first = lines.bar_at(change.time + 0.05).floor();
     let bar = lines.time_of(first + 1.0) - lines.time_of(first);
@@ -247,7 +247,7 @@ fn bars_of(turns: &Turns, song: &SongStructure, lines: &BarLines, change: &Chang
     within.filter(fits).map(|bar| bar as u32).collect()
 }
 
-/// Pseudorandom number in 0..1 from the arguments (SplitMix64, Steele et al. 2014).
+/// Returns a number in 0..1 that looks random and depends only on the arguments (SplitMix64, Steele et al. 2014).
 fn chance(seed: u64, index: usize, scene: usize) -> f32 {
     let mut value = seed
         ^ (index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)

@@ -36,8 +36,8 @@
 //! # Ok::<(), mariana_show::CueListError>(())
 //! ```
 //!
-//! [`Show::directed`] chooses scenes by a song's structure, [`LiveDirector`] for live input. [`Performance`] records
-//! a cue list.
+//! [`Show::directed`] chooses the scenes for a song by the song's structure. [`LiveDirector`] chooses scenes for live
+//! input. [`Performance`] records a show as a cue list.
 
 mod bar_lines;
 mod cue_list;

@@ -1,6 +1,6 @@
 //! The limits on shows. Code, error messages and tests read them from here.
 
-/// Limits on show files and on the memory for them.
+/// Limits on show files and on the memory that shows use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Maximum size of a show's text, in bytes.

@@ -7,18 +7,18 @@ use super::director::{SceneCard, next_scene};
 use super::timeline::{Clip, TimedTransition, Timeline};
 use mariana_field::lang::Way;
 
-/// Minimum time for a scene, and its approximate maximum time, in seconds.
+/// Minimum and approximate maximum time in seconds between two scene changes.
 const CLIP: [f64; 2] = [12.0, 45.0];
 /// Time constants of the short and the long average of the energy, in seconds.
 const OVER: [f64; 2] = [2.0, 20.0];
-/// Minimum difference of the two averages that causes a change.
+/// The scene changes if the two averages differ by at least this much.
 const NOVEL: f32 = 0.18;
 /// Below this energy, music is calm and scenes fade slowly. From [`LOUD`] on, scenes cut.
 const CALM: f32 = 0.4;
 const LOUD: f32 = 0.65;
 /// Number of past clips that stay in the timeline.
 const KEPT: usize = 2;
-/// Start time of the next scene while it is unknown.
+/// Start of the next scene in seconds, as long as the real start is unknown.
 const SOME_DAY: f64 = 1e12;
 
 /// Features of the live input at a moment.
@@ -75,7 +75,7 @@ impl LiveDirector {
         let (way, seconds) = match is_new {
             true if now > before => (Way::Cut, 0.0),
             true => (Way::Fade, 2.0),
-            // Blends need a moment known in advance.
+            // Use no blend, because it would have to start before the music changes.
             false if now < CALM => (Way::Fade, 4.0),
             false if now < LOUD => (Way::Fade, 2.0),
             false => (Way::Cut, 0.0),
@@ -122,7 +122,8 @@ mod tests {
         LiveDirector::new(ranges.into_iter().enumerate().map(card).collect())
     }
 
-    /// Returns the start and transition of each scene, at 120 beats a minute, with the given energy over time.
+    /// Returns the start and transition of each scene at 120 beats a minute, if `energy` returns the energy at a
+    /// time.
     fn starts(seconds: usize, energy: impl Fn(f64) -> f32) -> Vec<(f64, Way)> {
         let mut director = director();
         let mut found = Vec::new();

@@ -11,7 +11,7 @@
 //! at cue              letters  fade over 1 bar
 //! ```
 //!
-//! Each line is parsed separately, so that a mistake does not hide later ones. A line that begins with `->` adds
+//! Each line is parsed separately, so that a mistake does not hide later mistakes. A line that begins with `->` adds
 //! steps to the `set` above it.
 
 mod words;
@@ -45,12 +45,12 @@ impl Parsed {
     }
 }
 
-/// Maximum absolute value of a parameter. The difference of two such values is finite.
+/// Maximum absolute value of a parameter. It is small enough for the difference of two values to be finite.
 const VALUE_MAX: f32 = 1e30;
 
 pub(super) const DIAGNOSTICS_MAX: usize = 20;
 
-/// Parses the text of a show file. Messages call it `name`.
+/// Parses the `text` of a show file, which messages call `name`.
 pub fn parse(name: &str, text: &str) -> Parsed {
     let mut sources = Sources::default();
     let too_long = text.len() > LIMITS.bytes_max || sources.add(name, text).is_none();
@@ -61,7 +61,7 @@ pub fn parse(name: &str, text: &str) -> Parsed {
     }
     let mut diagnostics = Vec::new();
     let mut cue_list = CueList::default();
-    // Receives the settings of a wrong entry, so that they are not added to the previous entry.
+    // Collects the settings of an entry with a mistake, so that they are not added to the previous entry.
     let mut scrap: Option<CueList> = None;
     let mut was_wrong = false;
     for line in lines(text) {
@@ -329,7 +329,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Reads a value of a parameter, or a fraction in 0..1.
+    /// Reads the value of a parameter. If `is_fraction` is true, the value must be in 0..1.
     fn number(&mut self, is_fraction: bool) -> Read<f32> {
         let sign = if self.eat("-") { -1.0 } else { 1.0 };
         let word = self.expect("a number", "the value of the parameter")?;
@@ -384,7 +384,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Parses a word as a finite number, zero or more.
+    /// Parses `word` as a finite number that is not negative.
     fn value(&self, word: Word<'_>) -> Read<f64> {
         let number = (word.kind == Kind::Number).then(|| word.text.parse::<f64>().ok()).flatten();
         number.filter(|number| number.is_finite()).ok_or_else(|| {
@@ -436,7 +436,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// True for settings in the range 0..1.
+/// True if the values of `param` are in 0..1.
 fn is_fraction(param: &str) -> bool {
     PICTURE_NUMBERS.contains(&param)
 }
@@ -450,8 +450,8 @@ fn no_shape(word: Word<'_>) -> Box<Diagnostic> {
     })
 }
 
-/// Returns the mistake for `set first second` with an unknown second word; `None` if no setting of two words is
-/// similar.
+/// Returns the mistake in `set first second` if the second word is unknown; `None` if the line resembles no setting
+/// of two words.
 fn no_second_word(first: Word<'_>, second: Word<'_>) -> Option<Box<Diagnostic>> {
     let names = || CAMERA_TURNS.into_iter().chain(PICTURE_NUMBERS);
     let pairs = || names().filter_map(|name| name.split_once(' '));

@@ -1,7 +1,8 @@
-//! Records a performance, frame by frame, as a cue list that repeats it.
+//! Records a performance frame by frame, and converts the recording to a cue list that repeats the performance.
 //!
-//! At the recorded moments, the cue list reproduces all values bit for bit. Between two close moments, it
-//! interpolates the values. When the song goes back, a new recording replaces the part after that moment.
+//! At the recorded moments, the cue list reproduces all values bit for bit. Between two moments that are close
+//! together, it interpolates the values. When the song jumps back, new frames replace the frames recorded after that
+//! moment.
 
 use std::collections::BTreeMap;
 
@@ -13,18 +14,17 @@ use super::timeline::{Move, TimedTransition};
 use crate::limits::LIMITS;
 use mariana_field::lang::Span;
 
-/// A longer gap between two recorded moments, in seconds, is not interpolated: the value is held until the next
-/// change.
+/// Values are interpolated between moments that are at most this many seconds apart. After a longer gap, they jump.
 const REST: f64 = 0.1;
 /// Tolerance in seconds for the end of a transition.
 const EXACT: f64 = 1e-6;
-/// Units per second in the durations of steps. A text represents whole nanoseconds exactly.
+/// Durations of steps are rounded to 1 / `TICKS` seconds (nanoseconds), which a text represents exactly.
 const TICKS: f64 = 1e9;
 
 /// The state of the show in one frame.
 #[derive(Debug, Clone)]
 pub struct OnStage<'a> {
-    /// The scene, or the incoming scene during a transition, by its name in shows.
+    /// Name of the scene in shows. During a transition, this is the incoming scene.
     pub scene: &'a str,
     /// Name of a camera; `None` for the scene's default camera.
     pub camera: Option<&'a str>,
@@ -88,8 +88,8 @@ struct Played {
     /// Start of the transition, as reported in [`OnStage::start`].
     begun: f64,
     start: f64,
-    /// True if the song went back and this entry replaces later frames. The previous frame may then be less than a
-    /// millisecond earlier.
+    /// True if this entry replaces later frames because the song jumped back. The frame before the entry may then be
+    /// less than a millisecond earlier.
     plays_over: bool,
     moves: Vec<Move>,
     lines: BTreeMap<String, Line>,
@@ -192,7 +192,7 @@ impl Performance {
         self.note_finish(time, before, picture);
     }
 
-    /// Records that the last recorded frame is frozen from that frame's moment on.
+    /// Records a freeze that starts at the moment of the last recorded frame and shows that frame.
     pub fn hold(&mut self, picture: &Finish) {
         let [_, name] = PICTURE_NUMBERS;
         let [brightness, given_way] = self.finish;
@@ -286,7 +286,7 @@ impl Performance {
 }
 
 impl Line {
-    /// Records a value at a moment; `before` is the previous recorded moment.
+    /// Records `value` at `time`; `before` is the previous recorded moment.
     fn note(&mut self, time: f64, before: f64, value: f32) {
         let Some(&(at, last)) = self.points.last() else { return };
         if last.to_bits() == value.to_bits() {
@@ -311,7 +311,7 @@ impl Line {
         self.points.push((time, value));
     }
 
-    /// Inserts `value` before the last value at the same moment, so that the value jumps.
+    /// Inserts `value` before the last point and at the same time, so that the parameter jumps to the last value.
     fn leap_from(&mut self, value: f32) {
         let at = |time| (time, value);
         if let Some(&(time, now)) = self.points.last()
@@ -323,7 +323,7 @@ impl Line {
         }
     }
 
-    /// Converts the values to a setting of an entry at `start`; `None` if the value was always the default.
+    /// Converts the values to a setting of the entry at `start`; `None` if the value was always the default.
     fn setting(&self, param: &str, start: f64) -> Option<Setting> {
         let (&(first, from), rest) = self.points.split_first()?;
         if rest.is_empty() && from.to_bits() == self.own.to_bits() {
@@ -342,7 +342,7 @@ impl Line {
     }
 }
 
-/// Converts an animation of the show to a setting of an entry at `start`.
+/// Converts an animation of the show to a setting of the entry at `start`.
 fn setting_of(one: &Move, start: f64) -> Setting {
     let step = Step { to: one.to, over: Length::Seconds(one.seconds) };
     let is_step = one.seconds > 0.0 || one.from.to_bits() != one.to.to_bits();
@@ -368,7 +368,7 @@ impl Played {
     fn entry(&self) -> Entry {
         let TimedTransition { kind, seconds, .. } = self.transition;
         let length = if kind == TransitionKind::Cut { Length::ZERO } else { Length::Seconds(seconds) };
-        // Keep whole milliseconds: rounding errors must not give the previous millisecond.
+        // Rounding errors must not turn a whole millisecond into the previous millisecond.
         let ticks = if self.plays_over { 1e6 } else { 1e3 };
         let whole = (self.start * ticks).round() / ticks;
         let start = if whole <= self.start { whole } else { (self.start * ticks).floor() / ticks };

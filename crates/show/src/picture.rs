@@ -4,7 +4,7 @@ use super::cue_list::{PICTURE_NUMBERS, PLAIN_PICTURE};
 use super::timeline::{Clip, Move};
 use crate::limits::LIMITS;
 
-/// Units per second of times in show files. Sums of times are rounded to whole nanoseconds.
+/// Sums of times are rounded to 1 / `TICKS` seconds (nanoseconds), the precision of show files.
 const TICKS: f64 = 1e9;
 
 /// The image settings at a moment.
@@ -37,7 +37,7 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    /// Collects the image settings of clips, which are sorted by start.
+    /// Collects the image settings of `clips`, which must be sorted by start.
     pub(super) fn of(clips: &[Clip]) -> Self {
         Self { moves: PICTURE_NUMBERS.map(|name| all_moves(clips, name)) }
     }
@@ -66,8 +66,8 @@ impl Pictures {
     }
 }
 
-/// Collects all animations of a setting, sorted by start. From the start of a clip until its first animation, the
-/// setting has the initial value of that animation, like a parameter.
+/// Collects all animations of the setting `name`, sorted by start. From the start of a clip until its first
+/// animation, the setting has the initial value of that animation, like a parameter.
 fn all_moves(clips: &[Clip], name: &str) -> Vec<Move> {
     let mut moves = Vec::new();
     for clip in clips {
@@ -91,8 +91,7 @@ fn last_at(moves: &[Move], time: f64) -> Option<(usize, f32)> {
     moves.get(place).map(|one| (place, one.at(time)))
 }
 
-/// Returns the frozen frame at `time`, then the earlier frame that was fading out when the first was frozen, and so
-/// on.
+/// Returns the frozen frame at `time`, then the frame that was fading out when this freeze began, and so on.
 fn held_at(freeze: &[Move], time: f64) -> impl Iterator<Item = Held> {
     let mut next = last_at(freeze, time).map(|(last, fraction)| (last, fraction, time));
     std::iter::from_fn(move || {
@@ -104,9 +103,9 @@ fn held_at(freeze: &[Move], time: f64) -> impl Iterator<Item = Held> {
     })
 }
 
-/// Finds when the frame that is frozen at `time` was frozen: the opacity then rose from zero or jumped up. `last` is
-/// the index of the animation in effect. Also returns the index of the animation that froze the frame, or `None` if
-/// the frame was frozen from the start.
+/// Finds the start of the freeze at `time`: the moment when the opacity rose from zero or jumped up. `last` is the
+/// index of the animation in effect. Also returns the index of the animation that starts the freeze, or `None` if the
+/// frame was frozen from the start of the song.
 fn begin_of_hold(freeze: &[Move], last: usize, time: f64) -> (f64, Option<usize>) {
     for (place, one) in freeze.iter().enumerate().take(last + 1).rev() {
         let before = place.checked_sub(1).and_then(|before| freeze.get(before));

@@ -138,7 +138,7 @@ fn time_of(
     Ok(Some(anchor + lasting(when.offset, anchor, lines)))
 }
 
-/// Returns the duration of a length that starts at `start`, in seconds.
+/// Converts a length that begins at `start` to seconds.
 fn lasting(length: Length, start: f64, lines: &BarLines) -> f64 {
     let bars = match length {
         Length::Seconds(seconds) => return seconds,
@@ -153,7 +153,7 @@ pub(super) fn clock(seconds: f64) -> String {
     clock_to(seconds, 3)
 }
 
-/// Formats a time with at most this many decimals, without trailing zeros.
+/// Formats a time with at most `decimals` decimals, without trailing zeros.
 pub(super) fn clock_to(seconds: f64, decimals: usize) -> String {
     let second = 10_u64.pow(decimals as u32);
     let all = (seconds.max(0.0) * second as f64).round() as u64;

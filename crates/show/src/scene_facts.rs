@@ -44,7 +44,7 @@ impl SceneFacts {
         SceneCard { scene: name.to_owned(), about: self.about.clone(), cameras: self.cameras.clone() }
     }
 
-    /// Returns a diagnostic for each camera and parameter of an entry that this scene lacks.
+    /// Returns a diagnostic for each camera and parameter in `entry` that the scene does not have.
     fn missing(&self, entry: &Entry) -> Vec<Diagnostic> {
         let scene = &entry.scene;
         let lacks = |span: Span, what: &str, name: &str, hint: String| {
@@ -76,7 +76,7 @@ pub(super) struct NamedScenes {
 }
 
 impl NamedScenes {
-    /// Collects the scenes of these entries. `find` is called once for each name.
+    /// Collects the scenes that the entries name. Calls `find` once for each name.
     pub(super) fn of(entries: &[Entry], mut find: impl FnMut(&str) -> Result<SceneFacts, Refusal>) -> Self {
         let mut named = Self::default();
         let mut refused = BTreeSet::new();
@@ -102,7 +102,7 @@ impl NamedScenes {
         named
     }
 
-    /// Records at the entry why its scene is refused.
+    /// Adds a diagnostic to `entry` with the reason why the scene is refused.
     fn refuse(&mut self, entry: &Entry, refusal: Refusal) {
         let reported = Diagnostic::new(entry.scene_span, refusal.sentence);
         self.mistakes.push(match refusal.mistakes {

@@ -47,7 +47,7 @@ pub struct Show {
 }
 
 impl Show {
-    /// Creates a show with the director from named scenes; `None` if there are no scenes.
+    /// Lets the director create a show of the given scenes; returns `None` if there are no scenes.
     pub fn directed(song: &SongStructure, scenes: &BTreeMap<String, SceneFacts>) -> Option<Self> {
         let (ways, cards) = (ways_of(scenes), cards_of(scenes));
         let cue_list = direct(song, &cards, seed_of(song));
@@ -55,8 +55,8 @@ impl Show {
         Some(Self { timeline, cue_list, ways, cards })
     }
 
-    /// Creates a show from the text of a show file. Also returns a report of the entries that do not fit the
-    /// song. Messages call the text `name`. `find` is called once for each scene name.
+    /// Creates a show from the text of a show file. Also returns a report of the entries that do not fit the song.
+    /// Messages call the text `name`. Calls `find` once for each scene name.
     ///
     /// # Errors
     /// [`CueListError::Mistakes`] if the text or its scenes have mistakes, or [`CueListError::NothingFits`] if no
@@ -94,12 +94,12 @@ impl Show {
         Self { timeline, ..self.clone() }
     }
 
-    /// Returns this show with cues triggered at these times, in seconds.
+    /// Returns this show as it runs if the cue key is pressed at the times `cues`, in seconds.
     pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
         self.with_timeline(resolved(&self.cue_list, song, cues, &self.ways).0)
     }
 
-    /// Replaces refused scenes by other scenes of the show. `None` if all are refused.
+    /// Replaces refused scenes by other scenes of the show. Returns `None` if all scenes are refused.
     pub fn without(&self, is_refused: impl Fn(&str) -> bool) -> Option<Self> {
         let clips = with_substitutes(self.clips(), &self.cards, is_refused)?;
         Some(self.with_timeline(Timeline::new(clips)))
@@ -125,7 +125,7 @@ impl Show {
         &self.cards
     }
 
-    /// Prints the show file, with these comment lines at the top.
+    /// Returns the text of a show file for this show, with `comments` as its first lines.
     pub fn text(&self, comments: &[String]) -> String {
         print(&self.cue_list, comments)
     }

@@ -1,7 +1,7 @@
 //! Replaces scenes of a show that this machine cannot draw.
 //!
-//! A substitute suits music of about the same energy and differs from the scenes before and after it. Camera changes
-//! keep their rhythm.
+//! A substitute suits music of about the same energy as the refused scene, and is not the previous or next scene. The
+//! cameras change at the same moments as before.
 
 use super::cue_list::is_of_no_scene;
 use super::director::SceneCard;

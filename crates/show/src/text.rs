@@ -6,11 +6,11 @@ use super::cue_list::{Anchor, CueList, Entry, Length, Setting, TransitionKind, i
 use super::resolve::clock_to;
 use mariana_field::world::{BlendKind, PortalShape};
 
-/// Maximum number of decimals of a time in seconds. Recordings need more than three decimals only where the song went
-/// back.
+/// Maximum number of decimals of a time in seconds. Recordings need more than three decimals only where the song
+/// jumped back.
 const MOMENT_DECIMALS: usize = 6;
 
-/// Prints a cue list, with comment lines at the top.
+/// Returns the text of a show file for `cue_list`, with `comments` as its first lines.
 pub fn print(cue_list: &CueList, comments: &[String]) -> String {
     let mut text = String::new();
     for comment in comments {
@@ -96,7 +96,7 @@ fn set(setting: &Setting) -> String {
     text + "\n"
 }
 
-/// Prints a length without its sign.
+/// Formats the absolute value of a length.
 fn length(length: Length) -> String {
     let number = length.number().abs();
     let names = Length::UNITS
@@ -108,7 +108,7 @@ fn length(length: Length) -> String {
     format!("{number} {unit}")
 }
 
-/// Prints a name, with quotes if necessary.
+/// Formats a name, with quotes if necessary.
 fn name(name: &str) -> String {
     let is_plain = name.starts_with(|c: char| c.is_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_alphanumeric() || c == '_');

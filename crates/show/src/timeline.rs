@@ -70,7 +70,7 @@ pub struct Moved<'a> {
     pub name: &'a str,
     /// The current value.
     pub value: f32,
-    /// Identifies the animation within the show: changes with the animation or the clip.
+    /// Number of the animation. Each animation of the show has a different number.
     pub part: u64,
 }
 
@@ -86,8 +86,8 @@ pub struct Moment<'a> {
 }
 
 impl Timeline {
-    /// Creates a timeline of clips; `None` if `clips` is empty. A transition ends at the start of the next clip, or
-    /// is cut off there.
+    /// Creates a timeline of `clips`; returns `None` if `clips` is empty. Shortens each transition that is longer
+    /// than its clip, unless the transition is marked as unfinished.
     pub fn new(mut clips: Vec<Clip>) -> Option<Self> {
         if clips.is_empty() {
             return None;
@@ -127,7 +127,7 @@ impl Timeline {
         &self.clips
     }
 
-    /// Returns the state at `time` seconds. Before the first clip, the state shows the first clip.
+    /// Returns the state at `time` seconds. Before the start of the first clip, the first clip is already shown.
     pub fn at(&self, time: f64) -> Moment<'_> {
         let index = self.clips.partition_point(|clip| clip.start <= time).saturating_sub(1);
         let alone = |index: usize| Moment { index, clip: &self.clips[index], leaving: None };
@@ -147,7 +147,7 @@ impl Timeline {
 }
 
 /// Tolerance in seconds for the start and end of an animation. It is shorter than a frame and longer than the
-/// rounding in texts.
+/// rounding errors of times in texts.
 const EXACT: f64 = 1e-6;
 
 impl Move {
@@ -174,8 +174,8 @@ impl Move {
 }
 
 impl Clip {
-    /// Returns all parameters of the scene at `time` seconds of the song. `other` returns the parameters that this
-    /// clip does not animate.
+    /// Returns the values of all parameters of `scene` at `time` seconds of the song. `other` returns the value of a
+    /// parameter that this clip does not animate.
     pub fn numbers_at(&self, scene: &Scene, time: f64, other: impl Fn(&Param) -> f32) -> Vec<f32> {
         let moved = self.params_at(time);
         let value = |name: &str| moved.iter().find(|(moved, _)| *moved == name).map(|(_, value)| *value);
@@ -199,7 +199,7 @@ impl Clip {
         turns
     }
 
-    /// Returns the animated values at `time` seconds of the song, with the identity of their animations.
+    /// Returns the values that this clip animates at `time` seconds of the song, with the numbers of the animations.
     pub fn moved_at(&self, time: f64) -> Vec<Moved<'_>> {
         let mut values: Vec<Moved<'_>> = Vec::new();
         for one in &self.moves {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-/// Maximum wait of a test.
+/// Maximum time that a test waits for a condition.
 pub const WAIT_LIMIT: Duration = Duration::from_secs(60);
 /// Polling interval while waiting.
 pub const LOOK_PERIOD: Duration = Duration::from_millis(10);
@@ -37,7 +37,7 @@ impl Process {
         &mut self.0
     }
 
-    /// The exit status, if the process has ended.
+    /// Returns the exit status if the process has ended.
     pub fn ended(&mut self) -> Option<ExitStatus> {
         self.0.try_wait().expect("the process is a child")
     }
@@ -86,8 +86,8 @@ pub fn private_folder() -> TempDir {
     folder
 }
 
-/// Environment of a program whose session is in `folder`. The program finds the sound server in `folder`, but no
-/// sound devices of the machine.
+/// Returns environment variables for a program whose session is in `folder`. The program finds the sound server in
+/// `folder`, but no sound devices of the machine.
 pub fn session_environment(folder: &Path) -> [(&'static str, String); 4] {
     let path = folder.display().to_string();
     // Set the address explicitly, because an address in the environment would take precedence over the folder.

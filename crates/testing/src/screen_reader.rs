@@ -68,7 +68,7 @@ impl<'b> ScreenReader<'b> {
         Self { bus, address, _launcher: launcher }
     }
 
-    /// Announces to programs that a screen reader is running, or has stopped.
+    /// Tells all programs that a screen reader is running (if `on` is true) or has stopped.
     pub fn listen(&self, on: bool) {
         let set = ["org.freedesktop.DBus.Properties.Set", "string:org.a11y.Status", "string:IsEnabled"];
         let value = format!("variant:boolean:{on}");
@@ -99,12 +99,12 @@ impl<'b> ScreenReader<'b> {
 
     /// True if a toggle button is on.
     pub fn is_on(&self, control: &Control) -> bool {
-        /// The number of a bit from AT-SPI's list of states, in the first of two words.
+        /// Number of the bit for "pressed" in the first word of AT-SPI's states.
         const PRESSED: u32 = 20;
         let reply = self.send(&control.program, &control.object, &[&format!("{ACCESSIBLE}.GetState")]);
         let reply = reply.unwrap_or_else(|error| panic!("{control:?}: {error}"));
         let words = reply.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok());
-        // The reply begins with the width of the words, 32.
+        // The reply begins with 32, the width of the words.
         let states: Vec<u32> = words.collect();
         states.iter().any(|word| word & (1 << PRESSED) != 0 && *word != 32)
     }

@@ -1,4 +1,4 @@
-//! A private D-Bus session bus for a test, and calls to the player on it.
+//! A private D-Bus session bus for a test, and calls of the methods of a player on this bus.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -79,13 +79,13 @@ impl SessionBus {
         format!("unix:path={}", self.folder.join("bus").display())
     }
 
-    /// Calls a method of an object of the program `to`, and returns the reply as text.
+    /// Calls a method of `object` in the program `to`, and returns the reply as text.
     pub(crate) fn send(&self, to: &str, object: &str, arguments: &[&str]) -> Result<String, String> {
         send(&self.folder, &self.address(), to, object, arguments)
     }
 }
 
-/// Calls a method of an object of the program `to` on the bus at `address`, from the session in `folder`.
+/// Calls a method of `object` in the program `to`, on the bus at `address`, from the session in `folder`.
 pub(crate) fn send(
     folder: &Path,
     address: &str,

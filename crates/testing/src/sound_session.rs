@@ -7,8 +7,8 @@ use tempfile::TempDir;
 use super::process::{private_folder, session_environment};
 use super::sound_server::{Recorder, SoundServer};
 
-/// Held by each [`Session`]: the server's address is in the environment of the process, so only one session may
-/// exist.
+/// Each [`Session`] holds this lock: the server's address is in the environment of the process, so only one session
+/// may exist.
 static ENVIRONMENT: Mutex<()> = Mutex::new(());
 
 /// A private session folder, optionally with a PulseAudio server.

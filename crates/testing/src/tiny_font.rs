@@ -21,7 +21,7 @@ impl<'a> TinyFont<'a> {
         Self { name, language: 0x409, letters, side: 800 }
     }
 
-    /// Builds a TrueType file after <https://learn.microsoft.com/typography/opentype/spec/>.
+    /// Returns a TrueType file, according to <https://learn.microsoft.com/typography/opentype/spec/>.
     pub fn bytes(&self) -> Vec<u8> {
         let mut letters: Vec<char> = self.letters.chars().collect();
         letters.sort_unstable();
@@ -66,7 +66,7 @@ fn words(values: &[u16]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_be_bytes()).collect()
 }
 
-/// One contour of four points on the outline.
+/// Returns the outline of a square: one contour with four points.
 fn square(side: i16) -> Vec<u8> {
     let (side, back) = (side.cast_unsigned(), (-side).cast_unsigned());
     let mut bytes = words(&[1, 0, 0, side, side, 3, 0]);

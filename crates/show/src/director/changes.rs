@@ -4,21 +4,21 @@ use crate::bar_lines::BarLines;
 use crate::cue_list::{Anchor, Length, When};
 use mariana_music::{Section, SongStructure};
 
-/// Minimum time for a scene, in seconds. A drop may end a scene earlier.
+/// Minimum time in seconds between two scene changes. A change at a drop need not wait for this time.
 const SECONDS_MIN: f64 = 8.0;
-/// Target time for a scene in a long section, in seconds, for calm music and for loud music.
+/// Usual time in seconds between two scene changes in a long section: first in calm music, then in loud music.
 const SECONDS_USUAL: [f64; 2] = [40.0, 24.0];
 /// Scene changes within a section are at multiples of this many bars.
 const BARS_STEP: f64 = 4.0;
-/// Number of bars at the end of a build without scene changes.
+/// Number of bars at the end of a build in which scenes do not change.
 const BUILD_BARS: f64 = 8.0;
 /// A section that starts this close to a drop, in bars, counts as the drop.
 const SAME_BARS: f64 = 1.0;
 
-/// Energy assumed for a song without sections, or if the energies of its sections differ by less than [`RANGE_MIN`].
+/// Energy assumed for a song that has no sections, or whose sections differ in energy by less than [`RANGE_MIN`].
 const EVEN: f32 = 0.5;
 const RANGE_MIN: f32 = 0.08;
-/// Percentiles of the energy over a song's time that count as calm and as loud.
+/// Percentiles of a song's energy that count as calm and as loud.
 const SPREAD: [f64; 2] = [0.1, 0.9];
 /// Normalized energy of the calmest section.
 const CALMEST: f32 = 0.15;
@@ -101,8 +101,8 @@ pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Chan
     kept
 }
 
-/// Normalization of section energies to the range of the song, because mastered music is hardly ever quiet, but
-/// verses should differ from choruses.
+/// The range of a song's energy. Energies are scaled to this range, so that verses differ from choruses even in a
+/// song that is loud throughout.
 struct Spread {
     least: f32,
     most: f32,
@@ -114,7 +114,7 @@ impl Spread {
             song.sections.iter().map(|section| (section.energy, section.end - section.start)).collect();
         sections.sort_by(|a, b| a.0.total_cmp(&b.0));
         let all: f64 = sections.iter().map(|(_, seconds)| seconds).sum();
-        // Weight the percentiles by time, because a short calm ending should not make the rest loud.
+        // Weight by time, so that a short calm ending does not make the rest of the song count as loud.
         let at = |fraction: f64| {
             let mut gone = 0.0;
             let found = sections.iter().find(|(_, seconds)| {
@@ -163,7 +163,7 @@ fn within<'a>(song: &'a SongStructure, lines: &BarLines, section: &Section) -> V
     bars.filter(fits).map(of_bar).collect()
 }
 
-/// True during a build. In a long build only the last bars count.
+/// True if `time` is in the last [`BUILD_BARS`] bars of a build.
 pub(super) fn in_build(song: &SongStructure, lines: &BarLines, time: f64) -> bool {
     song.builds.iter().any(|build| {
         let first = build.start.max(lines.time_of(lines.bar_at(build.end) - BUILD_BARS));

@@ -20,7 +20,7 @@ pub(super) enum Kind {
 }
 
 impl Word<'_> {
-    /// The word as messages show it.
+    /// Formats the word for messages.
     pub(super) fn shown(&self) -> String {
         match self.kind {
             Kind::Quoted => format!("\"{}\"", self.text),
@@ -78,8 +78,8 @@ fn words(line: &str, base: usize) -> Vec<Word<'_>> {
     words
 }
 
-/// Returns the length in bytes of the prefix whose characters fulfil `goes_on`. The arguments of `goes_on` are a
-/// character and the next character.
+/// Returns the length in bytes of the longest prefix for which `goes_on` is true. The arguments of `goes_on` are a
+/// character and the character after it.
 fn length_of(text: &str, goes_on: impl Fn(char, Option<char>) -> bool) -> usize {
     let mut characters = text.char_indices().peekable();
     while let Some((at, character)) = characters.next() {

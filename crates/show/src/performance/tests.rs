@@ -72,7 +72,7 @@ proptest! {
     }
 }
 
-/// The cue list must not start the new scene at the previous millisecond, when the previous frame is still displayed.
+/// The cue list must not start the new scene a millisecond early, while the previous frame is still displayed.
 #[test]
 fn a_frame_within_a_millisecond_before_a_step_back_keeps_its_scene() {
     let mut performance = Performance::default();
@@ -149,7 +149,7 @@ fn an_animation_of_the_show_is_kept_until_a_user_changes_the_parameter() {
     assert_eq!(print(&performance.cue_list(), &[]), wanted);
 }
 
-/// Records a frame of the orb, at 60 frames a second, with a value of its relief.
+/// Records frame number `frame` of the scene orb at 60 frames a second, with `value` as the relief.
 fn note_relief(performance: &mut Performance, frame: u32, value: f32) {
     performance.note(
         f64::from(frame) / 60.0,
@@ -195,7 +195,7 @@ fn long_animations_are_broken_into_lines() {
     let text = print(&performance.cue_list(), &[]);
     assert!(text.matches("->").count() >= 70, "{text}");
     assert!(text.lines().all(|line| line.len() <= 100), "{text}");
-    // The broken lines give the same values.
+    // The text breaks the long animation into several lines, which give the same values.
     let cue_list = parse("performed.show", &text).cue_list.unwrap();
     let timeline = resolve(&cue_list, &SongStructure::default(), &[], |_, _| None).0.unwrap();
     for frame in 0..100 {
@@ -255,7 +255,7 @@ fn a_frame_frozen_during_a_fade_keeps_the_fraction_of_the_fading_frame() {
     for (time, fraction) in [(2.0, 1.0), (2.0625, 0.75), (2.125, 0.5)] {
         note_orb(&mut performance, time, "orb", [1.0, fraction]);
     }
-    // Freeze first while the song plays, then while the song is paused, in the frame recorded for another moment.
+    // The first freeze starts while the song plays. The second starts in a frame recorded for another moment.
     performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
     note_orb(&mut performance, 3.0, "orb", [1.0, 1.0]);
     note_orb(&mut performance, 8.0, "orb", [1.0, 0.25]);
