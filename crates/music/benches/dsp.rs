@@ -1,5 +1,5 @@
-//! Measures the speed of the analysis: 10 s of stereo at 48 kHz, in blocks of 512 sample frames as in playback. Live
-//! analysis takes the fraction (time per iteration) / 10 s of one core.
+//! Measures the speed of the analysis: 10 s of stereo at 48 kHz, in blocks of 512 sample frames as in playback. Divide
+//! the time per iteration by 10 s to get the load of one core during live analysis.
 
 use std::hint::black_box;
 

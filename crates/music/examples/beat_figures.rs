@@ -126,7 +126,7 @@ fn tempo(beats: &[f64]) -> f64 {
     periods.get(periods.len() / 2).map_or(0.0, |period| 60.0 / period)
 }
 
-/// F and AMLt of `heard`, `played` and `whole`, then jumps and lock.
+/// The columns: F and AMLt of `heard`, `played` and `whole`, then `jumps` and `lock`.
 struct Row([f64; 8]);
 
 fn row(name: &str, frames: &[StereoFrame], truth: &[f64]) -> Row {
@@ -176,7 +176,7 @@ fn means(name: &str, rows: &[&Row]) {
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let (Some(songs), Some(references)) = (arguments.next(), arguments.next()) else {
-        return Err("give a folder of songs and a folder of their beats".into());
+        return Err("name a folder of songs and a folder of beat files".into());
     };
     let mut songs: Vec<PathBuf> =
         std::fs::read_dir(songs)?.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();

@@ -123,7 +123,7 @@ fn rhythm() {
     let mut rows = Vec::new();
     for (number, style) in Style::ALL.into_iter().enumerate() {
         for tempo in [60.0, 83.0, 104.0, 128.0, 160.0, 200.0] {
-            // At these tempos listeners would not count dotted quarters, and would count half time in halves.
+            // Above 120 beats per minute, listeners would count the beats of these styles differently.
             if matches!(style, Style::SixEight | Style::HalfTime) && tempo > 120.0 {
                 continue;
             }

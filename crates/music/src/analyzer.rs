@@ -17,7 +17,7 @@ use super::spectrum::Spectrum;
 use super::volume::{Volumes, stretch_length};
 use crate::limits::LIMITS;
 
-/// The maximum position (190 000 years at 768 kHz), so that counting never overflows.
+/// The maximum position, 190 000 years at 768 kHz. It prevents overflows of the frame count.
 const POSITION_MAX: u64 = 1 << 62;
 
 /// Attack and release times of the volume, in seconds. The slow release lets a drawn woofer swing back softly.
@@ -49,16 +49,16 @@ const FLUX_LATE: (f32, f32) = (1.1, 2.1);
 /// The long window is not used above this frequency, in hertz.
 const SLOW_HIGHEST_HZ: f64 = 600.0;
 
-/// The position of the windows relative to their moment.
+/// The position of the analysis windows relative to the moment that they describe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alignment {
-    /// Centred on the moment, for files. Later samples are known, so the image is not late by half a window.
+    /// The window is centred on the moment, for files. Later samples are known, so the image is not half a window late.
     Centred,
-    /// Ending at the moment, for live input. A moment's features are emitted with the last sample frame of the window.
+    /// The window ends at the moment, for live input. Features are emitted when the window's last sample frame arrives.
     Trailing,
 }
 
-/// The power-weighted mean position among the bands (spectral centroid), 0..1. It is 0 for near silence.
+/// Returns the spectral centroid of the band `powers`, from 0 (lowest band) to 1 (highest); 0 for near silence.
 fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
     if level_db < QUIET_DB {
         return 0.0;
@@ -84,7 +84,7 @@ pub struct Analyzer {
     buffer: HopBuffer,
     progress: Progress,
     slow: SlowWindow,
-    /// The ranges of the middle and the short window in the buffer, and their spectra.
+    /// For the middle and the short window: the range in the buffer, and the spectrum.
     windows: [(std::ops::Range<usize>, Spectrum); 2],
     volume_stretch: std::ops::Range<usize>,
     wave_stretch: std::ops::Range<usize>,
@@ -219,7 +219,7 @@ impl Analyzer {
         let position = position.min(POSITION_MAX);
         let moment = position.next_multiple_of(self.hop() as u64);
         self.progress = Progress { moment, position, ..Progress::default() };
-        // The moment is less than a hop ahead, and the window reaches back from it by more than a hop.
+        // The next moment is less than a hop ahead, and its window reaches back by more than a hop.
         let ahead = self.lookahead + (moment - position) as usize;
         self.buffer.restart(self.buffer.frames().len() - ahead);
         self.slow.restart();
@@ -240,10 +240,10 @@ impl Analyzer {
         }
     }
 
-    /// Ends the stream: emits the remaining moments up to the first moment at or after the end, with silence after the
-    /// last frame. Emits moments only if frames were pushed. Then resets the analyzer.
+    /// Ends the stream. If frames were pushed, treats all later sound as silence and emits the remaining moments, up to
+    /// the first moment at or after the end. Then resets the analyzer.
     pub fn finish(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
-        // These are all moments before the end of the stream, and the first moment after the end.
+        // The last moment is the first moment at or after the end of the stream.
         while self.progress.any && self.progress.moment < self.progress.position + self.hop() as u64 {
             self.buffer.end();
             self.emit_if_full(emit);

@@ -5,9 +5,9 @@ use super::scale::{BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB};
 
 const HEIGHT_ZERO_DB: f32 = -66.0;
 
-/// The level with height 1, in decibels. Music at -14 LUFS has a total level of about -13 dB (0 dB is a full-scale sine
-/// in both channels). If this level is spread evenly over 32 bands (pink), each band has -28 dB, a height of 0.63. In
-/// most music the bass is near -18 dB (0.8), a kick near -10 dB (0.93) and the treble near -45 dB (0.35).
+/// The level that has height 1, in decibels. Music at -14 LUFS has a total level of about -13 dB (0 dB is a full-scale
+/// sine in both channels). If this level is spread evenly over 32 bands (pink), each band has -28 dB, a height of 0.63.
+/// In most music the bass is near -18 dB (0.8), a kick near -10 dB (0.93) and the treble near -45 dB (0.35).
 const HEIGHT_ONE_DB: f32 = -6.0;
 
 /// Returns the lower edge of band `index` in hertz. For `BAND_COUNT`, returns the upper edge of the last band. The
@@ -16,8 +16,8 @@ pub fn band_edge(index: usize) -> f64 {
     BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(index as f64 / BAND_COUNT as f64)
 }
 
-/// The weights of the bins in each band. Bin k covers the bins [k - ½, k + ½], and each band takes the fraction of the
-/// bin inside the band, so that no power is lost or counted twice. [`Resolution::fraction`] weights the windows.
+/// The weights of the bins in each band. Bin k covers the range from k - ½ to k + ½. Its weight is the fraction of this
+/// range inside the band, so no power is lost or counted twice. [`Resolution::fraction`] weights the windows.
 pub(super) struct Bands {
     bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
     weights: Vec<f32>,
@@ -93,7 +93,7 @@ mod tests {
         }
     }
 
-    /// White noise gives each band a power in proportion to its bandwidth, and each bin is counted once.
+    /// White noise gives each band a power in proportion to the bandwidth.
     #[test]
     fn bins_are_divided_without_loss() {
         for (hop, rate) in [(512, 48_000.0), (512, 67_882.0), (8_192, 768_000.0)] {

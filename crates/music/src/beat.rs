@@ -3,8 +3,8 @@
 //! The tracker is a causal hidden Markov model of the spectral flux. A state is a period and a phase within the period,
 //! both in whole hops (the bar pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer
 //! 2015). At each hop, every state advances by one hop. At the end of a beat, a state may change to a similar period.
-//! The model expects an onset at the start of a beat and perhaps at its half, but hardly at its quarters. All states of
-//! a period move together, so their ring is rotated instead of copied.
+//! The model expects an onset at the start of a beat and perhaps at its half, but hardly at its quarters. The states of
+//! a period form a ring. They advance together, so that the ring is rotated and not copied.
 //!
 //! The reported tempo changes only to a much likelier tempo. The model keeps only windowed, held and leaky quantities,
 //! which forget the distant past. So the analysis of a seek starts only 13 s before the target.
@@ -15,7 +15,7 @@ use std::ops::Range;
 /// Range of tempos, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
 
-/// The duration of the start of a beat, half or quarter, in seconds.
+/// The time that counts as the start of a beat, of its half or of its quarter, in seconds.
 const START_SECONDS: f64 = 0.021;
 /// The time for which an onset strength is held, in seconds.
 const HELD_SECONDS: f64 = 0.032;
@@ -33,8 +33,8 @@ const LIKELY: (f64, f64) = (108.0, 0.9);
 const LIKELY_EACH_BEAT: f64 = 0.7;
 
 /// The cost of a tempo change at the end of a beat: the likelihood is exp(-`TEMPO_STIFFNESS` · relative change of the
-/// period). A change by one hop costs only [`NEIGHBOUR`]: most tempos are between two periods, so their beats alternate
-/// between both.
+/// period). A change by one hop costs only [`NEIGHBOUR`], because most tempos are between two periods, and their beats
+/// alternate between both periods.
 const TEMPO_STIFFNESS: f32 = 90.0;
 const NEIGHBOUR: f32 = 1.2;
 /// The largest change of period between two beats, in hops.
@@ -43,11 +43,11 @@ const REACH: usize = 8;
 /// The fraction of the belief that is redistributed at each hop, so that a new tempo can be found.
 const DOUBT: f32 = 1e-6;
 
-/// Thresholds of the belief within a tenth of a beat and a twelfth of the tempo around the likeliest state. A tempo is
-/// reported once the belief reaches the first value, until the belief falls below the second value.
+/// Thresholds of the belief in all states within a tenth of a beat and a twelfth of the tempo of the likeliest state. A
+/// tempo is reported once the belief reaches the first value, until the belief falls below the second value.
 const REPORTED: (f32, f32) = (0.6, 0.25);
 
-/// The factor by which another tempo must be likelier to replace the reported tempo.
+/// Another tempo replaces the reported tempo only if it is likelier by this factor.
 const INERTIA: f32 = 3.0;
 
 /// The number of onsets before a tempo is reported.
@@ -75,7 +75,7 @@ struct Ring {
     head: usize,
 }
 
-/// Sums values in eight partial sums, which vectorize.
+/// Returns the sum of `values`. It is computed as eight partial sums, so that the compiler can vectorize the loop.
 fn sum_of(values: &[f32]) -> f32 {
     let (chunks, rest) = values.as_chunks::<8>();
     let mut sums = [0.0; 8];
@@ -89,14 +89,14 @@ pub(super) struct BeatTracker {
     moments_per_second: f32,
     rings: Vec<Ring>,
     belief: Vec<f32>,
-    /// The redistributed belief of each state, counted from the start of its ring.
+    /// The redistributed belief of each state, starting with the first state of each ring.
     doubt: Vec<f32>,
-    /// `passing[to][REACH + from - to]`: the transition probability between periods.
+    /// `passing[to][REACH + from - to]` is the probability of a change from period `from` to period `to`.
     passing: Vec<[f32; 2 * REACH + 1]>,
-    /// The belief that leaves each ring at the end of its beat, padded with zeros at both ends.
+    /// The belief that leaves each ring at the end of a beat, padded with zeros at both ends.
     leaving: Vec<f32>,
     totals: Vec<f32>,
-    /// The number of hops in the start of a beat.
+    /// The number of hops that count as the start of a beat.
     start: usize,
     hold: usize,
     held: [f32; 4],
@@ -174,7 +174,7 @@ impl BeatTracker {
         self.reported = Beat::default();
     }
 
-    /// Processes the next hop: its flux relative to the largest recent flux, 0..1, and a flag for the onset of a sound.
+    /// Processes a hop. `flux` is relative to the largest recent flux, 0..1. `begins` is true at the onset of a sound.
     pub(super) fn follow(&mut self, flux: f32, begins: bool) -> Beat {
         self.since_onset = if begins { 0 } else { self.since_onset.saturating_add(1) };
         self.onsets = self.onsets.saturating_add(u32::from(begins));
@@ -282,7 +282,7 @@ impl BeatTracker {
         if belief(best) < INERTIA * belief(reported) { reported } else { best }
     }
 
-    /// Returns the rings whose tempo is within a twelfth of this ring's.
+    /// Returns the rings whose tempo is within a twelfth of the tempo of `ring`.
     fn around(&self, ring: usize) -> Range<usize> {
         let reach = self.rings.get(ring).map_or(0, |ring| (ring.period / 12).max(1));
         ring.saturating_sub(reach)..(ring + reach + 1).min(self.rings.len())

@@ -7,7 +7,7 @@ const KEPT_PER_HOP: usize = 64;
 
 const ORDER: usize = 4;
 
-/// A decimating low-pass filter that keeps one frame in `step`: the mean of `step` frames, applied four times
+/// A decimating low-pass filter. It averages `step` frames, four times in succession, and keeps one frame in `step`
 /// (Hogenauer 1981). The filter's zeros are at all multiples of the lower rate, so aliases below 500 Hz are attenuated
 /// by 80 dB.
 pub(super) struct Decimator {

@@ -66,14 +66,14 @@ features! {
     bar_beat: f32 = 0.0, held;
     /// The number of beats in the bar; 0 while uncertain.
     bar_beats: f32 = 0.0, held;
-    /// The leaky integral of `bass` over time in seconds, which keeps 1/e after 4 s: b' = bass - b / 4 s. A scene that
-    /// moves with time plus this value runs faster with each low note, and on average as fast as time.
+    /// The leaky integral of `bass` over seconds: b' = bass - b / 4 s, so 1/e of a value is left after 4 s. A scene
+    /// that moves with `time + bass_drive` runs faster with each low note, and on average as fast as time.
     bass_drive: f32 = 0.0, mixed;
     /// The gain that was applied to the values above, in decibels; 0 if automatic gain is off.
     gain_db: f32 = 0.0, mixed;
     /// The total level from 30 Hz to 16 kHz in decibels, measured like the band levels.
     level_db: f32 = LEVEL_FLOOR_DB, mixed;
-    /// Frequency of the strongest tone in hertz, to 0.06 Hz (a hundredth of a bin of the long window); 0 below -80 dB.
+    /// Frequency of the strongest tone in hertz, exact to 0.06 Hz (1 % of a bin of the long window); 0 below -80 dB.
     peak_hz: f32 = 0.0, held;
     /// The level of each band in decibels, both channels together, not smoothed, at least [`LEVEL_FLOOR_DB`]. A sine of
     /// amplitude a in both channels has 20·log10(a) dB, summed over its bands. A sine in only one channel has 3.01 dB
@@ -82,7 +82,7 @@ features! {
 }
 
 impl Features {
-    /// Returns the number that scenes read by `name`: a feature, one of its channels (`volume.x`), or `pitch`.
+    /// Returns the value called `name` in scenes: a feature, a channel of a feature (`volume.x`), or `pitch`.
     pub fn number(&self, name: &str) -> Option<f32> {
         match name {
             "volume.x" => Some(self.volume[0]),
@@ -138,7 +138,7 @@ fn mixed<T: Numbers>(a: T, b: T, amount: f32) -> T {
     a.mixed(b, amount)
 }
 
-/// Interpolates if both values are known (above 0); otherwise returns the first.
+/// Interpolates from `a` to `b` if both values are known (above 0); otherwise returns `a`.
 fn known(a: f32, b: f32, amount: f32) -> f32 {
     if a > 0.0 && b > 0.0 { mixed(a, b, amount) } else { a }
 }

@@ -5,20 +5,20 @@
 use super::bands::decibels;
 use super::smoothing::Follower;
 
-/// The gain control of the 0..1 values that scenes see. Values in decibels are never changed.
+/// Automatic gain, on or off. It applies to the 0..1 values that scenes see, never to values in decibels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gain {
-    /// Raises quiet sound and lowers loud sound. Both changes are as small as possible.
+    /// Raises quiet sound and lowers loud sound, both as little as possible.
     #[default]
     Auto,
     /// No gain.
     Off,
 }
 
-/// The levels of the loudest recent moment that need no gain, in decibels. Published music is in this range.
+/// The range of the loudest recent level, in decibels, in which the gain is 0. Published music is in this range.
 const KEPT_DB: (f32, f32) = (-20.0, -4.0);
 
-/// Between these levels, in decibels, the gain falls to 0, because such quiet sound is room noise.
+/// The range of levels, in decibels, over which the gain falls to 0. Sound below this range is room noise.
 const GATE_DB: (f32, f32) = (-40.0, -50.0);
 
 /// The time for which the loudest moment counts, in seconds: longer than a beat, so that the gain does not pump.
@@ -45,7 +45,7 @@ fn gain_at(level_db: f32) -> f32 {
     lift + (KEPT_DB.1 - level_db).min(0.0)
 }
 
-/// Computes the gain from the level. The gain depends only on the last seconds, so a seek soon stops affecting it.
+/// Computes the gain from the level of the last seconds only, so that a seek affects the gain only briefly.
 pub(super) struct AutoGain {
     gain: Gain,
     power: f32,

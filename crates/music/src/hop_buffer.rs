@@ -32,7 +32,8 @@ impl HopBuffer {
         self.filled = filled;
     }
 
-    /// Stores frames until the window is full; returns these and the rest. Clamps samples to ±8; non-finite ones to 0.
+    /// Stores frames until the window is full. Returns the stored frames (clamped to ±8; non-finite samples are 0) and
+    /// the rest.
     pub(super) fn take<'a>(&mut self, frames: &'a [StereoFrame]) -> (&[StereoFrame], &'a [StereoFrame]) {
         let free = &mut self.frames[self.filled..];
         let (now, later) = frames.split_at(frames.len().min(free.len()));

@@ -9,7 +9,7 @@ pub struct Limits {
     pub sample_rate_max: u32,
     /// The maximum time span of a feature track, in seconds (0.5 MB per second).
     pub feature_track_seconds_max: f64,
-    /// The maximum time of a song that is analysed for its structure, in seconds (7 kB per second).
+    /// The maximum length of the part of a song that is analysed, in seconds (7 kB per second).
     pub song_seconds_max: f64,
 }
 

@@ -6,10 +6,10 @@ use super::scale::{LEVEL_FLOOR_DB, SPECTRUM_POINTS, spectrum_hz};
 
 const HEIGHT_ZERO_DB: f32 = -84.0;
 
-/// The level with height 1, in decibels. Single lines of music are 10 to 20 dB below the level of the band around them.
+/// The level that has height 1, in decibels. Single tones of music are 10 to 20 dB below the level of their band.
 const HEIGHT_ONE_DB: f32 = -12.0;
 
-/// The factor from Parseval's scale to Hann's coherent gain at a tone's bin. It is the noise bandwidth of 1.5 bins.
+/// Converts a tone's bin from Parseval's scale to Hann's coherent gain: the noise bandwidth of 1.5 bins.
 const NOISE_BANDWIDTH: f32 = 1.5;
 
 pub(super) struct Lines {

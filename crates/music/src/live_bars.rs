@@ -11,7 +11,7 @@ use super::scale::{SPECTRUM_POINTS, spectrum_place};
 const METERS: [usize; 2] = [4, 3];
 const STATES: usize = 7;
 
-/// An onset belongs to a beat from the first phase (in the previous beat) to the second phase (in the beat itself).
+/// Onsets count for a beat from the first phase, in the previous beat, to the second phase, in the beat itself.
 const STRUCK: (f32, f32) = (0.85, 0.3);
 
 /// The time constant of the statistics, in beats.
@@ -57,7 +57,7 @@ impl Strokes {
     }
 }
 
-/// Running statistics of a quantity that is measured once per beat, for standardising the quantity.
+/// Running mean and mean square of a quantity that is measured once per beat, to standardise the quantity.
 #[derive(Clone, Copy, Debug, Default)]
 struct Usual {
     mean: f32,

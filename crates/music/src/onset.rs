@@ -12,7 +12,7 @@ const COMPRESSION: f32 = 20.0;
 const AMPLITUDE_MIN: f32 = 3e-4;
 
 /// The strength of the adaptive whitening (Stowell and Plumbley 2007). At 1 each group is scaled by its loudest recent
-/// amplitude; at 0 nothing is scaled. Whitening detects quiet changes while other groups play a loud chord.
+/// amplitude; at 0 no group is scaled. Whitening makes quiet changes detectable while other groups play a loud chord.
 const WHITENING: f32 = 0.4;
 
 /// Time constant of the decay of the loudest amplitudes, in seconds.
@@ -21,7 +21,7 @@ const LOUDEST_SECONDS: f64 = 4.0;
 /// The minimum of a group's loudest amplitude, relative to the total (-50 dB).
 const GROUP_MIN: f32 = 3e-3;
 
-/// The distance of the two compared spectra, in hops: their windows of two hops do not overlap.
+/// The distance between the two compared spectra, in hops. At this distance their windows do not overlap.
 const LAG: usize = 2;
 
 /// The exponent of the frequency in the groups' weights. Low groups weigh more: drums and basses carry the beat.
@@ -72,7 +72,7 @@ impl Flux {
         let mut edges = [0; GROUPS + 1];
         let mut least = 1;
         for (group, edge) in edges.iter_mut().enumerate() {
-            // Each group has at least one bin, so the low groups are shifted above equal ratios.
+            // Each group has at least one bin, so the edges of the low groups are higher than equal ratios would give.
             *edge = ((hz(group as f64) / bin_hz).round() as usize).max(least).min(bins);
             least = *edge + 1;
         }
@@ -140,7 +140,7 @@ pub(super) const FLUX_MIN: f32 = 0.05;
 const SUDDEN_SPREADS: f32 = 11.0;
 /// The range to which the excess is clamped, because noise spreads less than dense music.
 const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.45);
-/// The minimum of the excess, as a fraction of the distance from the median to the largest value.
+/// The minimum excess, as a fraction of the distance from the median to the largest value.
 const SUDDEN_FRACTION: f32 = 0.25;
 
 /// The number of silent moments assumed before the first moment.
@@ -204,8 +204,8 @@ impl Onsets {
     }
 
     fn threshold(&mut self) -> f32 {
-        // Until the ring is full, only its first entries are used. These include some silence before the first moment,
-        // so that a sound at the start of the stream is an onset.
+        // Until the ring is full, only its first entries are used. These entries include some silence before the first
+        // moment, so that a sound at the start of the stream is an onset.
         let count = self.taken.max(SILENT_BEFORE).min(self.sudden.len());
         let sorted = &mut self.sorted[..count];
         sorted.copy_from_slice(&self.sudden[..count]);

@@ -1,6 +1,6 @@
 //! Three window lengths: 16 hops separate the tones of the bass, 2 hops locate a high sound in time, and 4 hops are in
 //! between. Adjacent windows are cross-faded over frequency. The long window is computed at an eighth of the sample
-//! rate, with a tenth of the work. For live input the windows end at the newest sample, so they add no delay.
+//! rate, which takes a tenth of the work. For live input the windows end at the newest sample, so they add no delay.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Resolution {

@@ -31,9 +31,9 @@ pub struct Tables {
     /// Rows of [`HISTORY_POINTS`] heights, the newest first. The rows are at fixed moments of the stream, so that a
     /// scrolling history does not flicker.
     pub history: Option<Arc<[f32]>>,
-    /// The distance of the moment behind the first row, in rows, 1..2: a cubic needs two rows ahead of the moment.
+    /// The distance from the first row to the moment, in rows, 1..2, because a cubic needs two rows that are newer.
     pub history_offset: f32,
-    /// The number of rows in [`HISTORY_SECONDS`]. Age a, 0..1, is at row `history_offset + a · history_span`.
+    /// The number of rows in [`HISTORY_SECONDS`]. Age `a`, 0..1, is at row `history_offset + a · history_span`.
     pub history_span: f32,
 }
 

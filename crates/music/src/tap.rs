@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn unsteady_taps_give_the_tempo_and_the_phase_of_their_line() {
-        // The taps are 120 beats per minute from 10 s on, and each tap is off by 20 ms.
+        // Taps at 120 beats per minute from 10 s on, each 20 ms early or late.
         let times: Vec<f64> =
             (0..8).map(|n| 10.0 + 0.5 * f64::from(n) + if n % 2 == 0 { 0.02 } else { -0.02 }).collect();
         let (tempo, phase) = tapped(&times).at(14.25).unwrap();

@@ -17,7 +17,7 @@ const DEFAULT_SECONDS: f64 = 20.0;
 /// The shortest hop of any analyzer, in seconds.
 const SHORTEST_HOP: f64 = 0.0075;
 
-/// History rows beyond the time span: a cubic needs further rows at each end, and a moment lies between two rows.
+/// Number of rows kept beyond the time span, for cubic interpolation at both ends and between two rows.
 const ROWS_BESIDES: usize = 4;
 
 const HISTORY_ROWS: usize =
@@ -120,7 +120,7 @@ impl FeatureTrack {
         }
     }
 
-    /// Returns four hops of the waveform, shifted by the fraction `amount` of a hop after moment `number`.
+    /// Returns the four hops of the waveform at moment `number` plus the fraction `amount` of a hop.
     fn waveform(&self, number: u64, amount: f32, scale: f32) -> Arc<[f32]> {
         const HOPS: u64 = (WAVEFORM_POINTS / WAVE_PER_HOP) as u64;
         let skipped = (amount * WAVE_PER_HOP as f32).round() as usize;
@@ -144,8 +144,8 @@ impl FeatureTrack {
             .collect()
     }
 
-    /// Returns the rows around the position `amount` of a hop after `moment`, the position within these rows, and the
-    /// number of rows in the time span.
+    /// Returns the history rows around the time `amount` hops after `moment`, the position of this time within the
+    /// rows, and the number of rows in the time span.
     fn history(&self, moment: &TimedFeatures, amount: f32) -> (Arc<[f32]>, f32, f32) {
         let newest = moment.number / MOMENTS_PER_ROW + 2;
         let offset = 2.0 - ((moment.number % MOMENTS_PER_ROW) as f32 + amount) / MOMENTS_PER_ROW as f32;

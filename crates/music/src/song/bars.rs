@@ -44,7 +44,7 @@ impl Meter {
 
 /// The cost of leaving a bar before its end, in standard deviations of the evidence.
 const BREAK_COST: f32 = 12.0;
-/// The margin by which beats three apart must be more similar than beats four apart, for a meter of three.
+/// A meter of three needs beats three apart to be more similar than beats four apart, by this margin.
 const THREE_OVER_FOUR: f32 = 0.06;
 /// The number of hops before and after a beat in which the beat's onset is searched.
 const AROUND: usize = 3;
@@ -84,7 +84,7 @@ fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> 
         let next = beats.get(index + 1).copied().unwrap_or(here);
         (here + next) / 2.0
     };
-    // Compare two beats before with two beats after, so that a passing note counts less than a chord.
+    // Compare the two beats before with the two beats after, so that a passing note counts less than a chord.
     let mean = |from: usize, to: usize| {
         let mut sum = [0.0_f32; 12];
         for unit in units.get(from..to.min(units.len())).unwrap_or_default() {
@@ -172,7 +172,7 @@ fn has_thirds(heard: &Heard, strengths: &[f32], beats: &[f64]) -> bool {
     thirds > TERNARY.0 * mean_at(0.0) && thirds > TERNARY.1 * mean_at(0.5)
 }
 
-/// Returns the likeliest positions (Viterbi 1967).
+/// Returns the likeliest position of each beat in its bar (Viterbi 1967).
 fn path(meter: Meter, evidence: &Evidence) -> Vec<usize> {
     let beats = meter.beats();
     let reward = |index: usize, position: usize| {
@@ -195,7 +195,7 @@ fn path(meter: Meter, evidence: &Evidence) -> Vec<usize> {
         let mut from = vec![0; beats];
         for position in 0..beats {
             let regular = (position + beats - 1) % beats;
-            // Only the start of a bar may be too early or too late.
+            // A bar may end early, so the first position may follow any position.
             let broken = position == 0 && best[likeliest] - BREAK_COST > best[regular];
             from[position] = if broken { likeliest } else { regular };
             let before = if broken { best[likeliest] - BREAK_COST } else { best[regular] };

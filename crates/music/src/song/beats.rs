@@ -1,8 +1,7 @@
 //! The beats of a whole song. The model is the same as in the causal tracker ([`crate::beat`]), but the likeliest path
-//! through the whole song is decoded by dynamic programming (Viterbi 1967). A path branches only at beats. So for each
-//! moment and period, only the best path with a beat at this moment and the next beat a period later is stored,
-//! including the reward of the beat's half and quarters (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of
-//! rewards).
+//! through the whole song is decoded by dynamic programming (Viterbi 1967). A path branches only at beats, so one path
+//! is stored for each moment and period: the best path with a beat at this moment and the next beat a period later. The
+//! value of the path includes the rewards of the beat's half and quarters (Krebs, Böck and Widmer 2015; Ellis 2007).
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -20,7 +19,7 @@ const BEAT: (f32, f32) = (0.0, 1.5);
 const HALF: (f32, f32) = (0.15, 0.15);
 const QUARTER: (f32, f32) = (0.0, -0.15);
 
-/// The cost of a change of period, per relative change of more than one hop.
+/// The cost of a change of period, per relative change beyond the first hop.
 const TEMPO_STIFFNESS: f32 = 250.0;
 /// The cost of a change of period by one hop. The cost is small because most tempos are between two periods.
 const NEIGHBOUR: f32 = 0.25;
@@ -48,7 +47,7 @@ const PARTS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 const LEVEL_DEVIATION_MIN: f32 = 1.0;
 /// The range of levels that count, in decibels below the loudest level.
 const LEVEL_RANGE: f32 = 60.0;
-/// The number of hops around a beat in which an onset belongs to it.
+/// An onset within this many hops of a beat belongs to the beat.
 const AROUND: usize = 2;
 const BEATS_MIN: usize = 8;
 
@@ -139,10 +138,10 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
         let moments = from.abs_diff(to) as f32;
         -TEMPO_STIFFNESS * (moments - 1.0).max(0.0) / (shortest + from) as f32 - NEIGHBOUR * moments.min(1.0)
     };
-    // The costs of the changes from the periods `to - REACH + k` to the period `to`.
+    // `costs[to][k]` is the cost of a change from the period `to - REACH + k` to the period `to`.
     let costs: Vec<[f32; 2 * REACH + 1]> =
         (0..count).map(|to| std::array::from_fn(|k| changing((to + k).saturating_sub(REACH), to))).collect();
-    // The best paths with a beat at each of the last `longest` moments, by the period of the next beat.
+    // The values of the best paths with a beat at each of the last `longest` moments, by the period of the next beat.
     let rows = longest + 1;
     let mut best = vec![0.0_f32; rows * count];
     let mut came_from = vec![0_u8; strengths.len() * count];
@@ -153,7 +152,7 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
         for (index, arrives) in arriving[REACH..REACH + count].iter_mut().enumerate() {
             let period = shortest + index;
             *arrives = match moment.checked_sub(period) {
-                // The first beat has no cost of a change.
+                // The first beat has no previous period to change.
                 None => 0.0,
                 Some(from) => {
                     let quarters = worth(QUARTER, from + period / 4) + worth(QUARTER, from + 3 * period / 4);
@@ -176,7 +175,7 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
         }
     }
     let mut beats = Vec::new();
-    // The path ends with a beat in the last period.
+    // The last beat is less than a period before the end of the song.
     let last = (strengths.len().saturating_sub(longest)..strengths.len())
         .flat_map(|moment| (0..count).map(move |index| (moment, index)))
         .filter(|(moment, index)| moment + shortest + index >= strengths.len())
@@ -253,7 +252,7 @@ fn level_deviation(beats: &[usize], moments: &[Moment]) -> f32 {
     (moments.iter().map(|moment| (level(moment) - mean).powi(2)).sum::<f32>() / count).sqrt()
 }
 
-/// Returns the position of the nearby onset, in fractions of a hop.
+/// Returns the position of the onset near `beat`, in hops, with a fraction.
 fn refined(beat: usize, strengths: &[f32]) -> f64 {
     let around = beat.saturating_sub(2)..(beat + 3).min(strengths.len());
     let (mut sum, mut weight) = (0.0, 0.0);

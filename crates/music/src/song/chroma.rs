@@ -3,10 +3,10 @@
 /// Thirds of semitones in an octave.
 pub(super) const FINE_BINS: usize = 36;
 
-/// The range in hertz. Below it, the window cannot separate semitones; above it, partials outweigh fundamentals.
+/// The range in hertz. Below the range the window cannot separate semitones, above it partials outweigh fundamentals.
 const RANGE_HZ: (f64, f64) = (58.0, 1_600.0);
 
-/// The minimum power of a peak relative to the mean power around it. The noise of drums has no such peaks.
+/// The minimum power of a peak relative to the mean power of the bins around the peak. Drums have no such peaks.
 const PEAK_OVER_MEAN: f32 = 3.0;
 /// The number of bins on each side of a peak that form this mean.
 const SURROUNDINGS: usize = 9;

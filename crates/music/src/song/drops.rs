@@ -1,8 +1,8 @@
 //! Builds and drops of a song. A build is a stretch of bars that become brighter and denser in onsets (Solberg 2014 on
 //! builds in club music). A drop is a bar in which the missing low band returns after a build or a pause, and which
-//! begins some of the song's loudest and densest bars (Yadati et al. 2014). All these signs are needed together,
-//! because a crescendo has the rise, an entering band has the low frequencies, and a pause before the last chorus has
-//! the silence.
+//! begins some of the song's loudest and densest bars (Yadati et al. 2014). A drop needs all these signs, because each
+//! sign alone also occurs elsewhere: a crescendo has the rise, an entry of the bass has the low frequencies, and a
+//! pause before the last chorus has the silence.
 
 use super::heard::{Heard, TIMBRE_BANDS};
 use super::units::{Unit, units};
@@ -18,14 +18,14 @@ const STEP_FRACTION: f32 = 0.7;
 /// The minimum t statistic of the correlation of tension and time before a drop.
 const SURE_MIN: f32 = 5.0;
 
-/// The eve of a bar: this part of the previous bar. It covers most of the previous bar's last beat.
+/// The eve of a bar is this part of the previous bar. It covers most of the previous bar's last beat.
 const EVE: (f64, f64) = (0.75, 0.9375);
 
-/// The number of bars from which a drop's level is measured.
+/// A drop's level is the mean of this many bars.
 const LOUD_BARS: usize = 4;
-/// The minimum level of a drop: the first value is a quantile of the song's bar levels, the second is subtracted in dB.
+/// The minimum level of a drop: quantile `LOUD.0` of the song's bar levels, minus `LOUD.1` decibels.
 const LOUD: (f32, f32) = (0.7, 1.0);
-/// The minimum difference between a drop's level and the level of the bars before, in decibels.
+/// The minimum difference between a drop's level and the level of the previous bars, in decibels.
 const JUMP_MIN: f32 = 3.0;
 /// The number of bars before a drop that are compared with it.
 const JUMP_BARS: usize = 8;
@@ -35,20 +35,20 @@ const ONSETS_MIN: f32 = 0.033;
 const LOUDER_THAN_EVE: f32 = 4.0;
 /// The minimum difference between the low bands of a drop and of its eve, in decibels.
 const LOW_OVER_EVE: f32 = 8.0;
-/// The number of bars from which a drop's low band is measured.
+/// A drop's low band is the mean of this many bars.
 const LOW_BARS: usize = 2;
 /// The number of bars that are compared with the last bar before a drop.
 const BARS_BEFORE: usize = 4;
-/// The minimum lead of the low band, in decibels: of a drop over earlier bars, or of earlier eves over the drop's eve.
+/// The minimum lead of a drop's low band over earlier bars, or of earlier eves over the drop's eve, in decibels.
 const LOW_AWAY: f32 = 4.0;
-/// The minimum lead over earlier bars if a pause precedes the drop: a band that pauses for one bar makes no drop.
+/// The minimum lead over earlier bars after a pause, in decibels, because a pause of one bar alone makes no drop.
 const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
 /// The minimum level differences between a pause and the bars after it, and between a pause and earlier eves, in dB.
 const PAUSE: (f32, f32) = (8.0, 4.0);
 /// The minimum distance between two drops, in bars. Of closer drops only the strongest is kept.
 const APART: usize = 8;
 
-/// Measures the eve of the next bar, for each bar between two of these times.
+/// Measures the eve of the bar after each bar. `bar_times` are the borders of the bars.
 pub(super) fn eves(heard: &Heard, bar_times: &[f64]) -> Vec<Unit> {
     let eve = |bar: &[f64]| {
         let at = |fraction: f64| bar[0] + fraction * (bar[1] - bar[0]);
@@ -78,7 +78,7 @@ pub(super) fn builds_and_drops(
         let returns = returns(bars, eves, bar, loud, is_sure);
         if let Some(build) = build.filter(|_| returns.is_some() || borders.contains(&bar)) {
             match builds.last_mut() {
-                // This is the same build, which continues to its drop.
+                // This build overlaps the previous build, which continues to the drop.
                 Some(last) if last.end > build.start => {
                     if returns.is_some() {
                         last.end = bar;
@@ -158,7 +158,7 @@ fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {
     values
 }
 
-/// Returns the mean of the one or two middle values; 0 without values.
+/// Returns the median of `of` over the units; 0 without units.
 fn median(units: &[Unit], of: fn(&Unit) -> f32) -> f32 {
     let values = sorted(units.iter().map(of));
     let middle = values.get((values.len().saturating_sub(1)) / 2..values.len() / 2 + 1).unwrap_or_default();
@@ -168,7 +168,7 @@ fn median(units: &[Unit], of: fn(&Unit) -> f32) -> f32 {
 /// A rise of tension that ends at a given bar.
 struct Build {
     start: usize,
-    /// The t statistic of the correlation with time.
+    /// The t statistic of the correlation of tension and time.
     sure: f32,
 }
 

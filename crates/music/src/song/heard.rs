@@ -38,7 +38,7 @@ pub(super) struct Heard {
     pub(super) loudness: Option<f32>,
     /// The moments. Moment n is at n hops.
     pub(super) moments: Vec<Moment>,
-    /// The slow moments. Number n ends at (n + 1) · [`SLOW_HOPS`] hops; its chroma is late by `chroma_late`.
+    /// Slow moment n ends at (n + 1) · [`SLOW_HOPS`] hops. Its chroma is late by `chroma_late`.
     pub(super) slow: Vec<SlowMoment>,
     /// The delay of the chroma, in slow moments.
     pub(super) chroma_late: usize,

@@ -94,7 +94,7 @@ pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
 }
 
 /// Returns the key of a song, or `None` if no key fits. The returned key has the largest correlation with the pitch
-/// classes (Krumhansl 1990). A key and its relative share their notes. So the fraction of the tonic's triad also
+/// classes (Krumhansl 1990). A key and its relative key have the same notes, so the fraction of the tonic's triad also
 /// counts, among all chords and among the first chords of sections.
 pub(super) fn key(
     units: &[Unit],

@@ -56,7 +56,7 @@ impl SongMoment {
         chroma: [0.0; PITCH_CLASSES.len()],
     };
 
-    /// Returns the number that scenes read by `name`, such as `bar` or `chroma(3)`.
+    /// Returns the value called `name` in scenes, such as `bar` or `chroma(3)`.
     pub fn number(&self, name: &str) -> Option<f32> {
         Some(match name {
             "bar" => self.bar,
@@ -89,8 +89,7 @@ impl SongMoment {
 }
 
 impl SongStructure {
-    /// Returns the moment at `time` in seconds. Times outside the song are clamped to it; NaN gives
-    /// [`SongMoment::UNKNOWN`].
+    /// Returns the moment at `time` in seconds, clamped to the song. If `time` is NaN, returns [`SongMoment::UNKNOWN`].
     pub fn moment(&self, time: f64) -> SongMoment {
         if time.is_nan() {
             return SongMoment::UNKNOWN;

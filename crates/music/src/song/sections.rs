@@ -68,7 +68,7 @@ fn scaled(bars: &[Unit]) -> Scaled {
 /// Outliers are clamped to this many standard deviations, so that a pause does not become a section.
 const FARTHEST: f32 = 2.5;
 
-/// Subtracts the mean and divides by the deviation, but at least by `least`. Outliers do not widen the scale.
+/// Subtracts the mean of `rows` and divides by their deviation, at least by `least`. Outliers do not widen the scale.
 fn with_unit_deviation<const N: usize>(rows: &[[f32; N]], least: f32) -> Vec<[f32; N]> {
     let count = rows.len().max(1) as f32;
     let mean: [f32; N] =
@@ -108,7 +108,7 @@ impl<const N: usize> Sums<N> {
         Self { step, sums, squares }
     }
 
-    /// Sums the squared distances of the rows `start..end`, each from the mean of all rows a multiple of `step` away.
+    /// Sums the squared distances of the rows `start..end` from the mean of the rows that are multiples of `step` away.
     fn deviation(&self, start: usize, end: usize) -> f32 {
         let of_phase = |phase: usize| {
             let first = start + phase;
@@ -162,7 +162,7 @@ fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
 }
 
 /// Returns the letter of each stretch. The letters are clusters by mean distance (average linkage; Sokal and Michener
-/// 1958), in the order of their first stretch.
+/// 1958), named in order of appearance.
 fn letters(stretches: &[std::ops::Range<usize>], scaled: &Scaled) -> Vec<usize> {
     let count = stretches.len();
     let mut clusters: Vec<Vec<usize>> = (0..count).map(|index| vec![index]).collect();

@@ -11,7 +11,7 @@ use super::key::{Tonality, chords, key, pitches_of};
 use super::sections::sections;
 use super::units::units;
 
-/// The interval of possible section starts without beats, in seconds.
+/// If a song has no beats, sections may start at multiples of this time, in seconds.
 const STEP_WITHOUT_BEATS: f64 = 2.0;
 /// A song whose loudest moment has less power than this (-80 dB) is silent.
 const SILENT: f32 = 1e-8;
@@ -101,7 +101,7 @@ pub struct SongStructure {
     pub drops: Vec<f64>,
     /// The key; `None` if no key fits.
     pub key: Option<Tonality>,
-    /// The frequency of the tone a' to which the instruments are tuned, in hertz.
+    /// The frequency to which the instruments tune the tone a', in hertz.
     pub tuning_hz: f64,
     /// The chords, which change on beats and cover the song.
     pub chords: Vec<Chord>,

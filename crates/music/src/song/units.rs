@@ -33,7 +33,7 @@ impl Unit {
     }
 }
 
-/// Returns the unit between each two consecutive `times` in seconds, so there is one unit fewer than times.
+/// Returns one unit for each stretch between consecutive `times` (in seconds), so one unit fewer than times.
 pub(super) fn units(heard: &Heard, times: &[f64]) -> Vec<Unit> {
     let loudest = heard.slow.iter().map(|slow| slow.timbre.iter().sum::<f32>()).fold(1e-7_f32, f32::max);
     times.windows(2).map(|pair| unit(heard, pair[0], pair[1], loudest)).collect()

@@ -6,5 +6,5 @@ mod levels_and_curves;
 mod rhythm;
 mod signals;
 mod song_structure;
-#[allow(dead_code)] // The example `song_figures` uses more of them.
+#[allow(dead_code)] // The example `song_figures` uses more of these functions.
 mod songs;

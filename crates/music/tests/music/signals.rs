@@ -1,6 +1,6 @@
 //! Signals with known features, and their analysis.
 
-#![allow(dead_code)] // Not every test uses all of them.
+#![allow(dead_code)] // Not every test uses all of these functions.
 #![allow(clippy::expect_used)]
 
 use std::f64::consts::TAU;

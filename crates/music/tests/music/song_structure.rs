@@ -193,7 +193,7 @@ fn other_sounds_have_a_sensible_structure_or_none() {
     let mut state = 1;
     let hiss = of(40.0, &mut |_| 0.3 * noise(&mut state));
     assert_eq!((hiss.key, hiss.beats.len(), hiss.sections.len()), (None, 0, 1));
-    // Stereo noise, whose random spectral peaks are no harmony.
+    // Stereo noise has random spectral peaks, which are no harmony.
     let stereo: Vec<StereoFrame> =
         (0..RATE * 120).map(|_| [0; 2].map(|_| 0.3 * noise(&mut state) as f32)).collect();
     let wide = structure(RATE, &stereo);
