@@ -71,7 +71,7 @@ impl Announcer {
         self.look_at_missed_audio(status.missed_audio);
         let track = (status.track.id, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
-            // Do not announce the first track: the first notice about the scene names it.
+            // Do not announce the first track: the first notice about the scene names the track.
             if self.track.is_some() {
                 self.answer(described(&status.track));
             }

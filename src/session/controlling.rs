@@ -47,8 +47,7 @@ impl Session {
         if self.playback.scene.revision() != before {
             self.playback.controllers.note_turned(since, self.playback.scene.revision());
         } else if self.playback.scene.shown_parameters().are_turning() {
-            // The next frame still shows the old value, so the input becomes visible with the revision after this
-            // one.
+            // The parameter still has its old value. The next frame shows its first step, with revision `before + 1`.
             self.playback.controllers.note_turned(since, before + 1);
         }
         self.playback.answer(learned);

@@ -23,12 +23,11 @@ impl Session {
     /// Draws the window, or a part of a slow frame. Returns `true` for the first frame, which starts the song.
     pub(super) fn draw(&mut self) -> Result<bool, SessionError> {
         if let Some(seconds) = self.playback.first_shown_after.take() {
-            // The limiter's programs are compiled only after the first frame, because the first frame is never
-            // dimmed.
+            // Compile the limiter's programs only now: the first frame is never dimmed.
             self.playback.renderer.limit_flashes(seconds)?;
         }
         let begun = clock::now();
-        // A frame that waited for its regions was counted when it was requested.
+        // A frame that waited for its regions has already been counted.
         if !self.playback.scene.composer().has_regions() && !self.playback.scene.composer().is_drawing() {
             self.playback.pace.begun(begun, self.playback.controllers.are_unseen());
         }
@@ -40,8 +39,7 @@ impl Session {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
         };
-        // A slow frame or a late redraw request must not make the show look idle: an idle show restarts its frame at
-        // full quality.
+        // Slow frames and late redraw requests must not make the show look idle: an idle show restarts its frame.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
         let level = self.playback.level(begun);
         let drawn = drawn_size(level, whole, self.playback.side_max(&*self.screen));
@@ -167,8 +165,7 @@ struct Picture {
 }
 
 impl Playback {
-    /// Draws the wanted frame or a part of it. `whole` is the screen's size in pixels. Returns the frame if it is
-    /// finished.
+    /// Draws the wanted frame or a part of it; `whole` is the screen's size in pixels. Returns finished frames.
     fn draw_picture(
         &mut self,
         wanted: Shown,
@@ -267,8 +264,7 @@ impl Playback {
         }
     }
 
-    /// Returns the value in `made`. If the driver has no memory for a frame, skips the frame and makes the next one
-    /// smaller.
+    /// Returns the value in `made`. If the driver has no memory for the frame, skips it; the next frame is smaller.
     fn without_room_smaller<T>(&mut self, made: Result<T, GpuError>) -> Result<Option<T>, GpuError> {
         match made {
             Err(GpuError::Object { what, reason }) if self.pace.make_smaller() => {

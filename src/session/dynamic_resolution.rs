@@ -58,7 +58,7 @@ const POOR: usize = 8;
 /// Below this many frames per second a show does not seem to move.
 const FPS_USABLE: f64 = 24.0;
 
-/// The level is reduced when the frames of this time span are slow, or at least this number of frames.
+/// Before the level is reduced, all frames of this time span are examined, and at least this number of frames.
 const LOOK: (Duration, usize) = (Duration::from_millis(250), 3);
 /// Two frames in a row that exceed their time by this factor reduce the level at once.
 const FAR_TOO_LONG: f64 = 4.0;
@@ -235,8 +235,7 @@ impl DynamicResolution {
         self.level != before
     }
 
-    /// Draws fewer pixels, even if frames are fast. Returns `false` if neither moving frames nor stills can get
-    /// smaller.
+    /// Draws fewer pixels, even if frames are fast. Returns `false` if no frame, moving or still, can get smaller.
     pub(crate) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
         // Until the first lack of memory, stills have all pixels.

@@ -23,9 +23,8 @@ pub enum SessionError {
     DisplayLost,
     /// A wallpaper on Wayland without the required protocol.
     #[error(
-        "this Wayland compositor lacks the protocol zwlr_layer_shell_v1 for surfaces below its windows, which \
-         --wallpaper needs: start Mariana in an X11 session, or in one of KDE Plasma, Sway, Hyprland or another \
-         compositor with that protocol"
+        "this Wayland compositor lacks the protocol zwlr_layer_shell_v1, which --wallpaper needs: start Mariana in \
+         an X11 session, or in one of KDE Plasma, Sway, Hyprland or another compositor with that protocol"
     )]
     NoLayerShell,
     /// A wallpaper without a monitor.

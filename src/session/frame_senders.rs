@@ -66,8 +66,8 @@ impl FrameSenders {
         self.is_new = !self.sends.is_empty();
     }
 
-    /// Starts to read the shown frame if it is due, and sends frames that have been read. Returns the time of the
-    /// next check.
+    /// Starts to read the shown frame if it is due. Sends frames that have been read. Returns when to call this
+    /// again.
     pub(crate) fn go_on(
         &mut self,
         gl: &Gl,

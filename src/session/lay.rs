@@ -23,8 +23,7 @@ pub(crate) struct Panel {
 }
 
 impl Lay {
-    /// Copies the frame to the current window of `size` pixels. `area` is the part of the window that shows the
-    /// screen.
+    /// Copies the frame to the current window of `size` pixels. `area` is the part that shows the screen.
     pub(crate) fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
         let inner = self.inner(renderer);
         if self.placement.is_plain() && inner == WHOLE && area == WHOLE {

@@ -36,8 +36,7 @@ impl BackgroundWork {
     }
 }
 
-/// Starts a loader for the shown scene and, if `prepares_ahead`, two loaders for its neighbours. Waits for the first
-/// scene.
+/// Starts loaders for the shown scene and, if `prepares_ahead`, for its neighbours. Waits for the first scene.
 ///
 /// # Errors
 /// Fails if the scene cannot be shown, or the system has no thread left.

@@ -131,7 +131,7 @@ impl Playback {
 
 impl Interface {
     /// Returns the part of a window of `size` pixels that shows the frame. The part is as large as possible. While an
-    /// output shows the frame, it is small beside the panels, unless corners are moved or the panels are hidden.
+    /// output shows the frame, the part is small, beside the panels, unless corners are moved or panels hidden.
     pub(super) fn note_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
         let is_small = screen.has_output() && !self.ui_state.bare && self.ui_state.corners.is_none();
         self.ui_state.picture = is_small.then(|| small_in(size, lay.screen));

@@ -1,9 +1,8 @@
 //! The start of a session: creates everything that lives as long as the window, on the session's thread.
 //!
-//! **A lost context is replaced.** When the driver reports a lost context, `renewed` drops everything that belongs to
-//! the context while the context is still current. It recreates everything from the worlds, which are plain values.
-//! The song is not affected. If the driver has no memory for a frame, a smaller one is drawn. `faults` lets tests
-//! cause both failures.
+//! **A lost context is replaced.** When the driver reports a lost context, `renewed` drops the context's objects
+//! while the context is still current, and recreates them from the worlds, which are plain values. The song is not
+//! affected. Without memory for a frame, a smaller one is drawn. `faults` lets tests cause both failures.
 
 use std::sync::Arc;
 

@@ -24,8 +24,7 @@ impl Pacing {
 
     /// Notes a frame that was begun at `now`. A late frame delays the following frames, so that they do not come in a
     /// burst. Extra frames, such as those drawn while a window is resized, delay the next one by at most an interval.
-    /// A frame that `answers` a controller replaces the next one, so that the following frame may be two intervals
-    /// later.
+    /// A frame that `answers` a controller replaces the next frame, so the next pause is up to two intervals.
     pub fn begun(&mut self, now: Instant, answers: bool) {
         let latest = now + if answers { 2 * self.interval } else { self.interval };
         self.due = (self.due + self.interval).clamp(now, latest);

@@ -70,8 +70,7 @@ impl Recording {
         keep(&self.files, &mut take, now);
     }
 
-    /// Records a frame of a track at `time` seconds. Returns a message when the performance has reached its maximum
-    /// length.
+    /// Records a frame of a track at `time` seconds. Returns a message when the performance is too long.
     pub(crate) fn note(
         &mut self,
         (track, title): (OfTrack, &str),
@@ -198,7 +197,7 @@ fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
         return;
     }
     let comments = [
-        format!("A performance of the scenes to {}.", take.title),
+        format!("Recorded while {} played.", take.title),
         "Render it with `mariana video SONG --show FILE`.".to_owned(),
     ];
     // A long performance is a long text, so it is printed on the file thread.

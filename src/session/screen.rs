@@ -27,7 +27,7 @@ pub(crate) enum Event {
 pub(crate) type Paint<'a> = &'a mut dyn FnMut((u32, u32)) -> Result<(), SessionError>;
 
 /// The surface that shows a session. The context of [`Screen::gl`] is current on the session's thread. Changes of the
-/// window are requests: the window system may follow them later or never, as later queries show.
+/// window are only requests: the window system may carry them out later or never, so query the result.
 pub(crate) trait Screen {
     /// Waits for events, at most until the given time. Returns the events in order; several redraw requests become one.
     fn wait(&mut self, until: Instant) -> Vec<Event>;
@@ -74,7 +74,7 @@ pub(crate) trait Screen {
     /// Reports the position of the text cursor, in pixels.
     fn set_place_of_letters(&mut self, place: Rect);
 
-    /// Reports if keys are text, so that no letter ends the program.
+    /// Sets whether keys are text. If they are, no letter ends the program.
     fn set_keys_are_text(&mut self, on: bool);
 
     fn show_controls(&mut self, controls: TreeUpdate);
@@ -92,7 +92,7 @@ pub(crate) trait Screen {
 
     /// Shows the frame in the window or the wallpaper, and calls `paint` to draw over it. If `small` is given, the
     /// frame fills only this part of the window. `is_new` is true for a changed frame. Returns the time until the
-    /// hand-over.
+    /// frame was handed over.
     fn show(
         &mut self,
         renderer: &mut Renderer,

@@ -157,7 +157,7 @@ impl Sound {
         let shift = shift.clamp(least, PLAYER_LIMITS.latency_ms_max);
         self.asked_ms = Some(shift);
         if let Some(device) = self.device.clone().filter(|_| settled) {
-            // The saved value now counts; another device has its own delay.
+            // Use the saved value from now on, because another device has its own delay.
             self.asked_ms = None;
             self.remember(move |settings| {
                 settings.latency_ms.insert(device.id.clone(), shift);
@@ -309,7 +309,7 @@ impl Sound {
                 // Closing waits for the sound system, and frames must not wait.
                 if let Some(live) = self.live.take() {
                     let closing = std::thread::Builder::new().name("closing".into());
-                    // Without a thread, the input is closed here, which has a time limit too.
+                    // Without a thread, close the input here: closing has a time limit.
                     if let Err(error) = closing.spawn(move || drop(live)) {
                         tracing::warn!("closed the input on the window's thread: {error}");
                     }
@@ -415,7 +415,7 @@ fn note_choice(settings: &mut Settings, target: &Target) {
     }
 }
 
-/// The outputs as rows of the settings panel. The row of `target` is marked; a song plays on the device `open`.
+/// Returns the outputs as rows of the settings panel, with `target` marked. A song plays on the device `open`.
 fn outputs_of(
     device_list: &DeviceList,
     target: Option<&Target>,
@@ -451,7 +451,7 @@ fn shift_in_words(shift: f64, device: Option<&str>) -> String {
     let words = match shift {
         0.0 => "frames are shown without a delay".to_owned(),
         later if later > 0.0 => format!("frames are shown {later:.0} ms later"),
-        sooner => format!("frames are shown {:.0} ms sooner", -sooner),
+        sooner => format!("frames are shown {:.0} ms earlier", -sooner),
     };
     match device {
         Some(device) => format!("{words} · {device}"),
@@ -525,7 +525,7 @@ mod tests {
     #[test]
     fn delays_are_reported_with_their_direction() {
         assert!(shift_in_words(35.0, Some("TV")).contains("35 ms later · TV"));
-        assert!(shift_in_words(-5.0, None).contains("5 ms sooner"));
+        assert!(shift_in_words(-5.0, None).contains("5 ms earlier"));
         assert!(!shift_in_words(0.0, None).contains("ms"));
     }
 }

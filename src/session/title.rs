@@ -3,7 +3,7 @@
 use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 
-/// The window's title: track, program, notes on the scene, and unusual states. Silence is unusual unless asked for.
+/// The window's title: track, program, notes on the scene, unusual states. Silence is unusual unless `silence_asked`.
 pub(crate) fn title(scene: Vec<String>, status: &PlayerStatus, silence_asked: bool) -> String {
     let track = &status.track;
     let mut title = format!("{} - Mariana", track.name);

@@ -31,8 +31,7 @@ impl<'a> ActiveClips<'a> {
 }
 
 impl Moves<'_> {
-    /// Returns the value that the show sets for a knob's parameter. The first `split` parameters belong to the
-    /// outgoing scene.
+    /// Returns the show's value for a knob's parameter. The first `split` parameters belong to the outgoing scene.
     pub(super) fn of(&self, knob: &Knob, name: &str, split: usize) -> Option<Directed> {
         let moves = if knob.place < split { &self.first } else { &self.second };
         let moved = moves.iter().find(|moved| moved.name == name)?;

@@ -1,9 +1,9 @@
 //! The neighbours: the next and the previous scene, prepared while the current one is shown, so that a change to them
 //! takes one frame.
 //!
-//! Neighbours have the lowest priority: they are prepared one after another, when the current scene is complete and the
-//! compilers are idle. Each neighbour has a loader, which reloads a changed text and goes with the scene when the scene
-//! is shown. The scene shown until then becomes the other neighbour, and stays prepared.
+//! Neighbours have the lowest priority: they are prepared one after another, when the current scene is complete and
+//! the compilers are idle. Each neighbour has a loader, which reloads a changed text. When a neighbour is shown, it
+//! keeps its loader. The scene shown until then becomes the other neighbour and stays prepared.
 
 use std::sync::Arc;
 
@@ -103,7 +103,7 @@ impl PreparedAhead {
         })
     }
 
-    /// Abandons the scenes of a compile task: the scene of a program, or all scenes that need an interpreter.
+    /// Abandons the scenes that need the result of `task`: one for a program, maybe more for an interpreter.
     pub(super) fn leave(&mut self, task: &Task) {
         self.leave_where(|scene| match task {
             Task::Compiled { id, .. } => *id == scene.id,
@@ -120,7 +120,7 @@ impl PreparedAhead {
         }
     }
 
-    /// Takes the first tree of a scene. Without a tree the scene is abandoned.
+    /// Stores the first tree of the scene `id`. If `tree` is `None`, abandons the scene.
     pub(super) fn take_tree(&mut self, id: u64, tree: Option<Arc<BuiltRegions>>) {
         let Some(tree) = tree else { return self.leave_where(|scene| scene.id == id) };
         if let Some(scene) = self.scenes_mut().find(|scene| scene.id == id) {
@@ -221,7 +221,7 @@ impl PreparedAhead {
         taken + bytes_of(world) <= LIMITS.prepared_bytes_max
     }
 
-    /// Takes the neighbour `to`, once loaded, in exchange for the shown scene `from` and its `loader`. Swaps the sides.
+    /// Returns the neighbour `to` if it is loaded. The shown scene `from` becomes the neighbour on the other side.
     pub(super) fn take(
         &mut self,
         to: &SceneSource,

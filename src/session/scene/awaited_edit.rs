@@ -1,12 +1,12 @@
-//! The wait of the next frame for an edited text. A frame that begins while the text is being read would show the old
-//! text, and with a software renderer take the loader's CPU time. With the wait, edits appear a frame earlier, and the
-//! wait is shorter than a frame.
+//! Delays the next frame until an edited text is loaded. A frame that begins while the text is being read would show
+//! the old text, and a software renderer would slow down the loader. The delay is shorter than a frame, and edits
+//! appear one frame earlier.
 
 use std::time::{Duration, Instant};
 
-/// The longest wait of a frame for a text. Most scenes are read in half of this time.
+/// Maximum delay of a frame. Most texts are read in half of this time.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// After a load slower than this, frames do not wait: drawing at the same time may have doubled the load time.
+/// After a load slower than this, frames do not wait. The limit allows for drawing, which may double the load time.
 const SLOW: Duration = Duration::from_millis(60);
 
 #[derive(Debug, Default)]

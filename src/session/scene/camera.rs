@@ -44,7 +44,7 @@ impl SceneCamera {
         self.orbit
     }
 
-    /// The motion at `time` seconds of the song: by the user, or otherwise by the show.
+    /// Returns the camera motion at `time` seconds of the song: the user's, or otherwise the show's.
     pub(super) fn at(&self, clips: &ActiveClips<'_>, time: f64) -> OrbitControls {
         match clips.last() {
             Some(clip) if self.orbit == OrbitControls::OFF => OrbitControls::of_turns(clip.turns_at(time)),

@@ -29,7 +29,7 @@ use crate::view::legend::LegendPicture;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
-/// If a fade is joined after this fraction of its length, the last frame fades out instead of the outgoing scene.
+/// If a fade is joined after this fraction of its length, the outgoing scene is not drawn: the last frame fades out.
 const LATE_FRACTION: f32 = 0.35;
 
 pub(crate) struct WantedPicture {
@@ -102,8 +102,8 @@ impl SceneComposer {
         }
     }
 
-    /// Draws the current scene at a moment for which its regions are built, or continues the frame in progress, for
-    /// about `go`. Returns `None` if it is not finished. Requests missing resources. `revision` belongs to the whole
+    /// Draws for about `go`: continues the frame in progress, or begins a frame at a moment for which the regions are
+    /// built. Returns `None` until the frame is finished. Requests missing resources. `revision` belongs to the whole
     /// session. Scenes that are neither shown nor fading out are kept only as neighbours.
     pub(super) fn draw(
         &mut self,
@@ -200,8 +200,7 @@ impl SceneComposer {
         true
     }
 
-    /// Begins a frame of the current scene; in a fade, first one of the outgoing scene. `None` while regions are being
-    /// built.
+    /// Begins a frame. In a fade, draws the outgoing scene first. Returns `None` while regions are being built.
     fn begin(
         &mut self,
         of: Ingredients<'_>,
@@ -267,7 +266,7 @@ impl SceneComposer {
                 self.fading.begin_picture(renderer, Begun { now, moment: &wanted.moment, runs, is_live });
             }
         }
-        // Set the samples only now: another number of samples discards the kept light of the last frame.
+        // Set the samples only now, because a new number of samples discards the kept light of the last frame.
         renderer.set_edge_samples(shown.edges);
         let begun = match self.views.program(scene, mode) {
             None => {
@@ -311,7 +310,7 @@ impl SceneComposer {
         self.change.note_left(left, self.pictures.took(), self.camera.orbit(), show, parameters);
     }
 
-    /// Starts a fade from the outgoing to the incoming scene. Views are cut, because their colours encode numbers.
+    /// Starts a fade from the outgoing to the incoming scene. Cuts while a view is shown: its colours encode numbers.
     pub(super) fn fade_if_it_can(&mut self, of: Ingredients<'_>) {
         if self.fades_with_both(of) {
             self.fading.cut();
@@ -330,7 +329,7 @@ impl SceneComposer {
         self.revision += 1;
     }
 
-    /// Mixes this fraction of the frame held by a show into the next frames; `None` ends it.
+    /// Mixes a `fraction` of the frame that a show holds into the next frames. `None` ends the mixing.
     pub(crate) fn mix_held(&mut self, fraction: Option<f32>) {
         if self.views.choice().is_none() {
             self.fading.mix_held(fraction);
@@ -356,7 +355,7 @@ impl SceneComposer {
 
     pub(super) fn note_frame_time(&mut self, time: Duration, of: Ingredients<'_>) {
         let Some((scene, drawn)) = of.scenes.shown.as_ref().zip(shown(of)) else { return };
-        // Views use other programs, and during a fade two scenes are drawn.
+        // Ignore the times of views, which use other programs, and of fades, which draw two scenes.
         if self.views.choice().is_some() || of.scenes.fading_out.is_some() {
             return;
         }
@@ -430,8 +429,8 @@ fn shown(of: Ingredients<'_>) -> Option<(u64, Mode)> {
     Some((scene.id, scene.mode(of.choice.sdf)?))
 }
 
-/// The parameters of a scene at `time` seconds of the song, and the number of its camera. The
-/// show's value counts unless a controller has changed the parameter since.
+/// The parameters of a scene at `time` seconds of the song, and the number of its camera. A parameter has the show's
+/// value, unless a controller changed it later.
 fn numbers_of(of: Ingredients<'_>, scene: &PreparedScene, time: f64) -> (Vec<f32>, Option<usize>) {
     let (clips, fraction) = of.show.clips(scene, time);
     let mut numbers = of.parameters.numbers(scene, &clips, time);

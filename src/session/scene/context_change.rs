@@ -34,7 +34,7 @@ pub(crate) struct KeptScenes {
     pub loaders: SceneLoaders,
     pub shown: Option<LoadedScene>,
     pub wanted: SceneSource,
-    /// The values that controllers have set, and the start of their clock.
+    /// The values that controllers have set, and the start time of the model's clock.
     pub controllers: (Model, Instant),
     pub ways: DrawingWays,
 }

@@ -103,7 +103,7 @@ impl Fading {
         }
     }
 
-    /// Notes that the next frame shows another scene.
+    /// Requests a fade, because the next frame shows another scene.
     pub(super) fn want(&mut self) {
         let usual = if self.cuts { Duration::ZERO } else { self.length };
         self.going = self.next.take().unwrap_or(usual);
@@ -118,7 +118,7 @@ impl Fading {
         self.from = From::HeldPicture;
     }
 
-    /// Sets the fraction of the frame held by a show in the next frames; `None` ends the fade.
+    /// Mixes a `fraction` of the frame that a show holds into the next frames. `None` ends the fade.
     pub(super) fn mix_held(&mut self, fraction: Option<f32>) {
         match (fraction, self.state) {
             (Some(fraction), State::Given(_, kept)) => self.state = State::Given(fraction, kept),
@@ -130,7 +130,7 @@ impl Fading {
         }
     }
 
-    /// Notes that the show holds another frame: the last drawn one, which may still contain the frame held before.
+    /// Notes that the show now holds the last drawn frame, which may still contain the previously held frame.
     pub(crate) fn hold_anew(&mut self) {
         if let State::Given(_, kept) = &mut self.state {
             *kept = false;
@@ -154,7 +154,7 @@ impl Fading {
         self.state != State::None
     }
 
-    /// True if the next frame differs because of a fade even though the song is paused.
+    /// Returns `true` if a fade changes the next frame even while the song is paused.
     pub(super) fn goes_on_by_itself(&self) -> bool {
         matches!(self.state, State::Wanted | State::Going(_))
     }
@@ -182,7 +182,7 @@ impl Fading {
         if self.from == From::HeldPicture && self.goes_on() { self.fraction } else { 0.0 }
     }
 
-    /// Duration and start, in seconds, of a running fade between scenes in song time.
+    /// Duration and start of a running fade between scenes, in seconds of the song.
     pub(super) fn of_scene_with_song(&self) -> Option<(f64, f64)> {
         match self.state {
             State::WithSong(start, _) if self.from == From::Scene => Some((self.going.as_secs_f64(), start)),
@@ -225,7 +225,7 @@ impl Fading {
             State::Wanted => {
                 self.announce();
                 let time = begun.moment.song_time;
-                // Cue lists store times in milliseconds, and the first frame must already mix both scenes.
+                // Start a millisecond early, so that the first frame is mixed. Cue lists store whole milliseconds.
                 let start = ((time * 1e3).floor() - 1.0) / 1e3;
                 self.state = match begun.runs && start >= 0.0 {
                     true => State::WithSong(start, of_what(begun.moment)),

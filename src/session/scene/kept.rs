@@ -22,7 +22,7 @@ impl<K> KeptPrograms<K> {
         self.programs.iter().any(|(of, _)| serves(of))
     }
 
-    /// The program that `serves`; the most recently used of several.
+    /// Returns the most recently used program whose key `serves` accepts.
     pub(super) fn find(&mut self, serves: impl Fn(&K) -> bool) -> Option<Rc<Program>> {
         let place = self.programs.iter().rposition(|(of, _)| serves(of))?;
         let found = self.programs.remove(place);

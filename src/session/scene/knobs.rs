@@ -19,7 +19,7 @@ pub(super) struct SceneKnobs {
 }
 
 impl SceneKnobs {
-    /// The sliders of a scene. Those of a blend belong to the two scenes that it mixes.
+    /// Creates the sliders of a scene. A blend has the sliders of both scenes that it mixes.
     pub(super) fn of(source: &SceneSource, world: &World) -> Self {
         let title: Rc<str> = source.title().into();
         let leaving: Option<(usize, Rc<str>)> = match (source, world.blended) {
@@ -59,7 +59,7 @@ impl SceneKnobs {
         self.sliders.get(place).zip(self.knobs.get(place))
     }
 
-    /// The index of a slider by name; in a blend, of the incoming scene's.
+    /// Returns the index of the slider with this name. In a blend, the slider belongs to the incoming scene.
     pub(super) fn place_of(&self, name: &str) -> Option<usize> {
         self.sliders.iter().rposition(|slider| slider.name == name)
     }

@@ -9,7 +9,7 @@ use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSour
 pub(crate) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
 const GO: Duration = Duration::from_millis(100);
-/// The drawing time between two looks at the input while a text is edited, so that keys are answered at once.
+/// While a text is edited, input is read after this drawing time, so that keys are answered at once.
 const GO_OF_EDITOR: Duration = Duration::from_millis(10);
 
 pub(crate) struct SceneLibrary {
@@ -74,7 +74,7 @@ impl SceneLibrary {
         if self.is_written { GO_OF_EDITOR } else { GO }
     }
 
-    /// Sets the requested scene without loading it: it is already prepared.
+    /// Sets a requested scene that is already prepared and need not be loaded.
     pub(super) fn want(&mut self, source: SceneSource) {
         self.wanted = source;
     }
@@ -91,7 +91,7 @@ impl SceneLibrary {
         }
     }
 
-    /// The requested scene or its error, once it is loaded or its files have changed.
+    /// Returns the requested scene or its error, whenever the scene was loaded or reloaded.
     pub(super) fn poll(&mut self) -> Option<Loaded<Result<ReadyScene, SceneError>>> {
         while let Some(loaded) = self.loader.poll() {
             if loaded.source == self.wanted {

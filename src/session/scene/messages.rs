@@ -46,7 +46,7 @@ impl Messages {
         self.hint.is_some()
     }
 
-    /// Replaces the remark in the status line of key I. The remark disappears when its `task` ends.
+    /// Replaces the remark in the status line (key I). The remark disappears when its `task` ends.
     pub(super) fn note_remark(&mut self, remark: String, task: Option<u64>) {
         self.remark = Some((remark, task));
     }

@@ -69,7 +69,7 @@ impl Parameters {
         let readings = self.read(scene, clips, self.song_time);
         let mut is_turned = false;
         for (slider, reading) in scene.knobs.sliders_mut().iter_mut().zip(readings) {
-            // A parameter that the show moves is redrawn in any case.
+            // Do not count parameters that the show moves, because their frames are drawn anyway.
             is_turned |=
                 slider.value.to_bits() != reading.value.to_bits() && reading.changed_by != ChangedBy::Show;
             (slider.value, slider.changed_by) = (reading.value, reading.changed_by);
@@ -79,7 +79,7 @@ impl Parameters {
         }
     }
 
-    /// Sets a parameter of a scene by name; in a blend, of the incoming scene. Returns `false` for an unknown name.
+    /// Sets the parameter `name`; in a blend, of the incoming scene. Returns `false` for an unknown name.
     pub(super) fn turn(
         &mut self,
         scene: &mut PreparedScene,
@@ -187,7 +187,7 @@ impl Parameters {
         if world.blended.is_some() || scene.source.file() != Some(&turned.file) {
             return;
         }
-        // After the drag the numbers have no range.
+        // Skip numbers without a range: they are not dragged any more.
         for (digits, value) in &turned.values {
             let place = world.scene.params.iter().position(|param| {
                 param.is_number && param.span.start as usize == *digits && param.min < param.max

@@ -36,8 +36,8 @@ use crate::scenes::{ReadyScene, SceneError, SceneSource};
 
 /// Time without changes until the numbers of a text become constants of a program again.
 const REST: Duration = Duration::from_secs(10);
-/// Longest distance, in clauses, that `auto` interprets with a software renderer while the scene is
-/// compiled. One frame of a longer distance takes many times the compile time.
+/// Maximum number of clauses of a distance that `auto` interprets with a software renderer while the scene is
+/// compiled. With more clauses, one frame takes many times the compile time.
 const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
 pub(super) enum TreeVerdict {
     /// The tree is built or not needed.
@@ -76,7 +76,7 @@ impl ScenePreparation {
         self.choice.cells = cells;
     }
 
-    /// Takes the loaded scene. Returns the reason if it cannot be shown; the last good scene stays then.
+    /// Takes the loaded scene. If the scene cannot be shown, returns the reason and keeps the last good scene.
     ///
     /// # Errors
     /// Fails if the driver rejects the scene, and no other scene can be shown.
@@ -205,7 +205,7 @@ impl ScenePreparation {
         self.programs.forget_all_but(&scenes.ids());
     }
 
-    /// Takes a requested program for scenes, or the compile error.
+    /// Takes a requested program or its compile error.
     ///
     /// # Errors
     /// Fails if no scene can be shown.
@@ -261,7 +261,7 @@ impl ScenePreparation {
                 Task::Compiled { id, .. } if *id == scene.id => {
                     scene.programs.compilable = false;
                     if scene.programs.compiled.is_some() {
-                        // The existing program of the scene draws it.
+                        // The scene already has a program, which continues to draw it.
                         continue;
                     }
                 }
@@ -282,7 +282,7 @@ impl ScenePreparation {
         if scenes.present().next().is_none() { Err(error) } else { Ok(refused) }
     }
 
-    /// Requests the remaining mode for a scene and reports the reason. Returns a refusal if there is none.
+    /// Requests the other mode for a scene and reports why. Returns a refusal if the other mode has failed too.
     fn fall_back(
         &mut self,
         id: u64,
@@ -386,7 +386,7 @@ impl ScenePreparation {
         }
     }
 
-    /// Recompiles the shown scene with cell lookups if they are wanted and missing. Uses the old program until then.
+    /// Recompiles the shown scene with cell lookups if they are wanted and missing. Keeps the old program meanwhile.
     pub(super) fn request_cells(&mut self, scenes: &PreparedScenes) {
         let drawable =
             |scene: &&PreparedScene| scene.programs.compiled.is_some() && scene.programs.compilable;
@@ -433,7 +433,7 @@ impl ScenePreparation {
 
     pub(super) fn take_loaded_ahead(&mut self, scenes: &mut PreparedScenes) {
         for (at, loaded) in scenes.ahead.poll() {
-            // The errors of this scene are reported when the user requests it.
+            // Ignore errors: they are reported when the user requests the scene.
             let ready = loaded.value.ok().filter(|ready| scenes.ahead.has_room_for(&ready.world));
             let scene = ready.and_then(|ready| {
                 let uploaded = self.upload(loaded.source, ready, scenes);
@@ -508,12 +508,12 @@ impl ScenePreparation {
         self.asked_mode = mode;
     }
 
-    /// True once if the user was waiting for this mode.
+    /// Returns `true`, only once, if the user was waiting for `mode`.
     pub(super) fn has_come(&mut self, mode: Mode) -> bool {
         self.asked_mode.take_if(|asked| *asked == mode).is_some()
     }
 
-    /// Reports each program that the driver has been compiling for a long time, once.
+    /// Reports programs that the driver has been compiling for a long time, each program once.
     pub(super) fn report_slow_programs(&self, scenes: &PreparedScenes, messages: &mut Messages) {
         for id in self.programs.slow() {
             let Some(task) = self.programs.task(id) else { continue };

@@ -143,12 +143,12 @@ impl PreparedScene {
         order.into_iter().find(|mode| self.program(*mode).is_some())
     }
 
-    /// The mode in which the scene should be shown finally, if its program is missing.
+    /// The mode in which the scene should finally be shown, if the program for this mode is missing.
     pub(super) fn missing_mode(&self, sdf: SdfChoice) -> Option<Mode> {
         Some(self.wanted_mode(sdf)).filter(|mode| self.program(*mode).is_none())
     }
 
-    /// The mode in which the scene should be shown finally.
+    /// The mode in which the scene should finally be shown.
     pub(super) fn wanted_mode(&self, sdf: SdfChoice) -> Mode {
         let compiles = match sdf {
             SdfChoice::Interpreted => false,

@@ -43,7 +43,7 @@ impl NextPicture {
     }
 
     /// Draws a hidden frame of the next scene with the values of `parameters` at `time` seconds of the song, and
-    /// sends it to `reader`. Returns its title if a frame was drawn.
+    /// sends it to `reader`. Returns the scene's title if a frame was drawn.
     pub(super) fn draw(
         &mut self,
         (ahead, parameters, choice): (&PreparedAhead, &Parameters, DrawingChoice),

@@ -29,7 +29,7 @@ pub(super) struct ProgramLibrary {
     interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_task: u64,
-    /// True after the first frame, which does not wait for the universal interpreter: others compile faster.
+    /// True after the first frame. Until then scenes get their own interpreters, because they compile faster.
     has_shown: bool,
     // Last, because its threads draw with what the fields above hold.
     compiler: BackgroundCompiler,
@@ -83,7 +83,7 @@ impl ProgramLibrary {
         self.tasks.get(&id)
     }
 
-    /// The tasks that the driver has worked on for a long time, each once.
+    /// Returns tasks that the driver has worked on for a long time. Returns each task once.
     pub(super) fn slow(&self) -> Vec<u64> {
         self.compiler.slow()
     }
@@ -93,8 +93,8 @@ impl ProgramLibrary {
         self.interpreters.add(variant, program);
     }
 
-    /// Takes a universal interpreter or its error. After an error, each scene gets an interpreter; returns a message
-    /// then.
+    /// Takes a universal interpreter or its error. After an error, each scene gets its own interpreter, and a message
+    /// is returned.
     pub(super) fn take_universal(
         &mut self,
         non_lipschitz: bool,

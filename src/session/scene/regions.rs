@@ -1,5 +1,5 @@
-//! The regions of the shown scene: requests to the builder, and the choice to draw without a late tree. See
-//! [`super::region_builder`].
+//! The regions of the shown scene: requests trees from the builder, and chooses to wait for a late tree or draw
+//! without. See [`super::region_builder`].
 
 use std::time::Duration;
 
@@ -34,7 +34,7 @@ pub(super) struct DrawOptions<'a> {
     pub camera: Option<usize>,
     pub orbit: OrbitControls,
     pub cells: CellUse,
-    /// True if the scene has never had a tree. A build over the time limit is cancelled then.
+    /// True if the scene has never had a tree. Its first build is cancelled at the time limit.
     pub is_untried: bool,
     pub fades_away: bool,
 }
@@ -77,8 +77,8 @@ impl SceneRegions {
         })
     }
 
-    /// A frame of the scene `id` that can be drawn now, and its identity: either `wanted` with `sound`, or an earlier
-    /// frame whose tree is now finished. `None` without a new frame.
+    /// Returns a frame of the scene `id` that can be drawn now, and its identity: `wanted` with `sound`, or an
+    /// earlier frame whose tree is now finished. Returns `None` if no frame can be drawn.
     pub(super) fn drawable(
         &mut self,
         (id, mode): (u64, Mode),
@@ -185,7 +185,7 @@ impl SceneRegions {
             }
             return late;
         }
-        // The frame was drawn without a tree. Use trees again if that was slower.
+        // The frame was drawn without a tree. Use trees again if it took longer than the last tree.
         let no_sooner = self.late_for == now && time > self.tree_time;
         if no_sooner {
             (self.late_for, self.waited_for) = (None, now);
@@ -193,7 +193,7 @@ impl SceneRegions {
         no_sooner
     }
 
-    /// The opposite of the current use of cells.
+    /// Returns the opposite of the current use of cells.
     pub(super) fn toggle(
         &mut self,
         drawn: Option<((u64, Mode), &SceneResources)>,

@@ -1,4 +1,4 @@
-//! Status texts about the shown scene, for the title and the line of key I.
+//! Status texts about the shown scene, for the title and the status line (key I).
 
 use super::composer::SceneComposer;
 use super::messages::Messages;

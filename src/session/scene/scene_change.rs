@@ -18,7 +18,7 @@ use crate::show::Clip;
 use mariana_control::ChangedBy;
 use mariana_music::Sound;
 
-/// If a frame of the outgoing scene takes longer than this, the scene stops moving.
+/// If a frame of the outgoing scene takes longer than this, the outgoing scene stops moving.
 const LIVE_MAX: Duration = Duration::from_millis(100);
 
 #[derive(Default)]
@@ -44,7 +44,7 @@ struct Begun {
 }
 
 impl SceneChange {
-    /// The frame in progress if it differs from `wanted` at most by its moment; otherwise `wanted`.
+    /// Returns the frame in progress if it equals `wanted` apart from its moment; otherwise `wanted`.
     pub(super) fn resume(&mut self, wanted: Shown, sound: Sound) -> (Shown, Sound) {
         let goes_on = |begun: &Begun| begun.shown == Shown { moment: begun.shown.moment, ..wanted };
         match self.begun.as_ref().filter(|begun| goes_on(begun)) {

@@ -211,7 +211,7 @@ impl SceneSession {
         Ok(())
     }
 
-    /// Handles a scene that cannot be drawn: the director silently takes another scene, otherwise a message appears.
+    /// Handles a scene that cannot be drawn: shows a message, or silently another scene if the director chose it.
     fn refuse(&mut self, refusal: Refusal) {
         self.messages.set_hint(None);
         let Refusal { source, heading, text } = refusal;
@@ -336,7 +336,7 @@ impl SceneSession {
         }
     }
 
-    /// Draws a hidden frame of the next scene for `reader`. Returns its title if a frame was drawn.
+    /// Draws a hidden frame of the next scene for `reader`. Returns the scene's title if a frame was drawn.
     pub(crate) fn preview(
         &mut self,
         renderer: &mut Renderer,
@@ -484,8 +484,8 @@ impl SceneSession {
         composer.fade_from_held(seconds, of);
     }
 
-    /// The end of a wait for a changed text at `now`. The next frame waits, or a frame in progress that may be
-    /// abandoned.
+    /// Returns the time until which drawing waits for a changed text; `None` if it need not wait, or if the frame in
+    /// progress must be finished.
     pub(crate) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
         self.library().awaits_edit(now).filter(|_| !self.composer.must_finish())
     }

@@ -351,7 +351,7 @@ fn upcoming(
     }
     found.truncate(2);
     if let Some(cue) = cue.filter(|cue| *cue != wanted && !found.contains(cue)) {
-        // The cue may come sooner than anything else.
+        // The cue may come before all other scenes.
         found.insert(0, cue.clone());
     }
     let mut found = found.into_iter();

@@ -1,4 +1,4 @@
-//! The first trees of new scenes. They show if a scene can be drawn in time.
+//! The first trees of new scenes. Their build times show whether a scene can be drawn in time.
 
 use std::sync::Arc;
 

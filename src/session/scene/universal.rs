@@ -45,7 +45,7 @@ impl UniversalInterpreters {
         })
     }
 
-    /// The `non_lipschitz` flag of an interpreter that was never requested; `None` if both were.
+    /// The `non_lipschitz` flag of an interpreter that was never requested; `None` if both were requested.
     pub(super) fn unasked(&self) -> Option<bool> {
         let [of_distances, of_others] = &self.0;
         let is_unasked = |one: &UniversalInterpreter| matches!(one.state, State::Unasked);

@@ -6,21 +6,21 @@ use super::prepared_scene::{FirstTree, PreparedScene};
 use super::prepared_scenes::PreparedScenes;
 use crate::faults::{self, Fault};
 
-/// A scene whose last tree took longer gets a trial tree before it is shown: an edit can make a slow tree too slow.
+/// If the last tree took longer than this, a new version gets a trial tree: an edit can make a slow tree too slow.
 const TREE_MAX: Duration = Duration::from_millis(50);
-/// A scene also gets a trial tree if its distance has more than this many times the last clauses, plus
-/// [`CLAUSES_MORE`].
+/// A new version also gets a trial tree if it has more clauses than the last version's clauses, multiplied by this
+/// factor, plus [`CLAUSES_MORE`].
 const CLAUSES_TIMES: usize = 2;
 /// Clauses that an edit may add in any case.
 const CLAUSES_MORE: usize = 64;
 
-/// True if the coming scene only turns numbers into constants again. It can wait for its program: the old one is good.
+/// True if the coming scene only turns numbers into constants again. It can wait: the shown program draws the same.
 pub(super) fn only_settles(scenes: &PreparedScenes) -> bool {
     let (Some(shown), Some(coming)) = (&scenes.shown, &scenes.coming) else { return false };
     coming.settles && shown.source == coming.source && shown.programs.compiled.is_some()
 }
 
-/// The shown version of a scene, if the new version should cost about the same. The old one returns if it costs more.
+/// Returns the shown version of `scene` if both should cost about the same. It is shown again if `scene` costs more.
 pub(super) fn last_version<'a>(
     scenes: &'a PreparedScenes,
     scene: &PreparedScene,

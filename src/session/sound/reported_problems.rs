@@ -10,7 +10,7 @@ use mariana_player::input::LiveStatus;
 pub(super) struct Hints {
     pub(super) shown: Option<String>,
     pub(super) suggestion: Option<ListedDevice>,
-    /// The last reason for silence on the terminal.
+    /// The last reason for silence that was printed.
     reported: Option<String>,
 }
 
