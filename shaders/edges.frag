@@ -8,7 +8,7 @@ uniform sampler2D picture;
 
 layout(location = 0) out float mark;
 
-// Keys of at least this value belong to rough mirrors (scene.frag). Their noise is visible from the next contrast on.
+// Keys of at least this value belong to rough mirrors (scene.frag). Noise is visible there from ROUGH_CONTRAST on.
 const float ROUGH_KEY = 1024.0;
 const float ROUGH_CONTRAST = 0.02;
 // The limit of contrast for distant neighbours, whose colours differ even without noise.

@@ -1,4 +1,4 @@
-// Computes the limited cells of each row. These are the marked cells in crowded fields.
+// Computes the limited cells of each row: the marked cells in crowded fields.
 
 #include "flash_rows.glsl"
 

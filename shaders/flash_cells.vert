@@ -1,4 +1,4 @@
-// Draws a rectangle for each group of cells with a limited one, as two triangles without a vertex buffer. Other
+// Draws a rectangle for each group that contains a limited cell, as two triangles without a vertex buffer. Other
 // rectangles shrink to nothing. (A rectangle for each cell would be mostly edges.)
 
 #include "flash_ceiling.glsl"

@@ -34,7 +34,7 @@ uvec2 crowded(uvec2 rows[FIELD_ROWS]) {
         }
         first |= float(count) > AREA * float(FIELD_COLUMNS * FIELD_ROWS) ? row_bit(column) : uvec2(0u);
     }
-    // Extend the fields' first columns to all of their columns.
+    // `first` marks where each field begins. Mark all columns of the fields.
     for (int reach = 1; reach < FIELD_COLUMNS; reach *= 2) {
         first |= moved_up(first, min(reach, FIELD_COLUMNS - reach));
     }

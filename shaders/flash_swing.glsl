@@ -30,7 +30,7 @@ float light_change(inout vec3 swing, float light) {
     return change;
 }
 
-// True if the last change may become large enough to count at this luminance, because it was too small so far.
+// True if the last change was too small to count so far, and may become large enough at this luminance.
 bool may_count_only_at(vec3 swing, float light) {
     bool sure = swing.z - swing.y >= SURE_CHANGE && swing.y < SURE_DARKER;
     bool risen = swing.x > 0.0 && light - swing.y >= LIGHT_CHANGE && swing.y < LIGHT_DARKER;
@@ -39,7 +39,7 @@ bool may_count_only_at(vec3 swing, float light) {
 }
 
 // x: 1 if the last change led to red, 0 if not, -1 before the first frame. UNSURE is added if an error of measurement
-// may have caused the change. yz: the chromaticity since the last change that is farthest from the next change.
+// may have caused the change. yz: of the chromaticities since the last change, the one farthest from the next change.
 const vec3 NO_RED_SWING = vec3(-1.0, 0.0, 0.0);
 const float UNSURE = 0.25;
 
@@ -88,7 +88,7 @@ bool are_enough(Ages ages, float early) {
     return ages.oldest.y < 1.0 - early - ROUNDING;
 }
 
-// Seconds for which a rise marks a cell: 0, or until the rise is late enough, or as long as for a flash.
+// Seconds for which a rise marks a cell: HOLD if it makes too many flashes, EARLY if it only comes too early, else 0.
 float hold_after(Ages ages) {
     return are_enough(ages, EARLY) ? HOLD : (are_enough(ages, 0.0) ? EARLY : 0.0);
 }

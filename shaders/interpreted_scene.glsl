@@ -10,7 +10,7 @@ const int MATERIAL_PROGRAMS = 4;
 
 void scene_load() {}
 
-// The program for a point or a direction. The directory entry `place` has a grid with a program for each cell.
+// Returns the program for a point or a direction from the grid of the directory entry `place`.
 int program_at(int place, vec3 at) {
     int grid = int(texelFetch(tape, place >> 2)[place & 3]);
     uvec4 low = texelFetch(tape, grid);

@@ -29,7 +29,7 @@ vec2 non_lipschitz_span(vec3 origin, vec3 direction) {
     return vec2(max(span.x, tree.x), min(span.y, tree.y));
 }
 
-// The step of a ray at t, if it reaches its end in `left` steps that grow with the distance.
+// Returns the step at t with which a ray reaches `end` in `left` steps that grow with the distance.
 float even_step(int left, float t, float end) {
     float from = max(t, NON_LIPSCHITZ_NEAR);
     return from * (pow(end / from, 1.0 / float(left)) - 1.0);

@@ -56,8 +56,8 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
     // Add the light without shadows first: while a shadow ray runs, all values that are used later occupy registers.
     vec3 light = m.emission + m.color * (light_of(s.ambient) * s.open + s.glow);
-    // The loop tests at its end. With a test at the start, a renderer that never skips a branch would run one more
-    // round in vain.
+    // The loop tests its condition at the end. With a test at the start, a renderer that never skips a branch would run
+    // one more round in vain.
     int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
     int i = 0;
     do {
@@ -173,7 +173,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
             float most = max(1.0 - m.blur, m.reflect);
 #ifdef BLEND
-            // Reduce it for faint mirrors. Otherwise a fading mirror would end in bright rims.
+            // Reduce grazing reflections of faint mirrors. Otherwise a fading mirror would end in bright rims.
             grazing *= min(m.reflect * (1.0 / FAINT), 1.0);
 #endif
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
@@ -191,7 +191,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             }
 #endif
             mirrored = reflect(direction, mirror);
-            // No facet reflects into the surface.
+            // Keep the mirrored ray out of the surface.
             mirrored = normalize(mirrored + s.normal * max(0.02 - dot(mirrored, s.normal), 0.0));
 #endif
         }

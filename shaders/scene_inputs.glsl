@@ -35,7 +35,7 @@ float table_waveform(float u) {
     return table_row(SPECTRUM_POINTS - 1, WAVEFORM_POINTS - 1, u);
 }
 
-// Blends the four rows around an age. The first row in the buffer precedes the history's first.
+// Blends the four rows around an age. The buffer has one extra row before the first row of the history.
 float table_history(float u, float age) {
     const int PIECES = HISTORY_POINTS - 1;
     float x;

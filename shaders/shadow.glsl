@@ -74,8 +74,8 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
-        // The spheres of the last two points are empty. They meet at `behind` back along the ray and `closest` off the
-        // ray. A stride that is longer than its sphere, next to a surface, allows no triangulation.
+        // The spheres of the last two points are empty. They meet at a point `behind` back along the ray and `closest`
+        // away from it. A stride that is longer than its sphere, next to a surface, allows no triangulation.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));

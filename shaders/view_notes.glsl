@@ -5,7 +5,7 @@
 #include "view_scales.glsl"
 
 layout(std140) uniform ViewBlock {
-    vec4 view_choice;   // x the view (VIEW_...), y its number
+    vec4 view_choice;   // x the view (VIEW_...), y the view's parameter
     vec4 view_plane;    // the slice: unit normal into the frame, and the distance of the origin
 };
 

@@ -1,6 +1,6 @@
-//! From text to words: the CPU cost of an edit of a scene, compared with fidget on one thread and without its JIT.
-//! Fidget is Keeter's successor to the work on which the tape is based. Run it with `cargo bench --features peer
-//! --bench language`; the feature is separate because the peer compiles slowly.
+//! Measures the CPU time from a scene's text to the interpreter's words, as after an edit. Compares it with fidget, on
+//! one thread and without fidget's JIT. Fidget is by Keeter, on whose earlier work the tape is based. Run this with
+//! `cargo bench --features peer --bench language`; the feature is separate because the peer compiles slowly.
 //!
 //! Both sides begin with a text in memory and end with the program of their interpreter:
 //!
@@ -10,8 +10,8 @@
 //! - **fidget**: `Context::from_text` (one instruction per line: no precedence, types or functions; constants in f64;
 //!   common subexpressions merged), then `VmFunction::new`, a tape of 255 registers.
 //!
-//! Throughput is in clauses of the source: lines of fidget's text in rows that have such a text, otherwise clauses of
-//! the tape. A formula needs fewer words than fidget's lines; `lets` repeats the lines word for word.
+//! Throughput counts lines of fidget's text in rows that have such a text, otherwise clauses of the tape. A formula is
+//! shorter than fidget's lines; the row `lets` repeats the lines word for word.
 
 #![allow(clippy::expect_used)]
 
@@ -31,7 +31,7 @@ fn tape(text: &str) -> Tape {
     Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).expect("it has a tape")
 }
 
-/// The texels that the interpreter shader runs for a text's distance.
+/// Returns the texels that the interpreter shader runs for the distance of `text`.
 fn words(text: &str) -> Vec<[u32; 4]> {
     let mut words = Vec::new();
     let (tape, mut numbers) = (tape(text), Vec::new());
@@ -45,7 +45,7 @@ fn fidget_tape(text: &str) -> VmFunction {
     VmFunction::new(&context, &[root]).expect("it has a tape")
 }
 
-/// An expression as instructions: name, operands as indices of instructions, and the value of a constant.
+/// An expression as instructions: a name, operands as indices of instructions, and the value if it is a constant.
 #[derive(Default)]
 struct Lines(Vec<(&'static str, Vec<usize>, f64)>);
 
@@ -94,7 +94,7 @@ impl Lines {
     }
 }
 
-/// The plane y = 0 and a ball, as instructions and as section 4.4 of the thesis prints it.
+/// Returns the plane y = 0 and a ball, as instructions and as the text in section 4.4 of the thesis.
 fn plane_and_ball() -> (Lines, String) {
     let mut lines = Lines::default();
     let [x, y, z] = ["var-x", "var-y", "var-z"].map(|name| lines.op(name, &[]));
@@ -152,7 +152,7 @@ fn boxes_and_balls(count: usize) -> (Lines, String) {
     (lines, format!("union({})", shapes.join(",\n")))
 }
 
-/// A formula of `count` balls without common subexpressions.
+/// Returns a formula of `count` balls without common subexpressions.
 fn balls(count: usize) -> String {
     let ball = |i: usize| {
         let [x, y, z] = [7, 13, 29].map(|step| (i * step % 997) as f64 * 0.037 - 15.0);
@@ -176,8 +176,8 @@ fn assert_same(text: &str, instructions: &str) {
 }
 
 fn text_to_words(criterion: &mut Criterion) {
-    // Freeing a large block makes glibc keep freed pages, as in the program. Otherwise each iteration would get new
-    // pages from the system.
+    // Free a large block, so that glibc keeps freed pages as it does in the program. Otherwise each iteration would get
+    // new pages from the system.
     drop(black_box(vec![1_u8; 16 << 20]));
     let mut group = criterion.benchmark_group("text_to_words");
     // About as many lines as fidget's largest model.

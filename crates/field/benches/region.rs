@@ -1,6 +1,6 @@
-//! The time to build the region trees of consecutive frames, on one thread, for some shipped scenes and a scene of
-//! over 11,000 clauses. `first` builds a tree from nothing. `next` reuses the previous frame's tree; its frames are
-//! 1/60 s apart, with changing music.
+//! Measures the time to build the region trees of consecutive frames on one thread, for some shipped scenes and a scene
+//! of over 11,000 clauses. `first` builds a tree from nothing. `next` reuses the previous frame's tree; frames are 1/60
+//! s apart, and the music changes.
 
 use mariana_field::graph::{SoundInput, SoundInputs};
 use std::hint::black_box;
@@ -35,7 +35,7 @@ const FRAMES: usize = 64;
 /// Columns and rows of the history of the spectrum.
 const HEARD: (usize, usize) = (64, 600);
 
-/// The spectra of the frames up to `frame`, the newest first.
+/// Returns the spectra of the frames up to `frame`, the newest first.
 fn heard_until(frame: usize) -> Vec<f32> {
     let of = |row: usize, column: usize| {
         0.3 + 0.3 * (0.4 * column as f32 + 0.1 * (frame as f32 - row as f32)).sin()

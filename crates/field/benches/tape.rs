@@ -1,4 +1,5 @@
-//! Building graphs and tapes, and running tapes on the CPU. Throughput is in clauses (times points).
+//! Measures how fast the CPU builds graphs and tapes and runs tapes. Throughput counts clauses (times points, for
+//! runs).
 
 use std::hint::black_box;
 

@@ -14,7 +14,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// Compiles a formula, or a scene without includes, whose field is the distance to its nearest object.
+    /// Compiles a formula or a scene without includes. The field of a scene is the distance to the nearest object.
     ///
     /// # Errors
     /// Fails if the text has mistakes (each is reported with its location and a hint) or exceeds the
@@ -27,14 +27,14 @@ impl Field {
         Ok(Self { world, tape })
     }
 
-    /// Returns the values at the given points, for one moment of time and sound.
+    /// Returns the field's values at `points` for the inputs of one frame.
     pub fn eval(&self, points: &[[f32; 3]], frame: &FrameInputs) -> Vec<f32> {
         let [x, y, z] = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).collect::<Vec<_>>());
         let points = Points { position: [&x, &y, &z], normal: None };
         Batch::new(&self.tape, frame).run(points).pop().unwrap_or_default()
     }
 
-    /// Returns bounds that hold every value in a box.
+    /// Returns bounds of the field's values in the box from `low` to `high`.
     pub fn bounds(&self, low: [f32; 3], high: [f32; 3], frame: &FrameInputs) -> Interval {
         let position = std::array::from_fn(|axis| Interval::new(low[axis], high[axis]));
         let nothing = [Interval::point(0.0); 3];
@@ -55,7 +55,7 @@ impl Field {
         self.world.compiled_glsl()
     }
 
-    /// Builds the tree of cells for a frame: lower bounds of the distance, and shortened tapes.
+    /// Builds a frame's tree of cells. Each cell has a lower bound of the distance and a shortened tape.
     pub fn tree(&self, frame: &FrameInputs) -> Regions {
         RegionPlan::new(&self.world).build(frame, &RegionOptions::default())
     }

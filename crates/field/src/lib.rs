@@ -27,7 +27,7 @@
 //! println!("{}", field.tape());
 //! assert!(field.glsl()?.contains("float"));
 //!
-//! // A tree of cells. A cell near one of the two shapes has a tape without the other.
+//! // A tree of cells. A cell near one of the two shapes has a tape without the other shape.
 //! let tree = field.tree(&silence);
 //! let cell = tree.cell_at([0.0, 0.9, 0.0]).expect("the tree holds all surfaces");
 //! assert_eq!(cell.bound, 0.0, "a surface may be in this cell");
@@ -41,7 +41,7 @@
 //! assert!(mistake.to_string().contains("sphere"));
 //! ```
 //!
-//! To draw scenes, begin with [`world::World`]; to write tools for the language, with [`lang::compile`].
+//! To draw scenes, begin with [`world::World`]. To write tools for the language, begin with [`lang::compile`].
 
 mod field;
 pub mod graph;

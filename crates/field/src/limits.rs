@@ -3,7 +3,7 @@
 /// Upper limits on the text of a scene and on everything built from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Maximum nesting of shader includes.
+    /// Maximum nesting of includes, in scenes and in shaders.
     pub include_depth_max: usize,
     /// Maximum number of distinct nodes in an expression graph (32 bytes each).
     pub graph_nodes_max: usize,
@@ -27,7 +27,7 @@ pub struct Limits {
     pub scene_loop_max: usize,
     /// Maximum number of mistakes reported at once.
     pub scene_diagnostics_max: usize,
-    /// Maximum number of files that a scene includes, each counted once. Their depth has its own limit.
+    /// Maximum number of files that a scene includes, each counted once. `include_depth_max` limits the nesting.
     pub scene_includes_max: usize,
     /// Maximum number of parameters of a scene.
     pub scene_params_max: usize,

@@ -24,17 +24,17 @@ rays! {
     FAR: f32 = 1000.0;
     /// Maximum number of evaluations along a ray through a formula that is not a distance field, even if it grazes.
     NON_LIPSCHITZ_STEPS_MAX: u32 = 512;
-    /// After this many evaluations, such a ray takes steps that are long enough to reach its end.
+    /// After this many evaluations, [`non_lipschitz_step`] makes steps long enough to reach the ray's end.
     NON_LIPSCHITZ_STEPS_MANY: u32 = 64;
     /// Pixel cones are at least as wide as they are at this distance from the eye. With thinner cones, a ray would take
     /// so small steps near the eye that it would run out of evaluations.
     NON_LIPSCHITZ_NEAR: f32 = 0.1;
-    /// Maximum number of rounds that narrow down the point where such a formula changes its sign.
+    /// Maximum number of rounds that narrow down the point where a formula changes its sign.
     CLOSINGS_MAX: u32 = 6;
-    /// The smallest step through such a formula, as a fraction of the pixel cone's radius: thinner details are
-    /// invisible. Used by [`non_lipschitz_step`].
+    /// The smallest step in [`non_lipschitz_step`], as a fraction of the pixel cone's radius: thinner details are
+    /// invisible.
     NON_LIPSCHITZ_STEP_MIN: f32 = 0.5;
-    /// Growth of the smallest step with each step, so that a ray that grazes a surface ends.
+    /// Growth of [`NON_LIPSCHITZ_STEP_MIN`] with each step, so that a ray that grazes a surface ends.
     NON_LIPSCHITZ_STEP_GROWTH: f32 = 0.04;
     /// Precision with which a change of sign is located, as a fraction of the pixel cone's radius.
     CLOSE_ENOUGH: f32 = 0.05;
@@ -46,9 +46,9 @@ rays! {
     SEVERAL: u32 = 255;
     /// Maximum number of cells that a ray passes through without an evaluation.
     SKIPS_MAX: u32 = 1024;
-    /// Used twice for the smallest step of a ray: as a length, and as a fraction of the distance travelled.
+    /// [`past`] moves a point on a ray by this length, plus this fraction of the distance travelled.
     PAST_FACE: f32 = 4e-7;
-    /// Rays look up the cell this far ahead, in root cells, so that no ray gets stuck at a cell's face.
+    /// Rays look up their cell this far ahead, in units of root cells, so that no ray gets stuck at a cell's face.
     AHEAD: f32 = 1e-5;
     /// Added to [`AHEAD`], as a fraction of the largest coordinate of the ray's start.
     AHEAD_OF_FAR: f32 = 5e-7;
@@ -59,12 +59,12 @@ pub fn hit_fraction(step: u32) -> f32 {
     HIT_FRACTION + HIT_FRACTION_GROWTH * step.saturating_sub(STEPS_MANY) as f32
 }
 
-/// Returns the step of a ray at `t`. The ray ends at `end`, and has taken `step` steps through a formula that is no
-/// distance field.
-/// `value`, the formula's value at `t`, falls by at most `slope` per unit of length until the ray leaves its cell at
-/// `t + leaves`. `radius` is the radius of the pixel's cone at `t`, or at [`NON_LIPSCHITZ_NEAR`] if `t` is less.
+/// Returns the step at `t` of a ray through a formula that is not a distance field. The ray ends at `end`, and has
+/// taken `step` steps. `value`, the formula's value at `t`, falls by at most `slope` per unit of length until the ray
+/// leaves its cell at `t + leaves`. `radius` is the radius of the pixel's cone at `t`, or at [`NON_LIPSCHITZ_NEAR`] if
+/// `t` is less.
 ///
-/// No step passes a surface, unless the smallest step is longer than the distance to it. From
+/// No step passes a surface, unless the smallest step is longer than the distance to the surface. From
 /// [`NON_LIPSCHITZ_STEPS_MANY`] steps on, the smallest step grows so that the remaining steps reach the end.
 pub fn non_lipschitz_step(
     step: u32,

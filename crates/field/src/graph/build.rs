@@ -19,24 +19,24 @@ impl Graph {
         self.intern(Node::Input(input))
     }
 
-    /// A one-operand operator on `a`, simplified. A two-operand operator gets `a` twice.
+    /// Applies the one-operand operator `op` to `a`, and simplifies. A two-operand operator gets `a` twice.
     #[inline]
     pub fn unary(&mut self, op: Op, a: NodeId) -> NodeId {
         if op.arity() == 2 { self.simplified_binary(op, a, a) } else { self.simplified_unary(op, a) }
     }
 
-    /// A two-operand operator on `a` and `b`, simplified. A one-operand operator ignores `b`.
+    /// Applies the two-operand operator `op` to `a` and `b`, and simplifies. A one-operand operator ignores `b`.
     #[inline]
     pub fn binary(&mut self, op: Op, a: NodeId, b: NodeId) -> NodeId {
         if op.arity() == 2 { self.simplified_binary(op, a, b) } else { self.simplified_unary(op, a) }
     }
 
-    /// The node without any simplification, for tests of the simplification rules.
+    /// Adds `node` without simplification, for tests of the simplification rules.
     pub fn raw(&mut self, node: Node) -> NodeId {
         self.intern(node)
     }
 
-    /// One channel of a texture at (u, v): 0 red, 1 green, 2 blue, 3 alpha; other numbers are taken modulo 4.
+    /// Reads a channel of a texture at (u, v): 0 red, 1 green, 2 blue, 3 alpha. `channel` is taken modulo 4.
     pub fn texture(&mut self, texture: u16, channel: u8, u: NodeId, v: NodeId) -> NodeId {
         self.intern(Node::Texture { texture, channel: channel & 3, u, v })
     }
@@ -145,8 +145,8 @@ impl Graph {
         self.simplified_unary(Op::Not, c)
     }
 
-    /// a where c is not 0, else b. The sum MASK(c, a) + MASK(NOT c, b) is exact: the unselected term is +0, even if it
-    /// was a NaN.
+    /// a where c is not 0, else b. The sum MASK(c, a) + MASK(NOT c, b) is exact, because the unselected term is +0 even
+    /// if its operand is a NaN.
     pub fn select(&mut self, c: NodeId, a: NodeId, b: NodeId) -> NodeId {
         if a == b {
             return a;

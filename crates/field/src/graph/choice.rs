@@ -1,4 +1,4 @@
-//! The operand that a minimum, maximum or mask chooses over an interval. Pruning removes the unused operand.
+//! The operand that a minimum, maximum or mask chooses everywhere in an interval. Pruning removes the other operand.
 
 use super::interval::Interval;
 use super::op::{Op, Properties};
@@ -23,8 +23,8 @@ impl Op {
         self.properties().has(Properties::CHOOSES)
     }
 
-    /// The operand that is chosen everywhere in the intervals. A minimum or maximum keeps both operands if one may be
-    /// a NaN.
+    /// Returns the operand that the operator chooses for all values in `a` and `b`. A minimum or maximum keeps both
+    /// operands if one may be a NaN.
     #[inline]
     pub fn choice(self, a: Interval, b: Interval) -> Choice {
         let (left, right) = match self {

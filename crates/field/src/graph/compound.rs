@@ -5,8 +5,8 @@
 //! bounds and slopes, because they are made when a tape is written for the interpreter, after pruning and all other
 //! analysis. A compound may therefore contain minima without hiding a choice from pruning.
 //!
-//! Compounds have the numbers 96..128, after the two-operand operators. They make the interpreter's code at most
-//! 7.3 % longer on Vega and 5 % on Xe, and take no more registers there.
+//! Compounds have the numbers 96..128, after the two-operand operators. The interpreter's code becomes at most 7.3 %
+//! longer on Vega and 5 % longer on Xe, and needs no additional registers there.
 
 use std::fmt::Write as _;
 
@@ -69,7 +69,7 @@ macro_rules! compounds {
 
             const fn parts(self) -> &'static [Part] {
                 use Reads::{A, Always, B, C, Part as Earlier, QuarterOverC};
-                // Keeps the imports used, even if no row reads one of them.
+                // Avoids a warning about an import that no row reads.
                 const _: [Reads; 6] = [A, B, C, QuarterOverC, Always(0.0), Earlier(0)];
                 match self { $( Compound::$id => const { &[$($part),+] }, )+ }
             }
@@ -78,7 +78,7 @@ macro_rules! compounds {
 }
 
 compounds! {
-    /// a * c + b. With the opposite number c it also computes b - a * c.
+    /// a * c + b. With -c as its number it computes b - a * c.
     MulAdd = 96 "MUL_ADD" [two(Op::Mul, A, C), two(Op::Add, Earlier(0), B)];
     /// a * c - b.
     MulSub = 97 "MUL_SUB" [two(Op::Mul, A, C), two(Op::Sub, Earlier(0), B)];
@@ -132,7 +132,7 @@ impl Compound {
         self as u8
     }
 
-    /// The number of operators that it replaces.
+    /// The number of operators that the compound replaces.
     pub const fn operators(self) -> usize {
         self.parts().len()
     }
@@ -141,7 +141,7 @@ impl Compound {
         1 << (self.number() - FIRST_COMPOUND)
     }
 
-    /// The value for two registers and a number, with the same bits as the separate operators give.
+    /// Returns the value for the operands `a`, `b` and `c`, bit for bit as the separate operators compute it.
     pub fn value(self, a: f32, b: f32, c: f32, frame: &FrameInputs) -> f32 {
         let mut values = [0.0; PARTS_MAX];
         let mut last = 0.0;
@@ -162,7 +162,7 @@ impl Compound {
         last
     }
 
-    /// Adds the operators to a graph and returns the last node.
+    /// Adds the compound's operators to `graph` and returns the last node.
     pub fn nodes(self, graph: &mut Graph, a: NodeId, b: NodeId, c: f32) -> NodeId {
         let mut nodes: Vec<NodeId> = Vec::with_capacity(PARTS_MAX);
         for part in self.parts() {
@@ -288,7 +288,7 @@ pub(crate) enum Arg {
     Number(f32),
 }
 
-/// An operator on its operands; a one-operand operator repeats its operand.
+/// An operator with its operands. A one-operand operator has its operand twice.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Operation {
     pub(crate) op: Op,
@@ -297,7 +297,7 @@ pub(crate) struct Operation {
 }
 
 pub(crate) trait Values {
-    /// The operation that computes a value; `None` for an input or any other value without an operator.
+    /// Returns the operation that computes a value, or `None` for inputs and other values without an operator.
     fn operation(&self, value: u32) -> Option<Operation>;
     /// True if a value is read exactly once.
     fn is_own(&self, value: u32) -> bool;
@@ -306,7 +306,7 @@ pub(crate) trait Values {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Found {
     pub(crate) compound: Compound,
-    /// The values in its registers. Both are the same value if the compound reads only one register.
+    /// The values that the compound reads from registers. If it reads only one register, both values are the same.
     pub(crate) registers: [u32; 2],
     pub(crate) number: f32,
     absorbed: [u32; PARTS_MAX],
@@ -331,7 +331,7 @@ struct Bound {
     absorbed_count: usize,
 }
 
-/// The compounds that may end with an operator, by operator number.
+/// For each operator number, the compounds that may end with that operator.
 const ROOTED: [u32; 128] = {
     let mut rooted = [0; 128];
     let mut place = 0;
@@ -364,7 +364,7 @@ const BEFORE_LAST: [u32; 128] = {
 
 const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
     table[op.number() as usize] |= compound.bit();
-    // A sum may be stored as a difference with the opposite number or product, and a difference as a sum.
+    // A tape may store a sum as a difference by changing the sign of a number or product, and a difference as a sum.
     if matches!(op, Op::Add | Op::Sub) {
         table[Op::Add.number() as usize] |= compound.bit();
         table[Op::Sub.number() as usize] |= compound.bit();
@@ -372,7 +372,7 @@ const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
 }
 
 impl Compounds {
-    /// Among the compounds of this set that end with this operation, the one with the most parts.
+    /// Returns the compound with the most parts among those of this set that end with the operation `last`.
     #[inline]
     pub(crate) fn find(self, values: &impl Values, last: Operation) -> Option<Found> {
         let by_op = |table: &[u32; 128], op: Op| table.get(usize::from(op.number())).copied().unwrap_or(0);
@@ -420,8 +420,8 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
     best
 }
 
-/// Compares a part with an operation, and adds the operands that the part requires to `bound`. With `negated`, the part
-/// must equal the operation with the opposite number.
+/// Compares a part with an operation. Adds the operands that the part reads to the operands in `bound`. If `negated` is
+/// set, the part must equal the operation with the opposite number.
 fn fit(
     values: &impl Values,
     parts: &[Part],

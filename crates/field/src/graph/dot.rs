@@ -6,7 +6,7 @@ use super::node::{Node, NodeId};
 use super::{Graph, GraphError};
 
 impl Graph {
-    /// Returns the nodes that a root needs as a Graphviz `digraph`: a box per node, edges from operands to users.
+    /// Returns a Graphviz `digraph` of the nodes that `root` needs: a box per node, edges from operands to users.
     ///
     /// # Errors
     /// [`GraphError::TooManyNodes`] if the graph has reached its limit.

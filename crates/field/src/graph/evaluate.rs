@@ -28,7 +28,7 @@ impl Point {
 }
 
 impl Graph {
-    /// Returns the values of the roots at a point.
+    /// Returns the values of `roots` at a point.
     ///
     /// # Errors
     /// [`GraphError::TooManyNodes`] if the graph has reached its limit.

@@ -13,7 +13,7 @@ pub trait TextureReader: std::fmt::Debug + Send + Sync {
     fn read(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32;
 }
 
-/// The frame that constant folding passes to operators. The operators that it folds do not read the frame.
+/// A placeholder that constant folding passes to operators that do not read the frame.
 pub(super) static SILENT: FrameInputs = FrameInputs {
     time: 0.0,
     sound: SoundInputs::SILENCE,
@@ -60,7 +60,7 @@ const TIME_MAX: f32 = 86_400.0;
 
 impl FrameInputs {
     /// Returns the inputs of all frames at once: any sound, any time, parameters within their ranges. Bounds computed
-    /// with them hold for every frame; values computed with them are the values in silence.
+    /// with these inputs hold for every frame; values computed with them are the values in silence.
     pub fn any(params: impl IntoIterator<Item = (f32, f32)>) -> Self {
         Self {
             spectrum: TableData::within(0.0, 1.0),
@@ -107,7 +107,7 @@ impl FrameInputs {
         self.bands[Self::band_number(index)]
     }
 
-    /// The number of the band that [`FrameInputs::band`] reads.
+    /// Returns the number of the band that [`FrameInputs::band`] reads.
     pub fn band_number(index: f32) -> usize {
         (index.max(0.0) as usize).min(BAND_COUNT - 1)
     }
@@ -128,7 +128,7 @@ impl FrameInputs {
             .fold(Interval::point(self.bands[first]), |bounds, band| bounds.hull(band))
     }
 
-    /// One channel of a texture, clamped to 0..1; 0 without a reader.
+    /// Reads a channel of a texture, clamped to 0..1. Returns 0 without a reader.
     pub fn texture(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32 {
         let value = self.textures.as_ref().map_or(0.0, |reader| reader.read(texture, channel, u, v));
         unit(value)

@@ -17,7 +17,7 @@ impl Graph {
     pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph, GraphError> {
         let order = self.order(roots)?.nodes;
         let fusing = Fusing::new(self, &order, roots);
-        // From the roots down, find the nodes that are still read, and the operator that each becomes.
+        // From the roots down, find the nodes that are still read, and the operator that each node becomes.
         let mut tiles: Vec<Option<Node>> = vec![None; self.len()];
         let mut read = vec![false; self.len()];
         for root in roots.iter() {
@@ -82,7 +82,7 @@ impl<'a> Fusing<'a> {
         Self { graph, readers }
     }
 
-    /// Returns the largest operator whose result is this node.
+    /// Returns the node `id`, fused with its operands if possible.
     fn tile(&self, id: NodeId) -> Node {
         let own = |id: NodeId| (self.readers[id.index()] == 1).then(|| self.graph.node(id));
         let own_square = |id: NodeId| match own(id) {

@@ -53,7 +53,7 @@ impl GradientInterval {
             Op::Sqrt => {
                 for (change, square) in gradient.iter_mut().zip(a.squares) {
                     let most = (square * LENGTH_ERROR).sqrt();
-                    // If the root's slope is unbounded and its operand's slope is a NaN, the change is unknown.
+                    // If the root's slope is unbounded and the operand's slope is a NaN, the change is unknown.
                     if most.is_finite() {
                         let (lo, hi) = (change.lo.max(-most), change.hi.min(most));
                         *change = Interval { lo: lo.min(most), hi: hi.max(-most) };
@@ -102,7 +102,7 @@ impl GradientInterval {
         }
     }
 
-    /// The slopes of the chosen operand, or of both operands. (The chain rule would allow any weighted sum of both.)
+    /// Returns the slopes of the chosen operand, or the hull of both operands' slopes if the choice is unknown.
     fn chosen(operands: [(&Self, Interval); 2], value: Interval) -> Self {
         let may_be = operands.iter().filter(|(_, fraction)| fraction.hi > 0.0).map(|(operand, _)| **operand);
         let surely = operands.iter().any(|(_, fraction)| fraction.lo > 0.0)
@@ -112,7 +112,7 @@ impl GradientInterval {
         Self { value, ..chosen }
     }
 
-    /// The axis and the coordinate at which a one-operand operator jumps, if it jumps on one plane in the box.
+    /// Returns the axis and the coordinate of the plane on which a one-operand operator jumps, if it is the only one.
     pub fn jump(op: Op, a: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let offset = match op {
             Op::Floor | Op::Ceil | Op::Trunc | Op::Fract => 0.0,
@@ -147,7 +147,7 @@ impl GradientInterval {
         (sides[axis].lo < place && place < sides[axis].hi).then_some((axis, place))
     }
 
-    /// The smallest bounds that hold both values and both gradients.
+    /// Returns the smallest bounds that hold the values and gradients of `self` and `other`.
     pub fn hull(&self, other: &Self) -> Self {
         Self {
             value: self.value.hull(other.value),
@@ -168,7 +168,7 @@ pub struct Pieces {
 
 /// Maximum number of pieces of a box. Further cuts are ignored.
 const PIECES_MAX: usize = 32;
-/// The gap on both sides of a jump, as a fraction of the coordinate, so that rounding cannot reach across it.
+/// The gap on each side of a jump, as a fraction of the coordinate. It is wider than the rounding errors.
 const JUMP_WIDTH: f32 = 2e-6;
 
 impl Pieces {
@@ -208,7 +208,7 @@ impl Pieces {
     }
 }
 
-/// True if the product of this value and a sum of squares is also a sum of squares.
+/// True if the product of `a` and a sum of squares is also a sum of squares.
 fn is_factor(a: &GradientInterval) -> bool {
     a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
 }

@@ -68,7 +68,7 @@ impl Interval {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// The bounds of a non-decreasing function that is rounded correctly.
+    /// Returns bounds of `f`, a non-decreasing and correctly rounded function.
     #[inline(always)]
     pub fn map_rising(self, f: impl Fn(f32) -> f32) -> Self {
         Self { lo: f(self.lo), hi: f(self.hi) }

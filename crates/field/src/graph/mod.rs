@@ -1,4 +1,4 @@
-//! The expression graph: scalar nodes. Equal nodes are stored once.
+//! The expression graph. Nodes are scalars, and equal nodes are stored once.
 //!
 //! A [`Graph`] is an arena in which operands precede the nodes that use them. Building a node that already exists
 //! returns the existing one (hash-consing), so that a common subexpression is computed once. Builders also fold
@@ -67,7 +67,7 @@ pub enum GraphError {
 #[derive(Debug, Clone)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// Open addressing, at most half full: 1 + a node's index, or 0. The number of slots is a power of two.
+    /// A hash table (open addressing, at most half full, size a power of two). A slot holds 1 + a node's index, or 0.
     places: Vec<u32>,
     nodes_max: usize,
     full: bool,
@@ -163,7 +163,7 @@ impl Graph {
         if self.full { Err(GraphError::TooManyNodes { max: self.nodes_max }) } else { Ok(()) }
     }
 
-    /// Makes room for this many more nodes.
+    /// Reserves memory for `nodes` more nodes.
     pub fn reserve(&mut self, nodes: usize) {
         let nodes = (self.nodes.len() + nodes).min(self.nodes_max);
         self.nodes.reserve(nodes - self.nodes.len().min(nodes));
@@ -172,7 +172,7 @@ impl Graph {
         }
     }
 
-    // Inlined because callers know the kind of node.
+    // Inlined, because each caller knows the kind of node.
     #[inline(always)]
     fn intern(&mut self, node: Node) -> NodeId {
         let mask = self.places.len() - 1;
@@ -200,7 +200,7 @@ impl Graph {
         NodeId(self.nodes.len() as u32 - 1)
     }
 
-    /// Distributes the nodes over `count` slots, a power of two.
+    /// Rebuilds the hash table with `count` slots, a power of two.
     #[cold]
     fn grow(&mut self, count: usize) {
         let mask = count - 1;

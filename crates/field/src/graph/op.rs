@@ -45,7 +45,7 @@ impl Properties {
     pub const READS_FRAME: Self = Self(8);
     /// The operator costs several times as much as an addition. Its clause is always the second one in a texel.
     pub const EXPENSIVE: Self = Self(32);
-    /// In some boxes the value is always the same operand, so the other operand is not needed ([`Op::choice`]).
+    /// In some boxes the value always equals the same operand, so the other operand can be dropped ([`Op::choice`]).
     pub const CHOOSES: Self = Self(64);
     /// The result is 0 or 1.
     pub const TRUTH: Self = Self(16 | 2 | 4);
@@ -60,15 +60,15 @@ impl Properties {
     }
 }
 
-/// A computation that is instantiated for each operator's function, which is then inlined into a loop over points.
+/// A computation with an operator's function. It is compiled for each operator, so that its loop inlines the function.
 pub trait Kernel {
-    /// Runs with the operator's function. It takes a, b and the frame; one-operand operators ignore b.
+    /// Runs with `meaning`, the operator's function of a, b and the frame. One-operand operators ignore b.
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
 }
 
 /// A [`Kernel`] for interval rules instead of values.
 pub trait BoundsKernel {
-    /// Runs with the operator's interval rule. It takes a, b and the frame; one-operand operators ignore b.
+    /// Runs with `rule`, the operator's interval rule for a, b and the frame. One-operand operators ignore b.
     fn run(&mut self, rule: impl Fn(Interval, Interval, &FrameInputs) -> Interval + Copy);
 }
 
@@ -98,7 +98,8 @@ macro_rules! operators {
                 match self { $( Op::$id => $properties, )+ }
             }
 
-            /// GLSL expression with `$a` and `$b` for the operands: names or literals, because they may repeat.
+            /// Returns GLSL in which names or literals must replace `$a` and `$b`, because these may occur several
+            /// times.
             pub const fn glsl(self) -> &'static str {
                 match self { $( Op::$id => $glsl, )+ }
             }
@@ -427,7 +428,7 @@ operators! {
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),
         glsl "table_history($a, $b)";
 
-    // Two operators fused into one. Only `fuse.rs` makes these. They round after each of the two operations.
+    // Fused operators, which only `fuse.rs` makes. Each replaces two operators and rounds after both operations.
 
     /// a * a + b.
     SquareAdd = 80 "SQUARE_ADD" NONE,
@@ -491,7 +492,7 @@ impl Op {
         if self.number() < FIRST_BINARY { 1 } else { 2 }
     }
 
-    /// GLSL expression without the guard against 0, for a second operand that is a constant other than 0.
+    /// Like [`Op::glsl`], but without the guard against 0, for a second operand that is a constant other than 0.
     pub const fn glsl_by_constant(self) -> &'static str {
         match self {
             Op::Div => "($a / $b)",

@@ -32,7 +32,7 @@ pub struct InputsUsed {
 const OPERANDS_DONE: u32 = 1 << 31;
 
 impl Graph {
-    /// Returns the order of evaluation of everything that the roots need.
+    /// Returns all nodes that `roots` need, in their order of evaluation.
     ///
     /// # Errors
     /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
@@ -100,7 +100,7 @@ impl Graph {
     }
 }
 
-/// The number of values that each node needs at once if nothing is shared.
+/// Returns, for each node, how many values must be kept at once to compute it if no value is shared.
 fn needs(nodes: &[Node]) -> Vec<u8> {
     let mut needs: Vec<u8> = Vec::with_capacity(nodes.len());
     for node in nodes {

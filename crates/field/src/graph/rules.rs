@@ -103,7 +103,7 @@ pub(super) fn cos(a: Interval) -> Interval {
     wave(a, f32::cos, 0.0)
 }
 
-/// A sine with its maxima at `crest` + 2πk, and its minima half a period after them.
+/// Bounds a sine `f` that has its maxima at `crest` + 2πk and its minima half a period after each maximum.
 fn wave(a: Interval, f: fn(f32) -> f32, crest: f64) -> Interval {
     use std::f64::consts::{PI, TAU};
     if a.is_any() || a.is_unbounded() {

@@ -1,4 +1,4 @@
-//! The numbers of the sound that scenes read by name, one row each. The rows determine their names and documentation in
+//! The numbers of the sound that scenes read by name, one row each. A row gives the number's name and description for
 //! the language, tapes, GLSL, the uniform block, bounds, and `mariana eval --set`.
 //!
 //! The numbers from `bar` on describe the whole song. Bands and tables (`band(i)`, `spectrum(u)`) are in
@@ -64,7 +64,7 @@ sound_inputs! {
         "section of the song: 1 for A, 2 for B, ..; a repeated section has the same number; 0 while unknown";
     /// Position in the section.
     SectionPhase, "section_phase", 0.0..1.0, "position in the section, 0..1";
-    /// Loudness of a second of the song, relative to its loudest second.
+    /// Loudness of the current second, relative to the loudest second of the song.
     Energy, "energy", 0.0..1.0,
         "loudness of the current second: 1 for the loudest second of the song, 0 at 36 dB below it and less";
     /// Progress of a build-up.
@@ -135,8 +135,8 @@ impl SoundInput {
         Self::ChromaB,
     ];
 
-    /// True for a number of the whole song. It is 0 until the song is analysed. A scene's value of the same name hides
-    /// it.
+    /// True for a number of the whole song. Such a number is 0 until the song is analysed. A scene may hide it by a
+    /// value of the same name.
     pub const fn is_of_song(self) -> bool {
         self as usize >= Self::Bar as usize
     }
@@ -167,12 +167,12 @@ impl SoundInputs {
     /// Silence.
     pub const SILENCE: Self = Self([0.0; ROWS.len()]);
 
-    /// Calls `value` for each input.
+    /// Returns the numbers that `value` gives for each input.
     pub fn each(value: impl FnMut(SoundInput) -> f32) -> Self {
         Self(SoundInput::ALL.map(value))
     }
 
-    /// Silence except for the given values.
+    /// Returns silence, except that the inputs in `values` have the given numbers.
     pub fn with(values: &[(SoundInput, f32)]) -> Self {
         let mut sound = Self::SILENCE;
         for &(input, value) in values {

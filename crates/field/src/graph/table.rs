@@ -7,7 +7,7 @@
 //!
 //! The curve between two entries, a piece, is stored as its four Bézier points. A shader reads a piece with one fetch.
 //! Values are in the hull of the points, slopes in the hull of the points' differences (Farin 2002). With straight
-//! lines terrain took 64.2 evaluations per pixel; the spline takes 59.6, because its slopes have no jumps.
+//! lines the scene terrain took 64.2 evaluations per pixel; splines take 59.6, because their slopes have no jumps.
 
 use std::array;
 use std::sync::{Arc, OnceLock};
@@ -197,7 +197,7 @@ impl TableData {
         dot(bernstein(x), blended(self.strips(row, piece), spline(y)))
     }
 
-    /// Returns the slopes by u and by v; 0 beyond the ends.
+    /// Returns the slopes along u and along v; 0 beyond the ends.
     pub fn slopes(&self, u: f32, v: f32) -> (f32, f32) {
         if self.values.is_none() {
             return (0.0, 0.0);
@@ -219,7 +219,7 @@ impl TableData {
         (if inside(u) { by_u() } else { 0.0 }, if inside(v) { by_v() } else { 0.0 })
     }
 
-    /// The slope by u if neighbouring Bézier points differ by 1.
+    /// The slope along u if neighbouring Bézier points differ by 1.
     fn columns_scale(&self) -> f32 {
         3.0 * self.columns.saturating_sub(1) as f32
     }

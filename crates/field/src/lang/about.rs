@@ -22,8 +22,8 @@ macro_rules! define_ways {
     };
 }
 
-// A new way needs four changes: its row here, its kind and names in `world::blend`, the blending itself
-// (`World::blend`), and its kind of transition in shows (`mariana_show::TransitionKind`).
+// A new way needs four changes: a row here, a kind and names in `world::blend`, the blending itself (`World::blend`),
+// and a kind of transition in shows (`mariana_show::TransitionKind`).
 define_ways! {
     /// The next frame shows the new scene.
     Cut, "cut";

@@ -60,11 +60,10 @@ pub(super) enum Expr {
     Not(ExprId),
     Binary(BinaryOp, ExprId, ExprId),
     Swizzle(ExprId, Symbol),
-    /// A function's name and its arguments: the index in `extra` of the first one, and their number.
+    /// A function's name, the index in `extra` of the first argument, and the number of arguments.
     Call(Symbol, u32, u32),
     If(ExprId, ExprId, ExprId),
-    /// Pairs of name and value, then the result. The pairs are given by the index in `extra` of the first pair and
-    /// their number.
+    /// The index in `extra` of the first pair of name and value, the number of pairs, and the result.
     Block(u32, u32, ExprId),
     /// Four entries in `extra`: variable, first, end, body.
     For(u32),
@@ -205,6 +204,6 @@ pub(super) enum Item {
     Include {
         path: Name,
     },
-    /// An item of this name that was already reported. Uses of the name are not reported again.
+    /// An item with a mistake that was already reported. Uses of the item's name are not reported again.
     Broken(Name),
 }

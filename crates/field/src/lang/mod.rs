@@ -66,7 +66,7 @@ use changing::ChangingNumbers;
 use diagnostic::Diagnostics;
 
 /// Returns the text of an included file, or an error message in plain words. The path is relative to the scene's
-/// folder, has `/` between folders and never leads out of it.
+/// folder, has `/` between folders and never leads out of the folder.
 pub type Resolver<'a> = dyn FnMut(&str) -> Result<String, String> + 'a;
 
 /// A resolver for scenes that are not files: nothing can be included.
@@ -104,7 +104,7 @@ pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
 
 /// Compiles a text in which some numbers are being edited. The numbers with the indices `changing`
 /// ([`changed_numbers`]) become inputs of a frame, numbered after the scene's parameters. The numbers in `turning` are
-/// being dragged: within its range, a frame may set such a number without the text being read again.
+/// being dragged: a frame may set such a number within its range, and the text is not read again.
 pub fn compile_while_changing(
     name: &str,
     text: &str,

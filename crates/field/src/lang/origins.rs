@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use super::source::{Sources, Span};
 use crate::graph::NodeId;
 
-/// Maximum number of notes, and of values with a range: 4 MiB. For further values only the object is known.
+/// Maximum number of notes and of values with a range (4 MiB in total). For further values only the object is known.
 const NOTES_MAX: usize = 1 << 18;
 
 /// A location in the text: the number of the file among the scene's files, and the byte.
@@ -94,7 +94,7 @@ impl Origins {
         self.since(from)
     }
 
-    /// Records that a node is the value of an expression. The expression's notes begin at a mark.
+    /// Records that a node is the value of an expression. The expression's notes begin at the mark `from`.
     #[inline]
     pub(super) fn makes(&mut self, node: NodeId, span: Span, from: u32) {
         if self.made.len() < NOTES_MAX {

@@ -3,8 +3,8 @@
 //! **Bounds and estimates.** A shape may leave out parts. For example, it may measure only the nearest two of 32 bars.
 //! An object's `bound` is then a lower bound of the distance to the parts that are left out, and rays step by the
 //! lesser of bound and shape. Penumbras and occlusion use only the shape (the estimate), because a bound would cast
-//! shadows of objects that do not exist (Abt 2022, figure 12). Beyond the bound, the estimate grows until it casts no
-//! shadow.
+//! shadows of objects that do not exist (Abt 2022, figure 12). Beyond the bound, the estimate grows, so that no shadow
+//! is cast there.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ pub struct Scene {
     pub camera: Camera,
     /// The named cameras.
     pub cameras: Vec<(String, Camera)>,
-    /// The background, which rays without a hit show.
+    /// The background, which is visible where rays hit nothing.
     pub sky: Sky,
     /// True if the text sets the sky's colour.
     pub has_own_sky: bool,
@@ -81,7 +81,7 @@ macro_rules! define_light_kinds {
         }
 
         impl Light<f32> {
-            /// The light's position, or the direction of its rays if it is infinitely far away.
+            /// The light's position, or the direction of the rays if the light is infinitely far away.
             pub fn place(&self) -> [f32; 3] {
                 match self.kind { $( LightKind::$kind => self.$place, )* }
             }
@@ -90,7 +90,7 @@ macro_rules! define_light_kinds {
 }
 
 // A new kind needs three changes: its row here (and its special fields in [`Light`]), the fields that select it in
-// `lower::lights`, and its rays in `shaders/light.glsl`, which does not compile with an unknown number of kinds.
+// `lower::lights`, and its rays in `shaders/light.glsl`, which compiles only if it knows the number of kinds.
 define_light_kinds! {
     /// A point or, with a radius, a ball. Its light falls off with the square of the distance.
     Lamp, "LAMP", position;

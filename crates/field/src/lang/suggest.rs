@@ -1,7 +1,7 @@
 //! Suggestions for misspelt names.
 
-/// Returns the name that needs the fewest edits from `typed` (insert, delete, replace, swap neighbours). Returns `None`
-/// if even that name needs too many edits.
+/// Returns the name that `typed` turns into by the fewest edits (insert, delete, replace, swap neighbours). Returns
+/// `None` if every name needs too many edits.
 pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = typed.chars().count();
     if length > LONGEST {

@@ -24,7 +24,7 @@ use crate::rays;
 use crate::region::{Cell, Regions, gradient};
 use crate::world::World;
 
-/// A ray that has used up its steps is a hit if the distance is below this multiple of the cone's radius.
+/// A ray that has used up its steps counts as a hit if the distance is below this multiple of the cone's radius.
 const CAPPED_FRACTION: f32 = 8.0;
 /// Maximum length of the last step, as a multiple of the distance.
 const SLANT_MAX: f32 = 4.0;
@@ -282,7 +282,7 @@ impl<'a> RayProbe<'a> {
     }
 }
 
-/// A ray through the tree. It looks up its cell slightly further on, so that it does not get stuck at a face.
+/// A ray through the tree. The cell is looked up slightly ahead, so that the ray does not get stuck at a face.
 struct Walk<'a> {
     ray: &'a Ray,
     ahead: [f32; 3],

@@ -49,7 +49,7 @@ pub(super) struct Encoder {
     /// For each texture sample, true if it is already in a register.
     sampled: Vec<bool>,
     texels: Vec<Texel>,
-    /// Maximum number of registers that a program has needed so far.
+    /// The largest number of registers that a program has needed so far.
     pub(super) registers: usize,
     /// Number of clauses of the last program.
     pub(super) clauses: usize,

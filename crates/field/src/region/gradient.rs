@@ -105,7 +105,7 @@ impl Gradients {
         Self { values: Vec::new(), jumps: Pieces::default(), steepest }
     }
 
-    /// The packed bounds of the gradient of a program's bound over a box, which is cut at the program's jumps.
+    /// Returns packed bounds of the gradient in the box `sides`, which is cut where the program jumps.
     pub(super) fn words(&mut self, program: &Program, sides: [Interval; 3], frame: &FrameInputs) -> [u32; 2] {
         self.jumps.clear();
         let whole = run(&mut self.values, Some(&mut self.jumps), program, sides, frame);

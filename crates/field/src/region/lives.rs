@@ -14,7 +14,7 @@ const COST_MAX: u32 = 8;
 pub(super) struct ShortLives {
     pub(super) nodes: Vec<(usize, Node)>,
     pub(super) positions: usize,
-    /// For each old position, the newest position of its node, and the number of nodes before that.
+    /// For each old position, the newest position of its node, and the number of nodes before that position.
     newest: Vec<(usize, usize)>,
     /// For each old position, the node and its number of operations; 0 operations if the node takes no register.
     sources: Vec<(Node, u32)>,

@@ -39,8 +39,8 @@
 //!
 //! # Rounding
 //! On the CPU a shortened tape equals the whole tape bit for bit in its cell. Shaders round differently: bounds are
-//! reduced by 1e-5 of the scene's size, and cells overlap by 4e-6 of that size (`tree.rs`). Rays look up their
-//! cell a hundred-thousandth of a root cell further on, so that no ray gets stuck at a face.
+//! reduced by 1e-5 of the scene's size, and cells overlap by 4e-6 of that size (`tree.rs`). Rays look up their cell a
+//! hundred-thousandth of a root cell ahead, so that no ray gets stuck at a face.
 
 mod encode;
 pub mod gradient;
@@ -83,7 +83,7 @@ pub const DIVIDED: u32 = u32::MAX;
 /// The object of a cell where several objects may be the nearest.
 pub const OBJECT_UNKNOWN: u32 = 255;
 
-/// The features that the regions' tapes need from an interpreter.
+/// The features that an interpreter needs to run the regions' tapes.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct RegionVariant {
     /// The operators that occur.
@@ -246,7 +246,7 @@ impl RegionPlan {
         (self.nodes, self.graph_nodes) = (lives.nodes, lives.positions);
     }
 
-    /// The features that all trees of this plan need from an interpreter.
+    /// The features that an interpreter needs to run all trees of this plan.
     pub fn variant(&self) -> &RegionVariant {
         &self.variant
     }

@@ -96,12 +96,12 @@ impl<'a> Part<'a> {
         self.build_while(&|| true);
     }
 
-    /// Builds the cells while `is_wanted` returns true. It is called every few ms. Discard a cancelled part.
+    /// Builds the cells while `is_wanted` returns true. `is_wanted` is called every few ms. Discard a cancelled part.
     pub fn build_while(&mut self, is_wanted: &dyn Fn() -> bool) {
         let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
         let trunk = self.trunk;
         for &group in &trunk.root.groups {
-            // Distribute neighbouring blocks over the parts, because they take about the same time.
+            // Distribute neighbouring blocks over the parts, because neighbours take about the same time.
             let own = |cell: &usize| place_in(*cell).iter().sum::<usize>() % self.parts == self.number;
             let own: Vec<usize> = cells_of(group).filter(own).collect();
             if own.is_empty() {
@@ -173,10 +173,10 @@ impl<'a> Part<'a> {
             Arg::Value(value) => level.rows[value as usize],
             Arg::Number(number) => Lanes::splat(Interval::point(number)),
         };
-        // A bound that is NaN may be a surface. A solid cell contains no surface.
+        // A cell whose bound is NaN may contain a surface. A solid cell contains no surface.
         let outside = mask(|cell| bounds.lo[cell] > trunk.rounding.margin);
         let surface = !outside & !mask(|cell| -bounds.hi[cell] > trunk.rounding.margin);
-        // Few rays evaluate the distance far from surfaces, so cells there use the whole tape.
+        // Away from surfaces few rays evaluate the distance, so cells there use the whole tape.
         let (near, own) = match depth {
             1 => (!mask(|cell| bounds.lo[cell] > OBJECT_REACH), !mask(|cell| bounds.lo[cell] > AROUND)),
             _ => (u64::MAX, u64::MAX),
@@ -316,7 +316,7 @@ impl<'a> Part<'a> {
         [bound.to_bits(), second, z, w]
     }
 
-    /// The second word of `cells` cells: a tape and the object's number. Equal programs share a tape.
+    /// Returns the second word of `cells` cells: a tape and the object's number. Equal programs share a tape.
     fn tape(&mut self, program: &Program, cells: usize) -> u32 {
         let hash = program.hash();
         if let Some(second) = self.known.get(&hash) {

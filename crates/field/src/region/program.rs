@@ -76,8 +76,8 @@ impl Default for Program {
 }
 
 impl Program {
-    /// Like [`Program::push`], but also simplifies 0 - (0 - x) to x. This keeps x in use for longer, so the program may
-    /// need one more register.
+    /// Like [`Program::push`], but also simplifies 0 - (0 - x) to x. Because x is then in use for longer, the program
+    /// may need one more register.
     #[inline]
     pub(super) fn push_shorter(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         if let (Op::Sub, Arg::Number(0.0), Arg::Value(value)) = (op, a, b)
@@ -167,8 +167,8 @@ impl Program {
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Structure {
-    /// For minima and maxima, the value whose bounds decide which operands are dropped. If an outer minimum is the only
-    /// reader, it is the outer minimum, so that nested minima are pruned as one minimum of many operands.
+    /// For minima and maxima, the value whose bounds decide which operands are dropped. If the only reader is an outer
+    /// minimum, that minimum's value is used, so that nested minima are pruned like one with many operands.
     pub(super) outermost: Vec<u32>,
     /// True if the step may become a constant or one of its arguments in some cell.
     pub(super) may_settle: Vec<bool>,

@@ -92,12 +92,11 @@ fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u6
 }
 
 impl ChoiceTrace {
-    /// Decides which steps are needed: for the distance in the cells of `need`, and for the object in the cells of
-    /// `need_object`.
-    /// `rows` are the bounds of the program's values. Decisions must hold in all cells of a mask in `together`.
+    /// Decides which steps the distance needs in the cells `need`, and the object in the cells `need_object`. `rows`
+    /// are the bounds of the program's values. Decisions must hold in all cells of a mask in `together`.
     ///
-    /// An operand of a minimum is dropped in cells where it is above the upper end of the outermost minimum. It is
-    /// never the least operand there, so the value keeps its bits.
+    /// An operand of a minimum is dropped in cells where it is above the upper end of the outermost minimum. The
+    /// operand is never the least one there, so the minimum keeps its bits.
     pub(super) fn decide(
         &mut self,
         program: &Program,
@@ -320,7 +319,7 @@ fn decide(
     }
 }
 
-/// True if all of the given cells have the same number, or if all have no number.
+/// True if all of the given cells have the same number, or if none has a number.
 fn is_same(number: u64, cells: u64, values: &[f32; 64]) -> bool {
     let some = number & cells;
     if some != cells {

@@ -57,7 +57,7 @@ impl Regions {
         }
     }
 
-    /// Runs a tape at a point with a penumbra. Returns bound and estimate, or for an object's tape the object twice.
+    /// Runs a tape at `point` with `penumbra`. Returns bound and estimate, or for an object's tape the object twice.
     pub fn run(&self, tape: u32, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
         let mut registers = [0.0f32; 256];
         registers[..4].copy_from_slice(&[point[0], point[1], point[2], penumbra]);
@@ -77,7 +77,7 @@ impl Regions {
         clauses
     }
 
-    /// Bound and estimate at a point, by its cell's tape.
+    /// Returns bound and estimate at `point`, computed by the tape of the point's cell.
     pub fn distance(&self, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
         let tape = self.cell_at(point).map_or(self.whole_tape, |cell| cell.tape);
         self.run(tape, point, penumbra, frame)

@@ -29,7 +29,7 @@ const OVERLAP: f32 = 1e-5;
 /// Largest component of normals and directions, after rounding.
 const NORMAL_MAX: f32 = 1.001;
 const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
-/// Number of texels by which a grid exceeds the grid of a single cell.
+/// Number of texels that a full grid has in addition to those of a grid with a single cell.
 const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
 /// Programs up to this length are not shortened.
 const WHOLE_MAX: usize = 24;
@@ -328,8 +328,9 @@ impl<'a> Shortener<'a> {
         bound(program, &mut self.rows, self.frame);
     }
 
-    /// The tapes of 64 cells, from the bounds of the program's values in them. A cell has its own tape if that tape is
-    /// much shorter than the block's tape, because tapes that hardly differ would cost more than they save.
+    /// Returns the tapes of 64 cells, given bounds of the program's values in each cell. A cell has its own tape if
+    /// that tape is much shorter than the block's tape, because tapes that hardly differ would cost more than they
+    /// save.
     fn tapes(
         &mut self,
         program: &Program,
@@ -375,7 +376,7 @@ impl<'a> Shortener<'a> {
         short
     }
 
-    /// The number of a program's tape; `None` if the tape saves too little or there is no room.
+    /// Returns the number of a program's tape, or `None` if the tape saves too little or there is no room.
     fn tape(
         &mut self,
         program: &Program,

@@ -88,7 +88,7 @@ fn many_shapes_are_the_same_in_every_cell() {
     assert!(mean < 60.0, "{mean} texels for a tape");
 }
 
-/// A lattice of balls and bars in cells of size 4, up to 22 from the eye in the middle. Each node has its own size.
+/// A lattice of balls and bars in cells of size 4, up to 22 from the eye at the centre. Each node has its own size.
 pub(super) const LATTICE: &str = "
 fn node(p) = round(p / 4)
 object frame {

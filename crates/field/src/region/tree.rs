@@ -80,8 +80,8 @@ pub(super) const AROUND: f32 = 1.2;
 /// Bounds are reduced by this fraction of the box's size and its distance from the origin, because GPUs round
 /// differently. Two dozen roundings of numbers of that size add up to a fraction of 3e-6.
 const ROUNDING: f32 = 1e-5;
-/// Cells overlap by this fraction of the same size, because rays look up their cell a hundred-thousandth of a root cell
-/// further on.
+/// Cells overlap by this fraction of the box's size and distance, because rays look up their cell a hundred-thousandth
+/// of a root cell ahead.
 const OVERLAP: f32 = 4e-6;
 /// Largest penumbra: the distance from a light divided by its sharpness.
 const PENUMBRA_MAX: f32 = 1e9;

@@ -131,8 +131,8 @@ impl RunClauses {
         }
     }
 
-    /// The registers that a compound reads at the position of the clause `last`; `None` if they no longer hold the
-    /// operands of the compound's parts there.
+    /// Returns the registers that a compound reads in place of the clause `last`, or `None` if these registers no
+    /// longer hold the operands of the compound's parts.
     fn registers(&self, found: &Found, last: usize) -> Option<[u8; 2]> {
         let first = found.absorbed().iter().map(|value| *value as usize - INITIAL).min()?;
         if last - first > REACH {
@@ -147,7 +147,7 @@ impl RunClauses {
             for (index, clause) in self.clauses.iter().enumerate().take(last).skip(first) {
                 let at = (INITIAL + index) as u32;
                 let vanishes = clause.absorbed || found.absorbed().contains(&at);
-                // Only clauses after the operand overwrite it, and an operand may be computed after the first part.
+                // Only a clause after the operand overwrites it. The operand may be computed after the first part.
                 if clause.output == Some(*register) && at > value && !vanishes {
                     return None;
                 }

@@ -146,7 +146,7 @@ impl<'a> PointEvaluator<'a> {
         Self { tape, frame, machine: Machine::new(tape, frame, 0.0), outputs }
     }
 
-    /// The outputs at a point, bit for bit equal to the graph's.
+    /// Returns the outputs at `point`, bit for bit equal to the graph's values.
     pub fn at(&mut self, point: &Point) -> &[f32] {
         let mut domain = Numbers { inputs: point.inputs(), frame: self.frame };
         self.machine.run(&mut domain);
@@ -254,8 +254,7 @@ impl<'a> Batch<'a> {
         Self { tape, frame, machine: Machine::new(tape, frame, [0.0; LANES]) }
     }
 
-    /// The values at the points, a vector per output of the tape. They equal the values of [`PointEvaluator`] bit for
-    /// bit.
+    /// Returns the values at `points`, a vector per output, bit for bit equal to the values of [`PointEvaluator`].
     pub fn run(&mut self, points: Points<'_>) -> Vec<Vec<f32>> {
         let count = points.len();
         let mut outputs: Vec<Vec<f32>> =
@@ -324,7 +323,7 @@ impl<'a> IntervalEvaluator<'a> {
         Self { tape, frame, machine, outputs, choices: Vec::new() }
     }
 
-    /// Bounds of the outputs over a box. They contain every value that [`PointEvaluator`] computes there.
+    /// Returns bounds of the outputs in a box. They contain every value that [`PointEvaluator`] computes in the box.
     pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[Interval] {
         let ([x, y, z], [nx, ny, nz]) = (position, normal);
         self.choices.clear();
@@ -337,7 +336,7 @@ impl<'a> IntervalEvaluator<'a> {
         &self.outputs
     }
 
-    /// For each MIN, MAX and MASK in the order of the tape, the operand that was chosen over the last box.
+    /// For each MIN, MAX and MASK in the order of the tape, the operand that was chosen in the last box.
     pub fn choices(&self) -> &[Choice] {
         &self.choices
     }
@@ -407,7 +406,7 @@ impl<'a> GradientEvaluator<'a> {
         Self { tape, frame, machine: Machine::new(tape, frame, Dual::default()), outputs }
     }
 
-    /// The outputs and their derivatives by the position, at a point.
+    /// Returns the outputs at `point`, with their derivatives by the position.
     pub fn at(&mut self, point: &Point) -> &[Dual] {
         let mut domain = Duals { inputs: point.inputs(), frame: self.frame };
         self.machine.run(&mut domain);

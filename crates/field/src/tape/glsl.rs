@@ -68,17 +68,17 @@ pub enum Sampling {
     AlongNormal,
 }
 
-/// The reciprocal of a constant, if both are normal numbers. Drivers may multiply by the reciprocal in any case,
-/// because OpenGL allows an error of 2.5 ulp.
+/// Returns the reciprocal of the constant `divisor`, if both are normal numbers. Drivers may multiply by the reciprocal
+/// in any case, because OpenGL allows an error of 2.5 ulp.
 fn reciprocal(graph: &Graph, divisor: NodeId) -> Option<f32> {
     let reciprocal = graph.as_constant(divisor).filter(|value| value.is_normal())?.recip();
     reciprocal.is_normal().then_some(reciprocal)
 }
 
 /// Writes a function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3
-/// n, out float r0, out float r1, ..)`. The function has a temporary per node, in the order of evaluation.
-/// With [`Sampling::AlongPosition`] or [`Sampling::AlongNormal`], it follows functions `name_uv0` .. for texture
-/// coordinates.
+/// n, out float r0, out float r1, ..)`. The function has a temporary per node, in the order of evaluation. With
+/// [`Sampling::AlongPosition`] or [`Sampling::AlongNormal`], functions `name_uv0` .. for texture coordinates precede
+/// it.
 ///
 /// # Errors
 /// Returns the error of [`Graph::check`].

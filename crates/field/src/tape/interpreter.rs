@@ -48,7 +48,7 @@ pub const fn is_rare(op: Op) -> bool {
     op.properties().has(Properties::EXPENSIVE)
 }
 
-/// The END clause of a tape with its first two results in these registers. It assigns the first register to itself.
+/// Returns the END clause of a tape whose first two results are in these registers. END assigns `first` to itself.
 pub(crate) fn end_of([first, second]: [u8; 2]) -> u32 {
     u32::from_le_bytes([opcode::END, first, first, second])
 }
@@ -71,7 +71,7 @@ impl Tape {
         texels.push([word, its, end_of([output(0), output(1)]), 0]);
     }
 
-    /// The compounds that are worth their cost in these tapes, for all numbers in their tables.
+    /// Returns the compounds that are worth their cost in `tapes`, whatever the inputs in the tables are.
     pub fn compounds_that_pay<'a>(tapes: impl Iterator<Item = &'a Tape> + Clone) -> Compounds {
         Compounds::that_pay(|compounds| {
             let mut uses = Uses::default();
@@ -94,7 +94,7 @@ impl Tape {
         self.clauses().len() + 1
     }
 
-    /// The clauses without inputs that are already in their registers at the start.
+    /// Returns the clauses, except inputs that are in their registers from the start.
     pub(super) fn run_clauses(&self) -> impl Iterator<Item = (u32, Instruction)> + '_ {
         self.clauses()
             .iter()
@@ -152,7 +152,7 @@ impl Variant {
         }
     }
 
-    /// The variant that runs all of these tapes. Its numbers are rounded up so that few variants serve many scenes.
+    /// Returns a variant that runs all `tapes`. Numbers are rounded up, so that few variants serve many scenes.
     pub fn of<'a>(tapes: impl IntoIterator<Item = &'a Tape>, every_case: bool) -> Self {
         let mut variant = Self {
             operators: BTreeSet::new(),
@@ -299,9 +299,9 @@ impl Case {
     }
 }
 
-/// Writes a binary search for the operator. Compilers turn a switch into a chain of comparisons, and on average run
-/// half of them. END and LOAD have smaller numbers than all operators, so only the lowest operator needs a test for
-/// equality. This saves a comparison and a branch in each clause: 9 % of the code on Xe and on Vega (ACO).
+/// Writes a binary search for the operator. A compiler would turn a switch into a chain of comparisons, half of which
+/// would run on average. END and LOAD have smaller numbers than all operators, so only the lowest operator needs a test
+/// for equality. This saves a comparison and a branch in each clause: 9 % of the code on Xe and on Vega (ACO).
 fn write_search(text: &mut String, cases: &[Case], are_lowest: bool) {
     match cases {
         [] => {}

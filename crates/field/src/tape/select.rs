@@ -93,7 +93,7 @@ fn by_bits(cases: &[(u8, String)], bit: u32) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// The value of an expression of `mix(zero, one, condition)` with `HAS(word, place, bit)`, for a word.
+    /// Evaluates an expression of `mix(zero, one, condition)` and `HAS(word, place, bit)` for `word`.
     fn value_of(expression: &str, word: u32) -> &str {
         let Some(inner) = expression.strip_prefix("mix(") else { return expression };
         let inner = inner.strip_suffix(')').unwrap();

@@ -6,9 +6,9 @@
 //!
 //! A blend of exponentials is constant where all of the exponentials underflow in 32 bits: e^-11d underflows at d =
 //! 7.9. Without bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has this
-//! problem, because it has no bounds. It would be exact to drop an exponential that vanishes in the sum by rounding.
-//! But this needs a distance of 17 / 11 = 1.6 between two parts of a blend by e^-11d, more than half the size of
-//! fidget's bear.
+//! problem, because it has no bounds. An exponential that rounding removes from the sum could be dropped without a
+//! change, but this needs a distance of 17 / 11 = 1.6 between two parts of a blend by e^-11d, more than half the size
+//! of fidget's bear.
 
 use crate::graph::{FrameInputs, Interval};
 use crate::tape::{IntervalEvaluator, Tape};
@@ -126,7 +126,7 @@ pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     Some(Bounds { low: found.low.map(|v| v - margin), high: found.high.map(|v| v + margin) })
 }
 
-/// True if there are no surfaces outside of a cube, up to [`FARTHEST`]. The shells between cubes of doubling sizes are
+/// True if there are no surfaces between a cube and [`FARTHEST`]. The shells between cubes of doubling sizes are
 /// searched separately: in a box that is wide compared with its distance, interval arithmetic cannot decide which of
 /// two large terms is larger (x⁴ - 5x² over 1e3..1e7 may be below 0).
 fn is_free_outside(cube: &Cell, evaluator: &mut IntervalEvaluator<'_>, clauses: usize) -> bool {
@@ -181,7 +181,7 @@ fn eighths(cell: &Cell) -> impl Iterator<Item = Cell> + '_ {
     })
 }
 
-/// Cuts the largest slice without surfaces off a face; `None` if not even about `wanted` is empty.
+/// Cuts the largest slice without surfaces off a face. Returns `None` if even a slice of about `wanted` has surfaces.
 fn shaved(
     cell: &Cell,
     axis: usize,

@@ -1,8 +1,8 @@
 //! Checks if the value of a scene's formula is a distance in practice, by sampling its gradient when the scene is
 //! loaded.
 //!
-//! If the formula is steeper than 1, steps by its value would miss surfaces. If it is far flatter than 1 at its
-//! surfaces, they would look too thick. Each cell of the tree then holds bounds of the gradient
+//! If the formula's slope is above 1, steps by its value would miss surfaces. If the slope is far below 1 at surfaces,
+//! the surfaces would look too thick. Each cell of the tree then holds bounds of the gradient
 //! (`graph::GradientInterval`: forward accumulation in intervals, with a separate rule for lengths because a square
 //! root's slope is unbounded at 0). With these bounds a ray can choose steps that do not pass a surface. Boxes are cut
 //! where parts of a formula jump, so that noise has the bounds of its smooth parts.
@@ -85,7 +85,7 @@ pub(super) struct Growth {
 impl Growth {
     const NONE: Self = Self { middle: [0.0; 3], half: 1.0, power: 0 };
 
-    /// The growths to try. A scene without bounds has no size, so no growth is tried for it.
+    /// The growths to try. No growth is tried for a scene without bounds, because it has no size.
     fn all(bounds: Option<&Bounds>) -> Vec<Self> {
         let Some(bounds) = bounds else { return vec![Self::NONE] };
         let middle = [0, 1, 2].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]));
@@ -125,10 +125,9 @@ impl Default for Slopes {
 }
 
 /// Normalizes the value of the tape's first output; `None` if the value is a distance. A distance has a slope of at
-/// most 1 in nearly all samples, and not much less at its surfaces. `frames` are the frames to sample, each with the
+/// most 1 in nearly all samples, and not much less than 1 at surfaces. `frames` are the frames to sample, each with the
 /// boxes in which its points start alternately. A normalized value grows without limit, or up to about `reach` or a
-/// fraction of
-/// `reach`.
+/// fraction of `reach`.
 pub(super) fn tamed(
     tape: &Tape,
     frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
@@ -177,8 +176,8 @@ pub(super) fn tamed(
     Some(Slopes { steepest: steepest(&outside), distance_factor: factor, tamed })
 }
 
-/// Approximately the steepest slope of the samples. It ignores seams of blends, and includes an allowance for the
-/// slopes that are ignored. Infinite if there are too few samples.
+/// Approximately the steepest slope of the samples. Ignores the steepest samples, which are at seams of blends, and
+/// adds an allowance. Infinite if there are too few samples.
 fn steepest(samples: &[Sample]) -> f32 {
     if samples.len() < STEEPEST_SAMPLES_MIN {
         return f32::INFINITY;

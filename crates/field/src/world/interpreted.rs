@@ -98,7 +98,7 @@ impl Program {
         [four(0), four(4), four(8), textures as u32]
     }
 
-    /// Appends a shortened tape of the program, whose whole tape begins at `whole`, and returns its address.
+    /// Appends a shortened tape and returns its address. The program's whole tape begins at `whole`.
     fn append_short(&self, short: &ShortTape, whole: usize, texels: &mut Vec<[u32; 4]>) -> u32 {
         let start = texels.len() as u32;
         let textures = if short.samples { self.textures.len() } else { 0 };
@@ -162,7 +162,8 @@ fn without_coordinates(
 }
 
 impl TapeBuffers {
-    /// The texels that the interpreter reads in a frame. Programs that were shortened with other numbers are whole.
+    /// The texels that the interpreter reads in a frame. Programs that were shortened with other numbers are written
+    /// whole.
     pub fn texels(&self, inputs: &FrameInputs, short: &ShortPrograms) -> Vec<[u32; 4]> {
         let heads = 1 + self.of_objects.len().div_ceil(4);
         let mut texels = vec![[0; 4]; heads];
@@ -189,8 +190,7 @@ impl TapeBuffers {
         texels
     }
 
-    /// The programs that may be worth shortening before the first attempt: all programs that are neither too short nor
-    /// too long.
+    /// Returns the programs to try to shorten first: all programs that are neither too short nor too long.
     pub fn worth_shortening(&self) -> WorthShortening {
         WorthShortening::of(self.plans().map(SurfacePlan::may_become_shorter))
     }

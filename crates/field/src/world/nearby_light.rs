@@ -5,8 +5,8 @@
 //! by mirrors.
 //!
 //! Shining objects are mixed by the inverse squares of their distances, so that there are no visible seams. Such a
-//! weight is never 0, so a shortened tape cannot leave an object out. This is most of the work that remains after
-//! shortening. Weights that become 0 at the reach of the light would change images.
+//! weight is never 0, so a shortened tape cannot leave an object out. These objects cause most of the work that remains
+//! after shortening. Weights that become 0 at the reach of the light would change images.
 //!
 //! Tried: skipping the program if no shining object is within reach. In most scenes nearly every surface has a
 //! shining object within reach (in speakers 19 % of the pixels have none, in clockwork 79 %).

@@ -74,7 +74,7 @@ struct Part {
     bound: Option<NodeId>,
 }
 
-/// The union of the parts.
+/// Returns the union of `parts`.
 ///
 /// Beyond `bound` a shape's value is the distance to the wrong surface, which would tear a penumbra. Beyond the bound,
 /// the estimate therefore grows until it casts no shadow. The growth is gradual, so that no edge is visible.

@@ -8,10 +8,10 @@ use crate::graph::FrameInputs;
 use crate::region::surface::{ShortTapes, Shortener};
 use crate::region::{RegionKey, Surfaces};
 
-/// Minimum fraction of a program's clauses that shortening must save. With a tenth, five scenes run up to 9 % fewer of
+/// Minimum fraction of a program's clauses that shortening must save. With 0.1, five scenes run up to 9 % fewer of
 /// these clauses, but shortening takes 34 ms per frame in wave_tank.
 const SAVED_MIN: f32 = 0.2;
-/// Frames for which a program stays whole after an attempt that saved too little.
+/// Number of frames for which a program stays whole after an attempt that saved too little.
 const REST_FRAMES: u32 = 600;
 /// Maximum number of texels of a frame's shortened programs. They are uploaded for each frame.
 const SHORTENED_TEXELS_MAX: usize = 1 << 15;

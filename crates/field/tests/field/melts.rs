@@ -14,7 +14,7 @@ const STEPS: usize = 160;
 const NEAR: f32 = 0.004;
 const FAR: f32 = 60.0;
 
-/// A shipped scene whose surfaces all have this colour. Its images are black.
+/// Returns the shipped scene `name`, with all surfaces in the grey `color` and without images.
 fn scene(name: &str, color: f32) -> World {
     let path = format!("{}/../../assets/scenes/{name}.scene", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();

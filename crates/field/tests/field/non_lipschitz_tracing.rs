@@ -1,5 +1,5 @@
-//! Traces formulas that are not distances by the bounds of their gradients in cells, in the same way as
-//! shaders/non_lipschitz.glsl. All hits that marching in small steps finds must be found.
+//! Traces formulas that are not distances with the gradient's bounds in each cell, as shaders/non_lipschitz.glsl does.
+//! Every hit that marching in small steps finds must be found.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 

@@ -63,7 +63,7 @@ pub(super) struct Library {
     pub functions: Vec<Function>,
     /// By symbol: 1 + the function's index; 0 for other symbols.
     pub by_symbol: Vec<u32>,
-    /// By symbol: 1 + the number of last arguments that a fold passes to each step; 0 for functions that do not fold.
+    /// By symbol: 1 + the number of final arguments that a fold passes to each step; 0 for functions that do not fold.
     pub folds: Vec<u8>,
 }
 

@@ -7,7 +7,7 @@ use super::scene::SceneBuilder;
 use super::sections::Values;
 
 impl SceneBuilder<'_> {
-    /// Returns the kind of a light, which the set fields determine. Reports invalid combinations of fields.
+    /// Returns the kind of a light, determined by the fields that are set. Reports invalid combinations of fields.
     pub(super) fn light_kind(&mut self, name: &str, span: Span, values: &Values) -> Option<LightKind> {
         let given = |field: &str| values.given(field).map(|(_, span)| span);
         let wrong = match (given("position"), given("direction"), given("right"), given("up")) {

@@ -31,7 +31,7 @@ pub(super) struct Parts {
 
 const BARE_NAME: &str = "shape";
 
-/// Builds a scene from its items. `declare.rs` handles declarations, `sections.rs` blocks with fields.
+/// Builds a scene from its items. `declare.rs` handles declarations, and `sections.rs` handles blocks with fields.
 pub(super) struct SceneBuilder<'a> {
     pub lowering: Lowering<'a>,
     pub parts: Parts,
@@ -123,7 +123,7 @@ impl<'a> SceneBuilder<'a> {
         }
     }
 
-    /// The distance to the nearest object. Reports a scene without objects, unless it has other mistakes.
+    /// Returns the distance to the nearest object. Reports a scene without objects, unless it has other mistakes.
     fn distance(&mut self, sources: &Sources) -> Option<NodeId> {
         let shapes: Vec<NodeId> = self.parts.objects.iter().map(|object| object.shape).collect();
         let distance = shapes.into_iter().reduce(|a, b| self.lowering.graph.min(a, b));

@@ -6,7 +6,7 @@ use super::super::value::Value;
 
 pub(super) struct Binding {
     pub symbol: Symbol,
-    /// Index of the binding of the same name that it hides, or [`NO_BINDING`].
+    /// Index of the binding that this binding hides, or [`NO_BINDING`].
     hidden: u32,
     value: Value,
     /// For a `let`, the notes of the text that computes the value (see `lang::origins`); empty for other names.

@@ -225,7 +225,7 @@ impl Parser<'_> {
             return true;
         }
         let wrong = self.expected(what).note(open, "for this `(`");
-        // An unclosed text contains the bracket. The lexer has already reported the text.
+        // The closing bracket may be inside an unclosed text, which the lexer has already reported.
         let unknown =
             self.at > 0 && self.tokens.get(self.at - 1).is_some_and(|token| token.kind == Kind::Unknown);
         if !unknown {
@@ -273,7 +273,7 @@ impl Parser<'_> {
             let wrong = self.expected("`then` after the condition");
             self.report(wrong.hint("write a choice as `if a then b else c`"));
             if self.kind() == Kind::OpenBrace {
-                // The choice has braces, as in GLSL: parse them as a block.
+                // The choice is written with braces, as in GLSL. The code below parses the braces as a block.
             } else if !self.token().is_word(word::ELSE) {
                 return self.ast.push(Expr::Error, start);
             }

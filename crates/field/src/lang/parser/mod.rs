@@ -104,7 +104,7 @@ impl Parser<'_> {
         self.current.kind
     }
 
-    /// Consumes the current token, except the last one, `End`.
+    /// Consumes the current token, unless it is the final `End`.
     #[inline]
     fn advance(&mut self) -> Token {
         let token = self.current;

@@ -121,7 +121,7 @@ fn no_shape_overestimates_and_exact_ones_have_slope_one() {
             total += 1;
             exact += usize::from((slope - 1.0).abs() < 0.01);
         }
-        // Differences across creases are not 1.
+        // Slopes measured across creases are not 1.
         let fraction = exact as f32 / total as f32;
         match accuracy(call) {
             Some(Accuracy::Exact) => {

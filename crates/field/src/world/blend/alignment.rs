@@ -36,7 +36,7 @@ impl Alignment {
         if numbers.into_iter().all(f32::is_finite) { Self { turn: [cos, sin], offset } } else { Self::NONE }
     }
 
-    /// Maps a point of the first scene to the second.
+    /// Maps a point of the first scene to a point of the second scene.
     fn own_place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let ([cos, sin], [a, b, c]) = (self.turn, self.offset);
         [cos * x + sin * z + a, y + b, cos * z - sin * x + c]
@@ -48,7 +48,7 @@ impl Alignment {
         [cos * x - sin * z, y - b, cos * z + sin * x]
     }
 
-    /// The box in the first scene that contains a box of the second scene.
+    /// Returns a box of the first scene that contains the box `bounds` of the second scene.
     pub(super) fn common_box(&self, bounds: &Bounds) -> Bounds {
         if *self == Self::NONE {
             return *bounds;

@@ -31,7 +31,7 @@ impl LineOfSight {
     }
 }
 
-/// The mixture of two cameras; at the fraction 0 it is `a`.
+/// Mixes two cameras. At the fraction `s` = 0 the result is `a`.
 pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Camera {
     let lines = [a, b].map(|camera| LineOfSight::of(graph, camera));
     let target = [0, 1, 2].map(|axis| graph.mix(a.target[axis], b.target[axis], s));
@@ -67,8 +67,8 @@ fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
     graph.sub(turn, whole)
 }
 
-/// The reciprocal of a camera's focus distance, to which blur is proportional. It is finite for an infinite focus
-/// distance, which means the target's distance.
+/// Returns the reciprocal of a camera's focus distance, because blur is proportional to the reciprocal. An infinite
+/// focus distance stands for the target's distance.
 fn nearness(graph: &mut Graph, camera: &Camera, line: &LineOfSight) -> NodeId {
     let (one, largest) = (graph.constant(1.0), graph.constant(f32::MAX));
     let size = graph.abs(camera.focus);

@@ -2,7 +2,7 @@
 //!
 //! **Union.** A mixture (1-s)*a + s*b of two distances soon loses small objects, such as a heart in a tunnel. A melt
 //! therefore draws the union of both scenes with shrunken solids. The distance a becomes a + q*f(b), where f(b) rises
-//! from 0 at the surfaces of b to 1 far from them, and q grows without limit while the fraction of a falls to 0
+//! from 0 at the surfaces of b to 1 far away, and q grows without limit while the fraction of a falls to 0
 //! ([`yielding`]). The old scene shrinks onto the surfaces of the new scene, and the new scene grows out of the old
 //! one. q is proportional to the depth of the scene's solids ([`super::depth`]): at a fraction of 0.2 the solids have
 //! lost half of their depth. Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`],
@@ -125,7 +125,7 @@ fn yielding(graph: &mut Graph, own: Steps, other: Option<Steps>, lost: NodeId) -
     Yielding { steps: parts.map(|part| part[0]), offset: parts[1][1] }
 }
 
-/// The distance from the other side beyond which no solids are left if solids far from it lose the depth `lost`.
+/// Returns the distance from the other side beyond which no solids are left, if remote solids lose the depth `lost`.
 fn farthest(graph: &mut Graph, lost: NodeId, reach: NodeId) -> NodeId {
     let [one, least, deepest] = [1.0, LEAST, 0.5 * HOLLOW].map(|number| graph.constant(number));
     let lost = graph.max(lost, least);

@@ -4,14 +4,14 @@
 //! two worlds → two sides in one graph → field, materials, light, camera of both → a world like any other
 //! ```
 //!
-//! **A blend is a scene.** [`World::blend`] combines two worlds; the same programs, tree and views draw the result.
-//! The fraction of the second world is the last parameter ([`blended_params`]), so one program draws every fraction.
-//! At the fractions 0 and 1, draw the original worlds instead: they evaluate only one field.
+//! **A blend is a scene.** [`World::blend`] combines two worlds; the same programs, tree and views draw the result. The
+//! fraction of the second world is the last parameter ([`blended_params`]), so one program draws every fraction. At the
+//! fractions 0 and 1, draw the original worlds, which evaluate only one field.
 //!
-//! **Mixed quantities.** The light of shining objects is weighted by its side's fraction. Lights change in the middle
-//! half of the transition, and the tone map changes at the middle. Sky, reach, image settings and camera are mixed. A
-//! surface has the material of the nearest object in its scene. A melt selects the scene by the nearer surface, a
-//! portal by the side.
+//! **Mixed quantities.** The light of shining objects is weighted by the fraction of their scene. Lights change in the
+//! middle half of the transition, and the tone map changes at the middle. Sky, reach, image settings and camera are
+//! mixed. A surface has the material of the nearest object in its scene. A melt selects the scene by the nearer
+//! surface, a portal by the side.
 
 mod alignment;
 mod camera;
@@ -294,7 +294,7 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
     mixed.numbers()
 }
 
-/// The light of nearby shining objects. Each side's light is attenuated here by that side's distance, so shaders get
+/// The light of nearby shining objects. Each side's light is already attenuated by that side's distance, so shaders get
 /// the distance 0.
 fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
@@ -320,8 +320,8 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
     Some([r, g, b, zero])
 }
 
-/// The lights of both sides, weighted by the fractions. They change in the middle half of the
-/// transition: near its ends, where the surfaces of one scene are nearly whole, shadow rays of both sides cost most.
+/// The lights of both sides, weighted by the fractions. They change in the middle half of the transition, because
+/// shadow rays of both sides cost most near the ends, where the surfaces of one scene are nearly whole.
 fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
     let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
     let s = graph.sub(s, half);

@@ -21,7 +21,7 @@ pub enum PortalShape {
     Own,
 }
 
-/// A portal stops moving at this distance from its end. All surfaces are behind it by then.
+/// A portal stops growing when this fraction of the transition is left. By then all surfaces are inside the portal.
 const LEFT_MIN: f32 = 1e-3;
 /// Fraction of a transition in which a scene's shape emerges, and in which the shape is filled up at the end.
 const QUARTER: f32 = 0.25;
@@ -71,7 +71,7 @@ fn dot(graph: &mut Graph, a: Vector, b: Vector) -> NodeId {
     graph.add(sum, parts[2])
 }
 
-/// The relative size, which grows from 0 at the fraction 0 to beyond the scene at the fraction 1.
+/// Returns the portal's relative size, which grows from 0 at the fraction 0 to beyond the scene at the fraction 1.
 fn growth(graph: &mut Graph, fraction: NodeId) -> NodeId {
     let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
     let rest = graph.sub(one, fraction);
@@ -96,8 +96,8 @@ fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
 }
 
 /// The distance to the scene's own shape, which grows with the fraction `s`. The shape may have holes and may be
-/// infinite. A growing ball therefore reveals it in the first quarter, and another ball fills it up in the last
-/// quarter.
+/// infinite. A growing ball therefore reveals the shape in the first quarter, and another ball fills the shape in the
+/// last quarter.
 fn own_shape(
     graph: &mut Graph,
     seen: &Seen,
@@ -144,8 +144,8 @@ fn portal(
 /// Planes, other surfaces, and the numbers of the material.
 type Through = (Vec<NodeId>, Option<Steps>, Vec<NodeId>);
 
-/// Puts the first scene outside of the portal and the second one inside. `to` is the second scene with the numbers of
-/// images and parameters before its own.
+/// Puts the first scene outside of the portal and the second one inside. `to` is the second scene, with the numbers of
+/// images and parameters that precede its own.
 pub(super) fn through(
     graph: &mut Graph,
     (a, b): (&Side, &Side),

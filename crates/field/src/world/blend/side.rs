@@ -225,7 +225,7 @@ fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
     moved.get(id.index()).copied().unwrap_or_default()
 }
 
-/// A plane divided by its slope, so that it is comparable to a distance.
+/// Divides a plane by its slope, so that the value is comparable to a distance.
 fn of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId, GraphError> {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let origin = at(graph, plane, [zero; 3])?;

@@ -334,7 +334,7 @@ fn materials_ran_off_their_surfaces_in_a_melt() {
 
 #[test]
 fn a_polynomial_melts_with_the_slope_of_a_distance() {
-    // Barth's sextic has slope 0 at its double points; elsewhere it grows with the fifth power of the distance.
+    // Barth's sextic has slope 0 at its double points; elsewhere its slope grows with the fifth power of the distance.
     let star = world_of(include_str!("../../../../../assets/scenes/barth.scene"));
     assert!(star.non_lipschitz);
     let ball = world_of("sphere(p - vec3(0, 2.5, 0), 1)");
