@@ -1,8 +1,8 @@
-//! Compares the CPU time of the compiled speakers scene with the same scene in handwritten GLSL.
+//! Compares the CPU time of two versions of the scene speakers: compiled, and handwritten in GLSL.
 //!
-//! `cargo bench --bench drawing` prints medians and their ratio. It does not use criterion for two reasons. The scenes
-//! alternate frame by frame, so that disturbances affect both scenes. And the time of all processor cores counts,
-//! because Mesa draws on all cores.
+//! `cargo bench --bench drawing` prints medians and their ratio. It does not use criterion, for two reasons. It
+//! alternates the scenes frame by frame, so that disturbances affect both. And it measures the time of all processor
+//! cores, because Mesa draws on all cores.
 
 #![allow(clippy::unwrap_used)]
 

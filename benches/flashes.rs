@@ -1,4 +1,4 @@
-//! Measures the cost of flash limiting per frame on this machine's renderer: CPU time of all cores.
+//! Measures the CPU time, over all cores, that flash limiting takes per frame with this machine's renderer.
 //!
 //! `cargo bench --bench flashes` prints medians for a calm image and for a strobe. It does not use criterion, for the
 //! same reasons as `drawing`.
@@ -45,7 +45,7 @@ fn main() {
                 gl.finish();
                 times.push(start.elapsed().as_secs_f64() * 1000.0);
             }
-            // Leave out the first second, because the limiter does not dim images yet.
+            // Leave out the first second, in which the limiter never dims.
             let mut times = times.split_off(FPS as usize);
             times.sort_by(f64::total_cmp);
             let place = if window { "decided" } else { "decided and drawn to a copy" };

@@ -1,5 +1,5 @@
-//! Compares transitions with their two scenes. For each frame of a two-second transition it measures the CPU time,
-//! including the region tree, relative to the sum of both scenes' medians.
+//! Compares the cost of transitions with the cost of their two scenes. The CPU time of each frame of a two-second
+//! transition, including the region tree, is divided by the sum of both scenes' medians.
 //!
 //! `cargo bench --bench transitions` measures the transition from each shipped scene to the next, with all kinds of
 //! blends; `-- speakers:heart` measures one pair. It does not use criterion, for the same reasons as `drawing`, and
@@ -26,10 +26,10 @@ use mariana_field::world::{Alignment, BlendKind, blended_params};
 use mariana_music::Sound;
 
 const SIZE: (u32, u32) = (320, 180);
-/// Start of the transitions in the demo track and their duration, in seconds.
+/// Time in the demo track at which transitions start, and their duration, in seconds.
 const START: f64 = 20.0;
 const SECONDS: f64 = 2.0;
-/// Number of frames of a transition, without the first and last frame, which show only one scene.
+/// Number of measured frames of a transition. The first and last frame are left out: each shows only one scene.
 const FRAMES: usize = 24;
 
 struct Model {
@@ -66,7 +66,7 @@ fn median(times: &[f64]) -> f64 {
     times.get(times.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The pairs given on the command line, or each shipped scene with the next scene.
+/// The pairs given on the command line. Without any, each shipped scene with the next scene.
 fn pairs() -> Vec<(String, String)> {
     let named: Vec<(String, String)> = std::env::args()
         .filter_map(|arg| arg.split_once(':').map(|(from, to)| (from.to_owned(), to.to_owned())))
@@ -113,7 +113,7 @@ fn main() {
                 let params = blended_params((&a.world.scene, &[]), (&b.world.scene, &[]), *fraction);
                 let models = [(&pure[0], &[][..]), (&pure[1], &[]), (&blended, &params)];
                 for ((model, params), times) in models.into_iter().zip(&mut times) {
-                    // Drivers do one-time work while transitions are prepared.
+                    // Draw the first moment twice: a driver does one-time work during the first draw.
                     if number == 0 {
                         model.draw(&mut renderer, (*time, sound), params);
                     }

@@ -1,4 +1,4 @@
-//! Benchmarks of typing in a long text without a window: the edit, and the colours of the visible lines.
+//! Measures the time to type in a long text: the edit, and the colours of the visible lines. Opens no window.
 
 #![allow(missing_docs, clippy::unwrap_used)]
 

@@ -38,13 +38,13 @@ impl Buffer {
         self.starts.len()
     }
 
-    /// The bytes of a range, clipped to the text.
+    /// Returns the bytes of a range, after clipping the range to the text.
     pub fn slice(&self, range: Range<usize>) -> &[u8] {
         let end = range.end.min(self.len());
         self.bytes.get(range.start.min(end)..end).unwrap_or_default()
     }
 
-    /// The byte range of a line without its line end. If there is no such line, an empty range at the end of the text.
+    /// The byte range of a line without its line end. For a missing line, an empty range at the end of the text.
     pub fn line_range(&self, line: usize) -> Range<usize> {
         let start = self.line_start(line);
         let Some(next) = self.starts.get(line + 1) else { return start..self.len() };
@@ -60,23 +60,23 @@ impl Buffer {
         self.slice(self.line_range(line))
     }
 
-    /// The byte offset of a line. If there is no such line, the text's length.
+    /// The byte offset of a line's start. For a missing line, the text's length.
     pub fn line_start(&self, line: usize) -> usize {
         self.starts.get(line).copied().unwrap_or(self.len())
     }
 
-    /// The line that contains a byte offset. A line end belongs to the line before it.
+    /// The line that contains a byte offset. A line end belongs to the line that it ends.
     pub fn line_of(&self, offset: usize) -> usize {
         self.starts.partition_point(|start| *start <= offset).saturating_sub(1)
     }
 
-    /// The line end of the first line, which inserted lines also get; `\n` if there is only one line.
+    /// Returns the line end to insert: the line end of the first line, or `\n` if the text has only one line.
     pub fn line_end(&self) -> &'static [u8] {
         let first = self.starts.get(1).and_then(|next| self.bytes.get(next.checked_sub(2)?));
         if first == Some(&b'\r') { b"\r\n" } else { b"\n" }
     }
 
-    /// Replaces a range, clipped to the text, and returns the replaced bytes.
+    /// Replaces `range` by `new` and returns the replaced bytes. Clips `range` to the text.
     pub fn replace(&mut self, range: Range<usize>, new: &[u8]) -> Vec<u8> {
         let end = range.end.min(self.len());
         let start = range.start.min(end);

@@ -1,4 +1,4 @@
-//! Syntax colours: the kinds of the words of a line. They are computed only for visible lines.
+//! Syntax colours: finds the kind of each word of a line. Only visible lines are examined.
 
 use mariana_field::lang::{Word, words};
 
@@ -12,12 +12,12 @@ pub struct Colors {
 }
 
 impl Colors {
-    /// Discards the cache below a changed line.
+    /// Discards the cached states below `line`, which has changed.
     pub fn forget_behind(&mut self, line: usize) {
         self.open.truncate(line + 1);
     }
 
-    /// The words of a line. Lexes the lines above it if their state is not cached.
+    /// Returns the words of `line`. First lexes all lines above `line` whose state is not cached.
     pub fn words(&mut self, buffer: &Buffer, line: usize) -> Vec<Word> {
         while self.open.len() <= line {
             let open = match self.open.len().checked_sub(1) {

@@ -42,7 +42,7 @@ pub fn cells(line: &[u8]) -> impl Iterator<Item = Cell> {
     })
 }
 
-/// The start, the end and the character of each piece of `line`. A run of invalid bytes has no character.
+/// Splits `line` into pieces, each with its start, end and character. A run of invalid bytes has no character.
 fn letters(line: &[u8]) -> impl Iterator<Item = (usize, usize, Option<char>)> {
     let mut at = 0;
     line.utf8_chunks().flat_map(move |chunk| {
@@ -62,7 +62,7 @@ pub fn width(line: &[u8]) -> usize {
     column_of(line, line.len())
 }
 
-/// The column of the cell that contains a byte of the line. At the line's end, the line's width.
+/// Returns the column of the cell that contains byte `offset` of `line`. At the line's end, the line's width.
 pub fn column_of(line: &[u8], offset: usize) -> usize {
     if line.is_ascii() && !line.iter().any(|byte| *byte < b' ' || *byte == 0x7f) {
         return offset.min(line.len());
@@ -77,7 +77,7 @@ pub fn column_of(line: &[u8], offset: usize) -> usize {
     behind
 }
 
-/// The byte offset of the cell whose left edge is nearest to a column. Beyond the last cell, the line's length.
+/// Returns the byte offset of the cell whose left edge is nearest to `column`, or `line`'s length beyond the cells.
 pub fn offset_of(line: &[u8], column: f32) -> usize {
     for cell in cells(line) {
         if column < cell.column as f32 + 0.5 * cell.width as f32 {

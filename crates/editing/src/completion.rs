@@ -74,8 +74,8 @@ fn of_entry(entry: Entry) -> About {
     About { head: entry.signature, text: entry.doc, facts: facts.join(" · "), is_function: true }
 }
 
-/// Candidates for the name that ends at `offset`, best first, and the byte range that a candidate replaces. At least
-/// two letters must be typed, unless the user `asked` with Ctrl+Space.
+/// Returns candidates for the name that ends at `offset`, best first, and the byte range that a candidate replaces.
+/// Requires two typed letters, unless the user `asked` with Ctrl+Space.
 pub fn proposals(
     buffer: &Buffer,
     colors: &mut Colors,
@@ -130,7 +130,7 @@ pub fn proposals(
     (range, best)
 }
 
-/// The names declared in the text, except the declaration at `besides`, which the user is typing.
+/// Returns the names declared in the text, without the declaration at `besides`, which the user is typing.
 fn own_names(buffer: &Buffer, besides: usize) -> Vec<Proposal> {
     let mut found = Vec::new();
     let mut seen = BTreeSet::new();
@@ -158,7 +158,7 @@ fn declared(line: &[u8]) -> Option<(&str, usize)> {
     Some((name, indent + word.len() + blanks))
 }
 
-/// Documentation of the name that a line declares: the line itself, and the comment above the line.
+/// Returns the documentation of the name that `line` declares: the line itself, and the comment above it.
 fn declaration(buffer: &Buffer, line: usize) -> About {
     let text = String::from_utf8_lossy(buffer.line(line)).trim().to_owned();
     let is_function = text.starts_with("fn ");
@@ -178,7 +178,7 @@ fn declaration(buffer: &Buffer, line: usize) -> About {
     About { head, text: comment.join(" "), facts: "declared in this scene".to_owned(), is_function }
 }
 
-/// Documentation of a name: its declaration in the text, or else the language's entry.
+/// Returns the documentation of `name`: its declaration in the text or, without a declaration, the language's entry.
 pub fn documentation(buffer: &Buffer, name: &str) -> Option<About> {
     let own = (0..buffer.line_count())
         .find(|line| declared(buffer.line(*line)).is_some_and(|(own, _)| own == name));
@@ -189,8 +189,8 @@ pub fn documentation(buffer: &Buffer, name: &str) -> Option<About> {
     LANGUAGE.get(place).filter(|one| one.name == name).map(|one| one.about.clone())
 }
 
-/// Documentation of the name at `offset`, and the name's byte range. Without a documented name at `offset`, uses the
-/// function whose arguments contain `offset`.
+/// Returns the documentation and byte range of the name at `offset`. If that name has no documentation, returns those
+/// of the function whose arguments contain `offset`.
 pub fn about(buffer: &Buffer, colors: &mut Colors, offset: usize) -> Option<(Range<usize>, About)> {
     let line = buffer.line_of(offset);
     let (start, text) = (buffer.line_start(line), buffer.line(line));

@@ -17,16 +17,16 @@ pub struct Editing {
     cursor: usize,
     /// The fixed end of the selection. It equals the cursor if the selection is empty.
     anchor: usize,
-    /// The column that moves up and down try to keep.
+    /// The column that the cursor tries to keep when it moves up or down.
     goal: Option<usize>,
     history: History,
     followed: Followed,
     version: u64,
-    /// The first byte that has changed since the last [`Editing::take_changed_line`].
+    /// The first byte that has changed since the last call of [`Editing::take_changed_line`].
     changed_from: Option<usize>,
 }
 
-/// The text would become longer than a scene may be.
+/// The error for an edit that would make the text longer than a scene may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("these {bytes} bytes do not fit: a scene may have at most {max} bytes. Nothing was inserted")]
 pub struct Refused {
@@ -37,7 +37,7 @@ pub struct Refused {
 }
 
 impl Editing {
-    /// Begins with the bytes of a file. The cursor is at the start.
+    /// Starts editing `bytes`, with the cursor at the start.
     pub fn new(bytes: Vec<u8>) -> Self {
         Self {
             buffer: Buffer::new(bytes),
@@ -61,7 +61,7 @@ impl Editing {
         self.cursor
     }
 
-    /// The selected range. Without a selection, an empty range at the cursor.
+    /// The selected range, or an empty range at the cursor if nothing is selected.
     pub fn selection(&self) -> Range<usize> {
         self.cursor.min(self.anchor)..self.cursor.max(self.anchor)
     }
@@ -76,12 +76,12 @@ impl Editing {
         self.version
     }
 
-    /// The first line that changed since the last call; `None` if there was no change.
+    /// Returns the first line that has changed since the last call; `None` if no line has changed.
     pub fn take_changed_line(&mut self) -> Option<usize> {
         self.changed_from.take().map(|at| self.buffer.line_of(at))
     }
 
-    /// The present range of a part of an earlier version. `None` if the part has been edited or the version is too old.
+    /// Maps `range` of an earlier `version` to the present text. `None` if it was edited or the version is too old.
     pub fn place(&self, version: u64, range: Range<usize>) -> Option<Range<usize>> {
         self.followed.place(version, self.version, range)
     }
@@ -128,7 +128,7 @@ impl Editing {
     /// Replaces the selection with `text`. Converts the line ends of `text`.
     ///
     /// # Errors
-    /// [`Refused`] if the result is too long. The text does not change then.
+    /// [`Refused`] if the result would be too long. The text then stays unchanged.
     pub fn insert(&mut self, text: &[u8]) -> Result<(), Refused> {
         let typed = text.len() <= 4 && !text.contains(&b'\n') && self.selection().is_empty();
         let joins = if typed { Joins::Typing } else { Joins::Nothing };
@@ -144,7 +144,7 @@ impl Editing {
     /// Starts a new line with the indentation of the present line. After `{`, indents one step deeper.
     ///
     /// # Errors
-    /// [`Refused`] if the result is too long.
+    /// [`Refused`] if the result would be too long.
     pub fn insert_line(&mut self) -> Result<(), Refused> {
         let start = self.selection().start;
         let line = self.buffer.slice(self.buffer.line_start(self.buffer.line_of(start))..start);
@@ -157,7 +157,7 @@ impl Editing {
         self.replace(self.selection(), &text, Joins::Nothing)
     }
 
-    /// Deletes the selection, or the text between the cursor and the target of a move.
+    /// Deletes the selection. Without a selection, deletes the text from the cursor to the target of the move `way`.
     pub fn delete(&mut self, way: Move) {
         let mut range = self.selection();
         if range.is_empty() {
@@ -170,10 +170,10 @@ impl Editing {
         }
     }
 
-    /// Replaces a range and puts the cursor behind the new text.
+    /// Replaces `range` by `new` and puts the cursor behind `new`.
     ///
     /// # Errors
-    /// [`Refused`] if the result is too long.
+    /// [`Refused`] if the result would be too long.
     pub fn replace_part(&mut self, range: Range<usize>, new: &[u8]) -> Result<(), Refused> {
         self.replace(range, new, Joins::Nothing)
     }
@@ -181,7 +181,7 @@ impl Editing {
     /// Replaces several ranges, given in descending order, as one undo step. Puts the cursor behind the first range.
     ///
     /// # Errors
-    /// [`Refused`] if the result is too long. The text does not change then.
+    /// [`Refused`] if the result would be too long. The text then stays unchanged.
     pub fn replace_parts(&mut self, parts: &[(Range<usize>, Vec<u8>)]) -> Result<(), Refused> {
         let (max, bytes) = (LIMITS.text_bytes_max, parts.iter().map(|(_, new)| new.len()).sum());
         if self.buffer.len() + bytes > max {
@@ -202,12 +202,12 @@ impl Editing {
     /// Like [`Editing::replace_part`], for a turned number. All turns until [`Editing::settle`] form one undo step.
     ///
     /// # Errors
-    /// [`Refused`] if the result is too long.
+    /// [`Refused`] if the result would be too long.
     pub fn turn(&mut self, range: Range<usize>, new: &[u8]) -> Result<(), Refused> {
         self.replace(range, new, Joins::Turning)
     }
 
-    /// Selects a number without ending the undo step of its turns.
+    /// Selects a turned number. Later turns still belong to the same undo step.
     pub fn select_turned(&mut self, range: Range<usize>) {
         let end = range.end.min(self.buffer.len());
         (self.anchor, self.cursor, self.goal) = (range.start.min(end), end, None);
@@ -221,7 +221,7 @@ impl Editing {
     /// Replaces the whole text as one undo step.
     ///
     /// # Errors
-    /// [`Refused`] if the result is too long.
+    /// [`Refused`] if the result would be too long.
     pub fn replace_all(&mut self, text: &[u8]) -> Result<(), Refused> {
         let cursor = self.cursor;
         self.replace(0..self.buffer.len(), text, Joins::Nothing)?;
@@ -229,7 +229,7 @@ impl Editing {
         Ok(())
     }
 
-    /// Indents the selected lines by one step, or unindents them.
+    /// Indents the selected lines by one step if `deeper`, otherwise unindents them by one step.
     pub fn indent(&mut self, deeper: bool) {
         self.edit_lines(|line| match deeper {
             true if line.is_empty() => None,

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-/// The next match of `query` from `from` on. If `forward` is false, the previous match. The search wraps around, and
-/// ignores case unless the query has capital letters.
+/// Finds the next match of `query` at or after `from`. If `forward` is false, finds the previous match. The search
+/// wraps around, and ignores case unless `query` has capital letters.
 pub fn find(text: &[u8], query: &str, from: usize, forward: bool) -> Option<Range<usize>> {
     let query = query.as_bytes();
     if query.is_empty() || query.len() > text.len() {

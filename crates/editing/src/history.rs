@@ -136,7 +136,7 @@ impl Followed {
         self.changes.push_back((version, change.at, change.removed.len(), change.inserted.len()));
     }
 
-    /// Maps a range of version `since` to version `now`; `None` if a change overlaps it or the log is too short.
+    /// Maps `range` of version `since` to version `now`; `None` if a change overlaps the range or the log is too short.
     pub(crate) fn place(&self, since: u64, now: u64, range: Range<usize>) -> Option<Range<usize>> {
         let Range { mut start, mut end } = range;
         if since < now && self.changes.front().is_none_or(|(first, ..)| *first > since + 1) {

@@ -5,7 +5,7 @@
 //! behind the letter, which takes some 20 µs in 400 kB. A position is a byte offset. Edits do not change bytes that
 //! are not UTF-8.
 //!
-//! **Only visible lines are examined.** Only the keys for search and completion read the whole text.
+//! **Drawing examines only the visible lines.** Only search and completion read the whole text.
 
 mod buffer;
 mod colors;

@@ -9,7 +9,7 @@ pub struct Limits {
     pub text_bytes_max: usize,
     /// Maximum number of bytes of the undo history. The oldest steps are dropped first.
     pub undo_bytes_max: usize,
-    /// Maximum number of changes in the log that maps ranges of earlier versions.
+    /// Maximum number of changes in the log that maps ranges of earlier versions to the present text.
     pub followed_changes_max: usize,
     /// Maximum number of completion candidates.
     pub proposals_max: usize,

@@ -18,7 +18,7 @@ pub enum Move {
     Up(usize),
     /// Down by a number of lines.
     Down(usize),
-    /// To the first letter of the line that is not blank. If the cursor is there already, to the line's start.
+    /// To the line's first letter that is not a blank. If the cursor is there already, to the line's start.
     LineStart,
     /// To the end of the line.
     LineEnd,
@@ -103,7 +103,7 @@ pub(crate) fn word_around(buffer: &Buffer, offset: usize) -> std::ops::Range<usi
     range.start + start..range.start + end
 }
 
-/// The target of a move from `offset`, and the column that the next moves up and down keep.
+/// Returns the target of a move from `offset`, and the column that later moves up or down try to keep.
 pub(crate) fn follow(
     buffer: &Buffer,
     offset: usize,

@@ -9,14 +9,14 @@ use mariana_field::lang::{Word, WordKind, number_place};
 pub enum TurnSpeed {
     /// A tenth of the usual speed.
     Fine,
-    /// 100 points of pointer movement are two steps of the number's first digit.
+    /// 100 points of pointer movement change the number's first digit by two.
     #[default]
     Usual,
     /// Ten times the usual speed.
     Coarse,
 }
 
-/// A number literal. It includes a minus before the digits if the minus is a sign.
+/// A number literal. A minus sign belongs to the literal, a minus operator does not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Number {
     /// Byte range in the line.
@@ -30,9 +30,9 @@ pub struct Number {
     whole: bool,
 }
 
-/// Change for one point of movement, as a fraction of the number's decade.
+/// Change per point of pointer movement, as a fraction of the power of ten of the number's first digit.
 const FRACTION_OF_POINT: f64 = 0.02;
-/// Points of movement for one step of an integer.
+/// Points of pointer movement that change an integer by one.
 const POINTS_OF_STEP: f64 = 12.0;
 const DECIMALS_MAX: usize = 6;
 /// Largest magnitude of a number that can be turned.
@@ -50,7 +50,7 @@ impl TurnSpeed {
 }
 
 impl Number {
-    /// The number that contains the byte `at` of the line or ends there. `words` are the line's words.
+    /// Returns the number of `line` that contains byte `at` or ends there. `words` are the line's words.
     pub fn at(line: &[u8], words: &[Word], at: usize) -> Option<Self> {
         let index = words
             .iter()
@@ -87,7 +87,7 @@ impl Number {
         })
     }
 
-    /// The value after a movement to the right by `points`, which are already scaled by [`TurnSpeed::factor`].
+    /// Returns the value after the pointer has moved right by `points`, already scaled by [`TurnSpeed::factor`].
     pub fn turned(&self, points: f64, speed: TurnSpeed) -> f64 {
         if self.whole {
             return (self.value + (points / POINTS_OF_STEP).round()).clamp(0.0, LARGEST);
@@ -114,8 +114,8 @@ impl Number {
         text.to_owned()
     }
 
-    /// The range in which the digits may be turned before the text must be parsed again. The range never crosses 0, so
-    /// that divisions by the number stay finite.
+    /// Returns the range in which the digits can be turned without parsing the text again. The range never crosses 0,
+    /// so that divisions by the number stay finite.
     pub fn room(digits: f32) -> (f32, f32) {
         if digits == 0.0 {
             return (-1.0, 1.0);
@@ -138,7 +138,7 @@ impl Number {
     }
 }
 
-/// The index, from 0, of the number whose digits begin at a byte of the text. The language numbers them in this order.
+/// Returns the index of the number whose digits begin at byte `digits`, from 0, in the language's order of numbers.
 pub fn numbers_before(text: &[u8], digits: usize) -> Option<usize> {
     number_place(std::str::from_utf8(text).ok()?, digits)
 }

@@ -52,7 +52,7 @@ static COLORS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
     fields.filter(|field| field.is_color()).map(|field| field.name).collect()
 });
 
-/// The calls of `vec3` in a line that have number literals as arguments.
+/// Finds the calls of `vec3` in `line` whose arguments are number literals.
 pub fn triples(buffer: &Buffer, colors: &mut Colors, line: usize) -> Vec<Triple> {
     let text = buffer.line(line);
     let words = colors.words(buffer, line);
@@ -89,7 +89,7 @@ fn word_text<'a>(text: &'a [u8], word: &Word) -> &'a [u8] {
     text.get(word.start..word.end).unwrap_or_default()
 }
 
-/// The numbers of the `vec3` at the start of `rest`, and its length in words.
+/// Reads the `vec3` call at the start of `rest`. Returns its numbers and its length in words.
 fn numbers_of(text: &[u8], words: &[Word], rest: &[Word]) -> Option<([Number; 3], usize)> {
     let is = |at: usize, wanted: &[u8]| rest.get(at).is_some_and(|word| word_text(text, word) == wanted);
     if !is(0, b"vec3") {
@@ -110,7 +110,7 @@ fn numbers_of(text: &[u8], words: &[Word], rest: &[Word]) -> Option<([Number; 3]
     Some((numbers.try_into().ok()?, at + 1))
 }
 
-/// The last field or name before a word that is followed by `=`.
+/// Returns the last field or name that has a `=` after it and precedes the word at `at`.
 fn field_before<'a>(text: &'a [u8], words: &[Word], at: usize) -> Option<&'a str> {
     let before = words.get(..at)?;
     let given = before.windows(2).rev().find_map(|pair| match pair {

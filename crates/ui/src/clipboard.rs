@@ -1,4 +1,4 @@
-//! The clipboard, on its own thread: a paste waits for the program that owns the copied text, and may block.
+//! The clipboard, accessed on its own thread, because a paste waits for the program that owns the copied text.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Builder;
@@ -7,7 +7,7 @@ use std::thread::Builder;
 pub(crate) struct Clipboard {
     orders: Option<Sender<Order>>,
     pasted: Receiver<String>,
-    /// The thread's answer channel and wake function, until the thread starts.
+    /// The answer channel and wake function for the thread; `None` once the thread has started.
     start: Option<(Sender<String>, Wake)>,
 }
 
@@ -33,7 +33,7 @@ impl Clipboard {
         self.order(Order::Paste);
     }
 
-    /// The text that arrived, if any. Never blocks.
+    /// Returns the pasted text once it has arrived. Never blocks.
     pub(crate) fn pasted(&self) -> Option<String> {
         self.pasted.try_recv().ok()
     }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 thread_local! {
     static SIMULATED: Cell<Option<Instant>> = const { Cell::new(None) };
-    /// The duration by which this thread's time is ahead of the system's time.
+    /// How far this thread's clock is ahead of the system's clock.
     static AHEAD: Cell<Duration> = const { Cell::new(Duration::ZERO) };
 }
 
@@ -15,7 +15,7 @@ pub fn now() -> Instant {
     SIMULATED.get().unwrap_or_else(|| Instant::now() + AHEAD.get())
 }
 
-/// Returns the time since `moment`; zero if it is in the future.
+/// Returns the time since `moment`; zero if `moment` is in the future.
 pub fn since(moment: Instant) -> Duration {
     now().saturating_duration_since(moment)
 }

@@ -105,7 +105,7 @@ impl Field {
         }
     }
 
-    /// The command for a click or Enter on the part. A click on an end sets it to `stands`, the parameter's position.
+    /// The command for a click or Enter on the part. On an end, it sets the end to `stands`, the parameter's position.
     pub fn request(self, mapping: &Mapping, stands: Option<f32>) -> Option<Command> {
         let mut after = mapping.clone();
         let [from, to] = &mut after.range;
@@ -125,7 +125,7 @@ impl Field {
 /// The smoothing times on offer, in seconds.
 const SMOOTHINGS: [f32; 7] = [0.0, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0];
 
-/// The value after `present` in a list. The first value follows the last value and values that are not listed.
+/// Returns the value after `present` in `all`. After the last value or an unlisted value, returns the first value.
 fn next<T: Copy + PartialEq>(all: &[T], present: T) -> T {
     let place = all.iter().position(|one| *one == present).map_or(0, |place| (place + 1) % all.len().max(1));
     all.get(place).copied().unwrap_or(present)
@@ -249,7 +249,7 @@ impl ControllersPanel {
         (true, None)
     }
 
-    /// Selects the next changeable row from an index, downwards or upwards. Keeps the selection if no row matches.
+    /// Selects the first changeable row from `place` on, downwards if `down`. Without such a row, keeps the selection.
     fn select_from(&mut self, place: usize, down: bool) {
         let found = if down {
             self.rows.iter().enumerate().skip(place).find(|(_, row)| is_changeable(row))

@@ -38,7 +38,7 @@ impl CornerHandles {
     }
 
     /// Handles a key. Tab selects the next corner, arrows move the selected corner, and Home resets all four. Returns
-    /// the key's command, if any, and the outer `None` for unrelated keys.
+    /// `None` for unrelated keys, otherwise the key's command, if any.
     pub fn take_key(&mut self, key: &Key, shift: bool) -> Option<Option<Command>> {
         let step = if shift { LARGE_STEP } else { STEP };
         let way = match key {

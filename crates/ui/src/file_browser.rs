@@ -46,7 +46,7 @@ pub struct FileBrowser {
     query: TextQuery,
     selected: usize,
     trouble: Option<String>,
-    /// The folder that the user left upwards. It will be selected in its parent folder.
+    /// The folder that the user left by going up. It will be selected in its parent folder.
     came_from: Option<PathBuf>,
     wanted: Sender<PathBuf>,
     read: Receiver<(PathBuf, Result<Vec<FileEntry>, String>)>,

@@ -20,13 +20,13 @@ impl fmt::Display for Monitor {
     }
 }
 
-/// The monitor with this name. If no monitor has the name, the monitor with this number, from 1.
+/// Returns the monitor whose name is `text`. If there is none, `text` is a monitor's number, from 1.
 pub fn named<'a>(monitors: &'a [Monitor], text: &str) -> Option<&'a Monitor> {
     let by_name = monitors.iter().find(|monitor| monitor.name.eq_ignore_ascii_case(text));
     by_name.or_else(|| monitors.get(text.parse::<usize>().ok()?.checked_sub(1)?))
 }
 
-/// A list of all monitors for a sentence.
+/// Lists all monitors for use in a sentence.
 pub fn names(monitors: &[Monitor]) -> String {
     let names: Vec<String> = monitors.iter().map(Monitor::to_string).collect();
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }

@@ -169,7 +169,7 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
     let Facts { choices: now, remembered, .. } = facts;
     let outputs = facts.outputs.iter().map(|output| SettingRow {
         name: output.name.clone(),
-        purpose: "Songs play here. The playing song moves at once, and returns when a lost output reconnects"
+        purpose: "Songs play here. A playing song moves at once, and moves back when a lost output reconnects"
             .to_owned(),
         values: Values::OneOfRows { chosen: output.is_chosen, setting: Setting::Output(output.id.clone()) },
         for_this_run: output.is_chosen && facts.output_for_this_run,
@@ -191,7 +191,7 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
         .collect()
 }
 
-/// Rounds a delay set by the pointer to whole steps, in milliseconds, within the limits.
+/// Rounds `shift`, a delay set with the pointer, to whole steps within the limits, in milliseconds.
 pub fn whole_steps(shift: f64) -> f64 {
     let limit = PLAYER_LIMITS.latency_ms_max;
     ((shift / SHIFT_STEP_MS).round() * SHIFT_STEP_MS).clamp(-limit, limit)

@@ -38,7 +38,7 @@ impl UserInput {
         }
     }
 
-    /// The pressed key with its modifiers. Skips repeated letters, because the held key may have opened the text field.
+    /// Returns the pressed key and its modifiers. Skips repeated letters: the held key may have opened the text field.
     pub fn typed<'a>(&self, input: &'a Input) -> Option<(&'a Key, Modifiers)> {
         match input {
             Input::Key(press) => {

@@ -10,7 +10,7 @@ use mariana_remote::RemoteState;
 pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
     let words = |text: String| ControllerRow::Words { text, is_bad: false };
     let osc = facts.osc.as_deref().unwrap_or("off; start Mariana with --osc 9000");
-    // The connection code comes first, so that a phone can scan it from a distance.
+    // Put the connection code first, so that it can be scanned as soon as the panel opens.
     let mut rows = Vec::from_iter(pairing_address(facts));
     rows.push(words(format!("OSC: {osc}")));
     rows.extend(phone_words(facts));

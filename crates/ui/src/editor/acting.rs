@@ -14,7 +14,7 @@ use super::{Document, EditAction, Editor, EditorEvent, Question};
 pub(super) const CLOSE: Command = Command::TogglePanel(Panel::Editor);
 
 impl Editor {
-    /// Handles a key press with these modifiers. Returns true if the editor used the key.
+    /// Handles a key press while the modifiers `held` are held. Returns true if the editor used the key.
     pub fn take_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
         if self.focus.leaves_out(press.repeat) || self.take_small_key(press, held) {
             return true;

@@ -56,9 +56,9 @@ pub(crate) struct Document {
     pub question: Option<Question>,
     /// The mistakes, and the version of the text that contains them.
     found: (u64, Vec<Mistake>),
-    /// The last version of the text without mistakes, which the frame shows.
+    /// The last version of the text that had no mistakes. The frame shows this version.
     shown: u64,
-    /// Pairs of a version of the drafts and the version of the text that it contains, oldest first.
+    /// Pairs of versions, oldest first: a version of the drafts, and the version of this text in these drafts.
     sent: VecDeque<(u64, u64)>,
     /// The version of the text that was last passed on to the loader.
     noted: u64,
@@ -223,17 +223,17 @@ impl Document {
         self.found = (sent.map_or(0, |(_, version)| *version), mistakes);
     }
 
-    /// Records that the version of the last findings has no mistakes.
+    /// Records that the text version of the last findings has no mistakes.
     pub(crate) fn note_shown(&mut self) {
         self.shown = self.found.0;
     }
 
-    /// The present range of a part of the text that the frame shows; `None` if the part has been edited.
+    /// Maps `range` from the version that the frame shows to the present text; `None` if it has been edited.
     pub(crate) fn place_as_shown(&self, range: Range<usize>) -> Option<Range<usize>> {
         self.editing.place(self.shown, range)
     }
 
-    /// The mistakes at their present positions, without mistakes whose text has been edited.
+    /// The mistakes at their present positions. Leaves out mistakes whose text has been edited.
     pub(crate) fn mistakes(&self) -> impl Iterator<Item = Marked> {
         let (version, found) = &self.found;
         found.iter().filter_map(|one| {

@@ -14,7 +14,7 @@ pub(super) struct Documents {
     /// Visible lines and columns.
     rows: usize,
     columns: usize,
-    /// Cursor and scroll position for the next text that is read, if that text is a copy of the visible text.
+    /// Cursor and scroll position, kept for when a copy of the visible text is read.
     carried: Option<(usize, (f32, f32))>,
 }
 
@@ -105,7 +105,7 @@ impl Documents {
         }
     }
 
-    /// The tabs: one for each text of the scene, or a single tab while the scene's files are unknown.
+    /// The tabs: one for each text of the scene, or only one while the scene's files are unknown.
     pub(super) fn tabs(&self, findings: Option<&Findings>) -> Vec<Tab> {
         let of_document = |document: &Document, shows| Tab {
             name: document.name(),
@@ -174,7 +174,7 @@ impl Documents {
         self.reveal_line(line);
     }
 
-    /// Moves the cursor to a range of the visible text. The range refers to the loaded text.
+    /// Moves the cursor to `range` of the visible text. Positions in `range` refer to the version that was last loaded.
     pub(super) fn go_to_loaded(&mut self, range: Range<usize>) {
         if let Some(document) = self.shown_mut()
             && let Some(now) = document.place_as_shown(range)

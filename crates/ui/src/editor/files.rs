@@ -11,7 +11,7 @@ use mariana_files::documents::{FileEvent, FileThread};
 use super::document::{Document, Question};
 
 pub(super) const TEMPLATE: &str = include_str!("new.scene");
-/// Maximum time for which the exit waits for backups.
+/// Maximum time that the exit waits for backups.
 const KEEP_LIMIT: Duration = Duration::from_secs(3);
 const NO_FOLDER: &str = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";
 
@@ -54,7 +54,7 @@ impl Files {
     pub(super) fn save(&self, document: &Document) -> Result<(), &'static str> {
         let Some(file) = document.file() else { return Ok(()) };
         if let Some(Question::Conflict(_)) = document.question {
-            return Err("another program has changed this file: choose above which text to keep");
+            return Err("another program has changed this file: above the text, choose the version to keep");
         }
         if !document.is_open() {
             return Err("not saved: the file cannot be read, and saving could overwrite it");

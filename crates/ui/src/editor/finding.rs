@@ -63,7 +63,7 @@ impl Finding {
         }
     }
 
-    /// The next or previous match, or a message if there is no match; `None` without a search text.
+    /// Finds the next or previous match. Returns a message if there is no match, and `None` without a search text.
     pub(super) fn next(&self, editing: &Editing, forward: bool) -> Option<Result<Range<usize>, String>> {
         let query = self.line.as_ref().map(|find| &find.query).filter(|query| !query.is_empty())?;
         let selection = editing.selection();

@@ -165,8 +165,8 @@ pub fn written_rows() -> impl Iterator<Item = &'static Row> {
     ROWS.iter().filter(|row| !row.written.is_empty())
 }
 
-/// The action of a key with these modifiers. On non-Latin keyboards the key's position decides: `latin` is the letter
-/// of this key on a Latin keyboard.
+/// Returns the action of `key` with the modifiers `held`. On non-Latin keyboards the key's position decides: `latin` is
+/// the letter of this key on a Latin keyboard.
 pub(super) fn action_of(key: &Key, latin: Option<char>, held: Modifiers) -> Option<EditAction> {
     let shift = held.shift_key();
     let mut held = held - Modifiers::SHIFT;

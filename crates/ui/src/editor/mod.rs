@@ -1,7 +1,7 @@
 //! The scene editor in the window: the text of the shown scene, its keys, its files and its messages.
 //!
 //! The editor is a plain value. Keys and the pointer change it, and the overlay draws it. Every edit goes to the loader
-//! as a draft ([`Drafts`]) that replaces the file's contents. The next frame shows a valid draft. For an invalid draft,
+//! as a draft ([`Drafts`]) that replaces the file's contents. If the draft is valid, the next frame shows it. Otherwise
 //! the editor marks the mistakes. Separate threads access files and the clipboard.
 //!
 //! [`Editor`] owns the parts and passes results between them:
@@ -419,7 +419,7 @@ impl Editor {
         &self.picture
     }
 
-    /// The line, from 0, of the visible text that drew the clicked point.
+    /// Returns the index, from 0, of the line that drew the clicked point, if the line's text is visible.
     pub(crate) fn probed_line(&self) -> Option<usize> {
         let (number, range) = self.picture.written()?;
         self.texts.shown_line_at(number, range)

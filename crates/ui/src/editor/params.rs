@@ -50,7 +50,7 @@ impl NewParam {
     }
 }
 
-/// The declaration's position: after the last parameter. Without parameters, before the first code after the includes.
+/// Returns where to declare the parameter: after the last parameter, or else before the first code after the includes.
 fn param_place(buffer: &Buffer) -> usize {
     let starts = |line: usize, word: &[u8]| buffer.line(line).trim_ascii_start().starts_with(word);
     let last = (0..buffer.line_count()).rev().find(|line| starts(*line, b"param "));
@@ -64,7 +64,7 @@ fn param_place(buffer: &Buffer) -> usize {
     buffer.line_start(first)
 }
 
-/// An unused name for the parameter, made from the name of the number's field.
+/// Returns an unused name for the parameter, made from the name of the number's field.
 fn name_for(text: &[u8], line: &[u8], digits: usize) -> String {
     let before = String::from_utf8_lossy(line.get(..digits).unwrap_or_default()).into_owned();
     let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';

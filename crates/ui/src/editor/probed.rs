@@ -32,7 +32,7 @@ pub(crate) struct Light {
 }
 
 impl Picture {
-    /// Sets the frame's position in the window, and its camera. Returns true for each value that has changed.
+    /// Sets the frame's position in the window, and the camera. For each of the two, returns true if it has changed.
     pub(super) fn set_view(&mut self, map: Map, camera: Option<Camera>) -> (bool, bool) {
         let is_new = (self.map != Some(map), self.camera != camera);
         (self.map, self.camera) = (Some(map), camera);
@@ -80,12 +80,12 @@ impl Picture {
         self.lights || self.profiles
     }
 
-    /// The text that drew the clicked point, and the byte range in the loaded text.
+    /// Returns the number of the text that drew the clicked point, and the byte range in the loaded text.
     pub(super) fn written(&self) -> Option<(usize, Range<usize>)> {
         self.probed.as_ref()?.surface.as_ref()?.written.clone()
     }
 
-    /// The highlighted cells for the visible text, which has the number `own`.
+    /// Returns the highlighted cells for the visible text, whose number is `own`.
     pub(super) fn light(&self, document: &Document, own: usize) -> Option<Light> {
         let ray_statistics = self.ray_statistics.as_ref().filter(|_| self.lights)?;
         let (buffer, selection) = (document.editing.buffer(), document.editing.selection());
@@ -140,7 +140,7 @@ impl Picture {
     }
 }
 
-/// The lines that draw parts of an object, costliest first: number, text, cost. Empty if one line draws the object.
+/// Returns the lines that draw parts of `object`, costliest first: number, text, cost. Empty if there is only one.
 pub(crate) fn parts_of(object: &ObjectCost, texts: &Texts) -> Vec<(usize, String, PartCost)> {
     let mut lines: Vec<(usize, String, PartCost)> = Vec::new();
     for part in &object.parts {

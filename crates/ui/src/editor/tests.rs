@@ -292,7 +292,7 @@ fn a_value_beyond_the_range_of_a_number_starts_a_new_range() {
         _ => false,
     };
     assert!(is(&commands, at, 4.7), "{commands:?}");
-    // A negative value gets a minus, and the digits move behind it.
+    // A negative value gets a minus, so the digits move one byte to the right.
     setup.editor.obey(EditorEvent::Turn { points: -400.0, speed: TurnSpeed::Coarse });
     assert_eq!(setup.text(), BALL.replace("0.5", "-3.3"));
     assert!(setup.load());

@@ -84,7 +84,7 @@ impl Texts {
         }
     }
 
-    /// The line that contains a range of the loaded text: file name, line number from 1, and trimmed text.
+    /// Returns the line that contains `range` of the loaded text: its file name, number from 1, and trimmed text.
     pub(crate) fn line_at(&self, number: usize, range: Range<usize>) -> Option<(String, usize, String)> {
         let document = self.text(number)?;
         let now = document.place_as_shown(range)?;
@@ -94,7 +94,7 @@ impl Texts {
         Some((document.name(), line + 1, words))
     }
 
-    /// The line, from 0, that contains a range of the loaded text, if the text is visible.
+    /// Returns the index, from 0, of the line that contains `range` of the loaded text, if that text is visible.
     pub(super) fn shown_line_at(&self, number: usize, range: Range<usize>) -> Option<usize> {
         let document = self.text(number)?;
         let shows = self.document().is_some_and(|shown| std::ptr::eq(shown, document));
@@ -102,7 +102,7 @@ impl Texts {
         Some(document.editing.buffer().line_of(now.start))
     }
 
-    /// The next mistake of the visible text. If the visible text has no mistake, the number of a text with a mistake.
+    /// Returns the next mistake of the visible text. If it has none, returns the number of a text that has a mistake.
     pub(super) fn next_mistake(&self) -> Result<Marked, Option<usize>> {
         let next = self.document().and_then(Document::next_mistake);
         next.ok_or_else(|| self.found.first_wrong_text())
@@ -207,7 +207,7 @@ impl Texts {
         }
     }
 
-    /// Replaces the user's text by the text of the program that changed the file. Undo brings back the user's text.
+    /// Replaces the user's text by the text that the other program wrote. Undo brings back the user's text.
     pub(super) fn take_theirs(&mut self, theirs: OnDisk) -> Result<(), Refused> {
         let Some(document) = self.documents.shown_mut() else { return Ok(()) };
         if let OnDisk::Bytes(bytes) = &theirs {

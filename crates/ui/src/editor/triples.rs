@@ -6,13 +6,13 @@ use mariana_editing::{Triple, TripleKind, triples};
 use super::document::Document;
 
 impl Document {
-    /// The calls of `vec3` in a line that have number literals as arguments, and the start of the line.
+    /// Returns the `vec3` calls in `line` whose arguments are number literals, and the byte offset of the line's start.
     pub(crate) fn triples(&self, line: usize) -> (Vec<Triple>, usize) {
         let buffer = self.editing.buffer();
         (self.with_colors(|colors| triples(buffer, colors, line)), buffer.line_start(line))
     }
 
-    /// The triple that contains an offset, and the start of its line.
+    /// Returns the triple that contains byte `at`, and the byte offset of the triple's line.
     pub(super) fn triple_at(&self, at: usize) -> Option<(Triple, usize)> {
         let (triples, start) = self.triples(self.editing.buffer().line_of(at));
         let inside = at.checked_sub(start)?;
@@ -24,7 +24,7 @@ impl Document {
         self.triple_at(at).filter(|(triple, _)| triple.kind == TripleKind::Color)
     }
 
-    /// The position at the cursor as written in the text, and 1, or -1 if the scene uses the negative of the position.
+    /// Returns the position at the cursor as the text has it, and -1 if the scene uses its negative, otherwise 1.
     pub(super) fn place_at_cursor(&self) -> Option<([f64; 3], f64)> {
         let (triple, _) = self.triple_at(self.editing.cursor()).filter(|_| self.is_open())?;
         match triple.kind {

@@ -62,7 +62,7 @@ impl Turn {
 #[derive(Default)]
 pub(crate) struct HeldNumbers {
     turn: Option<Turn>,
-    /// Offset of the colour in the picker.
+    /// Byte offset of the colour that is open in the picker.
     picked: Option<usize>,
 }
 
@@ -103,7 +103,7 @@ impl HeldNumbers {
         was
     }
 
-    /// Grabs numbers of the line that begins at `line_start`, or returns the reason why the text is read-only.
+    /// Grabs numbers of the line that begins at `line_start`. If the text is read-only, returns the reason.
     pub(super) fn take(
         &mut self,
         numbers: Vec<Number>,
@@ -219,7 +219,7 @@ impl HeldNumbers {
         }
     }
 
-    /// Checks after new findings if the numbers have become inputs. Numbers that affect the scene's structure cannot.
+    /// After new findings, checks if the numbers became inputs. Numbers that affect the scene's structure cannot.
     pub(super) fn check(&mut self, texts: &mut Texts) {
         let (Some(turn), Some(findings)) = (&mut self.turn, texts.findings()) else { return };
         let Some(held) = &turn.held else { return };

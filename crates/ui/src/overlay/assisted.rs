@@ -22,7 +22,7 @@ pub(super) fn window(context: &Context) {
     let _ = context.accesskit_node_builder(accesskit_root_id(), |node| node.set_label("Mariana"));
 }
 
-/// Exposes text without a widget, under a unique name. If `news` is true, screen readers announce changes.
+/// Exposes text that has no widget, under a unique name. If `news` is true, screen readers announce changes.
 pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
     let _ = context.accesskit_node_builder(Id::unique(("text", name)), |node| {
         node.set_role(Role::Label);
@@ -58,7 +58,7 @@ fn steps_by_keys(ui: &Ui, response: &Response) -> f64 {
     })
 }
 
-/// Exposes a slider that moves by `step`. Returns the value that keys or a screen reader set, if any.
+/// Exposes a slider that moves in steps of `step`. Returns the value that keys or a screen reader set, if any.
 pub(super) fn rail(
     ui: &Ui,
     response: &Response,

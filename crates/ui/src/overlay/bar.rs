@@ -304,9 +304,9 @@ fn panel_button(ui: &mut Ui, icon: Icon, panel: Panel, bar: &Bar<'_>, events: &m
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lamp {
     None,
-    /// A switch that shows its state by its colour, and to screen readers.
+    /// A switch whose colour shows its state. Screen readers get the state too.
     Seen(bool),
-    /// A switch that shows its state by its icon, and to screen readers.
+    /// A switch whose icon shows its state. Screen readers get the state too.
     Hidden(bool),
 }
 

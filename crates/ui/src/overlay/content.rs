@@ -53,7 +53,7 @@ pub struct OverlayContent<'a> {
     pub learning: Option<&'a str>,
     /// The corner handles, while the corners are adjusted.
     pub corners: Option<CornerHandles>,
-    /// The area of the small frame, if the window is the control window of an output.
+    /// The area of the small frame in a control window; `None` in other windows.
     pub picture: Option<Area>,
     /// The next scene of the show.
     pub next: Option<&'a NextScene>,

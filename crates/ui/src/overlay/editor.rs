@@ -16,7 +16,7 @@ use super::{assisted, icons, style};
 use crate::editor::keys::written_rows;
 use crate::editor::{Document, EditAction, Editor, EditorEvent, Owner, Question};
 
-/// Width of the editor as a fraction of the window's width. The range of this width follows, in points.
+/// Width of the editor as a fraction of the window's width. The next two constants limit this width, in points.
 const WIDTH_FRACTION: f32 = 0.56;
 const WIDTH_MIN: f32 = 500.0;
 const WIDTH_MAX: f32 = 860.0;
@@ -27,7 +27,7 @@ const LINES_MIN: usize = 14;
 const AROUND: f32 = 112.0;
 const EDGE: f32 = 10.0;
 
-/// Draws the editor, and its marks and cards over the frame. Returns their areas; the first is the editor's area.
+/// Draws the editor, and its marks and cards over the frame. Returns the areas of all, the editor's area first.
 pub(super) fn show(
     context: &egui::Context,
     rooms: &Rooms,
@@ -181,7 +181,7 @@ fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) 
     (rect, clicked)
 }
 
-/// Draws the mistake or documentation at the cursor, then the message or cursor position. Returns the top edge.
+/// Draws the mistake or documentation at the cursor, then the message or cursor position. Returns the footer's top.
 fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
     let painter = ui.painter();
     let (small, width) = (style::proportional(style::SMALL_SIZE), space.width());

@@ -48,12 +48,12 @@ pub enum FileListEvent {
     Open {
         /// The entry's index.
         place: usize,
-        /// True if a file is added to the tracks instead of replacing them.
+        /// True to add a file to the tracks, false to replace the tracks.
         append: bool,
     },
     /// The whole shown folder was chosen.
     OpenFolder {
-        /// True if the folder's files are added to the tracks instead of replacing them.
+        /// True to add the folder's files to the tracks, false to replace the tracks.
         append: bool,
     },
     /// The shortcut with this index was chosen.

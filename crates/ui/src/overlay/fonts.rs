@@ -112,7 +112,7 @@ fn search(mut start: Start, requests: &Receiver<BTreeSet<char>>, found: &Mutex<V
     }
 }
 
-/// Ignores poisoning, because a panic cannot leave the guarded data half changed.
+/// Locks `mutex` even after a panic, because a panic cannot leave the guarded data half changed.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -178,7 +178,7 @@ impl Overlay {
         self.assisted
     }
 
-    /// The time at which `content` must be drawn again: `now` or later. `None` if nothing changes without input.
+    /// Returns when `content` must be drawn again: `now` or later. `None` if only input can change the drawing.
     pub fn due(&self, content: &OverlayContent<'_>, now: Instant) -> Option<Instant> {
         let Some(shown) = &self.shown else {
             let changes =
@@ -300,7 +300,7 @@ impl Overlay {
     fn take_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
         let scale = self.scale;
         let zoom = style::zoom(points(size, scale));
-        // `set_zoom_factor` would apply only from the next pass on and guess the size in this pass.
+        // `set_zoom_factor` would take effect only in the next pass, and this pass would guess the size.
         self.panels.context().options_mut(|options| options.zoom_factor = zoom);
         let mut input = self.input.take(scale, now);
         input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));

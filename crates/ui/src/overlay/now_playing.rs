@@ -37,7 +37,7 @@ pub struct NowPlaying {
 }
 
 impl NowPlaying {
-    /// The display of a song.
+    /// Describes a playing song.
     pub fn of_song(status: &PlayerStatus) -> Self {
         let track = &status.track;
         Self {
@@ -55,7 +55,7 @@ impl NowPlaying {
         }
     }
 
-    /// The display of a live input.
+    /// Describes a live input.
     pub fn of_input(status: &LiveStatus, paused: bool) -> Self {
         Self { title: status.name.clone(), paused, live: true, ..Self::default() }
     }
@@ -66,7 +66,7 @@ impl NowPlaying {
         Some((self.position / duration).clamp(0.0, 1.0) as f32)
     }
 
-    /// "1:23 / 3:45", or "1:23" if the length is unknown.
+    /// Formats position and length, such as "1:23 / 3:45", or "1:23" if the length is unknown.
     pub fn times(&self) -> String {
         let position = clock_time(self.position);
         match self.duration {

@@ -64,7 +64,7 @@ fn squares(code: &Code) -> usize {
     code.side() + 2 * Code::EDGE
 }
 
-/// The size of a module (a square of the code) in points. It is whole pixels, and the code is at most `side` wide.
+/// Returns the side of a module (a square of the code) in points: whole pixels, so that the code fits into `side`.
 fn square(code: &Code, side: f32, pixel: f32) -> f32 {
     (side / squares(code) as f32 / pixel).floor().max(1.0) * pixel
 }

@@ -22,8 +22,8 @@ pub(super) fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }
 
-/// Draws the panel at the upper right. Returns the panel's area, and true if a value changed. Ignores clicks below
-/// `cover`.
+/// Draws the panel at the upper right. Returns the panel's area, and true if a value changed. Ignores clicks while the
+/// area `cover` overlaps the panel.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,

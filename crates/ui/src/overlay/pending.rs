@@ -72,7 +72,7 @@ impl PendingInput {
         }
     }
 
-    /// Removes and returns the input until `now`, for a screen with this many pixels per point.
+    /// Removes and returns the input until `now`, for a screen with `scale` pixels per point.
     pub(super) fn take(&mut self, scale: f32, now: Instant) -> RawInput {
         self.raw.time = Some(now.saturating_duration_since(self.started).as_secs_f64());
         let viewport = self.raw.viewports.entry(self.raw.viewport_id).or_default();

@@ -84,7 +84,7 @@ fn width(text: &str) -> usize {
     text.chars().map(columns).sum()
 }
 
-/// The first lines of `text`, at most `rows` lines of `width_max` columns. The last line counts the lines left out.
+/// Cuts `text` to `rows` lines of `width_max` columns. If lines are left out, the last line gives their number.
 fn cut(text: &str, rows: usize, width_max: usize) -> Vec<String> {
     let all: Vec<&str> = text.trim_end().lines().collect();
     let mut kept = all.clone();

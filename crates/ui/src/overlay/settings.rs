@@ -13,7 +13,7 @@ const ROW: f32 = 26.0;
 const LANE: f32 = 10.0;
 /// Maximum width of a row's name: first in points, then as a fraction of the row.
 const NAME: (f32, f32) = (170.0, 0.34);
-/// Maximum delay of the slider in milliseconds, in both directions. Keys reach larger delays.
+/// Largest delay that the slider reaches, in milliseconds in each direction. Keys reach larger delays.
 const RAIL_MS: f64 = 500.0;
 pub(super) struct Seen {
     selected: usize,
@@ -91,7 +91,7 @@ fn rows(
         (top, bottom) = (bottom, bottom + row_height);
     }
     let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-    // When the scroll bar appears, it takes width, so the selected row can move. Sizes may need more than one pass.
+    // A scroll bar that appears takes width and can move the selected row, so sizes may need more than one pass.
     let stands = last_seen.as_ref().filter(|seen| seen.selected == selected && seen.height == height);
     let offset = last_seen.as_ref().map_or(0.0, |seen| seen.offset);
     let is_seen = |offset: f32| top >= offset - 0.5 && bottom.min(top + height) <= offset + height + 0.5;

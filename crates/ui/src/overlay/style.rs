@@ -95,8 +95,8 @@ pub(super) fn apply(context: &egui::Context) {
     });
 }
 
-/// The zoom of panels. It is smaller in small windows, and larger in windows above 1920x1080 points, which are seen
-/// from further away.
+/// Returns the zoom of panels: below 1 in small windows, and above 1 in windows of more than 1920x1080 points, which
+/// are seen from further away than small windows.
 pub(super) fn zoom(size: Vec2) -> f32 {
     let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(SMALLEST / SMALL_SIZE, 1.0);
     let grown = (size.x / 1920.0).min(size.y / 1080.0).clamp(1.0, 2.0);

@@ -144,7 +144,7 @@ fn underlines_are_below_their_words() {
     let laid_out = Stage::new(SCREEN).frame(Vec::new(), OverlayContent { problem, ..Default::default() });
     let (_, texts) = drawn(&laid_out);
     let (source, marks) = (place_of(&texts, "+ nonsense(2)"), place_of(&texts, "^^^^^^^^ here"));
-    // One text begins with a space, the second begins after the width of the text before it.
+    // The text of the source begins with one space, the text of the marks with 18 spaces.
     let cell = source.width() / " + nonsense(2)".len() as f32;
     let (name, mark) = (source.left() + 3.0 * cell, marks.left() + 18.0 * cell);
     assert!((name - mark).abs() < 0.05 * cell, "the name begins at {name}, its marks at {mark}");

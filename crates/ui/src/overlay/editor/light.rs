@@ -11,7 +11,7 @@ use crate::editor::{Editor, Light};
 use crate::overlay::style;
 use mariana_render::placement::{Map, inverse, led};
 
-/// Opacity of a highlight, of 255: inside and at its outline.
+/// Opacity of a highlight's inside, 0..255. The next constant is the opacity of its outline.
 const INSIDE: u8 = 60;
 const EDGE: u8 = 190;
 /// Subdivisions of the mesh that follows the frame's corners on the screen.
@@ -24,7 +24,7 @@ struct Kept {
     texture: TextureHandle,
 }
 
-/// The screen position of a point of the frame. `at` gives the point as fractions to the right and down.
+/// Returns the screen position of the point `at` of the frame. `at` is in fractions to the right and down.
 pub(super) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Option<Pos2> {
     let [x, y] = led(&inverse(map), at)?;
     Some(pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height()))
@@ -65,7 +65,7 @@ pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
     context.layer_painter(LayerId::new(Order::Background, id)).add(Shape::mesh(mesh));
 }
 
-/// Pixels of the mask for each cell along each axis, for a smooth outline.
+/// Pixels of the mask per cell along each axis. More than one pixel makes the outline smooth.
 const FINER: usize = 3;
 /// The outline is drawn where the interpolated coverage differs from 0.5 by at most this number.
 const OUTLINE: f32 = 0.17;

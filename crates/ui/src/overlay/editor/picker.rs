@@ -20,7 +20,7 @@ struct Picked {
     bright: f64,
 }
 
-/// The screen colour of a linear colour. Colours brighter than white are scaled down, so that they keep their hue.
+/// Converts a linear colour to a screen colour. Scales colours brighter than white down, so that they keep their hue.
 pub(super) fn look(values: [f64; 3]) -> Color32 {
     let bright = brightness(values);
     let [r, g, b] = values.map(|part| (part.max(0.0) / bright) as f32);

@@ -6,13 +6,13 @@ use crate::editor::{Editor, EditorEvent, parts_of};
 use crate::overlay::{assisted, style};
 
 const ROW: f32 = 16.0;
-/// Maximum number of objects that are listed individually. The maximum number of parts of an object follows.
+/// Maximum number of objects that are listed individually. The next constant limits the listed parts of an object.
 const OBJECTS_MAX: usize = 7;
 const PARTS_MAX: usize = 3;
-const COUNTED: &str = "shape, material: operations of the object's own formulas. seen: fraction of the image where \
-                       the object is in front. steps: mean number of distances that a ray to it evaluates. work: \
-                       fraction of all operations of camera rays that its rays take. Shadows, mirrors and ambient \
-                       light are not counted.";
+const COUNTED: &str = "shape, material: operations of the object's own formulas. seen: fraction of the image \
+                       where the object is in front. steps: mean number of distances that a ray to the object \
+                       evaluates. work: fraction of the operations of all camera rays that rays to the object \
+                       take. Shadows, mirrors and ambient light are not counted.";
 
 struct Row {
     name: String,
