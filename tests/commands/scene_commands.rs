@@ -60,7 +60,7 @@ fn check_reports_a_shape_that_is_no_distance() {
     let advice = |formula: &str| place.run(&["check", formula]).done();
     let non_lipschitz = advice("3 * (length(p) - 1)");
     assert!(
-        non_lipschitz.contains("not a distance") && non_lipschitz.contains("multiply it by 0.3"),
+        non_lipschitz.contains("not a distance") && non_lipschitz.contains("multiply the value by 0.3"),
         "{non_lipschitz}"
     );
     let polynomial = advice("x^2 + y^2 - z^2 - 1");

@@ -18,7 +18,7 @@ pub(crate) const RUN_LIMIT: Duration = Duration::from_secs(60);
 /// Words of advice to the user. Each refusal contains at least one of them.
 const ADVICE: &[&str] = &[
     "split", "change", "check", "choose", "convert", "correct", "end", "export", "fetch", "give", "install",
-    "name", "remove", "save", "send", "set", "start", "unset", "update", "write",
+    "leave", "name", "remove", "save", "send", "set", "start", "unset", "update", "write",
 ];
 
 /// Internal details that messages to users must not contain: panics, paths of source code, temporary files.
