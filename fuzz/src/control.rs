@@ -48,7 +48,7 @@ pub(crate) fn check_act(action: &Action) {
     }
 }
 
-/// Parses MIDI bytes in pieces of any size, and follows the clock in them.
+/// Parses MIDI bytes in pieces of any size, and follows the MIDI clock.
 pub(crate) fn midi(data: &[u8]) {
     let said = |pieces: &mut dyn Iterator<Item = &[u8]>| {
         let (mut device, mut said) = (Device::default(), Vec::new());

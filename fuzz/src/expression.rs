@@ -159,7 +159,7 @@ fn assert_same(found: &[f32], wanted: &[f32], what: &str) {
 /// Checks encoding with few and many registers, and evaluation of clauses and interpreter words.
 pub(crate) fn tape(data: &[u8]) {
     for word in data.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])) {
-        // Every meaning has exactly one word.
+        // Each instruction has exactly one word.
         if let Some(instruction) = Clause::from_word(word).decode() {
             assert_eq!(instruction.encode().decode(), Some(instruction), "{word:#x}");
         }

@@ -13,7 +13,7 @@ use super::bytes::{Bytes, hash};
 use super::random::Random;
 use super::seeds;
 
-/// Maximum number of sample frames to decode. A hostile file then takes some seconds.
+/// Maximum number of sample frames to decode. With this limit, a hostile file takes only some seconds.
 const FRAMES_MAX: usize = 1 << 21;
 /// Number of sample frames to decode after each seek.
 const FRAMES_AFTER_SEEK: usize = 1 << 15;
@@ -79,7 +79,7 @@ pub(crate) fn decode(data: &[u8]) {
     }
 }
 
-/// Decodes until `enough` frames or the end.
+/// Decodes `enough` frames, or all frames if the source has fewer.
 fn play(source: &mut dyn FrameSource, enough: usize) {
     let (mut block, mut played) = (Vec::new(), 0);
     while played < enough {
@@ -100,7 +100,7 @@ fn play(source: &mut dyn FrameSource, enough: usize) {
     }
 }
 
-/// Reads a playlist in a folder with two songs and plays it.
+/// Reads a playlist in a folder with two songs, and plays the playlist.
 pub(crate) fn lists(data: &[u8]) {
     contain_panics();
     let mut bytes = Bytes(data);

@@ -1,7 +1,7 @@
 //! Fuzz targets: one function for each kind of hostile input. Each function panics if a guarantee is broken.
 //!
-//! libFuzzer runs them (`bin/`, with `scripts/fuzz`). `tests/fuzz_targets.rs` includes this file and runs them with
-//! all seeds and mutated seeds in every test run.
+//! libFuzzer runs these functions (`bin/`, with `scripts/fuzz`). `tests/fuzz_targets.rs` includes this file, and runs
+//! the functions with all seeds and mutated seeds in every test run.
 
 mod bytes;
 mod control;
@@ -26,9 +26,9 @@ pub(crate) struct Target {
     pub name: &'static str,
     pub run: fn(&[u8]),
     pub seeds: fn() -> Vec<Seed>,
-    /// True if the words of the scene language make useful inputs.
+    /// True if inputs made of words of the scene language are useful.
     pub speaks: bool,
-    /// Number of mutated seeds in the test suite, which take a second or two.
+    /// Number of mutated seeds in the test suite, chosen so that a run takes a second or two.
     pub changes: usize,
 }
 

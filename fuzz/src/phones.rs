@@ -28,7 +28,7 @@ fn head(bytes: &[u8]) {
     for name in ["host", "origin", "sec-websocket-key"] {
         let value = head.field(name);
         assert!(value.is_none() || head.has(name));
-        // The answer contains the host in one of its lines.
+        // The answer repeats the host in a line, so the host must not contain a line break.
         assert!(value.is_none_or(|value| !value.contains(['\r', '\n'])), "{value:?}");
     }
 }

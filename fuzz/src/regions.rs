@@ -26,7 +26,7 @@ pub(crate) fn regions(data: &[u8]) {
     }
 }
 
-/// Checks that a world's region tree gives the same values as its full tapes, bit for bit, and that bounds hold.
+/// Checks that a world's region tree gives the same values as its full tapes, bit for bit, and correct bounds.
 pub(crate) fn check(world: &World, inputs: &FrameInputs, random: &mut Random) {
     if !world.has_rest {
         return;

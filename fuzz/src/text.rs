@@ -19,8 +19,8 @@ pub(crate) fn syntax(data: &[u8]) {
         let span = diagnostic.span;
         assert!(span.start <= span.end && span.end as usize <= text.len(), "{diagnostic:?}");
     }
-    // Render only some mistakes, because rendering is slower than finding mistakes. The target `scene` renders all
-    // its mistakes.
+    // Render only some mistakes, because rendering a mistake is slower than finding it. The target `scene` renders
+    // all mistakes.
     if hash(data).is_multiple_of(8) {
         check(&diagnostics, &sources);
     }
@@ -37,8 +37,8 @@ fn check(diagnostics: &[Diagnostic], sources: &Sources) {
     assert_eq!(reported.is_empty(), diagnostics.is_empty());
 }
 
-/// Compiles a text to a world; `None` if it is not a valid scene. The available includes are a function and the text
-/// itself.
+/// Compiles a text to a world; `None` if the text is not a valid scene. The text can include a file with a function,
+/// and itself.
 pub(crate) fn world(data: &[u8]) -> Option<World> {
     let text = String::from_utf8_lossy(data);
     let compiled = lang::compile("fuzz", &text, &mut |path| match path {

@@ -37,7 +37,7 @@ pub(crate) fn run(
                     let [_, _, first, second] = word.to_le_bytes();
                     return (registers, [usize::from(first), usize::from(second)]);
                 }
-                // A first clause with word 0 does nothing.
+                // Word 0 as the first clause does nothing.
                 Instruction::End => continue,
                 Instruction::Load { output, .. } => (output, number),
                 Instruction::Store { register, memory: to } => {

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, ensure};
 
-/// A scene that moves by itself and has a parameter.
+/// A scene that moves with time and has a parameter.
 const SCENE: &str = "param size = 1 in 0.5 .. 1.5\n\
     material paint { color = vec3(0.6, 0.3, 0.2)  roughness = 0.6 }\n\
     object ball { shape = length(p - vec3(0.3 * sin(t), size, 0)) - size  material = paint }\n\

@@ -1,4 +1,4 @@
-//! Generates shipped and documented files, and measures: `cargo xtask TOOL [ARGUMENTS]`.
+//! Generates files for the program and its documentation, and measures performance: `cargo xtask TOOL [ARGUMENTS]`.
 
 #![allow(unreachable_pub, reason = "a program has no public interface")]
 
@@ -24,7 +24,7 @@ const TOOLS: &[Tool] = &[
     (
         "controllers",
         "PROGRAM [SECONDS]",
-        "measures the latency of MIDI and OSC messages, and message floods, in a window",
+        "measures in a window how fast MIDI and OSC messages take effect, and the effect of message floods",
         controllers::run,
     ),
     ("demo-track", "OUT.wav", "renders the demo track", demo_track::run),
@@ -60,7 +60,7 @@ const TOOLS: &[Tool] = &[
     (
         "typing",
         "PROGRAM [KEYS]",
-        "measures the latency from a key in the editor to its letter and its frame, in a window",
+        "measures in a window the time from a key press in the editor to the letter and to the changed frame",
         typing::run,
     ),
 ];

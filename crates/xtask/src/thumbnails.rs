@@ -1,5 +1,5 @@
-//! Draws `assets/thumbnails`, which the program includes. Run it after a change of a scene or of the renderer, when
-//! the test `the_shipped_thumbnails_are_up_to_date` fails.
+//! Draws `assets/thumbnails`, which the program includes. Run this tool if you change a scene or the renderer and the
+//! test `the_shipped_thumbnails_are_up_to_date` fails.
 
 use std::fs;
 use std::path::Path;
@@ -31,7 +31,7 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Draws the thumbnail of a scene as a JPEG, with the same still request as for other scenes.
+/// Returns the thumbnail of a scene as a JPEG, drawn in the same way as the thumbnails of a user's scenes.
 fn draw(name: &str, folder: &Path) -> anyhow::Result<Vec<u8>> {
     let path = folder.join(format!("{name}.png"));
     write_still(&StillRequest {

@@ -1,4 +1,4 @@
-//! Drums and noise sounds, made of sine sweeps and filtered noise. Deterministic; each stroke has different noise.
+//! Drums and noise sounds, made of sine sweeps and filtered noise. Each stroke has its own fixed noise.
 
 use super::score::{BAR, Drum, Hit, SAMPLE_RATE};
 use super::synth::{DT, Filter, Frame, Pass, pan_gains};
@@ -39,7 +39,7 @@ pub fn strike(out: &mut [Frame], hit: &Hit, index: usize) {
     }
 }
 
-/// Adds `voice(t)` for `seconds` to `out`, panned. The last tenth fades to 0.
+/// Adds `seconds` of the sound `voice(t)` to `out`, panned like `hit`. The last tenth fades to 0.
 fn play(out: &mut [Frame], hit: &Hit, seconds: f32, mut voice: impl FnMut(f32) -> Frame) {
     let gains = pan_gains(hit.pan);
     let end = out.len().min(hit.start + (seconds * SAMPLE_RATE as f32) as usize);
@@ -92,7 +92,7 @@ fn snare(out: &mut [Frame], hit: &Hit, seed: u64) {
     });
 }
 
-/// Hats and cymbals: high-passed noise that decays with time constant `tau`. Each side has different noise.
+/// Adds a hat or cymbal: high-passed noise that decays with time constant `tau`. Each side has different noise.
 fn hiss(out: &mut [Frame], hit: &Hit, seed: u64, corner: f32, tau: f32, level: f32) {
     let mut noises = [Noise::new(seed), Noise::new(seed + 1)];
     let mut filters = [[Filter::new(Pass::High, corner, 0.9); 2]; 2];
@@ -121,8 +121,8 @@ fn tom(out: &mut [Frame], hit: &Hit, low: f32, tau: f32) {
     });
 }
 
-/// Two bars of band-passed noise. The band rises from 400 Hz to 9 kHz while the sound swings between the sides ever
-/// faster.
+/// Adds two bars of band-passed noise. The band rises from 400 Hz to 9 kHz, and the sound swings between the sides
+/// faster and faster.
 fn riser(out: &mut [Frame], hit: &Hit, seed: u64) {
     let seconds = (2 * BAR) as f32 * DT * 0.875; // the last beat before the loud part stays free
     let mut noises = [Noise::new(seed), Noise::new(seed + 1)];

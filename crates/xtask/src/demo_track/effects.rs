@@ -4,7 +4,7 @@ use super::score::{SAMPLE_RATE, STEP};
 use super::synth::{DT, Filter, Frame, Pass};
 use std::collections::VecDeque;
 
-/// A ring buffer that delays by `length` samples.
+/// A ring buffer that delays a signal by `length` samples.
 #[derive(Clone, Debug)]
 struct DelayLine {
     samples: Vec<f32>,
@@ -25,7 +25,7 @@ impl DelayLine {
         self.position = (self.position + 1) % self.samples.len();
     }
 
-    /// A Schroeder all-pass filter around this line.
+    /// Processes a sample with a Schroeder all-pass filter that uses this delay line.
     fn all_pass(&mut self, x: f32) -> f32 {
         const GAIN: f32 = 0.6;
         let delayed = self.read();
@@ -117,8 +117,8 @@ impl PingPong {
     }
 }
 
-/// Returns the ducking under the kicks for each sample, from 0 (no ducking) to 1 (at a full kick). Each instrument
-/// scales it.
+/// Returns the amount of ducking for each sample, from 0 (no ducking) to 1 (at a full kick). Each instrument scales
+/// this amount.
 pub fn ducking(kicks: &[(usize, f32)], length: usize) -> Vec<f32> {
     let mut duck = vec![0.0_f32; length];
     let (fall, rise) = (0.004, 0.26);
@@ -145,8 +145,8 @@ pub fn limit(frames: &mut [Frame], ceiling: f32) {
             if peak > ceiling { ceiling / peak } else { 1.0 }
         })
         .collect();
-    // The lowest gain needed within the next `LOOK_AHEAD` samples, with a slow recovery. Its moving average
-    // reaches that gain exactly at the peak.
+    // Find the lowest gain that the next `LOOK_AHEAD` samples need, with a slow recovery. The moving average of these
+    // gains reaches the needed gain exactly at the peak.
     let mut least: VecDeque<usize> = VecDeque::new();
     let mut held = 1.0_f32;
     let mut recent: VecDeque<f32> = VecDeque::from(vec![1.0; LOOK_AHEAD]);

@@ -7,7 +7,7 @@ use super::score::{self, BAR, BARS, Drum, Note};
 use super::synth::{self, Filter, Frame, Pass};
 use std::f32::consts::TAU;
 
-/// Bars rendered beyond the end for reverb tails. The tails are added to the beginning, as in a loop.
+/// Bars that are rendered after the end, for reverb tails. The tails are added to the beginning, as in a loop.
 const TAIL_BARS: usize = 4;
 const MASTER_GAIN: f32 = 0.5;
 /// Peak level: -2 dBFS leaves room for overshoots of lossy codecs.
@@ -114,7 +114,7 @@ fn bus(length: usize, notes: &[Note], instrument: impl Fn(&mut [Frame], &Note)) 
     out
 }
 
-/// Filters the pads along the piece, and sways them between the sides in quiet parts.
+/// Filters the pads with [`PAD_CORNER`], and moves them from side to side in quiet parts.
 fn shape_pads(pads: &mut [Frame]) {
     let mut low = [Filter::new(Pass::Low, 400.0, 0.75); 2];
     let mut high = [Filter::new(Pass::High, 130.0, 0.6); 2];

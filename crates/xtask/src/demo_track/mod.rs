@@ -6,8 +6,8 @@
 //!     -c:a libvorbis -q:a 3.5 -fflags +bitexact -flags:a +bitexact -y assets/demo.ogg
 //! ```
 //!
-//! Every run on one machine gives the same bytes. [`score`] has the form and every note, [`synth`] and [`drums`] the
-//! instruments, [`effects`] the reverb, the delay and the limiter, [`mix`] the levels, and [`wav`] the file format.
+//! Every run on one machine gives the same bytes. [`score`] contains every note. [`synth`] and [`drums`] play the
+//! instruments. [`effects`] contains the reverb, the delay and the limiter. [`mix`] sets the levels.
 
 mod drums;
 mod effects;

@@ -35,7 +35,7 @@ pub struct Note {
 }
 
 impl Note {
-    /// A note at `step` of `bar`, `steps` sixteenths long.
+    /// Creates a note of `steps` sixteenths at `step` of `bar`.
     fn new(bar: usize, step: usize, steps: usize, pitch: u8, velocity: f32, pan: f32) -> Self {
         Self { start: bar * BAR + step * STEP, length: steps * STEP, pitch, velocity, pan }
     }
@@ -199,8 +199,8 @@ pub fn pads() -> Vec<Note> {
     let mut notes = Vec::new();
     for bar in 0..BARS {
         let halves: &[usize] = if bar == 11 { &[0, 8] } else { &[0] };
-        // The one-sided bars and the silence of the breakdown have no pads. The last bar ends early for its reverb
-        // tail.
+        // The one-sided bars and the silence of the breakdown have no pads. In the last bar they end before the bar
+        // does, to leave time for the reverb.
         let steps = match bar {
             20 | 21 => continue,
             11 => 8,
@@ -218,7 +218,7 @@ pub fn pads() -> Vec<Note> {
     notes
 }
 
-/// Bells: single notes on alternating sides and then the theme in the intro, and the closing phrase in the outro.
+/// Bells: in the intro, single notes on alternating sides and then the theme; in the outro, the closing phrase.
 pub fn bells() -> Vec<Note> {
     let mut notes = Vec::new();
     let sparks: [(usize, usize, u8, f32); 12] = [
@@ -268,7 +268,7 @@ pub fn arpeggio() -> Vec<Note> {
         for step in 0..STEPS {
             let beat = step / 4;
             let swing = if beat % 2 == 0 { -1.0 } else { 1.0 };
-            // Find out if the step plays, its loudness, and its pan.
+            // Find out if the arpeggio plays at this step, how loud, and on which side.
             let (plays, loudness, pan) = match bar {
                 4..8 => (step % 4 == 2, 0.35, swing * 0.8),
                 8..12 => (step % 2 == 0 || bar >= 10, 0.6, swing * 0.6),
@@ -327,7 +327,7 @@ pub fn bass() -> Vec<Note> {
     notes
 }
 
-/// Short chords that alternate: left from the second beat, right from the fourth.
+/// Short chords on alternating sides: on the left from the second beat, on the right from the fourth beat.
 pub fn stabs() -> Vec<Note> {
     let mut notes = Vec::new();
     for bar in (28..32).chain([14, 18, 34]) {

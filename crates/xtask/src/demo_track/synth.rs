@@ -158,7 +158,7 @@ impl Filter {
     }
 }
 
-/// Samples between two updates of a moving filter.
+/// Number of samples between two updates of a filter whose corner moves.
 const TUNE_EVERY: usize = 16;
 
 /// Adds a note to `out`. `voice(n, t)` returns sample `n` at `t` seconds, before envelope and velocity.
@@ -180,7 +180,7 @@ fn start_phase(note: &Note, oscillator: usize) -> Phase {
     Phase::starting_at(seed * 0.618_034)
 }
 
-/// A warm pad: six detuned saws, three per side, with a slow attack and release. The mix filters its bus.
+/// A warm pad: six detuned saws, three per side, with a slow attack and release. The mix filters all pads together.
 pub fn pad(out: &mut [Frame], note: &Note) {
     const CENTS: [f32; 6] = [-11.0, 9.0, -4.0, 4.5, 12.0, -8.0];
     let mut saws: [Phase; 6] = std::array::from_fn(|i| start_phase(note, i));
@@ -237,7 +237,7 @@ pub fn lead(out: &mut [Frame], note: &Note) {
     });
 }
 
-/// A bell: sine partials, of which higher partials decay faster.
+/// A bell: sine partials. The higher a partial is, the faster it decays.
 pub fn bell(out: &mut [Frame], note: &Note) {
     // The columns are the ratio to the fundamental, the level, and the decay time in seconds.
     const PARTIALS: [(f32, f32, f32); 6] = [
@@ -303,8 +303,8 @@ mod tests {
         assert!((frequency(57, 0.0) - 220.0).abs() < 1e-3);
     }
 
-    /// Partials above half the sample rate alias. PolyBLEP must keep the strongest alias far below the naive
-    /// saw's.
+    /// Partials above half the sample rate alias. PolyBLEP must make the strongest alias far weaker than in a naive
+    /// saw.
     #[test]
     fn the_saw_is_band_limited() {
         let hz = 5_000.0; // its fifth partial, 25 kHz, folds to 23 kHz, its seventh to 13 kHz

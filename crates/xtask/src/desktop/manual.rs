@@ -22,7 +22,7 @@ fn page(command: Command) -> std::io::Result<(String, Vec<u8>)> {
     let name = command.get_display_name().unwrap_or_else(|| command.get_name()).to_owned();
     let command =
         command.after_help(Resettable::Reset).mut_args(|arg| match arg.get_long_help().or(arg.get_help()) {
-            // A line that begins with a space starts on a new line, as lists need it.
+            // A space at the start of a line keeps the line break before it, which lists need.
             Some(help) => {
                 let lines = help.to_string().replace('\n', "\n ");
                 arg.long_help(lines)
@@ -41,7 +41,7 @@ fn page(command: Command) -> std::io::Result<(String, Vec<u8>)> {
     Ok((format!("man/{name}.1"), text))
 }
 
-/// Converts the text after the options in the help to sections. Examples keep their lines. Other text becomes notes.
+/// Converts the help text that follows the options to sections. Examples keep their lines. Other text becomes notes.
 fn further_sections(after: &str) -> Roff {
     let mut roff = Roff::new();
     let (examples, notes): (Vec<&str>, Vec<&str>) =

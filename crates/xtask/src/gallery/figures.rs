@@ -1,4 +1,4 @@
-//! Measures the cost of a scene and how much the music changes it.
+//! Measures the cost of a scene, and how much the music changes the image.
 
 use std::fmt;
 
@@ -16,17 +16,17 @@ use mariana_music::Sound;
 use super::MOMENTS;
 
 const SIZE: (u32, u32) = (320, 180);
-/// Image size for counting costs. In a smaller image, edges would have too much weight.
+/// Image size for counting costs. In a smaller image, edges would contribute too much.
 const COST_SIZE: (u32, u32) = (1280, 720);
 /// Index of the loudest moment.
 const LOUD: usize = 2;
-/// Minimum visible difference of a channel, 0..=255.
+/// Smallest difference of a channel (0..=255) that counts as visible.
 const VISIBLE: u8 = 12;
 
 pub struct Figures {
     /// Cost per pixel at the loudest moment.
     pub cost: Evaluations,
-    /// Fraction of pixels that differ visibly between this moment and silence.
+    /// Fraction of pixels that differ visibly between the loudest moment and silence.
     pub moved: f64,
     pub black: f64,
     pub white: f64,

@@ -1,5 +1,5 @@
-//! Generates `docs/gallery.md`: for each shipped scene a large image, a strip of four moments of the demo track, its
-//! cost, and how much the music changes it. Run it after a change of a scene.
+//! Generates `docs/gallery.md`: for each shipped scene a large image, a strip of four moments of the demo track, the
+//! cost, and how much the music changes the image. Run this tool after you change a scene.
 //!
 //! `cargo xtask gallery [SCENE ...]` draws the images of these scenes, or of all scenes. The figures are always
 //! measured for all scenes.
@@ -30,7 +30,7 @@ const LARGE: usize = 2;
 const LARGE_SIZE: (u32, u32) = (1280, 720);
 const STRIP_SIZE: (u32, u32) = (480, 270);
 const JPEG_QUALITY: u8 = 88;
-/// Mathematical surfaces, which come after the scenes made for music.
+/// Mathematical surfaces. The page shows them after the scenes for music.
 const SURFACES: [&str; 4] = ["barth", "first_steps", "heart", "quadric"];
 
 /// Draws the named scenes, or all scenes, and writes the page.
@@ -78,9 +78,10 @@ moments of the demo track; the large one is the loudest. `cargo xtask gallery` g
 const TABLE_HEAD: &str = "
 # Figures
 
-Cost per pixel at the loudest moment, 1280x720: distance evaluations, clauses that the interpreter runs for distances,
-and clauses for materials and light. Moved: pixels that differ visibly between this moment and silence, 320x180. Black
-and white: the largest fraction of black or white pixels at any of the four moments.
+The first three columns give the cost per pixel at the loudest moment in an image of 1280x720: the number of distance
+evaluations, and the numbers of clauses that the interpreter runs for distances and for materials and light. The column
+`moved` gives the percentage of pixels that differ visibly between this moment and silence, in an image of 320x180. The
+columns `black` and `white` give the largest percentages of black and white pixels at any of the four moments.
 
 | scene | evaluations | distance clauses | material and light clauses | moved | black | white |
 |---|---|---|---|---|---|---|

@@ -65,8 +65,8 @@ pub(super) fn accept(all: &[(String, Vec<Linked>)]) -> anyhow::Result<()> {
     Ok(std::fs::write(Path::new(crate::root::ROOT).join(FILE), text)?)
 }
 
-/// Returns the names of programs whose figures are worse than accepted, with both figures. If the accepted figures
-/// are from another version of Mesa, prints a note instead.
+/// Returns the names of programs whose figures are worse than accepted, with the accepted and the new figures. If the
+/// accepted figures are from another version of Mesa, prints a note instead.
 ///
 /// # Errors
 /// Fails if the file of accepted figures cannot be read.

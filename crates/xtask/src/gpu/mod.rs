@@ -1,4 +1,4 @@
-//! `cargo xtask gpu` compiles every shader program with the compilers of real GPUs. It needs no such GPU.
+//! `cargo xtask gpu` compiles every shader program with the compilers of real GPUs, without these GPUs.
 //!
 //! Mesa's package `mesa-drm-shim` replaces the kernel driver of the GPU. Mesa's user space driver then compiles as on
 //! the real GPU and reports registers, waves, spills and code size, but draws nothing. The figures do not depend on

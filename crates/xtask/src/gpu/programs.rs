@@ -22,7 +22,7 @@ use tracing_subscriber::util::SubscriberInitExt;
 
 use super::counts::Counts;
 
-/// A formula like the measured formulas in section 4.4 of the thesis (Abt 2022).
+/// A formula similar to the formulas that section 4.4 of the thesis measures (Abt 2022).
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 
 /// The scene whose views are linked as well.
@@ -162,7 +162,7 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
             refused.push(format!("{name}: {error}"));
             continue;
         }
-        // The vertex shader is much shorter.
+        // Skip the vertex shader, which is much shorter.
         let counts =
             heard.take().iter().filter_map(|line| Counts::read(line)).max_by_key(|counts| counts.code);
         let linked = Linked { driver: driver.clone(), name, counts, seconds };

@@ -9,7 +9,7 @@ pub const HEIGHT: usize = 150;
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
 const STEPS: usize = 300;
-/// Distance at which a ray has hit the surface.
+/// A ray hits the surface when the distance is at most this.
 const TOUCH: f32 = 8e-4;
 /// Tangent of half the vertical field of view.
 const LENS: f32 = 0.2;

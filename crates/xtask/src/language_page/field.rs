@@ -5,7 +5,7 @@ use mariana_field::graph::FrameInputs;
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::tape::{Batch, Points, Tape, TapeOptions};
 
-/// Half the side of the cube around the origin that is searched for the shape.
+/// Half the side of the cube in which the shape is searched. The cube's centre is the origin.
 const REACH: f32 = 2.2;
 /// Points along a side of the cube.
 const GRID: usize = 72;
@@ -34,7 +34,7 @@ pub struct Field<'a> {
 pub struct Extent {
     /// Points on and in the shape.
     pub points: Vec<Vec3>,
-    /// Height of its lowest point.
+    /// Height of the shape's lowest point.
     pub floor: f32,
 }
 
@@ -79,7 +79,7 @@ impl<'a> Field<'a> {
         gradients
     }
 
-    /// Searches the cube for the shape; `None` if it is empty.
+    /// Searches the cube for the shape; returns `None` if the cube is empty.
     pub fn extent(&mut self) -> Option<Extent> {
         let cell = 2.0 * REACH / (GRID - 1) as f32;
         let all = grid();

@@ -52,7 +52,7 @@ pub fn text() -> String {
     text
 }
 
-/// Returns the part of the shipped scene that makes the woofers.
+/// Returns the part of the shipped scene `speakers` that defines the woofers.
 fn excerpt() -> String {
     let scene = include_str!("../../../../assets/scenes/speakers.scene").replace("\r\n", "\n");
     let rest = scene.find("fn woofers").and_then(|start| scene.get(start..)).unwrap_or("");

@@ -101,7 +101,7 @@ pub struct Relief {
 }
 
 impl Relief {
-    /// Inflates the shape with this `coverage`. `radii` are the roundings of its edge, in units.
+    /// Inflates a shape, given the shape's `coverage`. `radii` are the radii of the rounded edge, in units.
     pub fn new(coverage: &Grid, radii: &[f32]) -> Self {
         let mut height = vec![0.0; coverage.values.len()];
         for &radius in radii {
@@ -175,7 +175,7 @@ impl Canvas {
         });
     }
 
-    /// Calls `change` with colour, position, signed distance and coverage of each covered sample.
+    /// Calls `change` for each covered sample, with the sample's colour, position, signed distance and coverage.
     fn visit(
         &mut self,
         shape: &Shape,

@@ -21,9 +21,9 @@ pub struct Feather {
     pub vermiculation: f32,
     /// Strength of the shaft line and of the barbs, 0..1.
     pub shaft: f32,
-    /// Darkness of its shadow on the feathers below, 0..1.
+    /// Darkness of the shadow on the feathers below, 0..1.
     pub shadow: f32,
-    /// Seed of its small irregularities.
+    /// Seed of the small irregularities.
     pub seed: u32,
 }
 

@@ -232,7 +232,7 @@ impl Body {
         for (root, seed) in scatter([196.0, 360.0], [900.0, 790.0], [15.0, 17.0], 300) {
             let breast = smoothstep(40.0, -10.0, self.breast.at(root));
             let black = smoothstep(25.0, 0.0, self.rump.at(root));
-            // The flank has long feathers, the breast small feathers. Fewer long feathers cover the same area.
+            // The flank has fewer and longer feathers than the breast.
             let size = mix(mix(84.0, 26.0, breast), 46.0, black);
             if self.wing.at(root) < -60.0 || random(seed as i32, 3, 301) > 26.0 / size + 0.25 {
                 continue;

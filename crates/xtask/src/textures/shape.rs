@@ -32,7 +32,7 @@ impl Shape {
         Self::polygon(spans.collect())
     }
 
-    /// Smooth open curves, joined at corners.
+    /// A closed outline of smooth open curves that meet at corners.
     pub fn joined(curves: &[&[Point]]) -> Self {
         Self::polygon(curves.iter().flat_map(|knots| open_curve(knots)).collect())
     }
