@@ -32,8 +32,7 @@ impl HopBuffer {
         self.filled = filled;
     }
 
-    /// Stores frames until the window is full. Returns the stored frames (clamped to ±8; non-finite samples are 0) and
-    /// the rest.
+    /// Stores frames until the window is full, clamped to ±8 and finite. Returns the stored frames and the rest.
     pub(super) fn take<'a>(&mut self, frames: &'a [StereoFrame]) -> (&[StereoFrame], &'a [StereoFrame]) {
         let free = &mut self.frames[self.filled..];
         let (now, later) = frames.split_at(frames.len().min(free.len()));

@@ -28,9 +28,9 @@ mod tone;
 use tone::Tone;
 
 const FRAME: Duration = Duration::from_nanos(16_666_667);
-/// If the clock's step and the passed time differ by more than this, in seconds, the clock made a step.
+/// If the change of the position and the passed time differ by more than this, in seconds, the clock made a step.
 const STEP: f64 = 0.05;
-/// The time for which each output of a flap plays after the change was noticed.
+/// Each output of a flap plays for this long after the change was noticed.
 const HEARD: Duration = Duration::from_millis(250);
 
 #[derive(Default)]

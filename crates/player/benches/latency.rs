@@ -30,7 +30,7 @@ use mariana_testing::sound_session::Session;
 
 const RATE: u32 = 48_000;
 const FRAME: Duration = Duration::from_nanos(16_666_667);
-/// The number of bursts. The next two constants are their length and mean distance, in frames.
+/// The number of bursts. The next two constants are the bursts' length and mean distance, in frames.
 const BURSTS: usize = 150;
 const BURST: u64 = 960;
 const DISTANCE: u64 = 24_000;
@@ -46,7 +46,7 @@ fn config() -> cpal::StreamConfig {
     cpal::StreamConfig { channels: 1, sample_rate: RATE, buffer_size: cpal::BufferSize::Fixed(BUFFER) }
 }
 
-/// The start of the n-th burst. Distances vary, so that bursts meet every phase of buffers, hops and frames.
+/// Returns the start of burst `n`. Distances vary, so that bursts begin in every phase of buffers, hops and frames.
 fn burst_start(n: u64) -> u64 {
     RATE as u64 + n * DISTANCE + n * 7919 % 4801
 }

@@ -11,7 +11,7 @@ use mariana_music::{FeatureTrack, Features, Sound, TimedFeatures};
 
 const SEGMENTS_KEPT: usize = 8;
 
-/// Number of passages kept per segment, even if they are short, to limit memory.
+/// Maximum number of passages kept per segment. It limits memory if the passages are short.
 const PASSAGES_KEPT: usize = 8;
 
 /// Seconds of features that a passage keeps beyond the largest delay of the image, for the ring and a reserve.
@@ -29,7 +29,7 @@ struct Passage {
     id: u64,
     track: Arc<TrackInfo>,
     segment_time: f64,
-    /// The track time at the passage's start. The features' time counts from there and continues over laps.
+    /// The track time at the passage's start. The times of the features continue from this time over all laps.
     start: f64,
     /// Ordered by time, never empty.
     anchors: VecDeque<Anchor>,
@@ -38,7 +38,7 @@ struct Passage {
 
 struct SegmentNotes {
     id: u64,
-    /// Segments with the same number are separated by neither a seek nor a skip.
+    /// A number that is the same for all segments between two seeks or skips.
     run: u64,
     rate: u32,
     /// Ordered by time, never empty.
@@ -74,7 +74,7 @@ pub struct AudibleSegments {
 pub struct SharedAudibleSegments(Arc<Mutex<AudibleSegments>>);
 
 impl SharedAudibleSegments {
-    /// Locks the segments, for a short time only. They stay usable if a thread panicked while it held the lock.
+    /// Locks the segments, for a short time only. A thread that panicked with the lock does not prevent later locks.
     pub fn lock(&self) -> MutexGuard<'_, AudibleSegments> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -158,24 +158,24 @@ impl AudibleSegments {
         first.is_some_and(|passage| passage.features.span().is_some_and(|(_, last)| last >= passage.start))
     }
 
-    /// Adds the features of a moment of a passage. Their time counts from the track's start and continues over laps.
+    /// Adds a moment's features to `passage`. The moment's time counts from the track's start, over all laps.
     pub fn push_features(&mut self, passage: u64, moment: &TimedFeatures) {
         if let Some(passage) = self.passage_mut(passage) {
             passage.features.push(moment);
         }
     }
 
-    /// Sets the track that follows the one being decoded. `None` means that this track is unknown or the same.
+    /// Sets the track that follows the track being decoded; `None` if the following track is unknown or the same.
     pub fn set_next(&mut self, next: Option<Arc<TrackInfo>>) {
         self.next = next;
     }
 
-    /// Returns the track that follows the one being decoded, if the following track is known and different.
+    /// Returns the track that [`AudibleSegments::set_next`] has set.
     pub fn next(&self) -> Option<Arc<TrackInfo>> {
         self.next.clone()
     }
 
-    /// Returns the position `ahead` seconds after `audible`, at most the segment's end; `None` without the segment.
+    /// Returns the position `ahead` seconds after `audible`, or the segment's end; `None` if the segment is unknown.
     pub fn place(&self, audible: Audible, ahead: f64) -> Option<SongPlace> {
         let (passage, time) = self.passage_at(audible, ahead)?;
         let index = passage.anchors.partition_point(|anchor| anchor.segment_time <= time).saturating_sub(1);
@@ -189,7 +189,7 @@ impl AudibleSegments {
         })
     }
 
-    /// Returns the frame of segment `to` at the track time of `from`. The frame is negative if the segment starts
+    /// Returns the frame of segment `to` that has the same track time as `from`. The frame is negative if `to` starts
     /// later. Returns `None` if a seek, a skip or another track separates `from` and `to`.
     pub fn carry(&self, from: Audible, to: u64) -> Option<f64> {
         let (passage, _) = self.passage_at(from, 0.0)?;
@@ -217,7 +217,7 @@ impl AudibleSegments {
         Some((passages.get(index)?, time))
     }
 
-    /// The sound, with its tables, `ahead` seconds after `audible`.
+    /// Returns the sound and its tables `ahead` seconds after `audible`.
     pub fn sound(&self, audible: Audible, ahead: f64) -> Option<Sound> {
         let (passage, time) = self.passage_at(audible, ahead)?;
         Some(passage.features.sound_at(passage.start + time - passage.segment_time))

@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 /// Number of spans that stay readable. They last at least 5 s at 512 frames of 48 kHz per callback.
 const SPANS_KEPT: usize = 512;
 
-/// Fraction of the deviation between expected and reported time that is corrected in each callback.
+/// Fraction of the deviation between expected and reported time that each callback corrects.
 const FOLLOW: f64 = 0.1;
 
 /// The smallest deviation, in nanoseconds, at which the clock jumps to the reported time.
@@ -44,10 +44,10 @@ const FASTEST: f64 = 1.2;
 /// If two reads are further apart than this, in seconds, the position advances only by the frames delivered in between.
 const AWAY_MAX: f64 = 0.5;
 
-/// A clock that is further ahead of the sound, in seconds, waits. So repeated stalls cannot increase its lead.
+/// If the clock is ahead of the sound by more than this, in seconds, it waits, so that stalls do not add up.
 const AHEAD_MAX: f64 = 1.5;
 
-/// If two segments report positions further apart, in seconds, the clock jumps instead of closing the gap slowly.
+/// If the positions of two segments differ by more than this, in seconds, the clock jumps to the new position.
 const APART_MAX: f64 = 3.0;
 
 const NEVER: u64 = u64::MAX;
@@ -76,7 +76,7 @@ pub struct Audible {
     pub frame: f64,
 }
 
-/// The song's position at a moment if it continues in real time.
+/// The song's position at a moment if the song continues in real time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Course {
     /// The position.
@@ -184,7 +184,7 @@ impl SpanHistory {
         self.moved.load(Ordering::Relaxed) as f64 / f64::from(self.rate)
     }
 
-    /// Returns the audible frame at `moment`, at most the last delivered frame. `None` before the first callback.
+    /// Returns the audible frame at `moment`, at most the last delivered frame; `None` before the first callback.
     pub fn at(&self, moment: Instant) -> Option<Audible> {
         let found = self.find(moment)?;
         let handed_out = found.passed.clamp(0.0, f64::from(found.span.frames));
@@ -275,8 +275,8 @@ pub struct SpanWriter {
 }
 
 impl SpanWriter {
-    /// The time at which the first of the buffer's `frames` is audible, in nanoseconds since the epoch. The time that
-    /// the device reports (`called_at` + `latency`) is smoothed.
+    /// Returns the time at which the buffer's first frame is audible, in nanoseconds since the epoch. Smooths the time
+    /// that the device reports (`called_at` + `latency`). `frames` is the buffer's length.
     pub fn place(&mut self, called_at: Instant, latency: Duration, frames: usize) -> u64 {
         self.history.calls.fetch_add(1, Ordering::Relaxed);
         let reported = self.history.nanoseconds(called_at) as f64 + latency.as_nanos() as f64;

@@ -26,7 +26,7 @@ pub enum Target {
     Default,
     /// The input that records the default output. If the default changes, the input changes.
     Monitor,
-    /// The device whose id or name is or contains this text.
+    /// The device whose id or name equals or contains this text.
     Named(String),
     /// The device with this id while it is connected, otherwise the system's default. Changes are followed.
     Preferred(String),
@@ -156,7 +156,7 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device
     match target {
         Target::Default => default(),
         Target::Preferred(wanted) => {
-            // Only on hosts with a watched device list: on others, querying each device is slow.
+            // Query only hosts with a watched device list, because querying each device is slow on other hosts.
             let listed = hosts().find(|(id, _)| is_watched(*id)).and_then(|(_, host)| host.devices().ok());
             let there = listed
                 .into_iter()
@@ -176,7 +176,7 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device
     }
 }
 
-/// Returns the device whose id or name equals `wanted`, or else one that contains it. Monitors are chosen last.
+/// Returns the device whose id or name equals `wanted`, or else contains `wanted`. Monitors are chosen last.
 fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedDevice) -> Option<T> {
     let wanted = wanted.to_lowercase();
     let rank = |device: &T| {

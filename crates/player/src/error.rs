@@ -53,7 +53,7 @@ impl std::fmt::Display for Direction {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum DeviceError {
     /// No output or input device exists.
-    #[error("there is no sound {0} device; connect one or start the sound server")]
+    #[error("there is no sound {0} device; connect a device or start the sound server")]
     NoDevice(Direction),
     /// The requested device does not exist.
     #[error(
@@ -67,7 +67,7 @@ pub enum DeviceError {
         name: String,
     },
     /// The device was disconnected.
-    #[error("the sound {direction} '{name}' is gone; connect it again, or choose another with --device")]
+    #[error("the sound {direction} '{name}' is gone; connect it again, or choose another device with --device")]
     Gone {
         /// The direction of the sound.
         direction: Direction,
@@ -82,7 +82,7 @@ pub enum DeviceError {
     NoLoopback,
     /// Another program holds the device.
     #[error(
-        "the sound {direction} {device} is busy; close the program that uses it or choose another with --device"
+        "the sound {direction} {device} is busy; close the program that uses it or choose another device with --device"
     )]
     Busy {
         /// The direction of the sound.
@@ -103,8 +103,8 @@ pub enum DeviceError {
     },
     /// The program supports none of the device's sample formats.
     #[error(
-        "the sound {direction} {device} offers only {format} samples, which are not supported; choose another with \
-         --device"
+        "the sound {direction} {device} offers only {format} samples, which are not supported; choose another \
+         device with --device"
     )]
     Format {
         /// The direction of the sound.
@@ -117,7 +117,7 @@ pub enum DeviceError {
     /// The device's sample rate is out of range.
     #[error(
         "the sound {direction} {device} runs at {rate} samples per second, but only {} to {} are supported; choose \
-         another with --device", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max
+         another device with --device", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max
     )]
     Rate {
         /// The direction of the sound.
@@ -128,7 +128,7 @@ pub enum DeviceError {
         rate: u32,
     },
     /// The device could not be opened.
-    #[error("the sound {direction} {device} could not be opened ({reason}); choose another with --device")]
+    #[error("the sound {direction} {device} could not be opened ({reason}); choose another device with --device")]
     Open {
         /// The direction of the sound.
         direction: Direction,
@@ -140,7 +140,7 @@ pub enum DeviceError {
     /// Opening the device took too long.
     #[error(
         "the sound {direction} did not answer within {seconds} s; restart the sound server or choose \
-         another with --device"
+         another device with --device"
     )]
     Timeout {
         /// The direction of the sound.

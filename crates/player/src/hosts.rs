@@ -19,7 +19,7 @@ type Connected = (Arc<cpal::Host>, Option<ServerConnection>);
 /// Connections without a playing stream.
 static IDLE: Mutex<Vec<Connected>> = Mutex::new(Vec::new());
 
-/// Returns the hosts, the sound server first: it reports failures best, and several programs can share its devices.
+/// Returns the hosts. The sound server is first, because it reports failures best and several programs can share it.
 pub(crate) fn hosts_by_preference() -> Vec<cpal::HostId> {
     let mut hosts = cpal::available_hosts();
     hosts.sort_by_key(|host| !is_server(*host));
@@ -36,7 +36,7 @@ pub(crate) fn is_watched(host: cpal::HostId) -> bool {
     is_server(host) || cfg!(not(target_os = "linux"))
 }
 
-/// Keeps libasound from printing, on this thread, the errors that libasound also returns.
+/// Stops libasound from printing errors on this thread. Calls of libasound also return these errors.
 pub(crate) fn hush_sound_library() {
     #[cfg(target_os = "linux")]
     if let Err(error) = alsa::Output::local_error_handler() {
@@ -44,7 +44,7 @@ pub(crate) fn hush_sound_library() {
     }
 }
 
-/// Returns a host that answers. This function may block as long as the sound system does.
+/// Returns host `id`, reconnected if its server no longer answers. May block as long as the sound system does.
 pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     if !is_server(id) {
         return Ok(Arc::new(cpal::host_from_id(id)?));

@@ -17,7 +17,7 @@ pub struct ListedTracks {
     pub entries: Vec<ListedTrack>,
 }
 
-/// Data about a track. It comes from the list, or from the file once the file was opened.
+/// Data about a track, from the list or, once the file was opened, from the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedTrack {
     /// Artist and title, or the file name.
@@ -53,7 +53,7 @@ pub struct Edited {
     pub removed: Option<u64>,
     /// True if entries were added.
     pub appended: bool,
-    /// True if the playing track is no longer in the list, but another track can replace it now.
+    /// True if the playing track was removed from the list and another track can replace it now.
     pub resume: bool,
 }
 
@@ -70,7 +70,7 @@ struct Listing {
 impl SharedListing {
     /// Publishes a new list: the ids of its entries and their data.
     pub fn tell(&self, entries: impl Iterator<Item = (u64, ListedTrack)>) {
-        // Built before the lock is taken, because the list may have many entries.
+        // Build the map before taking the lock, because the list may have many entries.
         let mut places = HashMap::new();
         let entries: Vec<ListedTrack> = entries
             .enumerate()
@@ -92,7 +92,7 @@ impl SharedListing {
     /// Publishes new data about entry `id`. Only one thread may publish.
     pub fn tell_entry(&self, id: u64, track: &ListedTrack) {
         let Some((index, _)) = self.place(id) else { return };
-        // Copied before the lock is taken, so that readers do not wait.
+        // Copy the list before taking the lock, so that readers do not wait.
         let mut tracks = self.tracks().as_ref().clone();
         match tracks.entries.get_mut(index) {
             Some(entry) if entry != track => entry.clone_from(track),

@@ -64,7 +64,7 @@ pub struct PlayerOptions {
     pub paused: bool,
     /// A device or the silent clock.
     pub output: OutputChoice,
-    /// The gain control, by which quiet and loud songs can drive a scene alike.
+    /// The gain control, so that quiet and loud songs can move a scene in the same way.
     pub gain: Gain,
 }
 
@@ -231,7 +231,7 @@ impl Player {
         self.threads.send(Command::SeekTo(seconds));
     }
 
-    /// Skips to the next or the previous track. Skipping back more than 3 s into a track returns to its start.
+    /// Skips to the next or the previous track. After 3 s of a track, a skip back returns to its start.
     pub fn skip(&self, forward: bool) {
         self.threads.send(Command::Skip { forward });
     }

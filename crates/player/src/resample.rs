@@ -1,9 +1,9 @@
 //! Sample rate conversion of a stereo stream. The decoding thread uses it, but never the callback.
 //!
-//! The filter's delay is cut off at the start, and its remaining frames are appended at the end. Output frame `m` is
-//! the signal at input time `m * from / to`, and `n` input frames become `round(n * to / from)` output frames. Rates
-//! with a large common divisor (all usual rates) use rubato's FFT resampler, whose delay is then a whole number of
-//! frames on both sides. For odd ratios an FFT block would hold seconds of sound. These ratios use the windowed-sinc
+//! The filter's delay is cut off at the start, and the frames left in the filter are appended at the end. Output frame
+//! `m` is the signal at input time `m * from / to`, and `n` input frames become `round(n * to / from)` output frames.
+//! Rates with a large common divisor (all usual rates) use rubato's FFT resampler, whose delay is then a whole number
+//! of frames on both sides. For odd ratios an FFT block would hold seconds of sound. These ratios use the windowed-sinc
 //! resampler, whose delay is compensated to within half an output frame.
 
 use rubato::audioadapter_buffers::direct::InterleavedSlice;

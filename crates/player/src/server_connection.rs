@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use futures_executor::block_on;
 use pulseaudio::{Client, ClientError};
 
-/// The connection for queries about others. It is kept open, because connections last as long as the server.
+/// The connection for queries about other connections. It stays open, because connections last as long as the server.
 static ASKING: Mutex<Option<Client>> = Mutex::new(None);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

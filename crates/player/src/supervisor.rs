@@ -1,5 +1,5 @@
 //! The supervisor of one direction of sound opens a device, monitors it and follows the default device. If the device
-//! fails, the supervisor replaces it by a substitute and opens it again as soon as possible. Outputs and inputs each
+//! fails, the supervisor starts a substitute and opens the device again as soon as possible. Outputs and inputs each
 //! have a [`Port`].
 //!
 //! Each device has its own thread, which opens, holds and drops its stream. Any of these calls may hang, so a thread
@@ -178,7 +178,7 @@ struct Watch<P: Port> {
     current: Current<P>,
     opening: Option<Opening>,
     retry_at: Option<Instant>,
-    /// The target's device that was open last.
+    /// The device that was open last for the current target.
     had: Option<ListedDevice>,
     /// True if the open device was chosen before the current target.
     superseded: bool,

@@ -188,7 +188,7 @@ impl FrameSource for Silence {
 /// The repeat mode of a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Repeat {
-    /// Starts again with the first track after the last one.
+    /// After the last track, starts again with the first track.
     #[default]
     All,
     /// Repeats the current track.

@@ -25,8 +25,8 @@ pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn 
     let channels = params.channels.as_ref().map_or(1, |channels| channels.count());
     let mut params = params.clone();
     if params.codec == id::CODEC_ID_OPUS {
-        // Matroska may give the rate before encoding. The head is removed, because with the head the decoder would drop
-        // the pre-skip itself, and again after every jump.
+        // Matroska may state the sound's rate before encoding. The head is removed, because with the head the decoder
+        // would drop the pre-skip itself, and again after every jump.
         params.sample_rate = Some(OPUS_RATE);
         params.extra_data = None;
     }
@@ -89,7 +89,7 @@ pub(super) fn is_opus(codec: AudioCodecId) -> bool {
     codec == id::CODEC_ID_OPUS
 }
 
-/// The number of frames that must be decoded before the target of a jump to bring the decoder into the right state.
+/// Returns the number of frames to decode before the target of a jump, so that the decoder reaches the right state.
 /// Half a second covers the overlap of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6 requires
 /// for Opus.
 pub(super) fn pre_roll(codec: AudioCodecId, rate: u32) -> i64 {
@@ -98,7 +98,7 @@ pub(super) fn pre_roll(codec: AudioCodecId, rate: u32) -> i64 {
     if lossless { 0 } else { i64::from(rate / 2) }
 }
 
-/// The known encoder delay nearest to a delay in coarse ticks: 1024 or 2048 for AAC, Apple's 2112, 1105 for LAME.
+/// Returns the known encoder delay within a tick of `about` (AAC: 1024, 2048, Apple 2112; LAME: 1105), or `about`.
 pub(super) fn known_delay(codec: AudioCodecId, about: u64, rate: u32) -> u64 {
     let known: &[u64] = match codec {
         id::CODEC_ID_AAC => &[1024, 2048, 2112],

@@ -3,7 +3,7 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
-/// Maximum nesting of boxes that is followed: `moov/trak/edts/elst` and `moov/trak/mdia/mdhd`.
+/// Maximum depth of nested boxes that are read: `moov/trak/edts/elst` and `moov/trak/mdia/mdhd`.
 const DEPTH_MAX: usize = 4;
 
 const BOXES_MAX: usize = 4096;

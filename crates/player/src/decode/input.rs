@@ -30,7 +30,7 @@ impl TagBytes {
 pub(super) enum Input {
     File {
         path: PathBuf,
-        /// An open handle. With it the song continues if its file is moved or deleted.
+        /// An open handle, so that the song continues if its file is moved or deleted.
         file: Arc<File>,
     },
     Bytes {

@@ -5,7 +5,7 @@
 //! they are analysed, to bring the track to -14 LUFS. Tracks without a tag have the factor 1. Playback stays unchanged,
 //! because listeners have a volume control, and a gain above 1 could clip.
 
-/// The loudness of tagged tracks for scenes. Streaming services also use it, so untagged music has a similar loudness.
+/// Tagged tracks are scaled to this loudness for scenes. Streaming services use it too, so untagged music is close.
 const SCENE_LUFS: f64 = -14.0;
 const REPLAY_GAIN_LUFS: f64 = -18.0;
 const R128_LUFS: f64 = -23.0;

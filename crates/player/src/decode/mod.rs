@@ -111,7 +111,7 @@ impl Decoder {
     }
 
     /// Appends the next frames (at most one packet) to `out` and returns their number, which is 0 at the end. An error
-    /// also ends the stream. A seek restarts it.
+    /// also ends the stream. A seek restarts the stream.
     pub fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
         match &mut self.0 {
             By::Native(decoder) => decoder.next_block(out),

@@ -6,8 +6,8 @@
 //! - A seek is exact to the frame. If the container cannot seek, or its clock is too coarse, the file is decoded again
 //!   from its start. After a seek, lossy codecs decode half a second before the target first. So the samples are the
 //!   same as without the seek (except for AAC's random substituted noise).
-//! - Damaged packets are skipped and counted. Silence of their length replaces them, so that later sound stays in time.
-//!   A truncated file plays to its end (except for CAF, and MP4 with its tables at the end).
+//! - Damaged packets are skipped and counted. Silence of the same length replaces them, so that later sound stays in
+//! time.
 //! - Chained streams (Ogg) play in succession, resampled to the first rate.
 //! - No buffer is sized by a number from the file. A panic in a codec library becomes an error.
 
@@ -19,7 +19,7 @@ use super::input::Input;
 use super::packets::{Block, PacketReader};
 use super::{Cover, DecodeError, StreamInfo, cover, sniff};
 
-/// Longest silence, in seconds, that fills gaps between two seeks. A longer gap means that the clock is broken.
+/// Maximum total silence, in seconds, that fills gaps until the next seek. More gaps mean a broken clock.
 const HOLE_SECONDS_MAX: i64 = 10;
 
 const NEAR_SECONDS: i64 = 1;
@@ -167,7 +167,7 @@ impl NativeDecoder {
         (self.ended, self.drop_next) = (false, 0);
     }
 
-    /// Jumps with the container's seek. Returns false if the container cannot seek or the seek failed; then restart.
+    /// Jumps with the container's seek. Returns false if the seek is impossible or fails; the caller must then restart.
     fn jump(&mut self, target: i64) -> Result<bool, DecodeError> {
         if self.uneven {
             return Ok(false);
@@ -230,7 +230,7 @@ impl NativeDecoder {
         if !self.raw.settled {
             self.settle(&block);
         } else if let (Some(start), true, false) = (block.start, block.exact, self.uneven) {
-            // Smaller differences are clock jitter.
+            // Gaps that are shorter than the block are clock jitter.
             if start - self.raw.next >= self.scratch.len() as i64 {
                 self.fill_hole(start - self.raw.next);
             }
@@ -310,7 +310,7 @@ impl NativeDecoder {
         }
         self.ended = true;
         if let Some(mut resampler) = self.resampler.take() {
-            // The filter holds at most one block, which an error here would cut off.
+            // If `finish` fails, at most one block in the filter is lost.
             let mut tail = Vec::new();
             let _ = resampler.finish(&mut tail);
             let first = self.raw.next - self.delay;

@@ -322,8 +322,8 @@ impl PacketReader {
         tags
     }
 
-    /// Seeks to a packet at or before a raw frame, earlier by the codec's pre-roll. Returns false if the container or
-    /// its clock does not support the seek. Then the reader must be opened again.
+    /// Seeks to a packet that begins at least the codec's pre-roll before frame `raw`. Returns false if the container
+    /// or its clock does not support the seek. In this case the caller must open the reader again.
     pub(super) fn jump(&mut self, raw: i64, rate: u32) -> Result<bool, DecodeError> {
         let early = raw - codecs::pre_roll(self.stream.params.codec, rate);
         // The Ogg demuxer never returns from a seek in a file with several streams.

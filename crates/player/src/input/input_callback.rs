@@ -13,7 +13,7 @@ use mariana_music::StereoFrame;
 
 const CHUNK: usize = 256;
 
-/// Length of the ring, in seconds. It is the longest delay of the listening thread without lost frames.
+/// Length of the ring, in seconds. If the listening thread is late by more than this, frames are lost.
 const RING: f64 = 0.5;
 
 /// The callback's counters.

@@ -40,7 +40,7 @@ const END_LIMIT: Duration = Duration::from_millis(500);
 pub struct LiveOptions {
     /// The input device.
     pub target: Target,
-    /// The gain control, by which quiet and loud sound can drive a scene alike.
+    /// The gain control, so that quiet and loud sound can move a scene in the same way.
     pub gain: Gain,
 }
 

@@ -64,8 +64,8 @@ impl Prober {
     }
 }
 
-/// Answers with the first of the inputs that has a signal. Returns when all devices are closed again. So a hanging
-/// input delays the next search, and searches do not accumulate.
+/// Sends the first of `candidates` that has a signal to `found`. Returns only after all devices are closed, so that a
+/// hanging input delays the next search, and searches do not accumulate.
 fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>>) {
     candidates.truncate(CANDIDATES_MAX);
     let (answer, answers) = channel();

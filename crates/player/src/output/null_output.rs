@@ -12,7 +12,8 @@ use crate::worker::Worker;
 
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// After a longer gap (the process was suspended) the clock restarts, because the ring may not hold more frames.
+/// After a gap longer than this (the process was suspended), the clock restarts, because the ring may hold fewer
+/// frames.
 const GAP_MAX: Duration = Duration::from_millis(250);
 
 pub(crate) struct NullOutput {

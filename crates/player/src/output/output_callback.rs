@@ -4,7 +4,7 @@
 //!
 //! A seek hands over a new [`Segment`] through a small ring. The callback fades out the old segment, takes the new
 //! segment, and returns the old segment through another ring, so that another thread frees it. A segment that continues
-//! the song of another device has a due time, and its late frames are dropped.
+//! the song after a device change has a due time, and the segment's late frames are dropped.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -27,7 +27,7 @@ const FADE: f32 = 0.005;
 /// After an underrun the sound resumes when the ring holds this many seconds (or a quarter of its capacity, if less).
 const REFILL: f64 = 0.020;
 
-/// Frames that are later than this, in seconds, are played, because the process was suspended.
+/// Frames that are late by more than this, in seconds, are still played, because the process was suspended.
 const LATE_MAX: f64 = 3.0;
 
 const LATENCY_MAX: Duration = Duration::from_secs(5);
@@ -155,7 +155,7 @@ impl Segment {
         (producer, end.clone(), Self { id, ring, next: 0, end, due: None })
     }
 
-    /// Sets the due time of the first frame. Late frames are skipped; silence precedes an early start.
+    /// Sets the time at which the first frame is due. The callback plays silence before it and skips late frames.
     pub fn due_at(self, moment: Instant) -> Self {
         Self { due: Some(moment), ..self }
     }
@@ -166,7 +166,7 @@ impl Segment {
         self.next >= end
     }
 
-    /// True if the ring has enough frames even if a device takes a full buffer of its announced size at once.
+    /// True if the ring has enough frames for a device that takes a full buffer at once.
     fn is_well_fed(&self) -> bool {
         let ended = self.end.load(Ordering::Acquire) != u64::MAX;
         ended || self.ring.slots() >= self.ring.buffer().capacity() / 4
@@ -380,7 +380,7 @@ impl OutputCallback {
         let run = if fading == 0 { wanted } else { wanted.min(fading) };
         let taken = self.take_frames(run);
         if taken == 0 {
-            // Without frames, the last frame is held while it fades out.
+            // If there are no frames, repeat the last frame while it fades out.
             self.chunk[..run].fill(self.last);
         }
         let count = if taken == 0 { run } else { taken };

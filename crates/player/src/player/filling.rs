@@ -42,7 +42,7 @@ struct Conversion {
 }
 
 impl Filling {
-    /// Starts `target` seconds into a track, with `ring_frames` frames in the ring and a source `skip` frames earlier.
+    /// Starts a segment at `target` seconds of a track. The source starts `skip` frames earlier, for the analysis.
     pub(super) fn new(
         id: u64,
         target: f64,

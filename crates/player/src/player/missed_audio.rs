@@ -1,10 +1,10 @@
 //! Detection of missed audio: parts of the song that were not heard because of device changes.
 //!
-//! The song does not wait for devices. The segment for the next output, or for the silent clock, is due from the moment
-//! at which the output opened. Its callback drops late frames, so that the sound after a fault matches the image. So
-//! the part of the song between the last frame of one device and the first frame of the next device, including the time
-//! on the silent clock, was not heard. This part is reported once sound is audible again. Frames in the buffer of a
-//! lost device count as heard, because their fate is unknown.
+//! The song does not wait for devices. The segment for the next output, or for the silent clock, is due at the moment
+//! at which the output opened. The output's callback drops late frames, so that the sound after a fault matches the
+//! image. So the part of the song between the last frame of one device and the first frame of the next device,
+//! including the time on the silent clock, was not heard. This part is reported once sound is audible again. Frames in
+//! the buffer of a lost device count as heard, because their fate is unknown.
 //!
 //! If a device merely resumes late, no frame is lost. [`Clock`](crate::clock::Clock) then runs a fifth slower (or
 //! faster) until it agrees with the sound. `cargo bench --bench device_faults` counts clock steps in 200 faults.

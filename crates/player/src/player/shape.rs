@@ -14,7 +14,7 @@ const PARTS: usize = 600;
 
 const PARTS_A_TIME: usize = 6;
 
-/// The exponent from amplitude to loudness: a sound with 10 dB more is twice as loud (Stevens 1955, in sones).
+/// The exponent from amplitude to loudness: 10 dB more make a sound twice as loud (Stevens 1955, in sones).
 const LOUDNESS_POWER: f32 = 0.6;
 
 const SHAPES_KEPT: usize = 16;

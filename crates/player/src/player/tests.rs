@@ -194,7 +194,7 @@ impl Stepped {
             let audible_segments = audible_segments.lock();
             for (n, pair) in data.chunks_exact(2).enumerate() {
                 let value = f64::from(pair[0]) * f64::from(1 << 24);
-                // Half a frame late, so that rounding of the time does not matter.
+                // Use a time that is half a frame late, so that rounding of the time does not matter.
                 let moment = self.now + Duration::from_nanos(((n as f64 + 0.5) * 1e9 / rate) as u64);
                 let audible = self.history.at(moment);
                 if let Some((audible, place)) =

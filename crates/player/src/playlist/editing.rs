@@ -8,7 +8,7 @@ use crate::limits::LIMITS;
 use crate::listed::Edited;
 
 impl Playlist {
-    /// Adds entries at the end of the list, but not to its order. Returns the index of the first added entry.
+    /// Appends entries to the list, but not to the playing order. Returns the index of the first added entry.
     pub(super) fn take_in(&mut self, entries: Vec<Entry>) -> usize {
         let first = self.slots.len();
         for entry in entries {

@@ -62,7 +62,7 @@ impl Entry {
 pub(super) struct Gathered {
     pub entries: Vec<Entry>,
     pub track_errors: Vec<PlaylistError>,
-    /// Lists and folders that are being read, for detecting a list or folder that contains itself.
+    /// Lists and folders that are being read. They reveal a list or folder that contains itself.
     open: Vec<PathBuf>,
     /// Folders that were read. Each folder is read only once, because several links may lead to it.
     folders: BTreeSet<PathBuf>,
@@ -102,7 +102,7 @@ impl Gathered {
         };
         if let (Some((what, limit)), false) = (over, self.full) {
             self.full = true;
-            // Insert the error at the start, so that it is kept.
+            // Insert the error first, because some of many errors are left out.
             self.track_errors.insert(0, PlaylistError::TooMany { what, limit });
         }
         self.looked_at += 1;

@@ -175,7 +175,7 @@ impl Playlist {
         Ok(track)
     }
 
-    /// Opens `first` or the nearest playable entry after (or before) it, up to `open`. Wraps if the list repeats.
+    /// Opens the first playable entry from `first` on (or back); stops at entry `open`. Wraps if the list repeats.
     fn search(
         &mut self,
         first: u64,
@@ -211,11 +211,11 @@ impl Playlist {
         if next.is_none() && open.is_some() { Found::End } else { Found::Nothing }
     }
 
-    /// Returns the entry `steps` from `from`, which may be removed; `None` if no step is possible without repeat.
+    /// Returns the entry `steps` after `from` (`from` may be removed); `None` if no step is possible without repeat.
     fn entry_after(&self, from: u64, steps: i32) -> Option<u64> {
         let around = self.order.repeat() != Repeat::Off;
         let forward = steps > 0;
-        // Whole rounds return to the start. If `from` was removed, the first step leads to an entry.
+        // Skip whole rounds, but always make the first step away from a removed entry.
         let away = u32::from(self.index(from).is_none());
         let round = u32::try_from(self.slots.len()).unwrap_or(u32::MAX).max(1);
         let steps = steps.unsigned_abs().saturating_sub(away) % round + away;

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::iter::Peekable;
 use std::str::Chars;
 
-/// Compares digits by number and letters without case. If two names are then equal, compares them by characters.
+/// Compares digits as numbers, and letters without case. If two names are then equal, compares them by characters.
 pub(super) fn compare(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.chars().peekable(), b.chars().peekable());
     loop {

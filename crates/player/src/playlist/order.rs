@@ -102,7 +102,7 @@ impl Order {
         }
     }
 
-    /// Moves `id` right before or after `beside` in the list's order. A random order stays unchanged.
+    /// Moves `id` to the place before or after `beside` in the list's order. A random order stays unchanged.
     pub(super) fn move_to(&mut self, id: u64, beside: u64, after: bool) {
         let (Some(from), false) = (self.places.get(&id).copied(), self.shuffled || id == beside) else {
             return;

@@ -13,7 +13,7 @@ pub enum Reference {
     Address(String),
 }
 
-/// Returns the trimmed lines, as UTF-8 or raw bytes: names in old lists have any encoding. `None` if not text.
+/// Returns the trimmed lines as bytes, because names in old lists have any encoding; `None` if `bytes` is not text.
 pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     let utf16 = |from: fn([u8; 2]) -> u16| {
         let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);

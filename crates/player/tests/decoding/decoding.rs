@@ -405,7 +405,7 @@ fn mono_is_heard_on_both_sides_at_full_level() {
     }
 }
 
-/// Returns the left and right levels of each channel alone, relative to full scale in the channel.
+/// Decodes each channel alone. Returns the left and right levels, relative to full scale in the channel.
 pub(super) fn downmix_levels(
     folder: &Path,
     layout: &str,

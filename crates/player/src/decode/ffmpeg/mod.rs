@@ -263,7 +263,7 @@ fn describe(refusal: &DecodeError) -> String {
     }
 }
 
-/// ffmpeg orders channels like WAVE files. Layouts that are unusual for their channel count are known by name.
+/// ffmpeg orders channels like WAVE files. Layouts that are unusual for a number of channels are recognised by name.
 fn downmix(stream: &Stream) -> Downmix {
     const FRONT: Position = Position::FRONT_LEFT.union(Position::FRONT_RIGHT);
     let mask = match stream.channel_layout.as_str() {

@@ -13,7 +13,7 @@ const PIECE: usize = 1 << 15;
 
 const PIECES_WAITING: usize = 4;
 
-/// Number of bytes of the program's error messages that are kept, counted from the end.
+/// Maximum number of bytes that are kept from the end of the program's error messages.
 const WORDS_MAX: usize = 1 << 12;
 
 /// Maximum wait for the end of a program that has closed its pipe or was killed.

@@ -27,7 +27,7 @@ impl Goal {
 }
 
 impl CurrentSegment {
-    /// Returns the audible position. Until a seek is audible, returns its target in passage `earliest`.
+    /// Returns the audible position, or the target of a seek in passage `earliest` if the seek is not audible yet.
     pub(super) fn place(&self, earliest: u64) -> Place {
         let heard = self.audible().and_then(|audible| self.audible_segments().lock().place(audible, 0.0));
         heard.map_or(Place { passage: earliest, time: self.start() }, |heard| Place {
@@ -36,7 +36,7 @@ impl CurrentSegment {
         })
     }
 
-    /// Returns the passage and position at a moment if the song continues. A position not yet audible is in `earliest`.
+    /// Returns the passage and position at `at` if the song continues; passage `earliest` before a frame is audible.
     pub(super) fn course(&self, at: Instant, earliest: u64) -> (u64, Goal) {
         let Place { passage, time } = self.place(earliest);
         let stands = Goal { time, same_run: true, due: None };

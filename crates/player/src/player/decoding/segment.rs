@@ -19,7 +19,7 @@ const RING: f64 = 0.4;
 
 const RING_BUFFERS: usize = 4;
 
-/// Seconds of a segment that must be ready before it is played. They exceed the look-ahead of the analysis.
+/// A segment is played once this many seconds are ready. They exceed the look-ahead of the analysis.
 const PREFILL: f64 = 0.15;
 
 pub(super) struct SegmentStart {
@@ -115,7 +115,7 @@ impl CurrentSegment {
         link.history.at(Instant::now()).filter(|audible| audible.segment == filling.id)
     }
 
-    /// The segment's audible frame at a moment if the output continues; `None` before its first frame was audible.
+    /// Returns the audible frame at `at` if the output continues; `None` before the segment's first frame was audible.
     pub(super) fn course_of_output(&self, at: Instant) -> Option<Course> {
         let (link, filling) = (self.link.as_ref()?, self.filling.as_ref()?);
         link.history.course(at).filter(|course| course.audible.segment == filling.id)
@@ -184,7 +184,7 @@ impl CurrentSegment {
         self.audible_segments.lock().begin_lap(filling.id, filling.next_time(), played);
     }
 
-    /// Continues with another track from its start, as `passage`. Its frames have the source rate that was set last.
+    /// Continues with the start of another track, as `passage`. The track must have the source rate that was set last.
     pub(super) fn begin_track(&mut self, passage: u64, info: Arc<TrackInfo>) {
         let played = self.played();
         let Some(filling) = &mut self.filling else { return };

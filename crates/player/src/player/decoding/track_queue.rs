@@ -1,4 +1,4 @@
-//! The queue of tracks: the decoding thread's requests to the list thread and their answers.
+//! The queue of tracks: the decoding thread's requests to the list thread, and the answers.
 
 use std::path::PathBuf;
 use std::sync::Arc;
