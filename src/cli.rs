@@ -108,7 +108,7 @@ enum Command {
     #[command(after_help = "Examples:\n  mariana eval \"length(p) - 1\" --at 0,2,0\n  \
                             mariana eval speakers --points points.csv --set \"band(3)=0.5\" --set volume.x=0.2")]
     Eval(scene::EvalArguments),
-    /// Write the show that follows a song to a file that can be edited
+    /// Write the director's show for a song to a show file, for editing
     #[command(after_help = "Examples:\n  mariana show song.flac -o song.show\n  \
                             mariana video song.flac --show song.show -o song.mp4\n  \
                             mariana show song.flac --scene orb --scene city    only with these scenes")]
@@ -118,7 +118,7 @@ enum Command {
     Scenes,
     /// List the sound systems with their inputs and outputs, and the formats of these devices
     #[command(after_help = "Examples:\n  mariana devices\n  mariana devices --json\n  \
-                            mariana song.flac --device \"USB\"       play on the first one with USB in its name")]
+                            mariana song.flac --device \"USB\"       play on the first device with USB in its name")]
     Devices {
         /// Print JSON instead of text
         #[arg(long)]
@@ -145,7 +145,7 @@ pub fn run() -> anyhow::Result<()> {
     dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
 }
 
-/// Parses a show's arguments without the program's name, such as `song.flac --scene orb`. `folders` has the settings.
+/// Parses the arguments of a show, such as `song.flac --scene orb`. Reads the settings from `folders`.
 ///
 /// # Errors
 /// Fails on a usage error, a subcommand, or an argument that is refused.
@@ -159,8 +159,7 @@ pub fn prepare_show<T: Into<OsString> + Clone>(
     play::prepare(parsed.play, folders)
 }
 
-/// Returns the first argument and the command that was probably meant, if the argument is a misspelt command. Other
-/// words are songs.
+/// If the first argument looks like a misspelt command, returns the argument and the command's name.
 fn misspelt(first: Option<OsString>) -> Option<(String, String)> {
     let typed = first?.into_string().ok()?;
     let command = Arguments::command();

@@ -16,14 +16,14 @@ use crate::show::ShowSource;
 use mariana_control::osc::Place;
 use mariana_remote::RemotePlace;
 
-/// Evaluation of a scene's expressions on the GPU.
+/// The way in which the GPU evaluates a scene's expressions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SdfChoice {
     /// The interpreter shader runs the tape.
     Interpreted,
     /// The driver compiles the expressions as GLSL.
     Compiled,
-    /// The formulas are interpreted at once, and compiled as soon as the driver is ready.
+    /// The expressions are interpreted until the driver has compiled them.
     #[default]
     Auto,
 }
@@ -71,7 +71,7 @@ pub struct ControllerSettings {
 pub struct PlaySettings {
     /// The user's saved choices, overridden by the command line.
     pub choices: Choices,
-    /// A show that the scenes follow instead of the director's show.
+    /// The show to play; `None` for the director's show.
     pub show: Option<ShowSource>,
     /// True if the command line names a scene.
     pub names_scene: bool,

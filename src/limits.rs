@@ -1,6 +1,6 @@
 //! The limits of the program itself; each of its crates has its own `limits.rs`.
 //!
-//! Limits are data: code that applies a limit reads it here, an error message prints it, and a test reaches it.
+//! Code that applies a limit reads it from here, error messages print the limit, and a test reaches it.
 
 /// Limits of inputs, and of the memory that the program allocates for them.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@
 pub enum Chroma {
     /// No subsampling (4:4:4).
     Whole,
-    /// The mean of four pixels (4:2:0).
+    /// One value for four pixels, their mean (4:2:0).
     Quarter,
 }
 
@@ -23,7 +23,7 @@ pub fn header((width, height): (u32, u32), fps: f64, chroma: Chroma) -> Vec<u8> 
         .into_bytes()
 }
 
-/// A frame rate as a fraction: NTSC rates are exact, others are rounded to a thousandth.
+/// Returns a frame rate as a fraction. NTSC rates are exact; other rates are rounded to a thousandth.
 fn ratio(fps: f64) -> (u64, u64) {
     let ntsc = (fps * 1.001).round();
     if (fps - ntsc / 1.001).abs() < 1e-3 && (fps - fps.round()).abs() > 1e-3 {
@@ -53,7 +53,7 @@ pub fn frame_of_quarter(rgba: &[u8], size: (u32, u32)) -> Vec<u8> {
     bytes
 }
 
-/// The three planes of a frame with 4:2:0 chroma, luma, blue and red (known as I420 or YU12).
+/// Returns the planes of luma, blue and red of a frame with 4:2:0 chroma (known as I420 or YU12).
 pub fn quarter_planes(rgba: &[u8], (width, _): (u32, u32)) -> Vec<u8> {
     let pixels = rgba.as_chunks::<4>().0;
     let width = (width as usize).max(2);
@@ -75,7 +75,7 @@ pub fn quarter_planes(rgba: &[u8], (width, _): (u32, u32)) -> Vec<u8> {
     bytes
 }
 
-/// Coefficients of a plane for red, green and blue in 0..255, in units of 2^-16, and its value for black.
+/// Coefficients of a plane for red, green and blue in 0..255, in units of 2^-16, and the plane's value for black.
 struct Plane {
     fractions: [i32; 3],
     black: i32,

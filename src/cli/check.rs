@@ -113,7 +113,7 @@ struct Mistake {
     file: String,
     #[serde(flatten)]
     start: Position,
-    /// The position after the last character.
+    /// The position after the mistake's last character.
     end: Position,
     severity: &'static str,
     message: String,
@@ -165,8 +165,8 @@ fn compile(source: &SceneSource) -> Result<Result<Scene, Mistakes>, SceneError> 
     })
 }
 
-/// Returns the world of a scene that a window can draw: the tape fits the interpreter, or the compiled program is short
-/// enough.
+/// Returns the scene's world. Fails if no window can draw the world, because the tape does not fit the interpreter
+/// and the compiled program is too long.
 fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
     let world = World::new(&source.name(), scene, Vec::new())?;
     if !RegionPlan::new(&world).runs() {
@@ -216,13 +216,13 @@ fn advice(world: &World) -> String {
 }
 
 const NO_DISTANCE: &str =
-    "the shape's value is not a distance, so rays take short steps and its shadows are sharp";
+    "the shape's value is not a distance, so rays take short steps and the shape's shadows are sharp";
 
 fn count(number: usize, what: &str) -> String {
     if number == 1 { format!("1 {what}") } else { format!("{number} {what}s") }
 }
 
-/// The names of the inputs that the roots read, in the scene language. Leaves out the point.
+/// Returns the names, in the scene language, of the inputs that `roots` read. Leaves out the point.
 fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<String> {
     let used = graph.inputs_used(roots)?;
     let mut names: Vec<String> = used

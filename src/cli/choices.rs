@@ -1,4 +1,4 @@
-//! Values of flags that are one of several names, and their conversion into the program's own types.
+//! Flags whose value is one of several names, and the conversion of these values into the program's own types.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 

@@ -30,8 +30,8 @@ pub(super) struct CommonArguments {
     /// Interpret or compile the scene's formulas; auto interprets at once and compiles in the background
     #[arg(long, value_name = "HOW", default_value = "auto")]
     sdf: Sdf,
-    /// Skip empty space with a tree of cells and run shortened tapes in them; the image is the same [default: on where
-    /// that is faster; bench measures both]
+    /// Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default:
+    /// on where that is faster; bench measures both]
     #[arg(long, value_name = "ON-OFF", value_parser = choice::<bool>())]
     pub(super) regions: Option<bool>,
     /// Conversion of light to screen colours [default: the scene's own, or in a window the last choice there]
@@ -88,7 +88,7 @@ pub(super) struct SetArguments {
     pub(super) set: Vec<Setting>,
 }
 
-/// True if text on a stream is coloured: on a terminal, unless NO_COLOR is set (no-color.org).
+/// True if `stream` is a terminal and NO_COLOR is not set (no-color.org), so that text may be coloured.
 pub(super) fn colors(stream: &impl IsTerminal) -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && stream.is_terminal()
 }
@@ -104,7 +104,7 @@ pub(super) fn end_by_signals() {
     let answer = |signal: Signal| {
         ending::end_now(signal, || {
             if std::io::stderr().is_terminal() {
-                // End the progress line, on which the cursor is.
+                // The cursor is on the progress line: end that line.
                 let _ = writeln!(std::io::stderr());
             }
             tell(&format!("{signal} ended the work; unfinished files are removed"));

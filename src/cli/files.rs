@@ -56,7 +56,7 @@ fn song_of_standard_input() -> anyhow::Result<Song> {
     Ok(Song::Embedded { name: "standard input", bytes: bytes.leak() })
 }
 
-/// The scene that an argument names; `-` reads it from standard input.
+/// Returns the scene that `argument` names; for `-`, reads the scene from standard input.
 pub(super) fn scene_of(argument: &(impl AsRef<OsStr> + ?Sized)) -> anyhow::Result<SceneSource> {
     if !is_standard(Path::new(argument)) {
         return Ok(SceneSource::find(argument)?);
@@ -70,7 +70,7 @@ pub(super) fn scene_of(argument: &(impl AsRef<OsStr> + ?Sized)) -> anyhow::Resul
     Ok(SceneSource::Formula(text))
 }
 
-/// Reads at most `limit` bytes from standard input. Messages contain the expected input `what` and an `example`.
+/// Reads at most `limit` bytes from standard input. Error messages name the expected input `what` and an `example`.
 fn standard_input(limit: u64, what: &str, example: &str) -> anyhow::Result<Vec<u8>> {
     let input = std::io::stdin();
     if input.is_terminal() {

@@ -60,7 +60,7 @@ pub(super) struct PlayArguments {
     #[arg(long, value_name = "PERCENT", value_parser = parse_percent, allow_negative_numbers = true)]
     volume: Option<u8>,
     /// Additional delay of the sound, beyond the delay that the device reports; negative for less [default: the last
-    /// delay set with [ and ]]
+    /// delay set with the keys [ and ]]
     #[arg(long, value_name = "MS", value_parser = parse_latency, allow_negative_numbers = true)]
     latency: Option<f64>,
     /// Maximum frames per second [default: the monitor's rate]
@@ -88,8 +88,8 @@ pub(super) struct PlayArguments {
     /// window, at first auto unless a scene is named]
     #[arg(long, value_name = "AUTO-OFF-FILE")]
     show: Option<ShowChoice>,
-    /// Receive OSC messages on this port, from this computer only, or with ADDRESS:PORT on that address; docs/osc.md
-    /// lists the messages
+    /// Receive OSC messages on this port from this computer only, or on a network address given as ADDRESS:PORT;
+    /// docs/osc.md lists the messages
     #[arg(long, value_name = "PORT")]
     osc: Option<Place>,
     /// Send the features of the sound to another program or to lights, by OSC
@@ -98,11 +98,11 @@ pub(super) struct PlayArguments {
     /// OSC messages sent per second
     #[arg(long, value_name = "HZ", default_value = "30", value_parser = parse_osc_rate, allow_negative_numbers = true, requires = "osc_send")]
     osc_rate: f64,
-    /// Listen to MIDI devices; J maps them
+    /// Listen to MIDI devices; key J maps them
     #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
     midi: bool,
-    /// Serve a page on this port with which phones on the network control the show, or with ADDRESS:PORT on that
-    /// address only: J shows the code to scan; docs/remote.md describes the protection
+    /// Serve a page that lets phones on the network control the show, on this port, or only on a network address
+    /// given as ADDRESS:PORT. Key J shows the code to scan; docs/remote.md describes the protection
     #[arg(long, value_name = "PORT")]
     remote: Option<RemotePlace>,
     /// Do not continue the last show, and do not save this show; choices from the settings panel still apply
@@ -126,7 +126,7 @@ pub(super) struct PlayArguments {
 /// Scale factors at which a window is still readable.
 const SCALE_FACTORS: std::ops::RangeInclusive<f64> = 0.1..=20.0;
 
-/// Refuses scale factors with which winit or egui panics. On X11, winit reads this variable.
+/// Refuses scale factors at which winit or egui panics. On X11, winit reads the scale factor from a variable.
 fn check_scale_factor() -> anyhow::Result<()> {
     const NAME: &str = "WINIT_X11_SCALE_FACTOR";
     let value = std::env::var(NAME).unwrap_or_default();
@@ -186,7 +186,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         sliders: BTreeMap::new(),
         remembered: !arguments.new && !arguments.gl_info,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
-        // The saved position fits only the saved size.
+        // Ignore the saved position if the size was given, because the position fits only the saved size.
         place: last.place.filter(|_| arguments.size.is_none()),
         wallpaper: false,
         sends: Vec::new(),
@@ -247,8 +247,8 @@ fn choices_of(arguments: &PlayArguments, remembered: &Choices) -> Choices {
     choices
 }
 
-/// The playlist of the last show, and the position in its first track in seconds. `None` if no track is playable any
-/// more.
+/// Returns the playlist of the last show, and the position in its first track in seconds; `None` if no track can be
+/// played any more.
 fn go_on(list: PathBuf, last: &LastShow, repeat: Repeat, shuffle: bool) -> Option<(Opened, f64)> {
     let repeat = last.repeat.as_deref().and_then(Repeat::named).unwrap_or(repeat);
     let opened = Playlist::open_at(&[list], repeat, last.shuffled || shuffle, Some(last.track)).ok()?;
@@ -275,7 +275,7 @@ fn fits((width, height): (u32, u32)) -> bool {
     sides.contains(&width) && sides.contains(&height) && pixels <= LIMITS.picture_pixels_max
 }
 
-/// The scene of the last show; if it can no longer be shown, reports that and returns the default.
+/// Returns the scene of the last show. If that scene can no longer be shown, reports this and returns the default.
 fn last_scene(name: &str, common: &CommonArguments) -> anyhow::Result<SceneChoice> {
     if let Ok(choice) = common.scene(name.as_ref())
         && choice.source.compile().is_ok_and(|compiled| compiled.scene.is_some())

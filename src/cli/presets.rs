@@ -24,7 +24,7 @@ pub(super) struct Preset {
     /// Maximal length in seconds; `None` for the whole song.
     pub(super) duration: Option<f64>,
     pub(super) sound: bool,
-    /// Sample rate of the sound, in hertz; `None` keeps the song's.
+    /// Sample rate of the sound, in hertz; `None` keeps the song's rate.
     pub(super) sound_rate: Option<u32>,
     /// Duration of the fade from the end into the beginning, in seconds; `None` for no loop.
     pub(super) seam: Option<f64>,

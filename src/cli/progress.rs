@@ -40,7 +40,7 @@ impl Progress {
         }
     }
 
-    /// Reports that `done` frames are finished, `of` a total if it is known.
+    /// Shows that `done` frames are finished. `of` is the total number of frames, if known.
     pub(super) fn reach(&mut self, done: u64, of: Option<u64>) {
         match self {
             Self::Quiet => {}
@@ -53,7 +53,7 @@ impl Progress {
                 bar.set_position(done);
             }
             Self::Lines { since } => {
-                // Start the clock at the first call: shaders are compiled before it.
+                // Start the clock at the first call, because shaders are compiled before that.
                 let now = Instant::now();
                 let since = since.get_or_insert(Since { begun: now, done, reported: now });
                 if since.reported.elapsed() >= LINE_PERIOD {
@@ -65,7 +65,7 @@ impl Progress {
         }
     }
 
-    /// Ends the display, also after an error.
+    /// Ends the line of the bar. Must also be called after an error.
     pub(super) fn end(self) {
         if let Self::Bar { bar, .. } = self {
             bar.abandon();
@@ -75,7 +75,7 @@ impl Progress {
     }
 }
 
-/// A line of progress; `rate` is in frames per second.
+/// Returns a line of progress; `rate` is in frames per second.
 fn line(done: u64, of: Option<u64>, rate: f64) -> String {
     match of.filter(|of| *of > 0) {
         Some(of) => format!(

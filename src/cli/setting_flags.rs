@@ -7,7 +7,7 @@ use super::parse::{parse_corners, parse_crop, parse_fade, parse_percent};
 use crate::config::{Choices, QualityChoice, Setting, with_settings};
 use crate::placement::{Corners, Crop, Flip};
 
-/// Defines a flag for each row of the table that has brackets.
+/// Defines a flag for each table row with brackets.
 macro_rules! define_flags {
     ($( $table:ident { $(
         $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr, $variant:ident

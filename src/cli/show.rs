@@ -37,8 +37,8 @@ impl FromStr for ShowChoice {
 }
 
 impl ShowChoice {
-    /// The show for an export, `None` for `off`. The director chooses among `scenes`, or among the shipped scenes if
-    /// `scenes` is empty.
+    /// Returns the show for an export; `None` for `off`. The director chooses among `scenes`, or among the shipped
+    /// scenes if `scenes` is empty.
     pub(super) fn showing(self, scenes: Vec<SceneSource>) -> Option<Showing> {
         Some(Showing::Show(self.0?, or_shipped(scenes)))
     }

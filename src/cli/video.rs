@@ -131,8 +131,8 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     Ok(print_line(&format!("{written} frames in {}", request.output))?)
 }
 
-/// The scenes with their start times in seconds, sorted. If the director chooses among the scenes (`is_choice`), times
-/// are ignored.
+/// Returns the scenes with their start times in seconds, sorted by time. If the director chooses among the scenes
+/// (`is_choice`), times are ignored.
 fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Result<Vec<(f64, OsString)>> {
     let mut scenes: Vec<(f64, OsString)> = flags.iter().map(|flag| with_time(flag)).collect();
     if is_choice {
@@ -161,7 +161,7 @@ fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Re
     Ok(scenes)
 }
 
-/// A scene and its start time. A path that exists is not split at its @.
+/// Splits a flag into a start time and a scene. Does not split the path of an existing file at an @.
 fn with_time(flag: &OsStr) -> (f64, OsString) {
     let parts = flag.to_str().and_then(|text| text.rsplit_once('@'));
     let timed = parts.and_then(|(scene, time)| Some((parse_seconds(time).ok()?, scene.into())));

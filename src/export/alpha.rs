@@ -29,8 +29,8 @@ pub(super) struct Coverage {
 }
 
 impl Coverage {
-    /// Draws the coverage of `frame` with a program of [`crate::gpu::scene_program::as_coverage`] and keeps it. Turns
-    /// off the frame's grain, which belongs to the composed image.
+    /// Draws the coverage of `frame` with a program of [`crate::gpu::scene_program::as_coverage`] and stores the
+    /// result. Turns off the frame's grain, which belongs to the composed image.
     pub(super) fn draw(
         &mut self,
         renderer: &mut Renderer,
@@ -54,7 +54,7 @@ impl Coverage {
     }
 }
 
-/// Converts premultiplied colours to straight ones, as image files store them.
+/// Converts premultiplied colours to straight colours, which image files store.
 pub(super) fn straight(premultiplied: &[u8]) -> Vec<u8> {
     let of = |[r, g, b, alpha]: [u8; 4]| {
         let (half, whole) = (u32::from(alpha) / 2, u32::from(alpha).max(1));

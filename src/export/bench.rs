@@ -159,7 +159,7 @@ impl Bench<'_> {
         let ways: &[bool] =
             if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
         let mut runs = Vec::new();
-        // In interpreted mode, both rows have the same program.
+        // In interpreted mode, the rows with and without regions have the same program.
         let mut made = None;
         for &regions in ways {
             let (run, program) = self.start_run(renderer, (mode, regions), made.take())?;
@@ -306,7 +306,7 @@ fn measure_edges(
     EdgeSamples::ALL.into_iter().map(report).collect()
 }
 
-/// Peak signal-to-noise ratio between two RGBA images, in dB; infinite if they are equal.
+/// Returns the peak signal-to-noise ratio of two RGBA images, in dB; infinite if the images are equal.
 pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {
     let pairs = picture.as_chunks::<4>().0.iter().zip(reference.as_chunks::<4>().0);
     let squares = pairs.flat_map(|(a, b)| (0..3).map(|i| f64::from(a[i].abs_diff(b[i])).powi(2)));
@@ -352,7 +352,7 @@ struct Made {
     variant: Variant,
     program: Rc<Program>,
     shader_ms: f64,
-    /// Times in ms: of linking the same program again, and of the program's first frame.
+    /// The time of linking the same program again, and the time of the program's first frame, in ms.
     again: Option<[f64; 2]>,
 }
 
@@ -398,7 +398,7 @@ fn milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1000.0
 }
 
-/// Nearest-rank percentile; 0 for no values.
+/// Returns the nearest-rank percentile; 0 if there are no values.
 fn percentile(values: &mut [f64], fraction: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let rank = (fraction * values.len() as f64).ceil() as usize;

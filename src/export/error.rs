@@ -72,7 +72,7 @@ pub enum ExportError {
         /// The output.
         path: PathBuf,
     },
-    /// A setting for an input that no scene has.
+    /// A setting names an input that no scene has.
     #[error("no input is called '{name}': choose one of {inputs} for --set")]
     NoInput {
         /// The name.
@@ -101,9 +101,9 @@ pub enum ExportError {
     LoopTooLong {
         /// Requested length of the loop, in seconds.
         length: f64,
-        /// Length of the song that it needs, in seconds.
+        /// Length of song that the loop and its seam need, in seconds.
         needed: f64,
-        /// Length of the song from the start on, in seconds.
+        /// Length of the song after the start of the loop, in seconds.
         left: f64,
     },
     /// The system cannot start a thread.
@@ -112,7 +112,7 @@ pub enum ExportError {
     /// The image encoder reported an error.
     #[error("the image could not be encoded: {0}")]
     Encode(#[from] image::ImageError),
-    /// Transparency for a scene that draws its own sky.
+    /// Transparency was requested for a scene that draws its own sky.
     #[error(
         "--alpha leaves out the sky, but the scene {scene} draws its own: remove the `color` of its `sky`"
     )]

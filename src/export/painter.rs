@@ -134,8 +134,8 @@ impl HeadlessRenderer {
         Ok(self.renderer.draw_view(&frame, resources, program, (&setup.block, legend.as_deref()))?)
     }
 
-    /// Draws `over`; the fraction `fraction`, 0..1, of the light is from `under`. Views are not mixed: their colours
-    /// are numbers.
+    /// Draws `over`, with the fraction `fraction` (0..1) of the light from `under`. Views are not mixed, because
+    /// their colours stand for numbers.
     pub(super) fn draw_faded(
         &mut self,
         under: (&Model, Frame),
@@ -148,7 +148,7 @@ impl HeadlessRenderer {
         self.draw_over(over.0, over.1, fraction)
     }
 
-    /// Draws a scene; the fraction `fraction`, 0..1, of the light is from the last frame. Views are not mixed.
+    /// Draws a scene, with the fraction `fraction` (0..1) of the light from the last frame. Views are not mixed.
     pub(super) fn draw_over(
         &mut self,
         model: &Model,
@@ -177,7 +177,7 @@ impl HeadlessRenderer {
         Ok(self.renderer.add_flash_limiter(shaders)?)
     }
 
-    /// Dims areas of the last frame that flash too often. The frame is shown `seconds` after the previous one.
+    /// Dims areas of the last frame that flash too often. The frame is shown `seconds` after the previous frame.
     pub(super) fn limit_flashes(&mut self, seconds: f64) -> Result<(), ExportError> {
         Ok(self.renderer.limit_flashes(seconds)?)
     }
@@ -236,7 +236,7 @@ impl Painter {
         Ok(())
     }
 
-    /// Draws the scene at `time` seconds with the sound of that moment, `size` pixels large.
+    /// Draws a frame of `size` pixels at `time` seconds, with the `sound` of that moment.
     ///
     /// # Errors
     /// Fails if the driver reports an error.
@@ -267,7 +267,7 @@ impl Painter {
     }
 }
 
-/// The values at which `set` holds inputs of a scene; ignores inputs that the scene does not have.
+/// Returns the values at which `set` holds inputs of `scene`. Ignores inputs that the scene does not have.
 ///
 /// # Errors
 /// [`ExportError::OutOfRange`] if a value is outside its input's range.
@@ -297,7 +297,7 @@ pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportEr
     Ok(())
 }
 
-/// The mode in which a [`Painter`] draws a scene on a driver.
+/// Returns the mode in which a [`Painter`] draws a scene on a driver.
 pub fn mode_on(choice: SdfChoice, buffers: &TapeBuffers, plan: &RegionPlan, driver: &GlInfo) -> Mode {
     match (choice, Interpreter::fits(buffers, plan, driver)) {
         (SdfChoice::Interpreted, Ok(())) => Mode::Interpreted,

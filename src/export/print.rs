@@ -1,4 +1,4 @@
-//! Printing on standard output and standard error without panics if they are closed or full.
+//! Prints on standard output and standard error. Does not panic if an output is closed or full.
 
 use std::io::{ErrorKind, Write};
 

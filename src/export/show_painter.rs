@@ -38,7 +38,7 @@ pub(super) struct ShowPainter {
     scenes: Vec<Read>,
     /// Scenes and blends on the GPU, the most recently drawn last.
     models: VecDeque<(Drawn, Rc<Model>)>,
-    /// Blends that failed; their scenes fade instead.
+    /// Blends that failed. A fade replaces each of them.
     refused: Vec<Drawn>,
     /// Moment and size of the frozen frame that was drawn last.
     held: Option<(f64, (u32, u32))>,
@@ -123,7 +123,7 @@ impl ShowPainter {
         self.headless_renderer.dim(self.timeline.picture_at(time).brightness)
     }
 
-    /// Draws the oldest frozen frame, and mixes the later ones and the frame of the moment over it.
+    /// Draws the oldest frozen frame, then mixes the later frozen frames and the frame of the moment over it.
     fn draw_anew(
         &mut self,
         (time, sound): Heard,
@@ -141,7 +141,7 @@ impl ShowPainter {
         if fraction < 1.0 { self.draw_over((time, sound), fraction, size) } else { Ok(()) }
     }
 
-    /// Mixes the frame of a moment over the last frame. As in the window, a scene that fades out then is not drawn.
+    /// Mixes the frame of a moment over the last frame. Like the window, draws no scene that fades out.
     fn draw_over(
         &mut self,
         (time, sound): Heard,

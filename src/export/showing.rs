@@ -69,7 +69,8 @@ impl Holding {
         Self { gain, opened, last: Vec::new() }
     }
 
-    /// The frozen frames at `time` seconds ([`ShowPainter::held_at`]), each with its sound. Times must not decrease.
+    /// Returns the frozen frames at `time` ([`ShowPainter::held_at`]), in seconds, and their sounds. Times must not
+    /// decrease.
     pub(super) fn at(
         &mut self,
         painter: &ShowPainter,

@@ -68,7 +68,7 @@ impl SongFeatures {
         Ok(Self { structure: self.structure.clone(), ..Self::open_with(&self.song, start, gain)? })
     }
 
-    /// Finds the whole song's structure, from the cache or by decoding; sounds then have their position in the song.
+    /// Finds the whole song's structure, in the cache or by decoding. Later results contain the position in the song.
     pub fn know_song(&mut self) {
         self.structure();
     }

@@ -143,7 +143,7 @@ fn curves(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) {
     );
 }
 
-/// Divides the values into at most [`COLUMNS_MAX`] chunks. Returns the largest value of each, with its first index.
+/// Divides the values into at most [`COLUMNS_MAX`] chunks. Returns each chunk's largest value and first index.
 fn thinned(values: &[f32]) -> Vec<(usize, f32)> {
     let every = values.len().div_ceil(COLUMNS_MAX).max(1);
     let largest =

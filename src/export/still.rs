@@ -37,7 +37,7 @@ pub struct StillRequest {
     pub output: Output,
     /// The scene.
     pub scene: SceneChoice,
-    /// A show instead of the scene.
+    /// The show to draw instead of the scene.
     pub show: Option<Showing>,
     /// A second scene, blended with the first.
     pub blend: Option<Blend>,
@@ -178,7 +178,7 @@ impl Pixels {
         Self { bytes, has_alpha: false }
     }
 
-    /// Converts premultiplied RGBA bytes to straight ones.
+    /// Converts premultiplied RGBA bytes to straight colours.
     pub(super) fn transparent(rgba: &[u8]) -> Self {
         Self { bytes: straight(rgba), has_alpha: true }
     }

@@ -46,7 +46,7 @@ pub struct VideoRequest {
     pub alpha: bool,
     /// The scenes or the show.
     pub showing: Showing,
-    /// Options of drawing; its scene is not used.
+    /// Options of drawing; the field `source` is ignored.
     pub scene: SceneChoice,
     /// Inputs that are held at a value.
     pub set: Vec<Setting>,
@@ -60,11 +60,11 @@ pub struct VideoRequest {
     pub sound_rate: Option<u32>,
     /// True to show title and artist during the first seconds.
     pub title_card: bool,
-    /// For a loop: duration of the fade from its end into its beginning, in seconds. Requires `duration`.
+    /// Duration of the fade from a loop's end into its beginning, in seconds. Requires `duration`.
     pub seam: Option<f64>,
 }
 
-/// Writes the video or stills. Returns the number of frames. `progress` gets the number so far, and the total if known.
+/// Writes the video or stills. Returns the number of frames. `progress` gets the number so far and the known total.
 ///
 /// # Errors
 /// Fails if the song cannot be decoded, the driver or ffmpeg fails, or the output cannot be written. An incomplete

@@ -1,9 +1,9 @@
 //! Detects that a driver crashed the process: a mark file exists while the driver works on a program, and a left-over
 //! mark shows a crash to the next run.
 //!
-//! A live process holds a lock on its marks, so a mark that can be locked is left over. A killed process leaves marks
-//! too, and a crash leaves the marks of all threads. A wrong guess costs only speed, and the message about the guess
-//! names the file.
+//! A live process holds a lock on its marks, so a mark that can be locked is from a dead process. A killed process
+//! leaves marks too, and a crash leaves the marks of all threads. A wrong guess costs only speed, and the message
+//! about the guess names the file.
 
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};

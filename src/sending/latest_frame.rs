@@ -87,7 +87,7 @@ impl LatestFrame {
         self.lock().news.push(sentence);
     }
 
-    /// Counts a new receiver. The first receiver does not get a frame from before it connected.
+    /// Counts a new receiver. The first receiver gets no frame that is older than its connection.
     pub(super) fn has_receiver(&self) {
         let mut state = self.lock();
         state.reported_slow = false;

@@ -53,7 +53,7 @@ fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
             return;
         }
         let Ok(stream) = stream else {
-            // A cause is too many open files: an immediate retry would fail too.
+            // If too many files are open, an immediate retry would fail too.
             latest_frame.rest(AGAIN);
             continue;
         };

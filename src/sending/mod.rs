@@ -1,5 +1,5 @@
-//! Sends the window's frames to other programs. Each has a thread that takes the latest frame: slow receivers skip
-//! some.
+//! Sends the window's frames to other programs. Each program has a thread that takes the latest frame, so slow
+//! programs skip frames.
 //!
 //! **A receiver never blocks the show.** The show puts a frame into a mailbox ([`LatestFrame`]) and continues. A
 //! receiver that blocks, disconnects or returns causes one message each time ([`Sending::news`]).
@@ -35,7 +35,7 @@ pub enum SendError {
     Thread(std::io::Error),
 }
 
-/// The sending of frames to a target. Dropping this value ends it.
+/// Sends frames to a target until it is dropped.
 pub struct Sending {
     latest_frame: Arc<LatestFrame>,
     target: SenderTarget,

@@ -12,7 +12,7 @@ use super::latest_frame::{LatestFrame, OutgoingFrame};
 use super::{SendError, SenderTarget};
 use crate::y4m::{self, Chroma};
 
-/// A receiver of frames at a constant rate, on its target's thread. Each call may block as long as the receiver likes.
+/// A receiver of frames at a constant rate. Each target has a thread, so each call may block for any time.
 pub(super) trait Receiver: Send + 'static {
     /// Waits for a reader.
     ///

@@ -1,4 +1,4 @@
-//! A camera for other programs, by v4l2loopback. An ioctl sets the format of the device, and writes pass frames to it.
+//! A camera for other programs, by v4l2loopback. An ioctl sets the device's format; each write passes a frame.
 
 #![expect(unsafe_code, reason = "the device's format is set by an ioctl of the kernel")]
 
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn the_format_has_the_kernel_s_layout() {
-        // Values of a C compiler for linux/videodev2.h on 64-bit systems.
+        // Values that a C compiler computes from linux/videodev2.h on 64-bit systems.
         assert_eq!((size_of::<Format>(), std::mem::offset_of!(Format, pixels)), (208, 8));
         assert_eq!(SET_FORMAT, 0xc0d0_5605);
         assert_eq!(std::mem::offset_of!(PixelFormat, colorspace), 24);

@@ -23,7 +23,7 @@ pub(crate) enum Message {
     End,
 }
 
-/// A shared flag: while keys are text, no letter ends the show. The show's thread sets it.
+/// A flag that the show's thread sets while keys type text, so that no letter ends the show.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Typing(Arc<AtomicBool>);
 

@@ -31,8 +31,8 @@ enum State {
 }
 
 impl Output {
-    /// An output for the monitor `wanted`, by name or number; `None` uses no monitor. Windows are requested through
-    /// `proxy`.
+    /// Creates an output on the monitor with the name or number `wanted`; `None` uses no monitor. Requests windows
+    /// through `proxy`.
     pub(crate) fn new(wanted: Option<String>, proxy: EventLoopProxy<WindowMessage>, waker: &Waker) -> Self {
         let mut output = Self {
             proxy,
@@ -158,7 +158,7 @@ impl Output {
         }
     }
 
-    /// The surface, if it must be drawn: for a new frame (`is_new`), or because it is stale.
+    /// Returns the surface if it must be drawn, because a frame is new (`is_new`) or the surface is stale.
     pub(crate) fn due(&mut self, is_new: bool) -> Option<&SecondSurface> {
         let is_stale = std::mem::take(&mut self.is_stale);
         match &self.state {

@@ -23,7 +23,7 @@ pub(crate) struct SharedWindow {
 pub(crate) struct WindowCalls<'a>(&'a SharedWindow);
 
 impl SharedWindow {
-    /// A window whose events arrive on the thread that `events` wakes; `None` if calls do not read their connection.
+    /// Wraps a window whose events arrive on the thread that `events` wakes; `None` if calls never queue events.
     pub(crate) fn new(window: Arc<Window>, events: Option<Waker>) -> Self {
         Self { window, events }
     }

@@ -1,7 +1,7 @@
 //! Runs a show in a window: opens the window and starts the session on the show's thread.
 //!
 //! **Unchanged frames are not drawn.** If no expression of a scene reads the time, only the sound moves the scene.
-//! While the features do not change, the show only analyses.
+//! While the features do not change, the show analyses the sound and draws nothing.
 
 use std::time::Instant;
 
@@ -22,7 +22,7 @@ use crate::shell::window::{Ground, OpenWindow, WindowOptions};
 use crate::shell::window_screen::{Lines, WindowScreen};
 use crate::shell::window_thread;
 
-/// Plays the tracks in a window until the user quits, or once; without tracks, listens to the input in the settings.
+/// Plays the tracks in a window, once or until the user quits. Without tracks, listens to the input in the settings.
 ///
 /// # Errors
 /// Fails if there is no track to play once, or the window cannot be opened or drawn.
@@ -89,7 +89,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
     Ok(window_thread::run(event_loop, input_queue, messages, typing, layers, Box::new(play))?)
 }
 
-/// Adapts settings for a wallpaper or screen saver's window. Also returns its [`Ground`]; `None` for a normal window.
+/// Adapts settings for a wallpaper or screen saver. Also returns its [`Ground`]; `None` for a normal window.
 fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option<Ground>)> {
     let ground = if settings.wallpaper && is_wayland() {
         // XWayland windows cannot be the background of a Wayland desktop.

@@ -43,7 +43,7 @@ pub(crate) struct WindowOptions {
     pub title: String,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Position of its frame on the desktop, in pixels; `None` leaves it to the system.
+    /// Position of the window's frame on the desktop, in pixels; `None` lets the system choose.
     pub place: Option<(i32, i32)>,
     pub visible: bool,
     pub log_debug: bool,
@@ -68,7 +68,7 @@ pub(crate) struct GlWindowContext {
     surface: Surface<WindowSurface>,
     config: glutin::config::Config,
     window: SharedWindow,
-    /// The size in the last event. A query about a window that another program has closed would end the process.
+    /// The size in the last event. A query would end the process if another program has closed the window.
     size: Cell<(u32, u32)>,
     /// The position in the last event; `None` if the window system does not report it.
     place: Cell<Option<(i32, i32)>>,
@@ -76,7 +76,8 @@ pub(crate) struct GlWindowContext {
 }
 
 impl OpenWindow {
-    /// Opens a window whose events arrive on the thread behind `events`. The second result is that thread's own handle.
+    /// Opens a window whose events arrive on the thread behind `events`. The second result is that thread's own
+    /// handle.
     pub(crate) fn open(
         event_loop: &ActiveEventLoop,
         events: &EventLoopProxy<WindowMessage>,
@@ -175,7 +176,7 @@ impl GlWindowContext {
     pub(crate) fn let_go(self) -> OpenWindow {
         let Self { gl, context, surface, config, window, size, place, refresh_rate } = self;
         drop(gl);
-        // A surface that is current would stay alive, and a window cannot have two.
+        // A surface that is current would stay alive, and a window cannot have two surfaces.
         if let Err(error) = context.make_not_current() {
             tracing::warn!("the old context cannot be released: {error}");
         }
@@ -263,11 +264,11 @@ pub(crate) fn shared(
     SharedWindow::new(window, events)
 }
 
-/// The smallest part of a window's upper edge, width and height in pixels, by which the user can still drag it.
+/// Width and height of the smallest part of a window's upper edge by which the user can drag the window, in pixels.
 const GRASP: (i64, i64) = (64, 24);
 
-/// True if the upper edge of a window, whose frame begins at `place`, can be reached on one of the monitors (positions
-/// and sizes). The monitor of a saved position may have been disconnected.
+/// True if the user can reach the upper edge of a window's frame at `place` on a monitor (positions and sizes). The
+/// monitor of a saved position may have been disconnected.
 fn can_be_grasped(
     place: (i32, i32),
     size: (u32, u32),

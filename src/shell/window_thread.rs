@@ -30,8 +30,8 @@ const END_WAIT: Duration = Duration::from_secs(6);
 
 pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + Send>;
 
-/// Opens a window and runs `play` on a separate thread, which gets the window's events through `messages`, until
-/// either ends. `typing` is true while keys are text. With `layers`, their surfaces show the frame instead.
+/// Opens a window and runs `play` on a separate thread, which gets the events through `messages`. Returns when either
+/// ends. `typing` is true while keys type text. `layers` show the frame instead of the window.
 pub(crate) fn run(
     event_loop: EventLoop<WindowMessage>,
     input_queue: WindowOptions,
@@ -102,7 +102,7 @@ impl Front {
         window.set_visible(visible);
         let proxy = self.proxy.clone();
         let show = move || {
-            // Sent however the show ends, even by a panic.
+            // Reports the end of the show, even after a panic.
             let _tells = EndNotifier(proxy);
             play(opened)
         };

@@ -17,7 +17,7 @@ impl LiveDirector {
         Self { prepared_show, director }
     }
 
-    /// Passes features to the director. Returns another show when the scene changes.
+    /// Passes features to the director. Returns a new show when the scene changes.
     pub fn hear(&mut self, heard: Hearing) -> Option<PreparedShow> {
         let timeline = self.director.hear(heard)?;
         Some(self.prepared_show.with_timeline(Some(timeline)))

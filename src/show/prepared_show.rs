@@ -97,7 +97,8 @@ impl PreparedShow {
         self.chosen_by == ChosenBy::User
     }
 
-    /// Replaces the `refused` scenes. Returns `None` if no scene is left, or if the user chose the scenes.
+    /// Replaces `refused` scenes by other scenes of the show. Returns `None` if all are refused or the user chose
+    /// them.
     pub fn without(&self, refused: &[SceneSource]) -> Option<Self> {
         if self.is_by_user() {
             return None;
@@ -106,12 +107,12 @@ impl PreparedShow {
         Some(Self { show: self.show.without(is_refused)?, ..self.clone() })
     }
 
-    /// Descriptions of the scenes; for the director's shows, of all scenes that it may choose.
+    /// Returns descriptions of the scenes; in a director's show, of all scenes that the director may choose.
     pub(super) fn cards(&self) -> &[SceneCard] {
         self.show.cards()
     }
 
-    /// Scenes that begin with a cut at the given times, in seconds.
+    /// Returns a show that cuts to each scene at its time, in seconds.
     pub fn of_cuts(scenes: impl IntoIterator<Item = (f64, SceneSource)>) -> Self {
         let mut prepared_show = Self::default();
         let mut clips = Vec::new();
@@ -129,8 +130,8 @@ impl PreparedShow {
         prepared_show.with_timeline(Timeline::new(clips))
     }
 
-    /// The show of a song, from a file or from the director, who chooses among those `scenes` that have no mistakes.
-    /// The second result reports entries that do not fit the song.
+    /// Returns the show of a song, from a file or from the director, who chooses among those `scenes` that have no
+    /// mistakes. The second result reports entries that do not fit the song.
     ///
     /// # Errors
     /// [`ShowError`]
@@ -167,8 +168,8 @@ impl PreparedShow {
         Ok(Self { show, scenes: sources, chosen_by: ChosenBy::Director })
     }
 
-    /// The show that a text describes for a song, and a report of the entries that do not fit the song. Scenes are
-    /// files in `folder` or shipped ones. Messages call the text `name`.
+    /// Returns the show that `text` describes for a song, and a report of the entries that do not fit the song.
+    /// Scenes are files in `folder` or shipped scenes. Messages call the text `name`.
     ///
     /// # Errors
     /// [`ShowError::CueList`] if the text has mistakes.
@@ -188,7 +189,7 @@ impl PreparedShow {
         Ok((Self { show, scenes, chosen_by: ChosenBy::User }, reported))
     }
 
-    /// The same show after the key for cues was pressed at these times, in seconds.
+    /// Returns the same show, with the key for cues pressed at the times `cues`, in seconds.
     pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
         Self { show: self.show.with_cues(song, cues), ..self.clone() }
     }
@@ -218,7 +219,7 @@ impl PreparedShow {
         self.scenes.get(scene)
     }
 
-    /// The blend of a clip's scene with the next clip's scene; `None` if either is unknown.
+    /// Returns the blend of the scene in `from` with the scene in `to`; `None` if either scene is unknown.
     pub fn blend(&self, from: &Clip, to: &Clip, kind: BlendKind) -> Option<SceneBlend> {
         let seen = |clip: &Clip| {
             Some(SeenScene { source: self.source(&clip.scene)?.clone(), camera: clip.camera.clone() })
@@ -238,7 +239,7 @@ impl PreparedShow {
         names.into_iter().filter_map(|name| self.source(name)).collect()
     }
 
-    /// The show as the text of a show file, after lines of comments.
+    /// Returns the text of a show file for this show, with `comments` as its first lines.
     pub fn text(&self, comments: &[String]) -> String {
         self.show.text(comments)
     }
@@ -257,7 +258,7 @@ pub fn name_of(source: &SceneSource) -> String {
 fn read(path: &Path) -> Result<String, ShowError> {
     let unreadable =
         |error: std::io::Error| ShowError::Unreadable { path: path.to_owned(), reason: error.to_string() };
-    // Checked before opening, because opening a pipe waits for a writer.
+    // Check this before opening the file, because opening a pipe waits for a writer.
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
         let reason = "it is no regular file".to_owned();
         return Err(ShowError::Unreadable { path: path.to_owned(), reason });

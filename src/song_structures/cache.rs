@@ -43,7 +43,7 @@ impl StructureCache {
         Self { folder: Some(path) }
     }
 
-    /// The key of `content`; `None` if nothing is cached, the content cannot be read, or `go_on` returns false.
+    /// Returns the key of `content`; `None` without a folder, for unreadable content, or if `go_on` returns false.
     pub(super) fn key(&self, content: &Content, go_on: &dyn Fn() -> bool) -> Option<StructureKey> {
         self.folder.as_ref()?;
         // Two 64-bit hashes. If another version of Rust hashes differently, the song is analysed again.
@@ -70,7 +70,7 @@ impl StructureCache {
         if structure.is_none() {
             tracing::info!("{} is damaged and will be replaced", path.display());
         } else {
-            // Updates the time of use. If that fails, the file is deleted a little earlier.
+            // Update the time of use. If that fails, the cache may delete this file too early.
             let _ = File::options().write(true).open(path).and_then(|it| it.set_modified(SystemTime::now()));
         }
         structure

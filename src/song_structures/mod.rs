@@ -14,7 +14,7 @@ use mariana_player::track::Content;
 pub use cache::StructureCache;
 pub use reader::SongReader;
 
-/// The structure of a song, from the cache or by decoding it now.
+/// Returns the structure of a song, from the cache or by decoding the song now.
 pub fn structure_of(song: &Song, cache: &StructureCache) -> SongStructure {
     let open =
         || Some(song.open().map(|decoder| Box::new(decoder) as Box<dyn FrameSource>).map_err(Into::into));
@@ -22,8 +22,8 @@ pub fn structure_of(song: &Song, cache: &StructureCache) -> SongStructure {
     find(Some(&content), open, cache, &|| true).flatten().unwrap_or_default()
 }
 
-/// The structure of `content` from the cache, or of the source that `open` returns. The inner `None` means that the
-/// source cannot be opened, the outer one that `go_on` returned false.
+/// Returns the structure of `content` from the cache, or of the source that `open` returns. The inner `None` means
+/// that the source cannot be opened; the outer `None` means that `go_on` returned false.
 fn find(
     content: Option<&Content>,
     open: impl FnOnce() -> Option<Result<Box<dyn FrameSource>, SourceError>>,

@@ -45,7 +45,7 @@ pub enum Switch {
 }
 
 impl Switch {
-    /// Returns the state of a switch that is now `on`.
+    /// Returns the new state of a switch whose current state is `on`.
     pub fn applied_to(self, on: bool) -> bool {
         match self {
             Self::On => true,
@@ -102,7 +102,7 @@ pub enum Sender {
     Desktop,
 }
 
-/// The kind of value that a controller sends for a command, and the command it becomes.
+/// The kind of value that a controller sends for a command, and the function that makes the command.
 #[derive(Debug, Clone, Copy)]
 pub enum Control {
     /// A button without a value.
@@ -189,8 +189,8 @@ impl Command {
         })
     }
 
-    /// Returns the command for a key press. `repeated` is true for the repeats of a held key. Ctrl, Alt and Super are
-    /// left to the desktop.
+    /// Returns the command for a key press. `repeated` is true for the repeats of a held key. Returns `None` while
+    /// Ctrl, Alt or Super is held: these keys belong to the desktop.
     pub fn of_key(key: &Key, held: Modifiers, repeated: bool) -> Option<Self> {
         if held.intersects(Modifiers::CONTROL | Modifiers::ALT | Modifiers::SUPER) {
             return None;
@@ -218,7 +218,7 @@ impl Command {
         self.row().bindings.iter().find(|binding| binding.keys.iter().any(|(_, bound)| bound == self))
     }
 
-    /// Returns true if the command would switch something to the state it already has.
+    /// Returns true if the command would change nothing, because the switch has the wanted state already.
     pub fn is_done_already(&self, state: &ShowState) -> bool {
         let Row { control: Some(Control::Switch(command)), is_on: Some(is_on), .. } = self.row() else {
             return false;
@@ -239,12 +239,12 @@ pub fn for_phones() -> &'static [ActionRow] {
     TABLE.get_or_init(|| ROWS.iter().filter(|row| row.for_phones).filter_map(Row::for_controllers).collect())
 }
 
-/// The named switches with their states.
+/// Returns the named switches with their states.
 pub fn switches(state: &ShowState) -> Vec<(&'static str, bool)> {
     ROWS.iter().filter_map(|row| Some((row.name?, (row.is_on?)(state)))).collect()
 }
 
-/// The named levels that have a value now, 0..1.
+/// Returns the values, 0..1, of the named levels. Leaves out levels that have no value now.
 pub fn levels(state: &ShowState) -> Vec<(&'static str, f32)> {
     ROWS.iter().filter_map(|row| Some((row.name?, (row.level?)(state)?))).collect()
 }

@@ -10,12 +10,12 @@ use mariana_player::track::Repeat;
 use mariana_scenes::SceneSource;
 use mariana_settings::{KnobEdit, Setting};
 
-/// The distance of a seek by key, in seconds.
+/// The step of the seek keys, in seconds.
 pub const SEEK_SECONDS: f64 = 5.0;
-/// The step of the volume by key, on a scale of 0..1.
+/// The step of the volume keys, on a scale of 0..1.
 pub const VOLUME_STEP: f32 = 0.05;
 
-/// The step of the image delay by key, in milliseconds.
+/// The step of the image delay keys, in milliseconds.
 pub const SHIFT_STEP_MS: f64 = 5.0;
 
 /// Defines [`Command`] and its table from one row per command.
@@ -139,13 +139,13 @@ commands! {
     }
     /// Sets the repeat mode.
     Repeat(Repeat) {}
-    /// Plays this entry of the track list, from 0.
+    /// Plays the entry of the track list with this index, from 0.
     PlayTrack(usize) {}
-    /// Removes this entry from the track list, from 0.
+    /// Removes the entry with this index, from 0, from the track list.
     RemoveTrack(usize) {}
     /// Moves an entry of the track list from the first index to the second.
     MoveTrack((usize, usize)) {}
-    /// Plays the tracks and shows the scenes among these files.
+    /// Plays the tracks and shows the scenes in this list of files.
     Open(Files) {}
     /// Switches to the next audio source.
     NextSource {
@@ -213,7 +213,7 @@ commands! {
         control: Some(Control::Scene(C::Scene)),
         help: "show this scene, by title or by number; marked scenes come first",
     }
-    /// Shows this entry of the list of scenes, from 0. Marked scenes come first.
+    /// Shows the entry of the scene list with this index, from 0. Marked scenes come first.
     SceneAt(usize) {
         bindings: &[Binding {
             keys: &[
@@ -295,7 +295,7 @@ commands! {
             Key::Character("c") => C::ToggleMode, "C", "interpreted or compiled formulas; the image is the same"
         )],
     }
-    /// Uses the shortened tapes of cells, or the whole tape everywhere.
+    /// Uses a shortened tape in each cell, or the whole tape everywhere.
     ToggleRegions {
         bindings: &[keys!(
             Key::Character("r") => C::ToggleRegions, "R", "skip empty space or not; the image is the same"
@@ -456,7 +456,7 @@ pub struct TurnedNumbers {
 /// A delay of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delay {
-    /// Milliseconds; negative is earlier.
+    /// Milliseconds; a negative delay advances the image.
     pub milliseconds: f64,
     /// True once the user has released the control: then the value is saved.
     pub settled: bool,

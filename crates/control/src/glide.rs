@@ -12,7 +12,7 @@ pub struct Glide {
     seconds: f32,
 }
 
-/// Smoothing times until arrival. Then e⁻⁷ of the distance is left, less than a thousandth.
+/// A movement ends after this many smoothing times, when less than a thousandth (e⁻⁷) of the distance is left.
 const TIMES: f64 = 7.0;
 
 impl Glide {
@@ -21,13 +21,13 @@ impl Glide {
         Self { from: value, to: value, since: 0.0, seconds: 0.0 }
     }
 
-    /// Starts a movement from the value at `now` to `to`, with a smoothing time of `seconds`.
+    /// Starts a movement from the value at the time `now` to the value `to`, with a smoothing time of `seconds`.
     #[must_use]
     pub fn towards(self, to: f32, seconds: f32, now: f64) -> Self {
         Self { from: self.value(now), to, since: now, seconds: seconds.max(0.0) }
     }
 
-    /// Returns the value at `now`, in seconds. Before the movement starts, returns the start value.
+    /// Returns the value at the time `now`, in seconds. Before the movement starts, returns the start value.
     pub fn value(&self, now: f64) -> f32 {
         if !self.moves(now) {
             return self.to;

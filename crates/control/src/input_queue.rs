@@ -71,11 +71,11 @@ impl Refusals {
 /// The input since the last frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct InputBatch {
-    /// The newest change of each parameter, in the order of their first mention.
+    /// The newest change of each parameter, in the order in which the parameters first changed.
     pub params: Vec<ParamChange>,
     /// The actions in order.
     pub actions: Vec<Action>,
-    /// The newest value of each knob that moved, in the order of their first movement.
+    /// The newest value of each knob that moved, in the order in which the knobs first moved.
     pub knobs: Vec<KnobMove>,
     /// The arrival time of the first input.
     pub since: Option<Instant>,
@@ -133,7 +133,7 @@ impl InputQueue {
         });
     }
 
-    /// Queues an action. Only the newest of consecutive numbers for the same action is kept.
+    /// Queues an action. If the last queued action is the same action with another number, replaces this number.
     pub fn act(&self, action: Action) {
         self.put(|pending| {
             let actions = &mut pending.batch.actions;

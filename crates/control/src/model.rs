@@ -76,7 +76,7 @@ struct Held {
 /// The changed parameters of all scenes, with their origins and targets.
 ///
 /// Scenes are identified by their titles, so that changes persist when the show returns to a scene. A show controls a
-/// parameter until a user changes the parameter. The show's next movement of the parameter takes it back.
+/// parameter until a user changes the parameter. The show regains control with its next movement of the parameter.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Model {
     scenes: BTreeMap<String, BTreeMap<String, Held>>,

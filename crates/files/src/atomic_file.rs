@@ -2,10 +2,10 @@
 //! replaces the target at the end, so the previous file survives a failure.
 //!
 //! The content is synced to the disk before the rename: after a power failure the folder has either the old file or
-//! the new one. A temporary file is removed when it is dropped and by a signal that ends the process
-//! ([`crate::ending::begin`]). After a crash, the next run that writes into the folder removes it. The writer locks
-//! its temporary file while the process lives, so a file that can be locked is abandoned. A process id in the name
-//! would not identify abandoned files, because containers and machines that share a folder have separate process ids.
+//! the new one. A temporary file is removed on drop, and when a signal ends the process ([`crate::ending::begin`]).
+//! After a crash, the next run that writes into the folder removes the file. The writer locks its temporary file
+//! while the process lives, so a file that can be locked is abandoned. A process id in the name would not identify
+//! abandoned files, because containers and machines that share a folder have separate process ids.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
@@ -22,7 +22,7 @@ const PREFIX: &str = ".mariana-unfinished-";
 /// Maximum number of attempts to create a temporary file: another run may remove the file before it is locked.
 const ATTEMPTS: usize = 8;
 
-/// Error: a file cannot be written.
+/// The error when a file cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{} cannot be written ({reason})", path.display())]
 pub struct Unwritable {
@@ -36,7 +36,7 @@ pub struct Unwritable {
 /// a crash.
 #[derive(Debug)]
 pub struct Unfinished {
-    // Open and locked while it exists.
+    // The file stays open and locked.
     file: NamedTempFile,
     undo: Undo,
 }
@@ -131,8 +131,8 @@ fn is_held(_file: &File) -> bool {
     true
 }
 
-/// Removes abandoned files in `folder`, unless the previous call was for the same folder, because a program may write
-/// thousands of stills into one folder.
+/// Removes abandoned files in `folder`. Skips the folder of the previous call, because a program may write thousands
+/// of stills into one folder.
 fn remove_abandoned_once(folder: &Path) {
     static LAST: Mutex<Option<PathBuf>> = Mutex::new(None);
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
@@ -311,7 +311,7 @@ mod tests {
         std::fs::write(file.temporary(), "new").unwrap();
         file.commit().unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
-        // A temporary file that was deleted is an error.
+        // The commit fails if the temporary file was deleted.
         let file = AtomicFile::create(&path).unwrap();
         std::fs::remove_file(file.temporary()).unwrap();
         let message = file.commit().unwrap_err().to_string();

@@ -63,9 +63,9 @@ pub fn asked_to_end() -> Option<Signal> {
     Signal::of(ASKED.load(Ordering::Acquire))
 }
 
-/// Handles signals that ask the program to end. The first signal calls `answer` on a separate thread. A signal that
-/// comes a second later or more ends the process with [`end_now`]. A signal that is ignored at the start, as under
-/// `nohup`, stays ignored. Call this once.
+/// Handles signals that ask the program to end. The first signal calls `answer` on a separate thread. A signal at
+/// least a second later ends the process with [`end_now`]. A signal that is ignored at the start, as under `nohup`,
+/// stays ignored. Call this once.
 ///
 /// # Errors
 /// Fails with the system's error if the thread or the handlers cannot be created. Signals then end the process as
@@ -116,7 +116,7 @@ fn ignored_signals() -> u64 {
 pub fn outlive_file_limits() {
     #[cfg(unix)]
     {
-        /// Never read. A handled signal makes the write fail instead of ending the process.
+        /// This flag is never read: handling the signal is enough to make the write fail.
         static TAKEN: AtomicBool = AtomicBool::new(false);
         // If the registration fails, the default action stays.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &TAKEN);

@@ -34,7 +34,7 @@ impl Folders {
         }
     }
 
-    /// Returns subfolders of `folder`. MIDI ports are the system's.
+    /// Returns subfolders of `folder`. Uses the system's MIDI ports.
     pub fn within(folder: &Path) -> Self {
         let part = |name: &str| Some(folder.join(name));
         Self {

@@ -35,7 +35,7 @@ pub enum HeadError {
 }
 
 impl HeadError {
-    /// Returns the HTTP status to answer with, or `None` if the client is gone.
+    /// Returns the HTTP status of the answer, or `None` if the client is gone.
     pub fn status(self) -> Option<&'static str> {
         match self {
             Self::Gone => None,
@@ -95,7 +95,7 @@ pub struct HeadBounds {
     pub time_max: Duration,
 }
 
-/// Reads a head. Returns it with the bytes after it.
+/// Reads a head. Returns the head, and the bytes that were read after it.
 ///
 /// # Errors
 /// Fails if the client is gone, the bytes are not HTTP, or the head exceeds `bounds`.
@@ -154,7 +154,7 @@ pub fn answer_in_words(stream: &TcpStream, status: &str, words: &str, within: Du
     answer(stream, status, &fields, format!("{words}\n").as_bytes(), within);
 }
 
-/// Closes a connection after reading the rest of the request: unread bytes would reset it and discard the answer.
+/// Closes a connection after reading the rest of the request, because unread bytes would discard the answer.
 pub fn part(mut stream: &TcpStream) {
     let _ = stream.shutdown(Shutdown::Write);
     let end = Instant::now() + PARTING_TIME;

@@ -18,7 +18,7 @@ pub struct PairingAddress {
     pub url: String,
     /// The QR code of the URL.
     pub code: Option<Code>,
-    /// True if only this computer can open it.
+    /// True if only this computer can open the address.
     pub is_local: bool,
 }
 
@@ -35,7 +35,7 @@ impl PairingAddress {
     }
 }
 
-/// Returns the address that phones can use. For an unspecified address, this is the address of the default route's
+/// Returns the address that phones can use. If `listens` is unspecified, returns the address of the default route's
 /// interface.
 fn reachable(listens: IpAddr) -> IpAddr {
     if !listens.is_unspecified() {

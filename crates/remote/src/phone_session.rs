@@ -15,7 +15,7 @@ use crate::message::{Asked, Refused, understand};
 use crate::server::Shared;
 use crate::state_delta::SentState;
 
-/// The message sent without news, so that the page knows that the connection is alive.
+/// The message that is sent when there is no news, so that the page knows that the connection is alive.
 const ALIVE: &str = "{}";
 const READ_BYTES: usize = 4 << 10;
 

@@ -10,7 +10,7 @@ use crate::token::Token;
 pub(crate) enum Route {
     /// An embedded file, and the host that the request names.
     Text(&'static Asset, String),
-    /// The page without its trailing slash, which relative links need.
+    /// The page's address without the trailing slash that relative links need.
     Slash,
     /// The preview image of the scene with this title.
     Picture(String),

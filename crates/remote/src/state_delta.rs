@@ -113,7 +113,7 @@ fn was_there<T: PartialEq>(before: Option<&Present>, list: fn(&Present) -> &Vec<
     before.is_some_and(|before| list(before).contains(one))
 }
 
-/// The names and ranges of the parameters, which do not change with the values.
+/// Returns the names and ranges of the parameters, which stay the same when values change.
 fn shape(present: &Present) -> impl Iterator<Item = (&str, [f32; 3])> {
     present.params.iter().map(|param| (&*param.name, [param.min, param.max, param.default]))
 }

@@ -24,7 +24,7 @@ impl Token {
         &self.0
     }
 
-    /// Compares with a guess in constant time.
+    /// Compares the token with a guess in constant time.
     pub(crate) fn is(&self, guess: &str) -> bool {
         let (own, guess) = (self.0.as_bytes(), guess.as_bytes());
         let letter = |place: usize| guess.get(place).copied().unwrap_or_default();

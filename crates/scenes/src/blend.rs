@@ -1,4 +1,4 @@
-//! Blends of two scenes: the source, and how it is loaded.
+//! Blends of two scenes, and loading them.
 
 use std::path::PathBuf;
 use std::sync::Arc;

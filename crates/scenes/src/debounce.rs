@@ -20,8 +20,8 @@ pub(super) struct Waits {
     pub quiet: Duration,
     /// Maximum delay of a read while events continue, a writer has the file open, or a file is missing.
     pub patience: Duration,
-    /// Interval of checks without events. Events may be lost if a parent folder was replaced or the file is on a
-    /// network.
+    /// Interval of the checks that need no event, because events are lost if a parent folder was replaced or the file
+    /// is on a network.
     pub look: Duration,
     /// Interval of checks on systems without events.
     pub look_blind: Duration,

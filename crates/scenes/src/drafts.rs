@@ -27,7 +27,7 @@ struct Shared {
     findings: Vec<Findings>,
 }
 
-/// Results of loading a scene, for the editor of its text.
+/// The results of loading a scene, for the editor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Findings {
     /// The scene.
@@ -66,8 +66,8 @@ impl Drafts {
         self.change(|texts| Arc::make_mut(&mut texts.texts).remove(file))
     }
 
-    /// Sets the numbers of a file that are being turned, with their ranges. `None` ends the turning. Returns the new
-    /// version.
+    /// Sets which numbers of a file a controller is turning, with their ranges; `None` if it turns none. Returns the
+    /// new version.
     pub fn turn(&self, turning: Option<(&Path, &[Turning])>) -> u64 {
         self.change(|texts| texts.turning = turning.map(|(file, turning)| (file.into(), turning.into())))
     }
@@ -106,7 +106,7 @@ impl Drafts {
 }
 
 impl Findings {
-    /// Findings of loading `source` from these texts.
+    /// Returns the findings of the load of `source` from these texts.
     pub fn of(source: &SceneSource, drafts: &DraftTexts, result: &Result<ReadyScene, SceneError>) -> Self {
         let mut texts: Vec<PathBuf> = source.file().map(Path::to_owned).into_iter().collect();
         let mut numbers = Vec::new();

@@ -14,7 +14,7 @@ pub struct FoundMistakes {
     pub sources: Sources,
 }
 
-/// A scene that cannot be loaded. Each message names the problem, its position and a remedy.
+/// The error when a scene cannot be loaded. Each message names the problem, its position and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The word is not a scene's name.

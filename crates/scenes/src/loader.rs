@@ -103,7 +103,7 @@ impl<T: Send + 'static> Loader<T> {
         Ok(Self { requests, shared })
     }
 
-    /// Requests `source` and watches it instead of the previous one. The request replaces a request that has not
+    /// Requests `source`, and watches it instead of the previous source. The request replaces a request that has not
     /// started. A request of the same source loads the source again.
     pub fn request(&self, source: SceneSource) {
         if self.requests.send(Message::Load(source)).is_err() {
@@ -118,7 +118,7 @@ impl<T: Send + 'static> Loader<T> {
         }
     }
 
-    /// Returns the newest result once. Never blocks.
+    /// Returns the newest result, unless it was returned before. Never blocks.
     pub fn poll(&self) -> Option<Loaded<T>> {
         match self.shared.newest.try_lock() {
             Ok(mut newest) => newest.take(),
@@ -223,7 +223,7 @@ where
         self.load(Current { source, seen });
     }
 
-    /// Records files that look changed although no event arrived.
+    /// Finds files that look changed although no event arrived.
     fn look(&mut self) {
         let Some(current) = &self.current else { return };
         self.watch.set(&current.files());

@@ -46,8 +46,8 @@ type Identity = Option<(u64, u64)>;
 const LINKS_MAX: usize = 16;
 
 impl Watch {
-    /// Creates a watch without files. The watch calls `tell` on its own thread with each file that may have changed,
-    /// under the name passed to [`Self::set`].
+    /// Creates a watch without files. On its own thread, the watch calls `tell` with the path of each file that may
+    /// have changed, as passed to [`Self::set`].
     pub(super) fn new(tell: Tell) -> Self {
         let mut watch = Self::blind();
         let known = Arc::clone(&watch.wanted);

@@ -90,7 +90,7 @@ macro_rules! define_settings {
         )*)* }
 
         $( impl $table {
-            /// Returns the rows of the panel. Values that differ from `remembered` are marked as for this run only.
+            /// Returns the rows of the panel. Marks values that differ from `remembered` as values for this run only.
             pub fn rows(&self, remembered: &Self) -> Vec<SettingRow> {
                 vec![$( $( SettingRow {
                     name: $name.to_owned(),

@@ -52,7 +52,7 @@ impl KeptSettings {
         loop {
             match self.writer_thread.poll()? {
                 Err(error) => return Some(error),
-                // Other windows also write the file. Changes still to be written are newer than the result.
+                // Other windows also write the file. While a change waits to be written, the result is outdated.
                 Ok(settings) if self.writer_thread.is_idle() => self.settings = settings,
                 Ok(_) => {}
             }

@@ -44,9 +44,9 @@ pub enum KnobsError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// The mistake in it.
+        /// The mistake in the file.
         reason: MappingsError,
-        /// The name under which it will be kept.
+        /// The new name of the file.
         aside: PathBuf,
     },
     /// The system reports an error.
@@ -83,7 +83,7 @@ impl KnobMemory {
         &self.file
     }
 
-    /// The current mappings, for updating the pick-up state of knobs.
+    /// The current mappings. The pick-up state of the knobs may be changed.
     pub fn file_mut(&mut self) -> &mut MappingFile {
         &mut self.file
     }

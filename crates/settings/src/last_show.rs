@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::settings::{SettingsError, refused};
 use mariana_files::atomic_file::AtomicFile;
 
-/// The state of the last show. A missing field counts as no previous show.
+/// The state of the last show. A missing field has its default value.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LastShow {
@@ -41,8 +41,8 @@ pub(super) fn tracks_file(settings: &Path) -> PathBuf {
     settings.with_file_name("last tracks.m3u8")
 }
 
-/// Writes the track list next to the settings file `settings`, or removes the old list if `tracks` is empty, or if
-/// M3U8 cannot hold a path because it contains a line break or is not valid UTF-8.
+/// Writes the track list next to the settings file `settings`. Removes the old list if there are no `tracks`, or if a
+/// path does not fit into M3U8 because the path contains a line break or is not valid UTF-8.
 pub(super) fn keep_tracks(settings: &Path, tracks: Option<&[PathBuf]>) -> Result<(), SettingsError> {
     let file = tracks_file(settings);
     let lines = tracks.filter(|tracks| !tracks.is_empty()).and_then(|tracks| {

@@ -44,7 +44,7 @@ impl PerformanceFiles {
         Self { writer_thread: folder.map(start) }
     }
 
-    /// Writes or replaces performance `number`; `text` runs on the writer thread. Returns `false` without a folder.
+    /// Writes or replaces performance `number`. `text` runs on the writer thread. Returns `false` without a folder.
     pub fn keep(&self, number: u64, title: &str, text: impl FnOnce() -> String + Send + 'static) -> bool {
         let job = Job { number, title: title.to_owned(), text: Box::new(text) };
         self.writer_thread.as_ref().is_some_and(|writer_thread| writer_thread.give(job))

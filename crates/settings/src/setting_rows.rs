@@ -40,7 +40,7 @@ pub enum Values {
         /// Turns a whole percentage into the setting.
         setting: OfPercent,
     },
-    /// The delay of the image for a device, in milliseconds; negative is earlier.
+    /// The delay of the image for a device, in milliseconds; a negative delay advances the image.
     Delay(f64),
 }
 
@@ -62,7 +62,7 @@ impl PartialEq for OfPercent {
 }
 
 pub(super) trait Shown: Sized {
-    /// Returns the possible values; `setting` wraps one into a setting.
+    /// Returns the possible values. `setting` makes a setting of a value.
     fn values(&self, setting: fn(Self) -> Setting) -> Values;
 
     /// Returns the explanation of the row while this value is chosen.

@@ -54,9 +54,9 @@ macro_rules! with_settings {
                 /// True to show hints over the image. Errors and requested panels always appear.
                 #[serde(with = "by_name", skip_serializing_if = "is_on")]
                 hints: bool = true, Hints
-                    { "Hints", "Title, messages and the bar; without them, G still opens this panel" };
+                    { "Hints", "Title, messages and the bar; without them, key G still opens this panel" };
 
-                /// True to preview the next scene in a window without a second monitor.
+                /// True to show a preview of the next scene even without a second monitor.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 next_scene: bool = false, NextScene
                     { "Next scene",
@@ -71,7 +71,7 @@ macro_rules! with_settings {
                 #[serde(deserialize_with = "percent", skip_serializing_if = "is_full")]
                 brightness: u8 = 100, Brightness
                     { "Brightness",
-                      "Brightness of the image, in the window and wherever it is sent; X is blackout" }
+                      "Brightness of the image, in the window and wherever it is sent; key X fades to black" }
                     [ value_name = "PERCENT", value_parser = parse_percent, allow_negative_numbers = true;
                       "Brightness of the image in the window, in percent [default: the setting there, initially 100]" ];
 
@@ -79,14 +79,14 @@ macro_rules! with_settings {
                 #[serde(deserialize_with = "fade", skip_serializing_if = "is_usual")]
                 blackout_fade: f64 = FADE_SECONDS, BlackoutFade
                     { "Blackout fade",
-                      "Duration of a blackout (X) fade, and of the return from a frozen image (Z)" }
+                      "Duration of a blackout fade (key X), and of the return from a frozen image (key Z)" }
                     [ value_name = "SECONDS", value_parser = parse_fade, allow_negative_numbers = true;
-                      "Duration of a blackout (X) fade, and of the return from a frozen image (Z), in seconds [default: the setting in the window, initially 0.5]" ];
+                      "Duration of a blackout fade (key X), and of the return from a frozen image (key Z), in seconds [default: the setting in the window, initially 0.5]" ];
 
                 /// The direction in which the image is mirrored.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 flip: Flip = Flip::Off, Flip
-                    { "Mirror", "Mirrors the image, for projectors; Y moves its corners" }
+                    { "Mirror", "Mirrors the image, for projectors; key Y moves the corners" }
                     [ value_name = "WAY", value_parser = choice::<Flip>();
                       "Mirror the image in the window, for projectors [default: the setting there, initially off]" ];
 
@@ -94,7 +94,7 @@ macro_rules! with_settings {
                 #[serde(skip_serializing_if = "is_default")]
                 crop: Crop = Crop::default(), Crop
                     { "Crop",
-                      "Cuts the edges of the image, for screens that hide their edges; `--crop` sets each edge separately" }
+                      "Cuts the edges of the image, for screens that hide the outermost pixels; `--crop` sets each edge separately" }
                     [ value_name = "LEFT,TOP,RIGHT,BOTTOM", value_parser = parse_crop, allow_hyphen_values = true;
                       "Crop of each edge of the image in the window, in percent; the rest fills the window, unstretched [default: the last setting, initially 0,0,0,0]" ];
 
@@ -102,7 +102,7 @@ macro_rules! with_settings {
                 #[serde(skip_serializing_if = "is_default")]
                 corners: Corners = Corners::default(), Corners
                     [ value_name = "X,Y,X,Y,X,Y,X,Y", value_parser = parse_corners, allow_hyphen_values = true;
-                      "Positions of the image's corners in the window, in percent to the right and down, clockwise from the upper left, for a projector at an angle. 'off' uses the window's corners [default: the corners set with Y]" ];
+                      "Positions of the image's corners in the window, in percent to the right and down, clockwise from the upper left, for a projector at an angle. 'off' uses the window's corners [default: the corners set with key Y]" ];
             }
         }
     };

@@ -69,7 +69,7 @@ const NAMED_MAX: usize = 3;
 /// The maximum number of characters of a key in a message.
 const NAME_LETTERS_MAX: usize = 40;
 
-/// The error when settings cannot be read or written completely. The show continues with the settings it has.
+/// The error when settings cannot be read or written completely. The show continues with the current settings.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
     /// The file is not a settings file.
@@ -77,7 +77,7 @@ pub enum SettingsError {
     Malformed {
         /// The file.
         path: PathBuf,
-        /// The mistake in it.
+        /// The mistake in the file.
         reason: String,
         /// The new name of the file.
         aside: PathBuf,
@@ -147,7 +147,7 @@ impl SettingsFile {
         self.path.as_deref().map(last_show::tracks_file).filter(|file| file.is_file())
     }
 
-    /// Stores the track list for the next start, or removes it if a path cannot be written in a list.
+    /// Stores the track list for the next start. Removes the stored list if a path cannot be written in a list.
     ///
     /// # Errors
     /// Fails if the file cannot be written.

@@ -1,4 +1,4 @@
-//! Reading and changing a settings file that may contain entries of a newer version. Unknown entries are kept.
+//! Reads and changes a settings file that may contain entries of a newer version. Unknown entries are kept.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -14,8 +14,8 @@ pub(super) fn understood<T: DeserializeOwned + Default>(table: &Table) -> (T, Ve
     (part.try_into().unwrap_or_default(), strange)
 }
 
-/// Returns the entries of `table` that fit. Of an inner table that does not fit, keeps the entries that do. `path` is
-/// the key prefix of the table.
+/// Returns the entries of `table` that fit. If an inner table does not fit, keeps those of its entries that fit.
+/// `path` is the key prefix of the table.
 fn part_that(fits: &dyn Fn(Table) -> bool, path: &str, table: &Table, strange: &mut Vec<String>) -> Table {
     let mut part = Table::new();
     for (key, value) in table {
@@ -130,7 +130,7 @@ mod tests {
         let expected =
             "mood = \"blue\"\n[inner]\nsize = 5\nshape = [1, 2]\n[inner.values]\nb = 2.0\n[other]\nx = 1\n";
         assert_eq!(table, expected.parse().unwrap());
-        // Of a removed table, only the known entries are removed.
+        // Removing a table removes only the known entries.
         let (mut table, before, _) = read(NEWER);
         rewrite(&mut table, &before, &Outer::default()).unwrap();
         let expected =

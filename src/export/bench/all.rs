@@ -9,7 +9,7 @@ use crate::scenes::{SceneSource, shipped_names};
 /// Options of a measurement of all shipped scenes.
 #[derive(Debug, Clone)]
 pub struct AllRequest {
-    /// Options for each scene; its `scene` is replaced.
+    /// Options for each scene; each scene replaces the field `scene`.
     pub each: BenchRequest,
     /// Scenes whose names contain one of these texts are measured; all scenes if the list is empty.
     pub only: Vec<String>,

@@ -12,7 +12,7 @@ use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::ReadyScene;
 use mariana_music::Sound;
 
-/// Measures the time to the first frames after adding a small ball at a new position, which no driver has cached.
+/// Adds a small ball at a position that no driver has cached. Measures the time to the first frames.
 ///
 /// # Errors
 /// Fails if the scene is a single formula, or it cannot be read or drawn.

@@ -15,7 +15,7 @@ pub struct BenchReport {
     pub gl: GlInfo,
     /// Name of the scene.
     pub scene: String,
-    /// Numbers of clauses of its programs.
+    /// Number of clauses in each of the scene's programs.
     pub clauses: Cost,
     /// Width and height in pixels.
     pub size: (u32, u32),
@@ -37,7 +37,7 @@ pub struct BenchReport {
     pub notes: Vec<String>,
 }
 
-/// Time from a new text of a scene, which no driver has cached, to its first frame.
+/// Times from an edit of a scene to the first frames. No driver has cached the edited scene.
 #[derive(Debug, Serialize)]
 pub struct EditReport {
     /// Time to the interpreted frame, in ms; `None` if the tape does not fit the driver.
@@ -68,7 +68,7 @@ pub struct ModeReport {
     pub regions: bool,
     /// Number of timed frames; lower than requested if they were slow.
     pub frames: usize,
-    /// Median time of building the tree of regions, in ms; in interpreted mode also of shortening materials and light.
+    /// Median time of building the tree of regions, in ms. Interpreted: also shortening materials and light.
     pub build_ms: f64,
     /// The same time for the next frames, each of which reuses the previous tree; 0 at the end of the song.
     pub next_build_ms: f64,
@@ -99,7 +99,7 @@ pub struct ModeReport {
 type Row<'a> = (&'a str, &'a dyn Fn(&ModeReport) -> String);
 
 impl BenchReport {
-    /// Ratios of the CPU time of interpreted to compiled frames, with and without regions.
+    /// Returns the CPU time of interpreted frames divided by that of compiled frames, with and without regions.
     fn ratios(&self) -> Vec<(&'static str, f64)> {
         let cpu = |mode: Mode, regions: bool| {
             let row = self.modes.iter().find(|row| row.mode == mode && row.regions == regions)?;

@@ -76,7 +76,7 @@ impl Encoder {
     }
 }
 
-/// ffmpeg's command line for the video at `path`, without the output. Temporary input files are added to `inputs`.
+/// Returns ffmpeg's command line for the video at `path`, without the output. Adds temporary input files to `inputs`.
 fn command_line(
     request: &VideoRequest,
     path: &Path,
@@ -131,7 +131,7 @@ fn command_line(
     Ok(line.options(arguments_of(request, path)))
 }
 
-/// The path of the song; an embedded song is written to a temporary file.
+/// Returns the path of the song. Writes an embedded song to a temporary file.
 fn song_file(song: &Song, inputs: &mut Vec<Unfinished>) -> Result<PathBuf, ExportError> {
     match song {
         Song::File(path) => Ok(path.clone()),

@@ -107,7 +107,7 @@ impl EncoderProcess {
         written
     }
 
-    /// Closes the input and waits until the process ends. A signal handler can kill it meanwhile: the mutex is free.
+    /// Closes the input and waits until the process ends. A signal handler can still lock the mutex and kill it.
     ///
     /// # Errors
     /// Fails if the system reports an error, or if the process made no progress and was killed.
@@ -150,8 +150,8 @@ impl Drop for EncoderProcess {
 }
 
 impl Wait {
-    /// True if there was no progress for `patience` at `now`. `writes` is true if output was written since the last
-    /// call.
+    /// Returns true if the process has made no progress for `patience` at `now`. `writes` is true if output was
+    /// written since the last call.
     fn is_too_long(&mut self, now: Instant, writes: bool, patience: Duration) -> bool {
         let Some(since) = &mut self.since else { return false };
         if writes {
@@ -161,7 +161,7 @@ impl Wait {
     }
 }
 
-/// Size and time of change of a file, to detect writes.
+/// Returns the size and modification time of a file, to detect writes.
 fn stamp(file: &Path) -> Option<(u64, SystemTime)> {
     let file = std::fs::metadata(file).ok()?;
     Some((file.len(), file.modified().ok()?))
@@ -171,12 +171,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Kills a process and its children, which may hold its pipe open.
+/// Kills a process and its children, because the children may hold the pipe open.
 fn end_child(child: &mut Child) {
     if !matches!(child.try_wait(), Ok(None)) {
         return;
     }
-    // An error means that it has already ended.
+    // An error means that the process has already ended.
     #[cfg(target_os = "linux")]
     let _ = rustix::process::kill_process_group(
         rustix::process::Pid::from_child(child),

@@ -12,7 +12,7 @@ use crate::export::output::Output;
 pub enum Codec {
     /// H.264, which plays everywhere.
     H264,
-    /// H.265, with half the bytes.
+    /// H.265, with half the bytes of H.264.
     H265,
     /// VP9, for webm.
     Vp9,

@@ -69,7 +69,7 @@ impl Sink {
     }
 }
 
-/// Maximum number of frames that wait for the thread. Another frame is being drawn, and another is being written.
+/// Maximum number of frames that wait for the thread. Meanwhile, one more frame is drawn and one more is written.
 const WAITING_MAX: usize = 1;
 
 /// A [`Sink`] on its thread. If it is dropped before it is finished, the output is not replaced.

@@ -74,7 +74,7 @@ pub(crate) struct MediaControls {
 }
 
 impl MediaControls {
-    /// Starts the service on another thread, which calls `wake` for each command. Reports 0 without a `position`.
+    /// Starts the service on a thread that calls `wake` for each command. Without `position`, reports the position 0.
     pub(crate) fn start(position: Option<Position>, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));

@@ -222,7 +222,7 @@ impl PlayerInterface for Offered {
             let seen = self.seen.lock();
             (seen.track.as_deref().and_then(track_id), seen.track.as_ref().and_then(|track| track.duration))
         };
-        // The specification requires to ignore positions of another track or beyond the end.
+        // As the specification requires, ignore a position in another track or beyond the end.
         let within = seconds(position) >= 0.0 && length.is_none_or(|length| seconds(position) <= length);
         if within && current == Some(track) { self.send(Command::SeekTo(seconds(position))) } else { Ok(()) }
     }
@@ -323,7 +323,7 @@ mod tests {
 
     #[test]
     fn the_reported_position_was_a_guess_that_stepped_back_after_a_device_fault() {
-        // The last reported state. A guess would continue from this position at full speed.
+        // The last reported state. An extrapolated position would continue from here at full speed.
         let seen = Seen { paused: false, position: (7.0, Instant::now()), ..Seen::new() };
         let offered = Offered {
             seen: SharedSeen(Arc::new(Mutex::new(seen))),

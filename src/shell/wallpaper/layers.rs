@@ -1,8 +1,8 @@
 //! The wallpaper on Wayland: a surface on each output, by the protocol wlr-layer-shell.
 //!
-//! winit supports only windows, so these surfaces have their own event queue on winit's connection, and a thread that
-//! serves it. The show draws into them ([`super::wall`]). Each surface asks the compositor for a callback when the next
-//! frame is wanted; a covered surface never gets this callback.
+//! winit supports only windows, so these surfaces have their own event queue on winit's connection, and a thread
+//! serves this queue. The show draws into them ([`super::wall`]). Each surface asks the compositor for a callback
+//! when the next frame is wanted; a covered surface never gets this callback.
 
 mod output_surface;
 
@@ -129,7 +129,7 @@ struct LayersState {
 }
 
 impl LayersState {
-    /// Binds the compositor's globals. The inner error means that it has no layer shell.
+    /// Binds the compositor's globals. The inner error means that the compositor has no layer shell.
     fn begin(
         connection: &Connection,
         display: OwnedDisplayHandle,
@@ -153,7 +153,7 @@ impl LayersState {
         Ok(Ok((ui_state, queue)))
     }
 
-    /// Creates a surface on an output, unless it has one.
+    /// Creates a surface on an output that has none.
     fn hang(&self, queue: &QueueHandle<Self>, output: WlOutput) {
         if self.output_surfaces.of_output(&output).is_some() {
             return;

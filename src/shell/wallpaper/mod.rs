@@ -68,8 +68,8 @@ impl Wallpaper {
         }
     }
 
-    /// Shows a frame on the Wayland surfaces, on all of them if `is_new`. `draw` gets the size in pixels, and true for
-    /// text.
+    /// Draws the stale Wayland surfaces, or all if `is_new`. `draw` gets the size in pixels, and true if the surface
+    /// shows text.
     pub(crate) fn show(
         &mut self,
         window: &GlWindowContext,
@@ -112,7 +112,7 @@ impl Wallpaper {
         around(&self.monitors()?)
     }
 
-    /// Size of the frame: the largest monitor's.
+    /// Size of the frame: the size of the largest monitor.
     pub(crate) fn screen(&self) -> Option<(u32, u32)> {
         let pixels = |size: (u32, u32)| u64::from(size.0) * u64::from(size.1);
         match &self.ground {
@@ -123,7 +123,7 @@ impl Wallpaper {
         }
     }
 
-    /// The part of a frame of `shape` pixels that each monitor shows.
+    /// Returns the part of a frame of `shape` pixels that each monitor shows.
     pub(crate) fn panels(&self, shape: (u32, u32)) -> Vec<Panel> {
         panels(&self.monitors().unwrap_or_default(), shape)
     }

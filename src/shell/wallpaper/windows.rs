@@ -70,7 +70,7 @@ impl Windows {
         Ok(are_covered(&monitors, &covering))
     }
 
-    /// The rectangle that a window covers; `None` if it is hidden, on another desktop or the desktop itself.
+    /// Returns the rectangle that a window covers; `None` if it is hidden, on another desktop, or the desktop itself.
     fn covering(
         &self,
         window: Window,
@@ -95,7 +95,7 @@ impl Windows {
         Ok(Some(own.copied().unwrap_or(rect)))
     }
 
-    /// The values of a property; empty if the window does not have it.
+    /// Returns the values of a property; empty if the window does not have this property.
     fn numbers(&self, window: Window, name: Atom, kind: AtomEnum) -> Result<Vec<u32>, Box<dyn Error>> {
         let reply = self.connection.get_property(false, window, name, kind, 0, WINDOWS_MAX)?.reply()?;
         Ok(reply.value32().map(Iterator::collect).unwrap_or_default())
@@ -112,7 +112,7 @@ fn fills((place, size): &Rect, (monitor, extent): &Rect) -> bool {
     across >= 1.0 - BARS && down >= 1.0 - BARS
 }
 
-/// The size of a window in pixels; `None` if it does not exist.
+/// Returns the size of a window in pixels; `None` if the window does not exist.
 pub(super) fn size_of(window: Window) -> Option<(u32, u32)> {
     let (connection, _) = x11rb::connect(None).ok()?;
     let found = connection.get_geometry(window).ok()?.reply().ok()?;

@@ -1,9 +1,9 @@
 //! The OpenGL display of a window, from which contexts and surfaces are created.
 //!
-//! **On X11, OpenGL has its own connection.** A thread that waits for a reply reads everything that has arrived on the
-//! connection and queues the events. If OpenGL shared winit's connection, drawing would take events off the socket, and
-//! the event thread, which waits for that socket, would not wake. While the frame is unchanged, it has no other reason
-//! to wake: keys and pings were unanswered for up to 30 s.
+//! **On X11, OpenGL has its own connection.** A thread that waits for a reply reads everything that has arrived on
+//! the connection and queues the events. If OpenGL shared winit's connection, drawing would take events off the
+//! socket, and the event thread, which waits for that socket, would not wake. While the frame is unchanged, nothing
+//! else wakes that thread, so keys and pings would wait for up to 30 s.
 
 #![expect(unsafe_code, reason = "glutin's functions that open displays are unsafe, and Xlib is a C library")]
 
@@ -66,7 +66,7 @@ mod x11 {
         Ok(Some((window, config)))
     }
 
-    /// A second connection to winit's X server. It is never closed, because drivers keep it.
+    /// Opens a second connection to winit's X server. It is never closed, because drivers keep using the connection.
     fn own_connection() -> Result<RawDisplayHandle, Box<dyn Error>> {
         let library = Xlib::open()?;
         // SAFETY: a null name is allowed and means the environment's server; the display was checked to be non-null.

@@ -87,7 +87,7 @@ impl GlWindowContext {
         Ok(second)
     }
 
-    /// Creates a wallpaper surface of `size` pixels. Showing a frame does not wait: the compositor requests frames.
+    /// Creates a wallpaper surface of `size` pixels. Showing a frame never waits: the compositor requests each frame.
     pub(crate) fn wayland_surface_of(
         &self,
         output_surface: Arc<dyn DrawTarget>,
@@ -191,7 +191,7 @@ pub(crate) fn open_output(
     let attributes = {
         use winit::platform::x11::{ActiveEventLoopExtX11, WindowAttributesExtX11};
         if event_loop.is_x11() {
-            // Override redirect: no window manager moves it, covers it or gives it the keyboard.
+            // Override redirect: window managers neither move nor cover the window.
             attributes.with_override_redirect(true)
         } else {
             let mut known = event_loop.available_monitors();

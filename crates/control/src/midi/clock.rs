@@ -18,7 +18,7 @@ const PAUSE: f64 = 0.5;
 /// A deviation from the fitted line, in seconds, above which a clock message may belong to a new tempo.
 const OFF: f64 = 0.006;
 
-/// Follows the MIDI clock of one device. Times are in seconds of any steady clock.
+/// Follows the MIDI clock of one device. Times are in seconds since any fixed moment.
 #[derive(Debug, Clone, Default)]
 pub struct Clock {
     /// Numbers and times of the last clock messages.

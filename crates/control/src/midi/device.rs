@@ -7,7 +7,7 @@ const CHANNELS: usize = 16;
 /// The number of 14-bit controllers: controller `n` below this may send its low 7 bits as controller `n + 32`.
 const FINE: usize = 32;
 
-/// The state of a device from byte to byte.
+/// The state of a device between two bytes.
 #[derive(Debug, Clone)]
 pub struct Device {
     parser: Parser,
@@ -98,7 +98,7 @@ fn fraction(value: u8) -> f32 {
     f32::from(value) / 127.0
 }
 
-/// Maps the wheel's rest position to exactly 0.5.
+/// Returns a wheel position as 0..1. The rest position is exactly 0.5.
 fn fraction_of_bend(value: u16) -> f32 {
     let way = f32::from(value) - 8_192.0;
     0.5 + 0.5 * way / if way < 0.0 { 8_192.0 } else { 8_191.0 }

@@ -18,8 +18,8 @@ const ENDING: &str = "port";
 /// The interval at which a port's thread checks if the port has been dropped.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// A folder of fake devices: each file `NAME.port` is a connected device. While the device is open, its bytes arrive as
-/// datagrams on the socket `NAME.socket` next to it.
+/// A folder of fake devices: each file `NAME.port` is a connected device. While the device is open, its bytes arrive
+/// as datagrams on the socket `NAME.socket` in the same folder.
 pub struct FolderPorts(pub PathBuf);
 
 impl Ports for FolderPorts {

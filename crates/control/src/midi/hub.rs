@@ -50,8 +50,8 @@ struct Shared {
 pub struct MidiHub(Arc<Shared>);
 
 impl MidiHub {
-    /// Opens all devices of `ports`, and new ones when they are connected. Movements go to `input_queue`. `wake` is
-    /// called when devices are connected or removed.
+    /// Opens all devices of `ports`, and new devices when they are connected. Movements go to `input_queue`. `wake`
+    /// is called when devices are connected or removed.
     ///
     /// # Errors
     /// Fails if the thread cannot be started.
@@ -80,7 +80,7 @@ impl MidiHub {
         lock(&self.0.state).clone()
     }
 
-    /// Returns the reading of the followed clock and the current time on its time scale; `None` without a clock.
+    /// Returns the reading of the followed MIDI clock, and the current time on its scale; `None` without a clock.
     pub fn clock(&self) -> Option<(ClockReading, f64)> {
         let now = self.0.zero.elapsed().as_secs_f64();
         let reading = lock(&self.0.clock).0.reading()?;

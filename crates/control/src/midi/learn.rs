@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::mapping::{Mapping, Target};
 use super::source::{KnobMove, Source};
 
-/// The time in seconds that a coarse knob waits for its fine number before it is accepted.
+/// A coarse knob is accepted if no fine number arrives within this time, in seconds.
 const WAITS: f64 = 0.08;
 
-/// A learning in progress.
+/// The state while a control is being learned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Learning {
     target: Target,

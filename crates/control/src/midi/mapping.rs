@@ -34,11 +34,11 @@ pub enum Curve {
     /// Linear.
     #[default]
     Linear,
-    /// Finer at the start.
+    /// Fine control at the start.
     Slow,
-    /// Finer at the end.
+    /// Fine control at the end.
     Fast,
-    /// Finer at both ends.
+    /// Fine control at both ends.
     Soft,
 }
 
@@ -77,7 +77,7 @@ pub struct Mapping {
     /// The target.
     pub target: Target,
     /// The target's values at the two ends of the control: fractions of the parameter's range, 0..1, or numbers for
-    /// an action that takes a number. If the first value is larger, the control is inverted.
+    /// an action that takes a number. If the first value is larger than the second, the control is inverted.
     pub range: [f32; 2],
     /// The response curve.
     pub curve: Curve,

@@ -59,7 +59,7 @@ impl Ports for SystemPorts {
     }
 }
 
-/// Removes the numbers that ALSA assigns anew each time, and numbers duplicate names.
+/// Removes the numbers that ALSA assigns anew each time, and adds numbers to duplicate names.
 fn told_apart(names: Vec<String>) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for name in names {

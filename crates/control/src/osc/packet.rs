@@ -128,7 +128,7 @@ mod tests {
         let nested = |depth| (0..depth).fold(sent("/a"), |inner, _| bundle(vec![inner]));
         assert_eq!(addresses(&nested(LIMITS.osc_depth_max)).0.len(), 1);
         assert_eq!(addresses(&nested(LIMITS.osc_depth_max + 1)), (Vec::new(), 1));
-        // The packet has only headers and sizes: the deepest nesting that fits.
+        // A packet of only headers and sizes has the deepest nesting that fits.
         let deep: Vec<u8> = (0..3_000_u32)
             .rev()
             .flat_map(|left| [BUNDLE, &[0; 8], &(left * 20).to_be_bytes()].concat())

@@ -21,7 +21,7 @@ pub enum PlaceError {
     /// The port is out of range.
     #[error("the port must be a number from 1 to 65535")]
     NoPort,
-    /// The port is out of range, where [port 0](Place::parse) is allowed.
+    /// The port is out of range, and [port 0](Place::parse) is allowed.
     #[error("the port must be a number from 1 to 65535, or 0 for any free port")]
     NoPortNorAny,
 }

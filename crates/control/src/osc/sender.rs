@@ -1,4 +1,4 @@
-//! The thread that sends audio features at a fixed rate, independent of the frame rate, for lights and other programs.
+//! The thread that sends audio features to lights and other programs, at a fixed rate independent of the frame rate.
 
 use std::io;
 use std::net::UdpSocket;

@@ -10,12 +10,12 @@ use crate::limits::LIMITS;
 
 /// Seconds from the OSC epoch (1900) to the Unix epoch (1970).
 const TO_UNIX: u64 = 2_208_988_800;
-/// Units per second in the fraction of an OSC time.
+/// The fraction in an OSC time counts this many units per second.
 const PARTS: f64 = 4_294_967_296.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum When {
-    /// Immediately: the sender requests this, or the time has passed.
+    /// The sender requests immediate effect, or the time has passed.
     Now,
     In(Duration),
     TooLate,

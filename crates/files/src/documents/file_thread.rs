@@ -14,7 +14,7 @@ use crate::Folders;
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
 
-/// Interval at which files are checked for changes by other programs.
+/// Interval of the checks for changes that other programs make to the files.
 const LOOK: Duration = Duration::from_millis(400);
 const KEEP: Duration = Duration::from_millis(300);
 const NAMES_MAX: usize = 1_000;
@@ -259,7 +259,7 @@ impl<Tell: Fn(FileEvent)> FileThreadState<Tell> {
 }
 
 impl ToKeep {
-    /// The time of the next backup: `now` for the first backup.
+    /// Returns the time of the next backup; `now` for the first backup.
     fn due(&self, now: Instant) -> Instant {
         self.last.map_or(now, |last| last + KEEP)
     }

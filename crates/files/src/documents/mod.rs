@@ -1,9 +1,9 @@
-//! Reading, saving and watching of the text files in the editor, with backups of unsaved text.
+//! Reads, saves and watches the editor's text files, and backs up unsaved text.
 //!
 //! All file access happens on a [`FileThread`]. The editor sends texts and receives [`FileEvent`]s, so a slow disk
 //! never blocks the window.
 //!
-//! **No foreign change is overwritten.** A save names the content that the file is expected to have. If the file has
+//! **No foreign change is overwritten.** A save request contains the expected content of the file. If the file has
 //! different content, the save is refused, and the event contains the current content.
 //!
 //! **No typed text is lost.** A text that differs from its file is backed up in the user's state folder within a

@@ -11,7 +11,7 @@ use super::*;
 const WAIT_LIMIT: Duration = Duration::from_secs(10);
 /// Longer than any wait of the loader.
 const EVER: Duration = Duration::from_secs(600);
-/// Long enough for a loader that does not wait to read the file.
+/// A loader that does not wait reads the file within this time.
 const PAUSE: Duration = Duration::from_millis(120);
 
 /// Disables the checks without events.

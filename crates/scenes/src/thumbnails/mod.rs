@@ -82,7 +82,7 @@ struct Waiting {
 enum Request {
     Comment(SceneSource),
     Picture(SceneSource),
-    /// Fill the cache, without an answer.
+    /// Draw the thumbnail into the cache, without an answer.
     Ahead(SceneSource),
 }
 
@@ -141,7 +141,7 @@ impl Thumbnails {
         Self::start_in(folder, folders.program.clone(), wake)
     }
 
-    /// Starts the thread with another cache folder. `program` means the same as [`Folders::program`].
+    /// Starts the thread with the cache folder `folder`. `program` means the same as [`Folders::program`].
     fn start_in(
         folder: Option<PathBuf>,
         program: Option<PathBuf>,

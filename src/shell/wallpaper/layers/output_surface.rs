@@ -15,7 +15,7 @@ use winit::event_loop::OwnedDisplayHandle;
 
 use super::LayersState;
 
-/// A surface is covered if the compositor requests no frame for this time. Slow monitors show 24 frames a second.
+/// A surface counts as covered after this time without a request for a frame. Slow monitors show 24 frames a second.
 const UNSEEN: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,8 +29,8 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// The extent of a surface with a size in units and a whole `scale`, on an output with `mode` pixels if that is
-    /// known. Surfaces that the compositor can scale have the output's pixels, so that fractional scales are exact.
+    /// Returns the extent of a surface of `units` with a whole `scale`. If the compositor can stretch the surface,
+    /// uses the output's pixels (`mode`), so that fractional scales are exact.
     fn of(units: (u32, u32), mode: Option<(u32, u32)>, scale: u32, is_stretched: bool) -> Self {
         let units = (units.0.max(1), units.1.max(1));
         let scale = scale.max(1);
