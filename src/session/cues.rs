@@ -98,7 +98,7 @@ mod tests {
         assert_eq!(on(cues.press(10.0), 10.0), (1, "city".to_owned()));
         assert_eq!(on(cues.press(40.0), 40.0), (2, "letters".to_owned()));
         assert!(matches!(cues.press(50.0), Pressed::NoneLeft));
-        // The show's timed entries keep their times.
+        // Key presses do not move the show's timed entries.
         assert_eq!(cues.prepared_show().unwrap().at(35.0).unwrap().clip.scene, "gyroid");
         assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
         assert_eq!(on(cues.press(5.0), 8.0), (1, "city".to_owned()));

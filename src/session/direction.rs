@@ -148,7 +148,7 @@ impl Direction {
                 tracing::warn!("parts of the show do not fit the song:\n{text}");
                 Some(ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
             }
-            // Each broken scene is reported by its loader.
+            // Report nothing: the loader reports each broken scene.
             Err(ShowError::NoScenes) => Some(ShowNotice::PreparedShow(None)),
             Err(error) => {
                 tracing::warn!("{error}");

@@ -96,7 +96,7 @@ impl Listening {
         Some(words_of(before, after).to_owned())
     }
 
-    /// Plays files instead of the current source, or appends them. Returns a message for appended files and for errors.
+    /// Stops the current source and plays `files`, or appends them. Returns a message about appended files or errors.
     pub(crate) fn play_files(&mut self, files: Vec<PathBuf>, append: bool) -> Option<String> {
         if append {
             return Some(match self.sound.song() {

@@ -170,7 +170,7 @@ impl Sound {
         self.device.as_ref().map(|device| &*device.name)
     }
 
-    /// Plays songs on the output with this id while it is connected, otherwise on the system's default.
+    /// Plays songs on the output `id` while this output is connected, otherwise on the system's default output.
     pub(crate) fn choose_output(&mut self, id: Option<String>) {
         let target = id.map_or(Target::Default, Target::Preferred);
         if let Some(player) = &self.player {

@@ -31,7 +31,7 @@ pub(crate) struct UiState {
     pub(super) editor: Option<Editor>,
     pub(super) controllers: Option<ControllersPanel>,
     pub(super) corners: Option<CornerHandles>,
-    /// The part of the window with the small frame beside the panels, if an output shows the frame.
+    /// The part of the window that shows a small frame beside the panels, while an output shows the frame.
     pub(super) picture: Option<Area>,
     /// Hide everything except requested panels and errors.
     pub(super) clean: bool,

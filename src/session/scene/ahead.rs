@@ -3,7 +3,7 @@
 //!
 //! Neighbours have the lowest priority: they are prepared one after another, when the current scene is complete and
 //! the compilers are idle. Each neighbour has a loader, which reloads a changed text. When a neighbour is shown, it
-//! keeps its loader. The scene shown until then becomes the other neighbour and stays prepared.
+//! keeps its loader. The previously shown scene becomes the other neighbour and stays prepared.
 
 use std::sync::Arc;
 
@@ -381,7 +381,7 @@ mod tests {
         let mut shown = loader();
         let scene = ahead.take(&box_, ball.clone(), &mut shown).unwrap();
         assert_eq!(scene.id, 1);
-        // The scene shown until now is the other neighbour, ready to be shown again.
+        // The previously shown scene is now a neighbour, ready to be shown again.
         ahead.keep(uploaded(context.gl(), 0, &ball));
         assert!(ahead.has_rehearsed(&ball));
         assert_eq!(ahead.take(&ball, box_, &mut shown).map(|scene| scene.id), Some(0));

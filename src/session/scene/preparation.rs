@@ -53,7 +53,7 @@ pub(super) struct ScenePreparation {
     trials: TreeTrials,
     next_scene: u64,
     asked_mode: Option<Mode>,
-    // Last, because its threads draw with what the fields above hold.
+    // The last field, because its threads draw with objects of the fields above.
     pub programs: ProgramLibrary,
 }
 

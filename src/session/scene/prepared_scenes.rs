@@ -15,7 +15,7 @@ pub(crate) struct PreparedScenes {
     pub(super) coming: Option<PreparedScene>,
     /// The previous scene, until the first frame of the current one is finished.
     pub(super) before: Option<PreparedScene>,
-    /// The scene that fades out, after it has left `shown` and `before`.
+    /// The scene that fades out. It is no longer in `shown` or `before`.
     pub(super) fading_out: Option<PreparedScene>,
     pub(super) ahead: PreparedAhead,
 }

@@ -29,9 +29,9 @@ pub(super) struct ProgramLibrary {
     interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_task: u64,
-    /// True after the first frame. Until then scenes get their own interpreters, because they compile faster.
+    /// True after the first frame. Until then scenes get their own interpreters: the universal one compiles slowly.
     has_shown: bool,
-    // Last, because its threads draw with what the fields above hold.
+    // The last field, because its threads draw with objects of the fields above.
     compiler: BackgroundCompiler,
 }
 

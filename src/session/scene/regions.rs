@@ -49,7 +49,7 @@ struct TreeRequest {
 }
 
 pub(super) struct SceneRegions {
-    /// True if every tree is awaited, whatever its build time.
+    /// True if frames wait for every tree, even a slow one.
     insists: bool,
     builder: RegionBuilder<TreeRequest>,
     asked: Option<TreeRequest>,
@@ -105,7 +105,7 @@ impl SceneRegions {
         }
         let tag = TreeRequest { id, shown: wanted, fades_away: draw_options.fades_away };
         if self.asked.is_some_and(|asked| asked.id != id) {
-            // The tree of another scene is no longer needed and might take long.
+            // Cancel the tree of another scene, which is no longer needed and may be slow.
             self.builder.forget();
         }
         if self.asked != Some(tag) {
@@ -147,7 +147,7 @@ impl SceneRegions {
         scene.uses_cells(change, drawn.1)
     }
 
-    /// True once if a frame of this scene was abandoned because of its slow tree.
+    /// Returns `true`, only once, if a frame of the scene `id` was abandoned because of a slow tree.
     pub(super) fn has_given_up(&mut self, id: u64) -> bool {
         self.given_up.take_if(|given_up| *given_up == id).is_some()
     }
@@ -242,7 +242,7 @@ mod tests {
     use mariana_field::world::World;
     use mariana_music::Features;
 
-    /// The balls repeat infinitely, so their tree depends on the camera's position.
+    /// A tree of infinitely repeated balls depends on the camera's position.
     const TWO_CAMERAS: &str = "camera near { position = vec3(0, 2, -5)  target = vec3(0) }\n\
                                camera far { position = vec3(0, 2, -95)  target = vec3(0) }\n\
                                object balls { shape = sphere(mod(p, 4) - 2, 0.5) }";

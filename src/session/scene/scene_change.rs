@@ -1,6 +1,7 @@
-//! The change from one scene to another, by a show or the user. Both scenes keep moving during the fade, as in a video
-//! of the show. The outgoing scene is drawn first, for the same moment of the song, and a fraction of its light is
-//! mixed into the incoming scene. If the outgoing scene is gone or too slow, its last frame fades ([`super::fading`]).
+//! The change from one scene to another, by a show or the user. Both scenes keep moving during the fade, as in a
+//! video of the show. The outgoing scene is drawn first, for the same moment of the song, and a fraction of its light
+//! is mixed into the incoming scene. If the outgoing scene is gone or slow, its last frame fades out
+//! ([`super::fading`]).
 //!
 //! A scene that the user leaves keeps its parameter values: controllers act on the incoming scene.
 

@@ -20,7 +20,7 @@ pub(crate) enum NoScenery {
     Between,
 }
 
-/// The inputs of a frame, independent of how it was drawn. May outlive its scene.
+/// The inputs of a frame, however the frame was drawn. They may outlive the scene.
 pub(super) struct Pictured {
     source: SceneSource,
     world: Arc<World>,

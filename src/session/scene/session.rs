@@ -43,7 +43,7 @@ pub(crate) struct SceneSession {
     composer: SceneComposer,
     next_picture: NextPicture,
     announced: Option<(u64, Mode)>,
-    // Last, because the compiler's threads draw with what the fields above hold.
+    // The last field, because the compiler's threads draw with objects of the fields above.
     preparation: ScenePreparation,
 }
 

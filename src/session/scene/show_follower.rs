@@ -1,7 +1,7 @@
 //! Follows a show: selects the requested scene, the scenes to prepare, and the clips that move the parameters.
 //!
-//! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead like any other. If
-//! it is not ready in time, or the machine cannot draw it, the scenes fade instead.
+//! A transition that mixes worlds is drawn as a scene ([`SceneSource::Blend`]), which is prepared ahead. If this
+//! scene is not ready in time, or the machine cannot draw it, the transition becomes a fade.
 
 use std::sync::Arc;
 
@@ -81,7 +81,7 @@ impl ShowFollower {
         self.revision += 1;
     }
 
-    /// Replaces the show with one that is identical up to this moment.
+    /// Replaces the show with `prepared_show`, which is identical up to this moment.
     pub(crate) fn extend_prepared_show(
         &mut self,
         prepared_show: Arc<PreparedShow>,
@@ -150,7 +150,7 @@ impl ShowFollower {
         is_by_program && self.course.asked.is_some()
     }
 
-    /// Notes that the user chose another scene. The show returns with its next scene.
+    /// Notes that the user chose another scene. The show continues with its next scene.
     pub(super) fn overrule(&mut self) {
         self.course.overruled = self.course.entered.map(|(index, _)| index);
         (self.course.asked, self.course.upcoming) = (None, [None, None]);
@@ -195,7 +195,7 @@ impl ShowFollower {
             return self.keep_scene(moment.leaving.is_some() && !is_new, now);
         }
         if std::mem::take(&mut self.course.was_written) {
-            // The user looks at the edited scene: the show returns with its next scene.
+            // The user looks at the edited scene, so the show continues with its next scene.
             self.course.overruled = Some(moment.index);
         }
         let clips = prepared_show.clips();
@@ -398,7 +398,7 @@ mod tests {
         assert!(show.asks_for(&one) && show.is_own_choice());
         assert!(show.follow(first + 0.1, &mut scenes, &now(&elsewhere)).is_none(), "already requested");
         assert!(matches!(show.wanted_ahead(&one), WantedAhead::Upcoming([Some(_), _])));
-        // After the user's choice, the show returns with its next scene.
+        // After the user's choice, the show continues with its next scene.
         show.overrule();
         assert!(show.is_overruled() && !show.is_own_choice());
         assert_eq!(show.wanted_ahead(&elsewhere), WantedAhead::Neighbours(elsewhere.clone()));
