@@ -13,7 +13,7 @@ pub enum SessionError {
     /// There is no display to open a window on.
     #[error(
         "cannot open a window ({0}): start Mariana in a graphical session, or use 'mariana still' or 'mariana \
-         video', which need none"
+         video', which need no display"
     )]
     NoDisplay(String),
     /// The connection to the window system was lost.
