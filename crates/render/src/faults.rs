@@ -50,17 +50,17 @@ impl Fault {
 static WANTED: OnceLock<Option<(Fault, Instant)>> = OnceLock::new();
 static STRUCK: AtomicBool = AtomicBool::new(false);
 
-/// True if a one-time fault occurs now. The seconds count from the first call.
+/// Returns true if the one-time `fault` occurs now. Its seconds count from the first call.
 pub fn strikes(fault: Fault) -> bool {
     lasts(fault) && !STRUCK.swap(true, Ordering::Relaxed)
 }
 
-/// True if a lasting fault is in effect now.
+/// Returns true while the lasting `fault` is in effect.
 pub fn lasts(fault: Fault) -> bool {
     due_of(fault).is_some_and(|due| Instant::now() >= due)
 }
 
-/// True if this run injects the fault, now or later.
+/// Returns true if `fault` occurs in this run, now or later.
 pub fn is_wanted(fault: Fault) -> bool {
     due_of(fault).is_some()
 }

@@ -149,8 +149,8 @@ impl Placement {
         (side(size.0, right - left), side(size.1, bottom - top))
     }
 
-    /// Maps a position on the screen to the shown position in the image, both as fractions to the right and down. The
-    /// screen is black where the third number is not positive or the image position is outside the visible part.
+    /// Returns the map from positions on the screen to positions in the image, both as fractions to the right and down.
+    /// The screen is black where the third number is not positive or the position is outside the visible part.
     pub fn map(&self) -> Map {
         let [left, top, right, bottom] = self.crop.rest();
         let (turns_x, turns_y) = self.flip.turns();
@@ -183,8 +183,8 @@ pub fn fitted(shape: (u32, u32), window: (u32, u32)) -> Area {
     [x, y, 1.0 - x, 1.0 - y]
 }
 
-/// Restricts a map to an area of the window, so that it takes positions as fractions of the area. If the area's bottom
-/// is above its top, the image is upside down.
+/// Moves a map into `area` of the window: the map then spans `area` as it spanned the whole window before. If the
+/// bottom of `area` is above its top, the image is upside down.
 pub fn within(area: Area, map: &Map) -> Map {
     let [left, top, right, bottom] = area;
     let extent = |from: f64, to: f64| if to == from { 1e-9 } else { to - from };

@@ -49,7 +49,7 @@ impl SceneRenderer {
         self.draw_frame(&frame)
     }
 
-    /// Draws a frame with changes of your own, such as another camera or other parameters.
+    /// Draws `frame`, in which you can change the inputs first, such as camera and parameters.
     ///
     /// # Errors
     /// Same errors as [`SceneRenderer::draw`].
@@ -75,7 +75,7 @@ impl SceneRenderer {
         self.resources.world()
     }
 
-    /// The renderer, which also limits flashes, fades and places images.
+    /// The renderer, which can also limit flashes, fade between images, and place images on a screen.
     pub fn renderer(&mut self) -> &mut Renderer {
         &mut self.renderer
     }

@@ -35,7 +35,7 @@ const WRITINGS: [Writing; 5] = [
 
 /// The system's fonts, and a record of the fonts in use.
 pub struct SystemFonts {
-    /// The folder to search instead of the system's folders.
+    /// The only folder to search; `None` searches the system's folders.
     folder: Option<PathBuf>,
     /// The list of fonts, which is read when it is first needed.
     database: Option<Database>,
@@ -54,14 +54,14 @@ struct Candidate {
 type Rank = (bool, bool, Reverse<u16>, Reverse<u16>, bool, bool);
 
 impl SystemFonts {
-    /// The system's fonts, for the user's language. They are read later.
+    /// Prepares a search of the system's fonts, for the user's language. Fonts are read at the first search.
     pub fn new() -> Self {
         let variables = ["LC_ALL", "LC_CTYPE", "LANG"].map(|name| std::env::var(name).unwrap_or_default());
         let locale = variables.iter().find(|value| !value.is_empty());
         Self { writing: locale.and_then(|locale| writing_of(locale)), ..Self::in_folder(None) }
     }
 
-    /// The fonts of a folder and its subfolders. They are read later.
+    /// Prepares a search of the fonts in `folder` and its subfolders. Fonts are read at the first search.
     pub fn in_folder(folder: Option<PathBuf>) -> Self {
         Self {
             folder,

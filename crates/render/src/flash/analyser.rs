@@ -42,7 +42,7 @@ impl Default for Analyser {
 }
 
 impl Analyser {
-    /// Adds the frame that is shown at `time` seconds, which must be later than the previous frame's.
+    /// Adds the frame that is shown at `time` seconds. Times must increase from frame to frame.
     pub fn note(&mut self, time: f64, frame: &Grid) {
         for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
             let changes = [
@@ -104,7 +104,7 @@ mod tests {
     fn red_and_luminance_count_separately() {
         let (red, black) = ([1.0, 0.0, 0.0], [0.0; 3]);
         assert_eq!(flashes(6.0, 60, red, black, |_| true), Flashes { general: 6, red: 6 });
-        // Equal luminance, with less difference than a flash.
+        // Both colours have the same luminance, so only the red flashes.
         assert_eq!(flashes(6.0, 60, red, [0.2126; 3], |_| true), Flashes { general: 0, red: 6 });
         assert_eq!(flashes(6.0, 60, [0.4, 0.0, 0.0], black, |_| true), Flashes { general: 0, red: 6 });
     }

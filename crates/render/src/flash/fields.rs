@@ -7,10 +7,10 @@ pub(super) const HEIGHT: usize = ROWS / 3;
 const _: () = assert!(COLUMNS.is_multiple_of(3) && ROWS.is_multiple_of(3), "a field has whole cells");
 const FIELD: usize = WIDTH * HEIGHT;
 
-/// Sums over all cells above and to the left of a position, with one more column per row (a summed-area table).
+/// A summed-area table: for each corner of cells, the sum over all cells above and to the left of the corner.
 type Sums = Vec<u32>;
 
-/// Calls `see` with the first cell of each field and the fraction of its cells that are marked, 0..1.
+/// Calls `see` for each field with its first cell and the fraction of its cells that is marked, 0..1.
 fn look(marked: impl Fn(usize) -> bool, mut see: impl FnMut(usize, f64)) {
     let sums = summed(|cell| u32::from(marked(cell)));
     let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
@@ -56,7 +56,7 @@ pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool
     if !any {
         return Vec::new();
     }
-    // A field contains this cell if its first cell is less than a field's size to the left and above.
+    // A field contains this cell if it begins less than a field's width to the left and a field's height above.
     let sums = summed(|cell| first.get(cell).copied().unwrap_or(0));
     let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
     let covered = (0..CELLS).map(|cell| {

@@ -23,7 +23,7 @@ impl Grid {
         Self(cells)
     }
 
-    /// The grid of a finished image: sRGB, four bytes per pixel, row by row.
+    /// Builds the grid of a finished image: sRGB, four bytes per pixel, row by row.
     pub fn of_picture(rgba: &[u8], (width, height): (u32, u32)) -> Self {
         let linear = crate::srgb::linear_of_bytes();
         let light = |byte: u8| f64::from(linear.get(usize::from(byte)).copied().unwrap_or(0.0));

@@ -1,33 +1,33 @@
 //! Limits the flashes of a video: dims light that would cause a fourth flash within a second.
 //!
 //! Each cell counts the changes of the incoming and of the displayed frames. A rise that could begin a fourth flash
-//! marks the cell for a second. Marked cells are limited if they cover more than a certain fraction of a field: a
-//! ceiling, the lowest luminance of the last second plus a margin too small to count, holds until it rises slowly after
-//! the flashes. Flashing red loses saturation instead.
+//! marks the cell for a second. Marked cells are limited if they cover more than a certain fraction of a field. The
+//! limit is a ceiling: the lowest luminance of the last second plus a margin too small to count. After the flashes it
+//! rises slowly. Flashing red is limited by removing saturation.
 //!
-//! **Limits have no visible edges.** Ceilings spread over neighbouring cells, higher with the square of the distance,
-//! and are interpolated between cells, so a cell's mean does not exceed its own ceiling. A pixel depends only on its
-//! own light and on ceilings, so dimmed pixels next to a flash do not flicker with it.
+//! **Limits have no visible edges.** A ceiling spreads over neighbouring cells, where it rises with the squared
+//! distance. Ceilings are interpolated between cells, so a cell's mean does not exceed its own ceiling. A pixel depends
+//! only on its own light and on ceilings, so dimmed pixels next to a flash do not flicker with it.
 //!
 //! **The displayed frames count**: each frame is measured again after dimming ([`Limiter::note_shown`]).
 //!
 //! Measured light is approximate, and drawn light is rounded to bytes. Thresholds are therefore lower than in the
-//! definition, and a borderline change gets the latest possible time. A rise that is about a frame too early is only
-//! delayed by a frame: otherwise three flashes a second in step with the frames would be limited now and then.
+//! definition, and a borderline change gets the latest possible time. A rise that is too early by about a frame is only
+//! delayed by a frame. Otherwise three flashes a second in step with the frames would sometimes be limited.
 
 use super::fields;
 use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
 use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, Times};
 
-/// Fraction of a field above which flashes are limited. It is a little less than the fraction that counts.
+/// Fraction of a field above which flashes are limited. It is a little less than the definition's fraction.
 pub(super) const AREA: f64 = 0.2;
 /// If a second contains this many changes and the last change is a rise, the rise begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
 /// Seconds for which a cell stays marked.
 pub(super) const HOLD: f64 = 1.0;
-/// Margin of a limited cell above its lowest luminance. It is a little less than the change that counts as a flash.
+/// Margin between a cell's lowest luminance and its ceiling. It is a little less than the change of a flash.
 pub(super) const SWING: f32 = 0.07;
-/// Half of the time for which lows are remembered, in seconds.
+/// Half of the time for which the lowest luminance is remembered, in seconds.
 const MEMORY: f64 = 0.6;
 /// Rise of the ceiling in luminance per second: `FOLLOW` when the lows have become brighter, `RELEASE` after flashes.
 pub(super) const FOLLOW: f32 = 0.25;
@@ -88,10 +88,10 @@ struct Cell {
     red: RedSwing,
     red_changes: Times,
     red_until: f64,
-    /// The displayed red, with its changes. After dimming, the displayed red may change at other times than the input.
+    /// The displayed red and its changes. Dimming can give the displayed red other changes than the input has.
     shown_red: RedSwing,
     shown_red_changes: Times,
-    /// Lowest displayed luminance in the current part of the memory, and in the previous part.
+    /// Lowest displayed luminance in the current half of the memory, and in the previous half.
     lows: [f32; 2],
     /// Maximum luminance. It is infinite if the cell is not limited.
     ceiling: f32,
@@ -160,7 +160,7 @@ impl Cell {
     }
 }
 
-/// True if a mark that ends at `until` only delays a rise.
+/// Returns true if a mark that ends at `until` only delays a rise.
 fn is_put_off(until: f64, now: f64) -> bool {
     until > now && until - now <= EARLY + ROUNDING
 }
@@ -170,14 +170,14 @@ fn is_put_off(until: f64, now: f64) -> bool {
 pub struct Step {
     /// Seconds since the previous frame.
     pub seconds: f64,
-    /// True if a part of the memory of lows ends.
+    /// True if a half of the memory ends.
     pub forgets: bool,
 }
 
 /// Computes [`Step`]s from the times between frames.
 #[derive(Debug, Clone, Default)]
 pub struct Steps {
-    /// Seconds since the current part of the memory began.
+    /// Seconds since the current half of the memory began.
     memory: f64,
 }
 
@@ -317,7 +317,7 @@ impl Own {
     }
 }
 
-/// Spreads limits along one axis. `step` is the offset of a cell at a distance from -7 to 7.
+/// Spreads limits along one axis. `step` converts a distance from -7 to 7 to the offset of a cell.
 fn spread(own: &[Own], step: impl Fn(isize) -> (isize, isize)) -> Vec<Own> {
     let reach = REACH as isize;
     let spread = |place: usize| {
@@ -341,7 +341,7 @@ fn marked(marks: &[bool], cell: usize) -> bool {
     marks.get(cell).copied().unwrap_or(false)
 }
 
-/// The cell at an offset, or the last cell in that direction if the offset leads out of the image.
+/// The cell at an offset from `place`. If it is outside the image, the last cell in that direction.
 fn neighbour(place: usize, (right, down): (isize, isize)) -> usize {
     let column = (place % COLUMNS).saturating_add_signed(right).min(COLUMNS - 1);
     let row = (place / COLUMNS).saturating_add_signed(down).min(ROWS - 1);

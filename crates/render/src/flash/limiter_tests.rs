@@ -107,7 +107,7 @@ fn light_that_returns_after_flashes_is_no_flash() {
 fn a_change_to_red_that_is_too_dim_to_count_does_not_hide_a_later_one() {
     let mut show = Show::new();
     show.strobe((10.0, 60.0, 0.8), [WHITE, BLACK], everywhere);
-    // The input's change from cyan to red is large enough, the displayed change is not: its luminance is limited.
+    // The input changes enough from cyan to red. The displayed frame does not, because its luminance is limited.
     show.frame(0.02, [0.0, 1.0, 1.0], everywhere);
     show.frame(0.02, [1.0, 0.15, 0.05], everywhere);
     show.frame(0.3, BLACK, everywhere);
@@ -189,7 +189,7 @@ fn the_fourth_flash_is_dimmed_without_pumping_or_jumps() {
     assert_eq!(show.touched, 0);
 }
 
-/// Shows frames at 60 Hz for three seconds, with a flash every six frames, and returns the number of limited frames.
+/// Shows three seconds at 60 Hz, with a flash every six frames. Returns the number of limited frames.
 fn flashing(cell_of: impl Fn(usize, bool) -> [f32; 3], mut look: impl FnMut(&Grid, &[Correction])) -> usize {
     let mut limiter = Limiter::default();
     let mut limited = 0;

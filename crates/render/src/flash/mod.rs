@@ -2,8 +2,8 @@
 //!
 //! A general flash is a pair of opposing changes of relative luminance by 10 % or more of the maximum, where the darker
 //! state is below 0.8. A red flash is a pair of opposing changes to and from a saturated red. At most three flashes of
-//! a kind may occur in any one second. Small flashes are exempt: flashes at the same time that cover at most a quarter
-//! of any ten degrees of the field of view. Ten degrees are a third of a screen's width and height.
+//! a kind may occur in any one second. Small flashes are exempt: simultaneous flashes that together cover at most a
+//! quarter of any ten degrees of the field of view. Ten degrees are a third of a screen's width and height.
 //!
 //! Each frame is reduced to the mean colours of 48 by 36 cells, because finer patterns do not count as flashes. Each
 //! cell counts its own changes. The area of flashes is the number of cells in a field that have too many changes

@@ -76,7 +76,7 @@ impl LightSwing {
         self.high - light >= counts.light_change && light < counts.light_darker
     }
 
-    /// True if the last change was so small that it may not have counted until it reached this luminance.
+    /// Returns true if the last change may have become large enough to count only now, at luminance `light`.
     pub(super) fn may_count_only_at(&self, light: f32, counts: &Thresholds) -> bool {
         let sure = self.high - self.low >= SURE_CHANGE && self.low < SURE_DARKER;
         let still = match self.last {
@@ -173,7 +173,7 @@ impl Times {
         }
     }
 
-    /// The number of changes, without changes that will be forgotten within `soon` seconds.
+    /// Returns the number of changes. Leaves out changes that will be forgotten within `soon` seconds.
     pub(super) fn count(&self, now: f64, soon: f64) -> usize {
         self.0.iter().filter(|time| **time > now - 1.0 + soon + ROUNDING).count()
     }

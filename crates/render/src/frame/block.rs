@@ -40,7 +40,7 @@ pub fn block_defines() -> [String; 9] {
     ]
 }
 
-/// The position of a frame's region tree, with the bounds and the tape that apply without cells.
+/// The box of a frame's region tree, a box around all surfaces, and the tape that is valid everywhere.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RegionTree {
     /// Lower corner of the tree's box.
@@ -85,7 +85,7 @@ impl Frame {
             xyz(up, 0.0),
             xyz(camera.forward, 0.0),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
-            // The last components are flags: the world has something to trace, and the bounds are known.
+            // The last component of each line is a flag: the world has something to trace; the bounds are known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
             [high[0], high[1], high[2], if bounds.is_some() { 1.0 } else { 0.0 }],
             plane_objects,
@@ -107,7 +107,7 @@ impl Frame {
         block
     }
 
-    /// The planes, each as a unit normal and the distance of the origin. The normal of a missing plane is 0.
+    /// The planes: a unit normal, and the origin's distance from the plane. The normal of a missing plane is 0.
     fn planes(&self) -> impl Iterator<Item = [f32; 4]> {
         self.values.planes.iter().take(PLANES_MAX).map(|plane| {
             let [a, b, c, d] = plane.map(f64::from);

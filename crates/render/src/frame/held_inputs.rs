@@ -100,7 +100,7 @@ impl HeldInputs {
     }
 }
 
-/// Finds an input by name. A scene's parameter may have the name of a number of the song, and then hides it.
+/// Finds an input by name. A parameter of the scene takes precedence over a song's number of the same name.
 fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     if name == "t" {
         return Some(Place::Time);

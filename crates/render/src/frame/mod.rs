@@ -154,7 +154,7 @@ impl Frame {
         (self.orbit, self.camera) = (orbit, Camera::by_hand(&self.values.camera, aspect, &orbit));
         self.picture = Picture::of(&self.values, &self.camera, world.features.lens);
         let eye = self.camera.position.as_vec3().to_array();
-        // Hoisted values depend on the eye, and on inputs that stay the same here.
+        // Hoisted values depend on the eye. Their remaining inputs do not change here.
         if self.inputs.eye != eye || self.inputs.hoisted.is_empty() {
             self.inputs.eye = eye;
             self.inputs.hoisted = world.hoisted.values(&self.inputs);
@@ -176,7 +176,7 @@ fn finite(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// Clamps a level to the range 0..1 that the language promises. Samples beyond full scale give higher levels.
+/// Clamps a level to the range 0..1 that the language promises. Samples beyond full scale would give levels above 1.
 fn unit(value: f32) -> f32 {
     finite(value).clamp(0.0, 1.0)
 }
@@ -186,7 +186,7 @@ mod tests {
     use mariana_field::graph::SoundInput;
     use mariana_music::{Features, SongMoment};
 
-    /// Guards against an input that the analysis does not compute: it would silently be 0.
+    /// Finds inputs that the analysis does not compute. Their value would always be 0, without an error.
     #[test]
     fn the_analysis_or_the_song_provides_every_sound_input() {
         for input in SoundInput::ALL {

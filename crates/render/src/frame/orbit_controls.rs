@@ -35,8 +35,8 @@ impl OrbitControls {
     /// The scene's own camera, unchanged.
     pub const OFF: Self = Self { yaw: 0.0, pitch: 0.0, zoom: 1.0 };
 
-    /// Rotates by a pointer movement to the right and downwards, in image heights, as if the target was dragged. `own`
-    /// is the pitch of the scene's camera ([`OrbitControls::pitch_of`]).
+    /// Rotates by a pointer movement to the right and downwards, in image heights, as if the user dragged the target.
+    /// `own` is the pitch of the scene's camera ([`OrbitControls::pitch_of`]).
     pub fn drag(&mut self, (right, down): (f64, f64), own: f64) {
         if !(right.abs() < WAY_MAX && down.abs() < WAY_MAX) {
             return;
@@ -72,8 +72,8 @@ impl OrbitControls {
         (eye - target).normalize_or(DVec3::NEG_Z).y.clamp(-1.0, 1.0).asin()
     }
 
-    /// The position of the eye and its direction of view, for a scene's eye and target. If the scene's eye is at the
-    /// target, the camera looks around instead.
+    /// Turns and zooms a scene's `eye` around `target`. Returns the new eye and the direction of its view. If `eye` is
+    /// at `target`, only the direction changes.
     pub(super) fn place(&self, eye: DVec3, target: DVec3) -> (DVec3, DVec3) {
         let away = eye - target;
         let forward = (-away).normalize_or(DVec3::Z);

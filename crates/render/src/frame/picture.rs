@@ -31,7 +31,7 @@ pub struct Picture {
 pub struct Lens {
     /// Radius; 0 keeps everything sharp.
     pub radius: f32,
-    /// 1 / distance of focus.
+    /// 1 / distance of the points in focus.
     pub nearness: f32,
 }
 

@@ -7,7 +7,7 @@ use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 /// True if any expression of the world reads the tables.
 pub fn are_read_by(world: &World) -> bool {
     let roots: Vec<_> = world.roots.all().collect();
-    // The graph of a world has been checked.
+    // The graph of a world has been checked, so there is no error here.
     let used = world.graph.inputs_used(&roots).unwrap_or_default();
     Op::CURVES.iter().any(|table| used.tables.contains(table))
 }
@@ -33,7 +33,7 @@ fn append(texels: &mut Vec<[f32; 4]>, table: &TableData, pieces: usize) {
     texels.resize(end, [0.0; 4]);
 }
 
-/// The coefficients of the cubic with these Bézier points, constant term first. Shaders need fewer registers for them.
+/// Converts the Bézier points of a cubic to coefficients, constant term first. They need fewer shader registers.
 fn polynomial(&[a, b, c, d]: &[f32; 4]) -> [f32; 4] {
     [a, 3.0 * (b - a), 3.0 * (a - 2.0 * b + c), d - a + 3.0 * (b - c)]
 }

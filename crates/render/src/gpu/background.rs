@@ -43,7 +43,7 @@ pub struct WorkerContext {
 }
 
 impl WorkerContext {
-    /// Creates a context for the driver `info`, on `display` or on a separate display. It shares no objects.
+    /// Creates a context for the driver `info`, on `display` or on a separate display. The context shares no objects.
     ///
     /// **llvmpipe gets a separate display.** Before llvmpipe hands out the memory of a texture or buffer, it checks the
     /// unfinished draws of all contexts of the display (`llvmpipe_flush_resource`). Mesa 22.3 reads these lists while
@@ -67,7 +67,7 @@ impl WorkerContext {
         Ok(Self { display: display.clone(), context })
     }
 
-    /// Creates a context on EGL's default display, unlike [`super::headless::Headless`]. `None` if EGL refuses.
+    /// Creates a context on EGL's default display; [`super::headless::Headless`] uses a device. `None` if EGL refuses.
     pub fn beside_headless() -> Option<Self> {
         #[cfg(target_os = "linux")]
         let made = super::headless::default_context();
@@ -209,7 +209,7 @@ impl BackgroundCompiler {
         !self.threads.is_empty()
     }
 
-    /// The jobs that take longer than [`crate::limits::Limits::compile_seconds_reported`]. Each is reported once.
+    /// Returns the jobs that take longer than [`crate::limits::Limits::compile_seconds_reported`], each job only once.
     pub fn slow(&self) -> Vec<u64> {
         let mut state = self.queue.lock();
         let slow = state
@@ -257,7 +257,7 @@ impl Drop for BackgroundCompiler {
             while !thread.is_finished() && Instant::now() < until {
                 std::thread::sleep(Duration::from_millis(2));
             }
-            // A driver cannot be interrupted and may need minutes. The worker's context does not use the window.
+            // Do not wait: a driver cannot be interrupted and may need minutes. The worker's context needs no window.
             if !thread.is_finished() {
                 tracing::info!("a driver is still compiling: Mariana exits without waiting for it");
                 continue;

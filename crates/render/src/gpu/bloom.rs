@@ -52,7 +52,7 @@ impl Bloom {
     }
 }
 
-/// Fraction of the smaller levels' light when `levels` remain. All weights sum to 1 and decrease from level to level.
+/// Returns the share of the smaller levels when `levels` remain. All weights sum to 1 and decrease level by level.
 fn fraction_of_smaller(levels: usize) -> f32 {
     let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
     weights(1) / weights(0)

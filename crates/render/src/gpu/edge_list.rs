@@ -1,15 +1,15 @@
-//! A list of the pixels at edges. Further samples of the listed pixels are drawn densely, side by side.
+//! A list of the pixels at edges. Further samples of the listed pixels are drawn side by side, without gaps.
 //!
-//! A software renderer runs a shader for eight neighbouring pixels at once, so further samples of scattered 13 % of the
-//! pixels would cost more than the first samples of all pixels. Therefore a separate target holds the samples, in a
-//! block for each pixel. Reading the marks back costs a software renderer nothing. A GPU would have to wait, so GPUs
-//! use the stencil instead.
+//! A software renderer runs a shader for eight neighbouring pixels at once. Further samples of 13 % of the pixels, if
+//! these are scattered, would therefore cost more than the first samples of all pixels. A separate target avoids this:
+//! it holds the samples, in a block for each pixel. On a software renderer, reading the marks back takes no time. A GPU
+//! would have to wait, so GPUs use the stencil.
 //!
 //! Tried: sorting the list by surface. The time changed by less than 3 %, because samples at edges run 2.4 times the
 //! clauses whatever their neighbours are. Tried: reusing the light of a first sample of the same surface. It saved 18 %
 //! of the clauses and lost 2 dB, but saved no time on llvmpipe, where eight neighbours wait for the slowest. If eight
-//! neighbours always waited for the slowest, frames would take 7 % (wave_tank) to 23 % (speakers) longer. Letting each
-//! pixel advance by itself cannot gain much more.
+//! neighbours always waited for the slowest, frames would take 7 % (wave_tank) to 23 % (speakers) longer, so letting
+//! each pixel advance by itself cannot gain much more.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -35,9 +35,9 @@ pub(super) struct EdgeList {
     rows_max: u32,
     /// 255 at edges.
     marks: Target,
-    /// The pixel of each block of samples.
+    /// For each block of samples, its pixel.
     pixels: Texture,
-    /// Number of the block of samples of each pixel, from 1; 0 for pixels without further samples.
+    /// For each pixel, the number of its block of samples, from 1; 0 for pixels without further samples.
     squares: Texture,
     /// The samples, in one block per pixel. The target grows when more room is needed.
     samples: Target,
@@ -94,8 +94,8 @@ impl EdgeList {
         Ok(())
     }
 
-    /// Lists the marked pixels, each with the free length of its beam (`beams`, for all pixels). Returns the areas of
-    /// the target that samples must be drawn in.
+    /// Lists the marked pixels. `beams` holds the free length of each pixel's beam, for all pixels. Returns the areas
+    /// of the target into which samples must be drawn.
     pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Part>, GpuError> {
         let marks = self.marks.read_red();
         let listed = listed_pixels(&marks, self.size);
@@ -122,7 +122,7 @@ impl EdgeList {
         self.upload(&self.pixels, (row as u32, (pixels.len() / row) as u32), &pixels);
 
         self.samples.bind();
-        // SAFETY: clears the target bound above, in the current context. It may hold counts of the previous image.
+        // SAFETY: clears the target bound above, which may hold old counts, in the current context.
         unsafe { self.gl.clear(glow::COLOR_BUFFER_BIT) }
         let (rows, rest) = ((listed.len() / row) as u32, (listed.len() % row) as u32);
         let (across, down) = self.block;
@@ -132,7 +132,7 @@ impl EdgeList {
         ])
     }
 
-    /// Binds the list for the scene's shader. llvmpipe compiles per kind of texture, so bind the list for every sample.
+    /// Binds the list for the scene's shader. Bind it for every sample: llvmpipe compiles once per kind of texture.
     pub(super) fn bind_pixels(&self) {
         self.bind(&self.pixels, "edge_pixels");
     }
@@ -173,7 +173,7 @@ impl EdgeList {
     }
 }
 
-/// Avoids powers of two by rounding up. Software renderers compile a variant for powers of two, which delays a show.
+/// Rounds powers of two up: software renderers would compile an extra variant for them, which delays a show.
 fn no_power_of_two(side: u32) -> u32 {
     if side.is_power_of_two() { side + 1 } else { side }
 }

@@ -3,7 +3,7 @@
 //!
 //! All results stay on the GPU, so frames do not wait, and the frame with the fourth flash is itself dimmed. Textures
 //! with one texel per cell hold the state of the cells, and two passes rewrite these textures for each frame. Decisions
-//! that depend on many cells, such as the crowded fields and the areas around flashes, are computed on rows of bits:
+//! that depend on many cells, such as crowded fields, are computed on rows of bits. The steps of a frame:
 //!
 //! 1. `cells.frag` takes the mean colours of the cells.
 //! 2. `flash_follow.frag` finds changes, and marks the cells that change too often.
@@ -87,7 +87,7 @@ struct FlashMemory {
     marks: Target,
     covered: Target,
     areas: Target,
-    /// The cells' own ceilings, spread along rows, and spread along both axes.
+    /// Ceilings in three stages: each cell's own, spread along rows, and spread along both axes.
     ceilings: [Target; 3],
     shown: Target,
 }
@@ -225,8 +225,8 @@ impl FlashPass {
         self.dim_cells(finished, window);
     }
 
-    /// The measured cells of the last image, their corrections, and the displayed cells, top row first. Waits for the
-    /// GPU; for comparisons with [`crate::flash::Limiter`].
+    /// Reads the measured cells of the last image, their corrections, and the displayed cells, top row first. Waits for
+    /// the GPU. Use it to compare with [`crate::flash::Limiter`].
     pub fn read(&self) -> (Grid, Vec<Correction>, Grid) {
         let grid = |target: &Target| {
             let colors = target.read_rgba32f(0);

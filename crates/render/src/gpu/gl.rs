@@ -121,8 +121,8 @@ impl Gl {
     }
 
     /// Calls `draw` in the state for passes that overwrite one colour attachment. llvmpipe compiles a pass without
-    /// blending twice (for tiles inside and at the edge of a triangle), a pass with blending once. On llvmpipe, a blend
-    /// function therefore overwrites: the passes that all scenes share compile in 0.70 s instead of 0.93 s.
+    /// blending twice (for tiles inside and at the edge of a triangle), but a pass with blending once. On llvmpipe,
+    /// passes therefore blend, with a function that overwrites: the shared passes compile in 0.70 s, not in 0.93 s.
     pub(super) fn replacing<R>(&self, draw: impl FnOnce() -> R) -> R {
         let mixes = self.context.info.software;
         if mixes {

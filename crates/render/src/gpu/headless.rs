@@ -35,7 +35,7 @@ impl Headless {
     #[cfg(all(unix, not(target_os = "macos")))]
     pub fn new(log_debug: bool) -> Result<Self, GpuError> {
         use glutin::api::egl::device::Device;
-        // Mesa guards parts of its initialization in the first context (`lp_build_init` in 22.3) with a plain flag.
+        // Take turns: Mesa guards its first initialization (`lp_build_init` in 22.3) with only a plain flag.
         let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         let no_context = |reason: String| GpuError::NoHeadlessContext { reason };
         let mut devices: Vec<Device> =
@@ -142,7 +142,7 @@ fn context_of(
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(None);
-        // An older driver refuses the request with only an error number. Any context can report its version.
+        // An older driver refuses the request without giving its version, which any context can report.
         let any = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Compatibility)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))

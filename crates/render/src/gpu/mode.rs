@@ -1,6 +1,6 @@
 //! The two modes of drawing a scene: interpreted and compiled.
 
-/// The execution of a scene's expressions.
+/// The way in which a scene's expressions are executed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {

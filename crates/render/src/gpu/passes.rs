@@ -59,8 +59,8 @@ impl Passes {
         self.draw_with(program, target, [0.0; 2])
     }
 
-    /// Draws over the window's framebuffer of `window` pixels, or over an area of it: left and lower edge, width and
-    /// height in pixels.
+    /// Draws over the window's framebuffer of `window` pixels, or over an `area` of the window, given by left and lower
+    /// edge, width and height in pixels.
     pub(super) fn draw_in_window(
         &self,
         program: &LazyProgram,
@@ -96,7 +96,7 @@ impl Passes {
         self.gl.replacing(|| self.cover(program, target, numbers))
     }
 
-    /// Draws over a whole target and mixes a fraction, 0..1, of the result into it.
+    /// Mixes a `fraction`, 0..1, of a program's result into a whole target.
     pub(super) fn mix(&self, program: &LazyProgram, target: &Target, fraction: f32) -> Result<(), GpuError> {
         // SAFETY: sets state of the current context.
         unsafe {

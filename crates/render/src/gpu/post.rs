@@ -103,7 +103,7 @@ impl Post {
         self.passes.set_picture(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
     }
 
-    /// Resolves the bound samples to light. `block` is the arrangement of the further samples side by side.
+    /// Resolves the bound samples to light. `block` is the width and height of a pixel's block of further samples.
     pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) -> Result<(), GpuError> {
         self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32])
     }

@@ -13,7 +13,7 @@ pub struct ProgramKey([u8; 16]);
 impl ProgramKey {
     /// The key of the program that `parts` describe. It depends on Mariana's version.
     pub fn of<'a>(parts: impl IntoIterator<Item = &'a str>) -> Self {
-        // Two hashes of 64 bits. If another version of Rust hashes differently, programs are compiled once more.
+        // Two hashes of 64 bits. If another version of Rust hashes differently, all programs are compiled again.
         let mut hashers = [0_u8, 1].map(|first| {
             let mut hasher = std::hash::DefaultHasher::new();
             hasher.write_u8(first);
@@ -96,7 +96,7 @@ pub trait ProgramStore: Send + Sync {
         None
     }
 
-    /// The operation on a program during which an earlier run crashed. Each crash is returned only once.
+    /// Returns what the driver was doing with a program when an earlier run crashed. Returns each crash only once.
     fn death(&self, _key: ProgramKey) -> Option<Work> {
         None
     }

@@ -1,7 +1,7 @@
 //! Draws a frame: one sample per pixel, further samples at edges, then the finished image ([`super::post`]).
 //!
 //! 1. `scene.frag` traces one sample at each pixel's centre.
-//! 2. `edges.frag` marks the pixels whose neighbourhood differs visibly in the stencil.
+//! 2. `edges.frag` marks in the stencil each pixel whose neighbourhood differs visibly.
 //! 3. `scene.frag` traces further samples in the marked pixels, at different positions in the pixel.
 //!
 //! A frame is drawn in parts, in one call or several (`making`). `presenter` brings the finished image to the screen.
@@ -11,9 +11,9 @@
 //!
 //! **Further samples at edges only.** If neighbouring pixels show different surfaces (alpha holds a key of the surface)
 //! and visibly different colours, the same program draws further samples there. The window gets four (in 6 to 13 % of
-//! the pixels), or two while an interpreted scene is being edited. Stills and videos get sixteen, at the edges of
-//! shadows as well. `bench --edges` compares the results with 64 samples everywhere. A GPU selects the pixels by a
-//! stencil; a software renderer lists them (`edge_list`).
+//! the pixels), or two while an interpreted scene is being edited. Stills and videos get sixteen, also at the edges of
+//! shadows. `bench --edges` compares the results with 64 samples everywhere. A GPU selects the pixels by a stencil; a
+//! software renderer lists them (`edge_list`).
 
 mod canvas;
 mod fade;

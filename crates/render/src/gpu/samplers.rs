@@ -1,4 +1,4 @@
-//! Resets the samplers before each draw of a scene's program, so that its slots always hold the same samplers
+//! Resets the samplers before each draw of a scene's program, so that each texture slot always holds the same sampler
 //! (`shaders/samplers.frag` explains the reason). Only software renderers need this.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]

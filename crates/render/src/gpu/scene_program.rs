@@ -7,8 +7,8 @@
 //!
 //! **One loop around the interpreter.** Drivers inline every call and compile it again. Therefore one call in a loop
 //! serves a surface's normals, object and occlusion, and a second call serves its material and ambient light. Textures
-//! and rare operators are computed between loops: inside, renderers that never skip a branch would compute them for
-//! every clause.
+//! and rare operators are computed between loops: inside a loop, renderers that never skip a branch would compute them
+//! for every clause.
 //!
 //! On llvmpipe, vectors of 128 bits are as fast as vectors of 256 bits. With 512 bits (`LP_NATIVE_VECTOR_WIDTH`), Mesa
 //! 22.3.6 aborts.
@@ -58,7 +58,7 @@ impl Interpreter {
         Self { tapes, regions: plan.variant().clone(), features }
     }
 
-    /// The variant that draws almost every scene whose value is a distance or, with `non_lipschitz`, any other scene.
+    /// The variant that draws almost every scene whose value is a distance or, with `non_lipschitz`, is not a distance.
     /// GPUs compile this variant before editing starts.
     pub fn universal(non_lipschitz: bool) -> Self {
         Self {
@@ -185,9 +185,9 @@ pub fn variant_of(
     }
 }
 
-/// The variant of a compiled scene without cell lookups ([`CellUse::divides`]), only for distances. It draws the same
-/// image faster: its code is 5 to 23 % shorter on AMD and 6 to 24 % shorter on Xe, and seven of thirteen scenes run
-/// with more waves on AMD.
+/// Removes cell lookups ([`CellUse::divides`]) from the variant of a compiled scene. The scene's value must be a
+/// distance. The image stays the same, but is drawn faster: the code is 5 to 23 % shorter on AMD and 6 to 24 % shorter
+/// on Xe, and seven of thirteen scenes run with more waves on AMD.
 pub fn without_cells(mut variant: Variant) -> Variant {
     variant.defines.push("NO_CELLS 1".to_owned());
     variant
@@ -225,14 +225,14 @@ pub fn as_views(mut counting: Variant) -> Variant {
     counting
 }
 
-/// The variant without a visible sky, for images that are laid over other images.
+/// Makes the sky of a variant invisible, for images that are laid over other images.
 pub fn without_sky(mut variant: Variant) -> Variant {
     variant.defines.push("NO_SKY 1".to_owned());
     variant
 }
 
-/// The variant for coverage. Its light is the fraction of an eye ray that does not reach the sky: 1 on a surface
-/// without haze.
+/// Turns a variant into a variant that draws coverage: its light is the fraction of an eye ray that does not reach the
+/// sky, which is 1 on a surface without haze.
 pub fn as_coverage(variant: Variant) -> Variant {
     let mut variant = without_sky(variant);
     variant.defines.push("COVERAGE 1".to_owned());

@@ -285,7 +285,7 @@ impl SceneResources {
 
     /// Options for the tree of a frame.
     pub fn region_options(&self, frame: &Frame) -> RegionOptions {
-        // If the eye is among the surfaces, the tree follows it in large steps.
+        // If the eye is among the surfaces, the tree follows the eye in large steps.
         let eye = frame.camera.position.as_vec3();
         let near_eye = (CENTER_STEP * (eye / CENTER_STEP).round()).to_array();
         let (center, eye) = match self.world.bounds {
@@ -392,7 +392,7 @@ impl SceneBuffers {
     }
 }
 
-/// The OpenGL names to bind for a scene. The names are valid while the scene's [`SceneResources`] exist. Later the
+/// The OpenGL names to bind for a scene. The names are valid while the scene's [`SceneResources`] exist. Afterwards the
 /// names refer to different objects, or the driver reports an error.
 #[derive(Debug, Clone)]
 pub struct SceneNames {

@@ -78,8 +78,8 @@ fn halved<T>((width, height): (u32, u32), texels: &[T], light: impl Fn(&T) -> [f
     Some(Level { size, texels: below })
 }
 
-/// Weights for reducing a side from `above` to `below` texels. For each new texel: the first old texel that it covers,
-/// and the weights of the covered texels.
+/// Returns weights for reducing a side from `above` to `below` texels: for each new texel, the first old texel that it
+/// covers, and the weights of all old texels that it covers.
 fn covered(above: u32, below: u32) -> Vec<(usize, Vec<f32>)> {
     let length = f64::from(above) / f64::from(below);
     let of = |texel: u32| {

@@ -1,6 +1,6 @@
 //! Splits draws into parts, so that a window stays responsive and no driver's watchdog mistakes a long draw for a hang.
 //!
-//! The cost of a pixel is probed all over a scene's first frame. Each part that is drawn updates it. No part takes
+//! Probes all over a scene's first frame find the cost of a pixel. Each drawn part updates this cost. No part takes
 //! longer than a quarter of a second, and splitting does not change a bit of the image. Most frames are a single part.
 //!
 //! In the window, a frame takes as many calls as it needs. Between two calls the show handles input, and the previous
@@ -14,7 +14,7 @@ use std::time::Duration;
 use super::program::Program;
 use crate::faults::{self, Fault};
 
-/// Target time of a part in seconds: half of the limit (`limits.rs`), because pixels differ.
+/// Target time of a part in seconds: half of the limit (`limits.rs`), because the costs of pixels differ.
 pub(super) const PART_SECONDS: f64 = 0.12;
 /// Seconds for submitting a draw and waiting for its end. With a value of 1 ms, cheap pixels seemed ten times as
 /// expensive.
@@ -27,7 +27,7 @@ const WARY: f64 = 4.0;
 const PROBES: u32 = 6;
 /// The sides of parts are multiples of this number, because renderers draw neighbouring pixels together.
 const GRAIN: u32 = 8;
-/// Best heights for a software renderer are multiples of this number, because it works in squares of this size.
+/// Software renderers draw squares of this size, so part heights that are multiples of this number are the best.
 const ROW: u32 = 64;
 /// Images with fewer pixels are not probed. Their parts start small instead.
 const PROBED_MIN: u64 = 4 * (PROBES * GRAIN) as u64 * (PROBES * GRAIN) as u64;

@@ -2,7 +2,7 @@
 
 use super::letters::{Letters, Line};
 
-/// Size of the first line's letters relative to the image's smaller side. The range of this size follows, in pixels.
+/// Size of the first line's letters relative to the image's smaller side. The next constant limits it, in pixels.
 const LETTERS_FRACTION: f32 = 1.0 / 15.0;
 const LETTERS: (f32, f32) = (9.0, 160.0);
 /// Size of the second line's letters relative to the first line's.

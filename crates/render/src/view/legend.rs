@@ -65,7 +65,7 @@ const GROUND: Color = [0.035, 0.040, 0.050];
 const TEXT: Color = [0.91, 0.92, 0.93];
 const DIM: Color = [0.66, 0.68, 0.73];
 
-/// Size of letters relative to the frame's height. The range of this size follows, in pixels.
+/// Size of letters relative to the frame's height. The next constant limits this size, in pixels.
 const LETTERS_FRACTION: f32 = 1.0 / 44.0;
 const LETTERS: (f32, f32) = (11.0, 44.0);
 /// Maximum fraction of the frame's width and height for a legend. Larger legends are left out.

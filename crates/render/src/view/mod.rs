@@ -79,7 +79,7 @@ const NUMBERS: (f32, f32) = (1e-5, 1e6);
 pub struct ViewChoice {
     /// The view.
     pub view: View,
-    /// The number explained by [`ViewRow::number`]; `None` for the view's default.
+    /// The number described by [`ViewRow::number`]; `None` for the view's default.
     pub number: Option<f32>,
 }
 
@@ -123,7 +123,7 @@ impl View {
         &VIEWS[self as usize % VIEWS.len()]
     }
 
-    /// The next or previous view. `None` comes before the first view and after the last view.
+    /// Returns the view after or before `view`. `None` comes before the first view and after the last view.
     pub fn beside(view: Option<Self>, forward: bool) -> Option<Self> {
         let places = VIEWS.len() + 1;
         let place = view.map_or(0, |view| view as usize + 1);
@@ -175,8 +175,8 @@ impl std::fmt::Display for ViewChoice {
 }
 
 impl ViewChoice {
-    /// The view with the next larger or smaller number of the series 1, 2, 5, 10 ... after `present`. A step below the
-    /// smallest number returns to the view's default.
+    /// Returns the view with the next number after `present` in the series 1, 2, 5, 10 ..., or the number before if not
+    /// `larger`. A step below the smallest number returns to the view's default.
     pub fn stepped(self, present: Option<f32>, larger: bool) -> Self {
         let row = self.view.row();
         if row.number.is_none() {

@@ -22,7 +22,7 @@ use crate::gpu::stand_ins::{SceneShape, StandIns};
 const WARM_UP_SIZE: (u32, u32) = (18, 14);
 
 const SLOW_COMPILER: Duration = Duration::from_secs(2);
-/// Duration of a compilation that a test makes endless, for programs longer than `LONG_PROGRAM` bytes.
+/// Duration of a compilation that a test makes endless. It applies to programs longer than `LONG_PROGRAM` bytes.
 const ENDLESS_COMPILER: Duration = Duration::from_secs(3600);
 const LONG_PROGRAM: usize = 200_000;
 

@@ -75,7 +75,7 @@ impl Sampling {
         self.samplers.as_ref().map_or(Ok(()), |samplers| samplers.settle(&self.gl, target))
     }
 
-    /// Sets the stencil, which `sum` shares with `first`, at edges. Clears the sum.
+    /// Sets the stencil at edges. `sum` and `first` share this stencil. Clears the colours of `sum`.
     pub(super) fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
         // SAFETY: sets state and draws without attributes into the target bound here, in the current context.
         unsafe {
@@ -121,7 +121,7 @@ impl Sampling {
         program.bind();
     }
 
-    /// Unbinds the list of edges. Otherwise the texture bound to its unit might be the target of the draw.
+    /// Unbinds the list of edges, because a texture that stays bound might be the target of the draw.
     pub(super) fn unbind_edge_pixels(&self) {
         // SAFETY: sets state of the current context.
         unsafe {
