@@ -195,8 +195,8 @@ impl Playback {
         Ok(new)
     }
 
-    /// Dims the frame for the master output and the flash limiter. Returns `true` if the last frame is dimmed
-    /// further, and `None` if the driver lacks memory.
+    /// Dims the frame for the master output and the flash limiter. Returns `true` if the brightness of the last frame
+    /// changes, and `None` if the driver lacks memory.
     fn finish_picture(&mut self, new: Option<&Drawn>, begun: Instant) -> Result<Option<bool>, SessionError> {
         let gain = self.master_output.gain(begun);
         let dims = self.pace.shown().is_some() && gain != self.renderer.gain();

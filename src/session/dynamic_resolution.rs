@@ -53,7 +53,7 @@ const SIDE_MIN: u32 = 16;
 const HIGH: usize = 2;
 const MEDIUM: usize = 5;
 const LOW: usize = 8;
-/// The first level with visible losses. It is used only below [`FPS_USABLE`] frames per second.
+/// The first level with visible losses. It is used only if better levels stay below [`FPS_USABLE`].
 const POOR: usize = 8;
 /// Below this many frames per second a show does not seem to move.
 const FPS_USABLE: f64 = 24.0;

@@ -61,7 +61,7 @@ impl Legacy {
         is_new
     }
 
-    /// Returns `true` if the list of this `revision` must be written. For `None`, the saved list must be removed.
+    /// Returns `true` if the list of this `revision` must be written. `None` is for removing the saved list.
     fn takes_tracks(&mut self, revision: Option<u64>) -> bool {
         self.tracks.replace(revision) != Some(revision)
     }

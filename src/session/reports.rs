@@ -82,7 +82,7 @@ impl Reports {
     }
 
     /// Reports once why the chosen output is not used. Unless `silence_asked`, also reports why there is no sound,
-    /// but only the first reason: when a sound server has died, missing devices follow.
+    /// but only the first reason, because a dead sound server has no devices either.
     pub(crate) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
         if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.reported_silent) {
             tell(&format!("the song plays without sound: {reason}"));

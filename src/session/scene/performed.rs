@@ -37,7 +37,7 @@ impl<'a> Performed<'a> {
         let (clips, _) = show.clips(scene, time);
         let split = scene.resources.world().blended.unwrap_or(0);
         let staged = clips.last();
-        // Ignore the show if the user chose or locked the scene: then the show only turns the camera.
+        // Ignore the show's values if the user chose or locked the scene: then the show only turns the camera.
         let clip = staged.filter(|_| !show.is_overruled() && !show.is_locked());
         let params = scene.knobs.iter().filter(|(_, knob)| knob.place >= split);
         let params = params.map(|(slider, _)| Turned {
