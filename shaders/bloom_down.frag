@@ -12,7 +12,7 @@ vec3 tap(vec2 place, vec2 texel, float x, float y) {
     return texture(picture, place + texel * vec2(x, y)).rgb;
 }
 
-// The weighted mean of four taps. Alpha is the weight.
+// Returns the weighted mean of four taps. Alpha is the weight.
 vec4 weighed(vec3 sum, float fraction) {
     vec3 mean = 0.25 * sum;
 #ifdef FIRST

@@ -2,7 +2,7 @@
 
 uniform sampler2D picture;      // finished
 
-// The weights of four pixels around a position that is `t` beyond the second pixel.
+// Returns the weights of four pixels around a position that is `t` beyond the second pixel.
 vec4 weights(float t) {
     return vec4(
         t * (-0.5 + t * (1.0 - 0.5 * t)),

@@ -9,7 +9,7 @@ vec2 ceiling_of(ivec2 cell) {
     return texelFetch(ceilings, clamp(cell, ivec2(0), ivec2(COLUMNS, ROWS) - 1), 0).wz;
 }
 
-// The ceiling and the fraction of grey at a position in cells, interpolated between the centres of four cells.
+// Returns the ceiling and the fraction of grey at a position in cells, interpolated between the centres of four cells.
 vec2 ceiling_at(vec2 place) {
     ivec2 first = ivec2(floor(place - 0.5));
     vec2 fraction = fract(place - 0.5);

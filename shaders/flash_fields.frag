@@ -14,7 +14,7 @@ uint bits_of(uint row) {
     return row + (row >> 8u) & 0x1fu;
 }
 
-// The cells of a row that a field covers if it begins at this column.
+// Returns the cells of a row that a field covers if it begins at this column.
 uint window(uvec2 row, int column) {
     uvec2 rest = column < HALF ? row : uvec2(row.y, 0u);
     uint by = uint(column % HALF);

@@ -6,7 +6,7 @@
 // A value above all luminances and all ages in the memory.
 const float NEVER = 1e9;
 
-// The stored value, or `at_first` if there is no earlier frame.
+// Returns the stored `texel`, or `at_first` if there is no earlier frame.
 vec4 remembered(vec4 texel, vec4 at_first) {
     return flash_step.z > 0.5 ? at_first : texel;
 }
@@ -19,7 +19,7 @@ float luminance(vec3 color) {
 // rise, y is the valley before the rise; after a fall, z is the peak before the fall.
 const vec3 NO_SWING = vec3(0.0, NEVER, -NEVER);
 
-// The change that this luminance causes: 1, -1, or 0 for no change.
+// Returns the change that this luminance causes: 1, -1, or 0 for no change.
 float light_change(inout vec3 swing, float light) {
     float low = swing.x > 0.0 ? swing.y : min(swing.y, light);
     float high = swing.x < 0.0 ? swing.z : max(swing.z, light);

@@ -2,7 +2,7 @@
 
 const int NOTHING = -1;
 
-// The movement of the visible point along the surface if the ray moves by `step` at the distance of the point.
+// Returns the movement of the visible point along the surface if the ray moves by `step` at the distance of the point.
 vec3 along_surface(vec3 step, vec3 normal, vec3 direction) {
     float along = dot(direction, normal);
     along = abs(along) < 0.05 ? (along < 0.0 ? -0.05 : 0.05) : along;

@@ -72,7 +72,7 @@ void load_frame() {
 void load_frame() {}
 #endif
 
-// The plane with the given number. (With a variable index, the compiler would keep the copies in memory.)
+// Returns the plane with the given number. (With a variable index, the compiler would keep the copies in memory.)
 vec4 plane_of(int number) {
     vec4 plane = planes[0];
     for (int i = 1; i < PLANES; i++) plane = number == i ? planes[i] : plane;

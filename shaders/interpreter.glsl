@@ -31,7 +31,7 @@ bool form_is_immediate(uint word, const int place) {
     return place == 2 ? (word & 192u) == 192u || (word & 255u) == 2u : (word & 192u) == 128u;
 }
 
-// The operator's number without the form of its operands; numbers below 16 are not operators.
+// Returns the operator's number without the form of its operands; numbers below 16 are not operators.
 int operator_number(uint word) {
     uint opcode = word & 255u;
     return int(opcode < 64u ? opcode : 64u | (opcode & 63u));
@@ -65,7 +65,7 @@ void region_clause(uint word, uint immediate, out float a, out float b) {
     REGION_WRITE(BYTE(word, 1), r);
 }
 
-// The results of a region's tape at a point: bound and estimate, or an object.
+// Returns the results of a region's tape at a point: bound and estimate, or an object.
 vec2 run_region(int first, vec3 p, float penumbra) {
     region_file[0] = p.x;
     region_file[1] = p.y;

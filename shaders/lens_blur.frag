@@ -12,7 +12,7 @@ const float PI = 3.14159265;
 const float GOLDEN_ANGLE = 2.39996323;
 const int TAPS_MAX = 80;
 
-// The fraction of a disc that covers an area. Radius and area are in pixels.
+// Returns the fraction of a disc that covers an area. Radius and area are in pixels.
 float fraction_of(float area, float radius) {
     return min(1.0, area / (PI * radius * radius + 1e-6));
 }

@@ -23,8 +23,8 @@ float faded(float t, float range) {
 }
 
 #ifdef PANELS
-// An edge's part in Lambert's formula for the light of a polygon (1760): the edge's normal, multiplied by the angle
-// between the directions to the edge's ends.
+// Returns an edge's term of Lambert's formula for the light of a polygon (1760): the edge's normal, multiplied by the
+// angle between the directions to the edge's ends.
 vec3 edge_of_panel(vec3 a, vec3 b) {
     vec3 across = cross(a, b);
     float sine = length(across);
@@ -66,7 +66,7 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
 }
 #endif
 
-// The light with the given number at p. `direction` is the ray's direction.
+// Returns the light with the given number at p. `direction` is the ray's direction.
 Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     vec4 place = lights[4 * number];
     vec4 color = lights[4 * number + 1];

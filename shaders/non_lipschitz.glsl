@@ -16,13 +16,13 @@ Slopes unpack_slopes(uvec2 words) {
     return Slopes(low * unit, high * unit);
 }
 
-// The largest rate at which the value can fall along a direction.
+// Returns the largest rate at which the value can fall along a direction.
 float slope_towards(Slopes slopes, vec3 direction) {
     vec3 falls = max(-slopes.low * direction, -slopes.high * direction);
     return falls.x + falls.y + falls.z;
 }
 
-// The part of the ray in cells that may contain a surface.
+// Returns the part of the ray in cells that may contain a surface.
 vec2 non_lipschitz_span(vec3 origin, vec3 direction) {
     vec2 span = traced_span(origin, direction, 0.0);
     vec2 tree = box_span(origin, direction, region_low.xyz, region_low.xyz + ROOT_SIDE / region_scale.xyz);
@@ -35,8 +35,8 @@ float even_step(int left, float t, float end) {
     return from * (pow(end / from, 1.0 / float(left)) - 1.0);
 }
 
-// The first surface along the ray, where the value changes its sign. The pixel's cone has the radius `cone` at t = 0
-// and grows by `spread`.
+// Returns the first surface along the ray, where the value changes its sign. The pixel's cone has the radius `cone` at
+// t = 0 and grows by `spread`.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
     vec2 span = non_lipschitz_span(origin, direction);

@@ -8,7 +8,7 @@ float tap_distance(float cone) {
     return CHOSEN_TAP(max(0.6 * cone, 4e-4));
 }
 
-// The normal from the sum of the taps. Each tap is multiplied by its distance value.
+// Returns the normal from the sum of the taps. Each tap is multiplied by its distance value.
 vec3 normal_of(vec3 sum) {
     float size = length(sum);
     return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);

@@ -13,7 +13,7 @@ bool occluder_near(vec3 p) {
     return bounds_high.w < 0.5 || dot(outside, outside) < probes.w * probes.w;
 }
 
-// The openness of the point, computed from the scene's distances at the probes; 1 if the point is unoccluded.
+// Returns the openness of the point, computed from the scene's distances at the probes; 1 if the point is unoccluded.
 float openness(vec3 p, vec3 normal, vec4 d) {
     for (int i = 0; i < PLANES; i++) {
         float height = dot(planes[i].xyz, p) + planes[i].w;
@@ -24,12 +24,12 @@ float openness(vec3 p, vec3 normal, vec4 d) {
 }
 
 #ifdef GLOW
-// Position of the probe for glow, as a fraction of the reach along the normal. At that position,
-// objects in front of the surface are nearer and objects behind the surface are farther away.
+// Position of the probe for glow, as a fraction of the reach along the normal. At that position, objects in front of
+// the surface are nearer and objects behind the surface are farther away.
 const float GLOW_PROBE = 0.25;
 
-// The received light, computed from the emission and the distance at the probe. It is the whole emission on contact,
-// and 0 beyond the reach.
+// Returns the received light, computed from the emission and the distance at the probe. It is the whole emission on
+// contact, and 0 beyond the reach.
 vec3 glow_from(vec4 found) {
     float near = clamp(1.0 - max(AS_DISTANCE(found.a), 0.0) / frame_reach.x, 0.0, 1.0);
     return light_of(found.rgb) * (near * near * near);

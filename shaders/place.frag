@@ -10,7 +10,7 @@ layout(location = 0) out vec4 screen;
 // Maximum number of averaged pixels of the frame along each side of a pixel of the window.
 const int TAPS_MAX = 8;
 
-// The covered fraction of a pixel, given its distance to an edge in pixels.
+// Returns the covered fraction of a pixel, given its distance to an edge in pixels.
 float inside(float pixels) {
     return clamp(pixels + 0.5, 0.0, 1.0);
 }

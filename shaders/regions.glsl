@@ -51,7 +51,7 @@ Cell cell_at(vec3 q) {
 }
 #endif
 
-// A point in root coordinates, with root cells as the unit.
+// Converts a point to root coordinates, in units of root cells.
 vec3 in_root(vec3 p) {
     return (p - region_low.xyz) * region_scale.xyz;
 }
@@ -73,14 +73,14 @@ Walk walk_of(vec3 origin, vec3 direction) {
     return Walk(origin, direction, inverse, nudge);
 }
 
-// The position at which the ray's cell at t is looked up. It is slightly beyond t, so that a ray never gets stuck at a
-// face.
+// Returns the position at which the ray's cell at t is looked up. It is slightly beyond t, so that a ray never gets
+// stuck at a face.
 vec3 place_on(Walk walk, float t) {
     vec3 ahead = mix(vec3(-walk.nudge), vec3(walk.nudge), greaterThanEqual(walk.direction, vec3(0.0)));
     return in_root(walk.origin + t * walk.direction) + ahead;
 }
 
-// The distance at which the ray leaves the cell of q. q is the result of `place_on` for t.
+// Returns the distance at which the ray leaves the cell of q. q is the result of `place_on` for t.
 float exit_of(Cell cell, Walk walk, vec3 q, float t) {
     vec3 face = (floor(q / cell.side) + step(vec3(0.0), walk.direction)) * cell.side;
     // Measure from the point at t, which is a nudge behind q.

@@ -16,7 +16,7 @@ layout(location = 0) out vec4 light;
 // Maximum number of samples in a block.
 const int BLOCK_MAX = 16;
 
-// The weighted sum of a pixel's further samples. Alpha is the sum of the weights.
+// Returns the weighted sum of a pixel's further samples. Alpha is the sum of the weights.
 vec4 further_samples(ivec2 texel) {
 #ifdef EDGE_LIST
     ivec2 square = ivec2(texelFetch(edge_squares, texel, 0).xy);

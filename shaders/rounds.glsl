@@ -17,7 +17,7 @@ const int SHADOW_ROUNDS = 40000;
 int rounds_run = 0;
 int rounds_of_last = 1;
 
-// The number of steps that a ray can afford, at most `most`.
+// Returns the number of steps that a ray can afford, at most `most`.
 int steps_left(int most, int rounds) {
     return min(most, (rounds - rounds_run) / rounds_of_last);
 }

@@ -19,8 +19,8 @@ float sample_weight(vec3 light) {
     return 1.0 / (1.0 + exposure * max(light.r, max(light.g, light.b)));
 }
 
-// A pixel's first sample stores a key of its surfaces in alpha. Further samples are weighted, and alpha is the sum of
-// the weights.
+// Returns the sample to store. For a pixel's first sample, alpha is the key of the surfaces. Further samples are
+// weighted, and alpha is the sum of the weights.
 vec4 stored_sample(vec3 light, float key, bool further) {
     light = storable(light);
     float weight = sample_weight(light);

@@ -2,14 +2,14 @@
 
 uniform usampler2D edge_pixels;     // the pixel of each block of samples, and the bits of its beam's free distance
 
-// The number of a texel among the further samples of its block.
+// Returns the number of a texel among the further samples of its block.
 int block_sample() {
     ivec2 block = ivec2(pass_list.xy);
     ivec2 texel = ivec2(gl_FragCoord.xy) % block;
     return texel.x + block.x * texel.y;
 }
 
-// The number of this sample within its pixel, starting at 0.
+// Returns the number of this sample within its pixel, starting at 0.
 float sample_number() {
     if (pass_sample.z < 0.5) return 0.0;
     return 1.0 + (pass_sample.z > 1.5 ? float(block_sample()) : pass_sample.w);
@@ -19,7 +19,7 @@ uvec4 listed_pixel() {
     return texelFetch(edge_pixels, ivec2(gl_FragCoord.xy) / ivec2(pass_list.xy), 0);
 }
 
-// The position of the sample in pixels from the frame's lower left corner.
+// Returns the position of the sample in pixels from the frame's lower left corner.
 vec2 sample_place() {
     if (pass_sample.z < 0.5) return gl_FragCoord.xy;
     if (pass_sample.z < 1.5) return gl_FragCoord.xy + pass_sample.xy;

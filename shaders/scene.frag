@@ -31,8 +31,8 @@ layout(location = 3) out vec4 more_clauses;         // of materials and light, 0
 #if defined(LENS) && !defined(COUNT_EVALUATIONS)
 layout(location = 1) out float sample_spread;       // radius of the point's disc in pixels
 
-// The blur of a thin lens: a point at distance z becomes a disc of radius * |1/sharp - 1/z| at distance 1; the result
-// is negative in front of the sharp distance.
+// Returns the blur of a thin lens: a point at distance z becomes a disc of radius * |1/sharp - 1/z| at distance 1; the
+// result is negative in front of the sharp distance.
 float spread_at(float nearness) {
     float limit = picture_lens.z * viewport.y;
     return clamp(picture_lens.x * (picture_lens.y - nearness) / (2.0 * camera_position.w), -limit, limit);
@@ -120,7 +120,7 @@ vec2 scatter(int surface) {
     return fract(vec2(v.xy >> 8u) / 16777216.0 + sample_number() * vec2(0.7548777, 0.5698403));
 }
 
-// The normal of a rough mirror's facet, by GGX (Walter et al. 2007).
+// Returns the normal of a rough mirror's facet, by GGX (Walter et al. 2007).
 vec3 facet(vec3 normal, float alpha, vec2 random) {
     float cosine = sqrt((1.0 - random.x) / (1.0 + (alpha * alpha - 1.0) * random.x));
     float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
@@ -130,8 +130,8 @@ vec3 facet(vec3 normal, float alpha, vec2 random) {
 }
 #endif
 
-// The light along a ray from the eye. There is a single loop over the path's surfaces, so that a driver compiles
-// tracing and shading once.
+// Returns the light along a ray from the eye. There is a single loop over the path's surfaces, so that a driver
+// compiles tracing and shading once.
 vec3 scene_color(vec3 origin, vec3 direction) {
     float spread = camera_position.w;
     float fraction_min = mix(FRACTION_MIN_LEAST, FRACTION_MIN, frame_quality);

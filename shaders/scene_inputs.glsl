@@ -8,8 +8,8 @@ float table_band(float index) {
 // B-splines. Each texel holds the polynomial between two entries, constant term first. All zero without sound.
 uniform samplerBuffer sound_tables;
 
-// The number of the piece at the coordinate u in a row of `pieces` pieces. x is the position in the piece, 0..1. u is
-// clamped to 0..1.
+// Returns the number of the piece at the coordinate u in a row of `pieces` pieces. x is the position in the piece,
+// 0..1. u is clamped to 0..1.
 int table_piece(int pieces, float u, out float x) {
     float along = (u > 0.0 ? min(u, 1.0) : 0.0) * float(pieces);
     int piece = min(int(along), pieces - 1);

@@ -13,7 +13,7 @@ struct Hit {
     bool met;       // true if the ray hits a surface
 };
 
-// The distances at which the ray enters and leaves the box; the ray misses the box if entry > exit.
+// Returns the distances at which the ray enters and leaves the box; the ray misses the box if entry > exit.
 vec2 box_span(vec3 origin, vec3 direction, vec3 low, vec3 high) {
     // A component of exactly 0 would make 0 * inf = NaN.
     vec3 inverse = 1.0 / (direction + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(direction, vec3(0.0))));
@@ -24,14 +24,14 @@ vec2 box_span(vec3 origin, vec3 direction, vec3 low, vec3 high) {
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
-// The part of the ray in the traced scene's bounds, which are enlarged by a margin; empty if entry > exit.
+// Returns the part of the ray in the traced scene's bounds, which are enlarged by a margin; empty if entry > exit.
 vec2 traced_span(vec3 origin, vec3 direction, float margin) {
     if (bounds_low.w < 0.5) return vec2(1.0, 0.0);
     if (bounds_high.w < 0.5) return vec2(0.0, FAR);
     return box_span(origin, direction, bounds_low.xyz - margin, bounds_high.xyz + margin);
 }
 
-// The first plane that the ray hits from its upper side.
+// Returns the first plane that the ray hits from its upper side.
 Hit trace_planes(vec3 origin, vec3 direction, float start) {
     Hit hit = Hit(1e9, NOTHING, false);
     for (int i = 0; i < PLANES; i++) {
@@ -69,8 +69,8 @@ float beam_spread = 0.0;
 float beam_free = 0.0;
 int beam_steps = 0;
 
-// The free distance of a beam after a step to t; negative once a surface was too near. `nearest` is a lower bound of
-// the distance to all surfaces, from the start of the step or from the skipped cell.
+// Returns the free distance of a beam after a step to t; negative once a surface was too near. `nearest` is a lower
+// bound of the distance to all surfaces, from the start of the step or from the skipped cell.
 float free_after(float free, float nearest, float t) {
     float radius = beam_spread * t;
     float stays = nearest >= 2.0 * radius ? t - radius : -free;
@@ -81,7 +81,7 @@ float free_after(float free, float nearest, float t) {
 #ifdef NON_LIPSCHITZ
 #include "non_lipschitz.glsl"
 #else
-// The first surface along the ray. The pixel's cone has the radius `cone` at t = 0 and grows by `spread`.
+// Returns the first surface along the ray. The pixel's cone has the radius `cone` at t = 0 and grows by `spread`.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
     vec2 span = traced_span(origin, direction, 0.0);

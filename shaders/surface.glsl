@@ -1,6 +1,6 @@
 // A point of a surface, from a compiled scene's functions.
 
-// The distance for a ray. Compiled functions do not use the cell.
+// Returns the distance for a ray. Compiled functions do not use the cell.
 vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return scene_distance(p, penumbra);
 }

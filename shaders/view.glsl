@@ -12,7 +12,7 @@ vec3 heat_color(float fraction) {
     return mix(HEAT_COLOR[left], HEAT_COLOR[left + 1], along - float(left));
 }
 
-// The distance at a point, or the formula's value, including planes.
+// Returns the distance at a point, or the formula's value, including planes.
 float value_at(vec3 p) {
     // This point is outside the tree, so the whole tape runs.
     Cell whole = cell_at(vec3(-1.0));
@@ -24,7 +24,7 @@ float value_at(vec3 p) {
     return abs(d) < 1e9 ? d : 1e9;
 }
 
-// The covered fraction of a pixel that is `away` pixels from the middle of a line.
+// Returns the covered fraction of a pixel that is `away` pixels from the middle of a line.
 float line_cover(float away, float half_width) {
     return clamp(half_width + 0.5 - away, 0.0, 1.0);
 }
@@ -60,7 +60,7 @@ vec3 view_slice(vec3 direction) {
     return mix(color, COLOR_ZERO, line_cover(abs(d) / slope, 1.5));
 }
 
-// The number of clauses in a region's tape.
+// Returns the number of clauses in a region's tape.
 float tape_length(int first) {
     int texels = 0;
     for (; texels < TAPE_TEXELS_MAX; texels++) {

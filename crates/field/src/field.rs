@@ -42,7 +42,7 @@ impl Field {
         bounds.unwrap_or(Interval::ANY)
     }
 
-    /// The clauses that compute the field. `Display` prints the tape as a table.
+    /// Returns the clauses that compute the field. `Display` prints the tape as a table.
     pub fn tape(&self) -> &Tape {
         &self.tape
     }
@@ -60,7 +60,7 @@ impl Field {
         RegionPlan::new(&self.world).build(frame, &RegionOptions::default())
     }
 
-    /// The compiled world of the field, for everything that this type has no shortcut for.
+    /// Returns the compiled world of the field, for everything that this type has no shortcut for.
     pub fn world(&self) -> &World {
         &self.world
     }

@@ -4,7 +4,7 @@ macro_rules! rays {
     ($($(#[doc = $doc:literal])+ $name:ident: $kind:ty = $value:literal;)+) => {
         $($(#[doc = $doc])+ pub const $name: $kind = $value;)+
 
-        /// The constants as `NAME value`, for defines in GLSL.
+        /// Returns the constants as `NAME value`, for defines in GLSL.
         pub fn defines() -> impl Iterator<Item = String> {
             [$(format!(concat!(stringify!($name), " {:?}"), $name)),+].into_iter()
         }

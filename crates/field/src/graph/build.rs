@@ -6,14 +6,14 @@ use super::{Graph, Input, Node, NodeId, Op};
 pub const PRODUCT_EXPONENT_MAX: f32 = 64.0;
 
 impl Graph {
-    /// A constant. Both zeros become one node, and so do all NaNs.
+    /// Adds a constant. Both zeros become one node, and so do all NaNs.
     #[inline]
     pub fn constant(&mut self, value: f32) -> NodeId {
         let value = if value.is_nan() { f32::NAN } else { value + 0.0 };
         self.intern(Node::Constant(value))
     }
 
-    /// An input.
+    /// Adds an input.
     #[inline]
     pub fn input(&mut self, input: Input) -> NodeId {
         self.intern(Node::Input(input))
@@ -89,7 +89,7 @@ impl Graph {
         self.simplified_unary(Op::Abs, a)
     }
 
-    /// The square root, 0 for negative a.
+    /// Returns the square root, 0 for negative a.
     #[inline]
     pub fn sqrt(&mut self, a: NodeId) -> NodeId {
         self.simplified_unary(Op::Sqrt, a)
@@ -202,7 +202,7 @@ impl Graph {
         }
     }
 
-    /// The length of a vector; the magnitude of a scalar.
+    /// Returns the length of a vector; the magnitude of a scalar.
     pub fn length(&mut self, v: &[NodeId]) -> NodeId {
         match v {
             [a] => self.abs(*a),

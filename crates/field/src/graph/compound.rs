@@ -57,12 +57,12 @@ macro_rules! compounds {
             /// Every compound, in the order of their numbers.
             pub const ALL: &'static [Compound] = &[$( Compound::$id, )+];
 
-            /// The name, such as `MUL_ADD`.
+            /// Returns the name, such as `MUL_ADD`.
             pub const fn name(self) -> &'static str {
                 match self { $( Compound::$id => $name, )+ }
             }
 
-            /// The compound with this number.
+            /// Returns the compound with this number.
             pub const fn from_number(number: u8) -> Option<Compound> {
                 match number { $( $number => Some(Compound::$id), )+ _ => None }
             }
@@ -127,12 +127,12 @@ compounds! {
 }
 
 impl Compound {
-    /// The compound's number.
+    /// Returns the compound's number.
     pub const fn number(self) -> u8 {
         self as u8
     }
 
-    /// The number of operators that the compound replaces.
+    /// Returns the number of operators that the compound replaces.
     pub const fn operators(self) -> usize {
         self.parts().len()
     }
@@ -231,7 +231,7 @@ impl Compounds {
         self.0 & other.0 == other.0
     }
 
-    /// The members, in the order of their numbers.
+    /// Returns the members, in the order of their numbers.
     pub fn iter(self) -> impl Iterator<Item = Compound> {
         Compound::ALL.iter().copied().filter(move |compound| self.0 & compound.bit() != 0)
     }
@@ -241,8 +241,8 @@ impl Compounds {
         self.0 |= compound.bit();
     }
 
-    /// The compounds that save at least one clause in forty. Compounds that save less are not worth their cost: a
-    /// renderer that does not skip branches computes every operator of a variant for every clause.
+    /// Returns the compounds that save at least one clause in forty. Compounds that save less are not worth their cost:
+    /// a renderer that does not skip branches computes every operator of a variant for every clause.
     pub(crate) fn that_pay(count: impl Fn(Self) -> Uses) -> Self {
         let mut kept = Self::ALL;
         // Repeat, because the clauses of a removed compound may become uses of another compound.
@@ -314,7 +314,7 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// The intermediate values, which only this compound reads.
+    /// Returns the intermediate values, which only this compound reads.
     pub(crate) fn absorbed(&self) -> &[u32] {
         self.absorbed.get(..self.absorbed_count).unwrap_or(&[])
     }

@@ -15,12 +15,12 @@ pub struct Point {
 }
 
 impl Point {
-    /// A position without a normal.
+    /// Returns a position without a normal.
     pub const fn at(x: f32, y: f32, z: f32) -> Self {
         Self { position: [x, y, z], normal: [0.0; 3] }
     }
 
-    /// The six inputs in the order of [`Input::OF_POINT`].
+    /// Returns the six inputs in the order of [`Input::OF_POINT`].
     pub const fn inputs(&self) -> [f32; 6] {
         let ([x, y, z], [nx, ny, nz]) = (self.position, self.normal);
         [x, y, z, nx, ny, nz]

@@ -112,7 +112,7 @@ impl FrameInputs {
         (index.max(0.0) as usize).min(BAND_COUNT - 1)
     }
 
-    /// Bounds of [`FrameInputs::band`].
+    /// Returns bounds of [`FrameInputs::band`].
     pub fn band_bounds(&self, index: Interval) -> Interval {
         if self.ranges.is_some() {
             return Interval::UNIT;

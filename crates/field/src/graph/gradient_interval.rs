@@ -7,8 +7,7 @@ use super::op::Op;
 use super::rules;
 
 /// Bounds of a value and of its derivatives by x, y and z over a box. At a kink the bounds hold the slopes of both
-/// sides.
-/// Jumps have no slope (see `slope_rules.rs`).
+/// sides. Jumps have no slope (see `slope_rules.rs`).
 ///
 /// **Lengths.** The slope of a square root is unbounded at 0, but the slope of a length is not. With s = Σ aᵢ² and r
 /// = √s, ∂r/∂x = Σ (aᵢ/r) ∂aᵢ/∂x. Since Σ (aᵢ/r)² = 1, the Cauchy-Schwarz inequality gives |∂r/∂x| ≤ √(Σ (∂aᵢ/∂x)²).
@@ -28,21 +27,21 @@ const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
 const LENGTH_ERROR: f32 = 1.0 + 1e-4;
 
 impl GradientInterval {
-    /// A value that is the same everywhere in the box: a constant or an input of the frame.
+    /// Returns bounds of a value that is the same everywhere in the box: a constant or an input of the frame.
     #[inline(always)]
     pub fn flat(value: Interval) -> Self {
         let squares = if value.lo >= 0.0 { [0.0; 3] } else { [f32::INFINITY; 3] };
         Self { value, gradient: [ZERO; 3], squares }
     }
 
-    /// The coordinate of axis `axis`, 0..3.
+    /// Returns bounds of the coordinate along `axis`, 0..3.
     #[inline(always)]
     pub fn coordinate(axis: usize, value: Interval) -> Self {
         let gradient = [0, 1, 2].map(|each| Interval::point(if each == axis { 1.0 } else { 0.0 }));
         Self { value, gradient, squares: [f32::INFINITY; 3] }
     }
 
-    /// A one-operand operator.
+    /// Applies a one-operand operator.
     pub fn unary(op: Op, a: &Self, frame: &FrameInputs) -> Self {
         let value = op.bounds(a.value, ZERO, frame);
         let (slope, _) = op.slope_bounds(a.value, ZERO, value, frame);
@@ -65,7 +64,7 @@ impl GradientInterval {
         Self { value, gradient, squares }
     }
 
-    /// A two-operand operator.
+    /// Applies a two-operand operator.
     pub fn binary(op: Op, a: &Self, b: &Self, frame: &FrameInputs) -> Self {
         let value = op.bounds(a.value, b.value, frame);
         let (by_a, by_b) = op.slope_bounds(a.value, b.value, value, frame);
@@ -213,8 +212,8 @@ fn is_factor(a: &GradientInterval) -> bool {
     a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
 }
 
-/// The chain rule. If one slope is exactly 0 (a constant operand or a flat function), the product is 0, even if the
-/// other slope is infinite.
+/// Returns the chain rule. If one slope is exactly 0 (a constant operand or a flat function), the product is 0, even if
+/// the other slope is infinite.
 #[inline(always)]
 fn along(slope: Interval, change: Interval) -> Interval {
     if rules::is_zero(slope) || rules::is_zero(change) {

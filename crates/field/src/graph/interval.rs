@@ -23,7 +23,7 @@ impl Interval {
     /// From 0 to 1.
     pub const UNIT: Self = Self { lo: 0.0, hi: 1.0 };
 
-    /// The interval from `lo` to `hi`; [`Interval::ANY`] unless `lo <= hi`.
+    /// Returns the interval from `lo` to `hi`; [`Interval::ANY`] unless `lo <= hi`.
     #[inline(always)]
     pub fn new(lo: f32, hi: f32) -> Self {
         if lo <= hi { Self { lo, hi } } else { Self::ANY }
@@ -59,7 +59,7 @@ impl Interval {
         self.contains(0.0)
     }
 
-    /// The smallest interval that holds both intervals.
+    /// Returns the smallest interval that holds both intervals.
     #[inline(always)]
     pub fn hull(self, other: Self) -> Self {
         if self.is_any() || other.is_any() {

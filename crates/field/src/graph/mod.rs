@@ -80,12 +80,12 @@ impl Default for Graph {
 }
 
 impl Graph {
-    /// An empty graph with the program's limits.
+    /// Returns an empty graph with the program's limits.
     pub fn new() -> Self {
         Self::with_limits(&LIMITS)
     }
 
-    /// An empty graph with the given limits.
+    /// Returns an empty graph with the given limits.
     pub fn with_limits(limits: &Limits) -> Self {
         Self {
             nodes: Vec::new(),
@@ -115,13 +115,13 @@ impl Graph {
         !matches!(self.node(id), Node::Constant(_) | Node::Input(_))
     }
 
-    /// The node with the given id, which must belong to this graph.
+    /// Returns the node with the given id, which must belong to this graph.
     #[inline(always)]
     pub fn node(&self, id: NodeId) -> Node {
         self.nodes[id.index()]
     }
 
-    /// All nodes built so far, used or not. Operands precede the nodes that use them.
+    /// Returns all nodes built so far, used or not. Operands precede the nodes that use them.
     pub(crate) fn nodes(&self) -> impl Iterator<Item = Node> + '_ {
         self.nodes.iter().copied()
     }
@@ -148,7 +148,7 @@ impl Graph {
             .any(|node| matches!(node, Node::Unary(op, _) | Node::Binary(op, ..) if Op::CURVES.contains(op)))
     }
 
-    /// The value of a constant node.
+    /// Returns the value of a constant node.
     #[inline(always)]
     pub fn as_constant(&self, id: NodeId) -> Option<f32> {
         self.node(id).as_constant()

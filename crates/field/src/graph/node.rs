@@ -13,7 +13,7 @@ impl NodeId {
         self.0 as usize
     }
 
-    /// The node at a position. Positions above 32 bits give the last possible node.
+    /// Returns the node at a position. Positions above 32 bits give the last possible node.
     pub(crate) fn at(position: usize) -> Self {
         Self(u32::try_from(position).unwrap_or(u32::MAX))
     }
@@ -98,7 +98,7 @@ impl Input {
 }
 
 impl std::fmt::Display for Input {
-    /// The name as printed in a tape, such as `X`, `VOLUME.X` or `BAND(3)`.
+    /// Returns the name as printed in a tape, such as `X`, `VOLUME.X` or `BAND(3)`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Input::X => "X",
@@ -167,7 +167,7 @@ impl Node {
         }
     }
 
-    /// The operands of this node, in order.
+    /// Returns the operands of this node, in order.
     #[inline(always)]
     pub fn operands(self) -> impl DoubleEndedIterator<Item = NodeId> {
         let (a, b) = match self {
@@ -179,7 +179,7 @@ impl Node {
         a.into_iter().chain(b)
     }
 
-    /// The value of a constant node; `None` for other nodes.
+    /// Returns the value of a constant node; `None` for other nodes.
     #[inline(always)]
     pub const fn as_constant(self) -> Option<f32> {
         match self {

@@ -67,7 +67,7 @@ pub(super) fn atan2(a: f32, b: f32) -> f32 {
     if a == 0.0 { if b < 0.0 { std::f32::consts::PI } else { 0.0 } } else { a.atan2(b) }
 }
 
-/// A pseudo-random number in 0..1, a multiple of 2^-24, for the cell (floor(a), floor(b)).
+/// Returns a pseudo-random number in 0..1, a multiple of 2^-24, for the cell (floor(a), floor(b)).
 ///
 /// The cell's numbers become 32-bit integers (clamped to ±[`CELL_MAX`]; 0 for a NaN). Integer operations mix them, so
 /// every machine computes the same bits. The upper 24 bits are the result. For more dimensions, chain calls:

@@ -88,12 +88,12 @@ macro_rules! operators {
             /// Every operator, in the order of their numbers.
             pub const ALL: &'static [Op] = &[$( Op::$id, )+];
 
-            /// The name as printed in a tape, such as `SQRT`.
+            /// Returns the name as printed in a tape, such as `SQRT`.
             pub const fn name(self) -> &'static str {
                 match self { $( Op::$id => $name, )+ }
             }
 
-            /// The operator's properties.
+            /// Returns the operator's properties.
             pub const fn properties(self) -> Properties {
                 match self { $( Op::$id => $properties, )+ }
             }
@@ -104,7 +104,7 @@ macro_rules! operators {
                 match self { $( Op::$id => $glsl, )+ }
             }
 
-            /// The operator with this number.
+            /// Returns the operator with this number.
             pub const fn from_number(number: u8) -> Option<Op> {
                 match number { $( $number => Some(Op::$id), )+ _ => None }
             }
@@ -482,7 +482,7 @@ impl Op {
     /// The operators that read a curve of the sound. Frames hold the curves only if a scene uses these operators.
     pub const CURVES: [Op; 3] = [Op::Spectrum, Op::Waveform, Op::History];
 
-    /// The operator's number.
+    /// Returns the operator's number.
     pub const fn number(self) -> u8 {
         self as u8
     }

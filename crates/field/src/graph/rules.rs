@@ -221,7 +221,7 @@ pub(super) fn hash(a: Interval, b: Interval) -> Interval {
     }
 }
 
-/// The sum of infinities of opposite signs is a NaN.
+/// Returns the sum of infinities of opposite signs is a NaN.
 #[inline(always)]
 pub(super) fn add(a: Interval, b: Interval) -> Interval {
     if (a.lo == f32::NEG_INFINITY && b.hi == f32::INFINITY)
@@ -252,7 +252,7 @@ pub(super) fn mul(a: Interval, b: Interval) -> Interval {
     hull_of([a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi])
 }
 
-/// A quotient by exactly 0 is 0. Near 0, quotients are unbounded.
+/// Returns a quotient by exactly 0 is 0. Near 0, quotients are unbounded.
 #[inline(always)]
 pub(super) fn div(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() || (a.is_unbounded() && b.is_unbounded()) {
@@ -270,7 +270,7 @@ pub(super) fn div(a: Interval, b: Interval) -> Interval {
     Interval { lo: if falls { f32::NEG_INFINITY } else { 0.0 }, hi: if grows { f32::INFINITY } else { 0.0 } }
 }
 
-/// The minimum of a NaN and a number is the number.
+/// Returns the minimum of a NaN and a number is the number.
 #[inline(always)]
 pub(super) fn min(a: Interval, b: Interval) -> Interval {
     match (a.is_any(), b.is_any()) {

@@ -30,7 +30,7 @@ pub(super) const fn first(by_a: Interval) -> (Interval, Interval) {
     (by_a, ZERO)
 }
 
-/// The intersection of two intervals; `a` if rounding makes the intersection empty.
+/// Returns the intersection of two intervals; `a` if rounding makes the intersection empty.
 fn meet(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() {
         return if a.is_any() { b } else { a };
@@ -67,13 +67,13 @@ pub(super) fn sqrt(r: Interval) -> (Interval, Interval) {
     })
 }
 
-/// The slopes of a function of a - b.
+/// Returns the slopes of a function of a - b.
 #[inline(always)]
 pub(super) fn opposite(by_a: Interval) -> (Interval, Interval) {
     (by_a, rules::neg(by_a))
 }
 
-/// The slopes of sqrt(a * a + b), whose value is `r`.
+/// Returns the slopes of sqrt(a * a + b), whose value is `r`.
 pub(super) fn length(a: Interval, r: Interval) -> (Interval, Interval) {
     let by_sum = sqrt(r).0;
     let by_a = rules::mul(square(a).0, by_sum);
@@ -84,7 +84,7 @@ pub(super) fn exp2(r: Interval) -> (Interval, Interval) {
     first(r.map_rising(|r| r * std::f32::consts::LN_2))
 }
 
-/// The slope of a logarithm whose slope at 1 is `scale`.
+/// Returns the slope of a logarithm whose slope at 1 is `scale`.
 pub(super) fn log(a: Interval, scale: f32) -> (Interval, Interval) {
     if a.lo > SMALLEST {
         return first(map_falling(a, |v| scale / v));
@@ -100,7 +100,7 @@ pub(super) fn tanh(r: Interval) -> (Interval, Interval) {
     first(rules::sub(ONE, rules::square(r)))
 }
 
-/// The slope of the arc sine: 0 beyond -1..1, infinite at both ends.
+/// Returns the slope of the arc sine: 0 beyond -1..1, infinite at both ends.
 pub(super) fn arc(a: Interval) -> Interval {
     let size = rules::abs(a);
     if size.lo >= 1.0 {
@@ -142,8 +142,8 @@ pub(super) fn modulo(a: Interval, b: Interval) -> (Interval, Interval) {
     (ONE, rules::neg(rules::div(a, b).map_rising(f32::floor)))
 }
 
-/// The slopes of an operator that chooses an operand. They are unknown if either operand may be chosen or if the
-/// operands' intervals touch.
+/// Returns the slopes of an operator that chooses an operand. They are unknown if either operand may be chosen or if
+/// the operands' intervals touch.
 #[inline(always)]
 pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
     match op.choice(a, b) {

@@ -104,7 +104,7 @@ sound_inputs! {
 }
 
 impl SoundInput {
-    /// The name in a scene. The name of a vector's component has a dot.
+    /// Returns the name in a scene. The name of a vector's component has a dot.
     pub const fn name(self) -> &'static str {
         ROWS[self as usize].0
     }
@@ -114,7 +114,7 @@ impl SoundInput {
         (ROWS[self as usize].1, ROWS[self as usize].2)
     }
 
-    /// The description on the language's page.
+    /// Returns the description on the language's page.
     pub const fn doc(self) -> &'static str {
         ROWS[self as usize].3
     }
@@ -181,7 +181,7 @@ impl SoundInputs {
         sound
     }
 
-    /// The values in the order of [`SoundInput::ALL`].
+    /// Returns the values in the order of [`SoundInput::ALL`].
     pub fn numbers(&self) -> &[f32] {
         &self.0
     }

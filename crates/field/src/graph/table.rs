@@ -72,7 +72,7 @@ fn bernstein(x: f32) -> Points {
     [s * s * s, 3.0 * s * s * x, 3.0 * s * x * x, x * x * x]
 }
 
-/// The weights of the four entries around a point at the fraction `x` between the second and the third.
+/// Returns the weights of the four entries around a point at the fraction `x` between the second and the third entry.
 fn spline(x: f32) -> Points {
     let s = 1.0 - x;
     let inner = |x: f32| 2.0 / 3.0 - 0.5 * x * x * (2.0 - x);
@@ -83,7 +83,7 @@ fn dot(a: Points, b: Points) -> f32 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
-/// The entry to read at `index`, mirrored at the ends. `index` is in -1..=`count` + 1.
+/// Returns the entry to read at `index`, mirrored at the ends. `index` is in -1..=`count` + 1.
 fn mirrored(index: isize, count: usize) -> usize {
     let last = count.saturating_sub(1);
     let index = index.unsigned_abs();
@@ -94,7 +94,7 @@ fn around(first: usize, count: usize) -> [usize; 4] {
     array::from_fn(|index| mirrored(first as isize + index as isize - 1, count))
 }
 
-/// The number of pieces between `count` entries. A single entry is one constant piece.
+/// Returns the number of pieces between `count` entries. A single entry is one constant piece.
 fn pieces_between(count: usize) -> usize {
     count.saturating_sub(1).max(1)
 }
@@ -104,14 +104,14 @@ impl TableData {
     pub const EMPTY: Self =
         Self { columns: 0, rows: 0, values: None, scroll: None, unknown: None, derived: None };
 
-    /// A table of one row.
+    /// Returns a table of one row.
     pub fn row(values: impl Into<Arc<[f32]>>) -> Self {
         let values = values.into();
         let columns = values.len();
         Self::rows(values, columns)
     }
 
-    /// A table of rows with `columns` entries each. Entries of an incomplete last row are ignored.
+    /// Returns a table of rows with `columns` entries each. Entries of an incomplete last row are ignored.
     pub fn rows(values: impl Into<Arc<[f32]>>, columns: usize) -> Self {
         let values = values.into();
         let rows = values.len().checked_div(columns).unwrap_or(0);
@@ -125,17 +125,17 @@ impl TableData {
         Self { scroll: Some((first.max(0.0), span.max(0.0))), ..Self::rows(values, columns) }
     }
 
-    /// A table with known bounds but unknown entries. Reading it returns 0.
+    /// Returns a table with known bounds but unknown entries. Reading the table returns 0.
     pub(super) fn within(low: f32, high: f32) -> Self {
         Self { unknown: Some((low, high)), ..Self::EMPTY }
     }
 
-    /// The entries, row after row.
+    /// Returns the entries, row after row.
     pub fn values(&self) -> &[f32] {
         self.values.as_deref().unwrap_or_default()
     }
 
-    /// The row at coordinate 0, and the number of rows from there to coordinate 1.
+    /// Returns the row at coordinate 0, and the number of rows from there to coordinate 1.
     pub fn scroll(&self) -> (f32, f32) {
         self.scroll.unwrap_or((0.0, self.rows.saturating_sub(1) as f32))
     }
@@ -159,7 +159,7 @@ impl TableData {
         })
     }
 
-    /// The piece at a coordinate, and the coordinate's position in the piece, 0..1.
+    /// Returns the piece at a coordinate, and the coordinate's position in the piece, 0..1.
     #[inline]
     fn place(coordinate: f32, count: usize, (first, span): (f32, f32)) -> (usize, f32) {
         let along = (first + unit(coordinate) * span).min((count - 1) as f32);
@@ -177,7 +177,7 @@ impl TableData {
         Self::place(v, self.rows, self.scroll())
     }
 
-    /// The Bézier points of a piece in the four rows around a row.
+    /// Returns the Bézier points of a piece in the four rows around a row.
     #[inline]
     fn strips(&self, row: usize, piece: usize) -> [Points; 4] {
         let (pieces, width) = (self.pieces(), pieces_between(self.columns));
@@ -219,7 +219,7 @@ impl TableData {
         (if inside(u) { by_u() } else { 0.0 }, if inside(v) { by_v() } else { 0.0 })
     }
 
-    /// The slope along u if neighbouring Bézier points differ by 1.
+    /// Returns the slope along u if neighbouring Bézier points differ by 1.
     fn columns_scale(&self) -> f32 {
         3.0 * self.columns.saturating_sub(1) as f32
     }
@@ -297,7 +297,7 @@ impl TableData {
         Extremes { values: of(0), across: of(1), down: of(2) }
     }
 
-    /// The ranges of a patch's Bézier points and of their differences, widened; NaN if an entry is not finite.
+    /// Returns the ranges of a patch's Bézier points and of their differences, widened; NaN if an entry is not finite.
     fn patch(&self, row: usize, piece: usize) -> [(f32, f32); 3] {
         let strips = self.strips(row, piece);
         let points: [Points; 4] = array::from_fn(|k| match self.rows {
@@ -318,7 +318,7 @@ fn blended(strips: [Points; 4], weights: Points) -> Points {
     array::from_fn(|k| dot(weights, strips.map(|points| points[k])))
 }
 
-/// The least and the greatest number; NaN if a number is not finite.
+/// Returns the least and the greatest number; NaN if a number is not finite.
 fn range(numbers: impl Iterator<Item = f32>) -> (f32, f32) {
     numbers.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), number| match number.is_finite() {
         true if low.is_nan() => (low, high),

@@ -1,8 +1,7 @@
 //! Finds the least and the greatest number in any rectangle of a table without visiting every entry. A segment tree
 //! over the columns has a segment tree over the rows in each node. A search visits at most 4 log2(rows) log2(columns)
-//! nodes.
-//! Building a tree of cells asks for rectangles of thousands of entries, thousands of times per frame. Visiting every
-//! entry took 15 % of the build time of terrain's tree.
+//! nodes. Building a tree of cells asks for rectangles of thousands of entries, thousands of times per frame. Visiting
+//! every entry took 15 % of the build time of terrain's tree.
 
 use super::interval::Interval;
 
@@ -49,8 +48,8 @@ impl TableExtremes {
         Self { columns, rows, nodes }
     }
 
-    /// The extremes in a rectangle, including both ends. [`Interval::ANY`] if an entry is not finite; `lo > hi` if the
-    /// rectangle is empty.
+    /// Returns the extremes in a rectangle, including both ends. [`Interval::ANY`] if an entry is not finite; `lo > hi`
+    /// if the rectangle is empty.
     pub(super) fn within(&self, columns: (usize, usize), rows: (usize, usize)) -> Interval {
         let mut found = NONE;
         each_node(self.columns, columns, |column| {

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::random::{SPECIALS, Step, build, frame, number, same, steps};
 use super::*;
 
-/// The number of cases per property; `PROPTEST_CASES` raises it for a long run.
+/// Returns the number of cases per property; `PROPTEST_CASES` raises this number for a long run.
 fn config() -> ProptestConfig {
     let cases = ProptestConfig::default().cases.max(2_000);
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }

@@ -14,7 +14,7 @@ macro_rules! define_ways {
             /// All ways in the order of their numbers.
             pub const ALL: [Self; [$($name),*].len()] = [$( Self::$way, )*];
 
-            /// The name in scenes and shows.
+            /// Returns the name in scenes and shows.
             pub const fn name(self) -> &'static str {
                 match self { $( Self::$way => $name, )* }
             }
@@ -36,7 +36,7 @@ define_ways! {
 }
 
 impl Way {
-    /// The way with this name.
+    /// Returns the way with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|way| way.name() == name)
     }
@@ -69,7 +69,7 @@ pub struct About {
 }
 
 impl Default for About {
-    /// A scene without a block `about` fits all music.
+    /// Returns the values for a scene without a block `about`. Such a scene fits all music.
     fn default() -> Self {
         Self {
             title: None,

@@ -60,7 +60,7 @@ pub fn number_place(text: &str, offset: usize) -> Option<usize> {
     numbers.position(|token| token.span.start as usize == offset)
 }
 
-/// The tokens of a text. Mistakes are ignored here: compiling the text reports them.
+/// Returns the tokens of a text. Mistakes are ignored here: compiling the text reports them.
 fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
     let mut tokens = Vec::new();
     let mut mistakes = Diagnostics::new(1);

@@ -37,7 +37,7 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    /// A [`Fault::Malformed`] mistake at `span`.
+    /// Returns a [`Fault::Malformed`] mistake at `span`.
     pub fn new(span: Span, message: impl Into<String>) -> Self {
         Self {
             fault: Fault::Malformed,
@@ -49,12 +49,12 @@ impl Diagnostic {
         }
     }
 
-    /// A [`Fault::Unsupported`] mistake at `span`.
+    /// Returns a [`Fault::Unsupported`] mistake at `span`.
     pub fn unsupported(span: Span, message: impl Into<String>) -> Self {
         Self { fault: Fault::Unsupported, ..Self::new(span, message) }
     }
 
-    /// A [`Fault::OverLimit`] mistake at `span`.
+    /// Returns a [`Fault::OverLimit`] mistake at `span`.
     pub fn over_limit(span: Span, message: impl Into<String>) -> Self {
         Self { fault: Fault::OverLimit, ..Self::new(span, message) }
     }
@@ -178,7 +178,7 @@ pub fn columns(character: char) -> usize {
     cell(character).1
 }
 
-/// The replacement text of a character, if it has one, and its width in columns.
+/// Returns the replacement text of a character, if it has one, and its width in columns.
 fn cell(character: char) -> (Option<&'static str>, usize) {
     match character {
         '\t' => (Some(TAB), TAB.len()),

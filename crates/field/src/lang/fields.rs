@@ -53,7 +53,7 @@ impl Field {
 }
 
 impl Holds {
-    /// The count of numbers in a value.
+    /// Returns the count of numbers in a value.
     pub const fn parts(self) -> usize {
         match self {
             Holds::Vector => 3,

@@ -102,7 +102,7 @@ impl Lexer<'_> {
         Span::new(self.base + start as u32, self.base + self.at as u32)
     }
 
-    /// The byte at `ahead` bytes from the current one; 0 after the end of the text.
+    /// Returns the byte at `ahead` bytes from the current one; 0 after the end of the text.
     fn peek(&self, ahead: usize) -> u8 {
         self.bytes.get(self.at + ahead).copied().unwrap_or(0)
     }
@@ -345,7 +345,7 @@ const IN_WORD: [bool; 256] = {
 /// Every number with this many decimal digits fits into a u64.
 const DIGITS_MAX: usize = 19;
 
-/// The f32 nearest to the number with these digits, `decimals` of which are after the point. `None` if a single
+/// Returns the f32 nearest to the number with these digits, `decimals` of which are after the point. `None` if a single
 /// division cannot compute it.
 #[inline]
 fn exact_value(digits: u64, decimals: usize) -> Option<f32> {

@@ -77,7 +77,7 @@ pub fn material_glsl() -> String {
     )
 }
 
-/// The members of a material `name` in the shaders' struct, one per number.
+/// Returns the members of a material `name` in the shaders' struct, one per number.
 pub(crate) fn material_members(name: &str) -> Vec<String> {
     let members = Material::FIELDS.iter().flat_map(|field| {
         let parts: &[&str] = if field.holds == Holds::Vector { &[".r", ".g", ".b"] } else { &[""] };

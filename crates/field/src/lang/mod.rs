@@ -69,7 +69,7 @@ use diagnostic::Diagnostics;
 /// folder, has `/` between folders and never leads out of the folder.
 pub type Resolver<'a> = dyn FnMut(&str) -> Result<String, String> + 'a;
 
-/// A resolver for scenes that are not files: nothing can be included.
+/// A [`Resolver`] for scenes that are not files: nothing can be included.
 ///
 /// # Errors
 /// Always returns an error message.

@@ -81,7 +81,7 @@ macro_rules! define_light_kinds {
         }
 
         impl Light<f32> {
-            /// The light's position, or the direction of the rays if the light is infinitely far away.
+            /// Returns the light's position, or the direction of the rays if the light is infinitely far away.
             pub fn place(&self) -> [f32; 3] {
                 match self.kind { $( LightKind::$kind => self.$place, )* }
             }
@@ -176,17 +176,17 @@ impl ToneMap {
     /// All tone maps, in the order of their numbers in `shaders/tone_map.glsl`.
     pub const ALL: [ToneMap; 4] = [ToneMap::Agx, ToneMap::Aces, ToneMap::Reinhard, ToneMap::None];
 
-    /// The number that represents the tone map in [`Picture`].
+    /// Returns the number that represents the tone map in [`Picture`].
     pub const fn number(self) -> f32 {
         self as u8 as f32
     }
 
-    /// The tone map with this number; the default for an unknown number.
+    /// Returns the tone map with this number; the default for an unknown number.
     pub fn numbered(number: f32) -> Self {
         Self::ALL.into_iter().find(|map| map.number() == number).unwrap_or_default()
     }
 
-    /// The name in scenes.
+    /// Returns the name in scenes.
     pub const fn name(self) -> &'static str {
         match self {
             ToneMap::Agx => "agx",

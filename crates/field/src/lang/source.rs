@@ -13,12 +13,12 @@ pub struct Span {
 }
 
 impl Span {
-    /// The span from `start` up to `end`, exclusive.
+    /// Returns the span from `start` up to `end`, exclusive.
     pub fn new(start: u32, end: u32) -> Self {
         Self { start, end: end.max(start) }
     }
 
-    /// The span from the start of `self` to the end of `other`.
+    /// Returns the span from the start of `self` to the end of `other`.
     pub fn to(self, other: Self) -> Self {
         Self::new(self.start, other.end.max(self.end))
     }
@@ -71,7 +71,7 @@ impl Sources {
         Some(base)
     }
 
-    /// The files in the order in which they were read.
+    /// Returns the files in the order in which they were read.
     pub fn files(&self) -> &[SourceFile] {
         &self.files
     }

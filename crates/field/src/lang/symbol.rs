@@ -111,7 +111,7 @@ impl Key {
         Self::of_first(name, name.len())
     }
 
-    /// The key of the first `length` bytes of `text`. The text must have at least that many bytes.
+    /// Returns the key of the first `length` bytes of `text`. The text must have at least that many bytes.
     #[inline]
     pub(super) fn of_first(text: &[u8], length: usize) -> Self {
         if length > Self::WHOLE_MAX {

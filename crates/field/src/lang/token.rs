@@ -72,7 +72,7 @@ impl Token {
         self.kind == Kind::Name && self.symbol.index() < RESERVED.len()
     }
 
-    /// The value of a number; infinite if the number is too large.
+    /// Returns the value of a number; infinite if the number is too large.
     pub(super) fn value(self) -> f32 {
         f32::from_bits(self.symbol.0)
     }

@@ -39,7 +39,7 @@ impl Vector {
         self.parts[0]
     }
 
-    /// The part at `index`; every part of a scalar is the scalar itself.
+    /// Returns the part at `index`; every part of a scalar is the scalar itself.
     pub(super) fn part(self, index: usize) -> NodeId {
         match self.len {
             1 => self.parts[0],

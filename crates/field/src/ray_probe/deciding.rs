@@ -37,8 +37,8 @@ impl<'a> Deciding<'a> {
         self.order.nodes.iter().filter(|id| self.graph.is_clause(**id)).count()
     }
 
-    /// The path from the shape to the part that decides its value at a point. The path passes through minima, maxima,
-    /// and operations that only shift, scale or negate a value.
+    /// Returns the path from the shape to the part that decides its value at a point. The path passes through minima,
+    /// maxima, and operations that only shift, scale or negate a value.
     pub fn path(&self, position: [f32; 3], frame: &FrameInputs) -> Vec<NodeId> {
         if self.next(self.root, |_| 0.0).is_none() {
             return vec![self.root];

@@ -45,7 +45,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// The point at a distance along the ray.
+    /// Returns the point at a distance along the ray.
     pub fn at(&self, t: f32) -> [f32; 3] {
         std::array::from_fn(|axis| self.origin[axis] + t * self.direction[axis])
     }
@@ -116,7 +116,7 @@ impl<'a> RayProbe<'a> {
         traced
     }
 
-    /// The normal at a hit, of length 1.
+    /// Returns the normal at a hit, of length 1.
     pub fn normal(&self, ray: &Ray, hit: &Hit) -> [f32; 3] {
         if let Some([a, b, c, _]) = hit.plane.and_then(|plane| self.planes.get(plane)) {
             return unit([*a, *b, *c]);
@@ -131,8 +131,8 @@ impl<'a> RayProbe<'a> {
         unit(sum)
     }
 
-    /// The path from a shape to the hit part, up to the last node whose origin in the text is known. `deciding` belongs
-    /// to the hit object.
+    /// Returns the path from a shape to the hit part, up to the last node whose origin in the text is known. `deciding`
+    /// belongs to the hit object.
     pub fn path(&self, hit: &Hit, deciding: Option<&Deciding<'_>>) -> Vec<NodeId> {
         let plane = hit.plane.and_then(|plane| self.world.planes.get(plane));
         let mut path = match (plane, deciding) {
@@ -144,14 +144,14 @@ impl<'a> RayProbe<'a> {
         path
     }
 
-    /// The positions in the text that contribute to the end of a path.
+    /// Returns the positions in the text that contribute to the end of a path.
     pub fn places(&self, object: usize, path: &[NodeId]) -> Vec<TextPlace> {
         let scene = &self.world.scene;
         let material = scene.objects.get(object).map_or(usize::MAX, |object| object.material);
         scene.origins.places(object, material, path)
     }
 
-    /// The first plane that the ray hits from its upper side.
+    /// Returns the first plane that the ray hits from its upper side.
     fn plane_on(&self, ray: &Ray) -> Option<Hit> {
         let mut first: Option<Hit> = None;
         for (index, [a, b, c, d]) in self.planes.iter().enumerate() {
@@ -167,7 +167,7 @@ impl<'a> RayProbe<'a> {
         first
     }
 
-    /// The part of the ray that may meet surfaces other than planes.
+    /// Returns the part of the ray that may meet surfaces other than planes.
     fn traced_span(&self, ray: &Ray) -> Option<(f32, f32)> {
         if !self.world.has_rest {
             return None;

@@ -89,7 +89,7 @@ impl ObjectCost {
 }
 
 impl RayStatistics {
-    /// The number of all clauses that were run.
+    /// Returns the number of all clauses that were run.
     pub fn run(&self) -> u64 {
         self.sky.1 + self.objects.iter().map(|object| object.run).sum::<u64>()
     }

@@ -98,7 +98,7 @@ fn a_formula_that_is_no_distance_is_hit_where_its_sign_changes() {
     });
 }
 
-/// An independent tracer: short steps with the graph's own evaluator, without the tree.
+/// Traces a ray in a second way: short steps with the graph's own evaluator, without the tree.
 fn marched(world: &World, frame: &FrameInputs, ray: &Ray, far: f32) -> Option<f32> {
     let at = |t: f32| {
         let [x, y, z] = ray.at(t);

@@ -44,7 +44,7 @@ pub fn pack(gradient: [Interval; 3]) -> [u32; 2] {
     words(lower, upper, scale)
 }
 
-/// The least scale that is not below a positive number.
+/// Returns the least scale that is not below a positive number.
 fn rounded_up(value: f32) -> f32 {
     f32::from_bits((value.to_bits() + 0xFFFF) & 0xFFFF_0000).min(SCALE_MAX)
 }

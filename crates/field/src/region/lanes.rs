@@ -27,7 +27,7 @@ impl Lanes {
     }
 }
 
-/// A mask of the cells that meet a condition, computed so that the CPU can process eight at once.
+/// Returns a mask of the cells that meet a condition, computed so that the CPU can process eight at once.
 #[inline(always)]
 pub(super) fn mask(holds: impl Fn(usize) -> bool) -> u64 {
     let mut flags = [0u8; CELLS];

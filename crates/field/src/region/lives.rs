@@ -44,7 +44,7 @@ impl ShortLives {
         self.newest.get(old).map_or(old, |(position, _)| *position)
     }
 
-    /// The number of operations of a node; 0 for numbers, including the frame's, and for inputs of the point.
+    /// Returns the number of operations of a node; 0 for numbers, including the frame's, and for inputs of the point.
     fn cost(&self, node: Node) -> u32 {
         let of = |id: NodeId| self.sources.get(id.index()).map_or(0, |(_, cost)| *cost);
         let is_point = |id: NodeId| match self.sources.get(id.index()) {
@@ -78,8 +78,8 @@ impl ShortLives {
         }
     }
 
-    /// The newest computation of a value. If it is far away and cheap, the computation is repeated first. Recurses less
-    /// than [`COST_MAX`] deep.
+    /// Returns the newest computation of a value. If it is far away and cheap, the computation is repeated first.
+    /// Recurses less than [`COST_MAX`] deep.
     fn operand(&mut self, id: NodeId) -> NodeId {
         let old = id.index();
         let (Some(&(position, at)), Some(&(node, cost))) = (self.newest.get(old), self.sources.get(old))

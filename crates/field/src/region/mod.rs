@@ -97,9 +97,9 @@ pub struct RegionVariant {
 }
 
 impl RegionVariant {
-    /// All operators, and the number of registers of the largest shipped scene. With 32 registers instead of 16, Vega's
-    /// compiler (ACO) uses no more registers of the GPU. `non_lipschitz` adds support for values that are not
-    /// distances.
+    /// Returns a variant with all operators, and with the registers of the largest shipped scene. With 32 registers
+    /// instead of 16, Vega's compiler (ACO) uses no more registers of the GPU. `non_lipschitz` adds support for values
+    /// that are not distances.
     pub fn universal(non_lipschitz: bool) -> Self {
         Self {
             operators: Op::ALL.iter().copied().collect(),
@@ -246,7 +246,7 @@ impl RegionPlan {
         (self.nodes, self.graph_nodes) = (lives.nodes, lives.positions);
     }
 
-    /// The features that an interpreter needs to run all trees of this plan.
+    /// Returns the features that an interpreter needs to run all trees of this plan.
     pub fn variant(&self) -> &RegionVariant {
         &self.variant
     }
@@ -256,12 +256,12 @@ impl RegionPlan {
         self.runs
     }
 
-    /// An upper bound of the texels of the whole tapes. Drivers with smaller buffers cannot use regions.
+    /// Returns an upper bound of the texels of the whole tapes. Drivers with smaller buffers cannot use regions.
     pub fn whole_texels(&self) -> usize {
         self.whole_texels
     }
 
-    /// The inputs that determine a frame's tree.
+    /// Returns the inputs that determine a frame's tree.
     pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
         self.reads.key(inputs)
     }
@@ -297,7 +297,7 @@ impl RegionPlan {
         tree::build(program, self.bounds, traced, (inputs, options), parts, run)
     }
 
-    /// The program with the given numbers folded in. If the frame is unknown, its tables are unknown values.
+    /// Returns the program with the given numbers folded in. If the frame is unknown, its tables are unknown values.
     fn folded(&self, numbers: &Numbers, frame: &FrameInputs) -> Program {
         let mut program = Program { steps: Vec::with_capacity(self.nodes.len()), ..Program::default() };
         let of_point = |node: Node| match node {

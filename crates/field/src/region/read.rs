@@ -23,7 +23,7 @@ pub struct Cell {
 }
 
 impl Regions {
-    /// The cell of a point; `None` outside of the tree.
+    /// Returns the cell of a point; `None` outside of the tree.
     pub fn cell_at(&self, point: [f32; 3]) -> Option<Cell> {
         let (mut low, mut side) = (self.low, self.size.map(|size| size / ROOT_SIDE as f32));
         let (mut first, mut cells) = (0, ROOT_SIDE);
@@ -83,7 +83,7 @@ impl Regions {
         self.run(tape, point, penumbra, frame)
     }
 
-    /// The number of the nearest object at a point.
+    /// Returns the number of the nearest object at a point.
     pub fn object(&self, point: [f32; 3], frame: &FrameInputs) -> u32 {
         let cell = self.cell_at(point);
         if let Some(object) = cell.and_then(|cell| cell.object) {

@@ -38,7 +38,7 @@ pub(super) struct TapeBefore<'a> {
 }
 
 impl<'a> Before<'a> {
-    /// The tree `last` as a source for a tree in this box; `None` if all bricks differ.
+    /// Returns `last` as a source of bricks for a tree in this box, or `None` if all bricks differ.
     pub(super) fn of(last: &'a Regions, low: [f32; 3], size: [f32; 3]) -> Option<Self> {
         // Exclude trees without room for all tapes: some of their cells have the whole tape, which contains the old
         // frame's numbers.

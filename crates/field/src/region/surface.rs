@@ -59,13 +59,13 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The grid that divides a box into equal cells; its outermost cells extend beyond the box.
+    /// Returns the grid that divides a box into equal cells; its outermost cells extend beyond the box.
     pub(crate) fn of_box(low: [f32; 3], high: [f32; 3]) -> Self {
         let size = |axis: usize| (high[axis] - low[axis]).max(1e-3);
         Self { low, scale: std::array::from_fn(|axis| SIDE as f32 / size(axis)) }
     }
 
-    /// The number of a point's cell, computed in the same way as in the shaders.
+    /// Returns the number of a point's cell, computed in the same way as in the shaders.
     #[cfg(test)]
     pub(crate) fn cell_of(&self, point: [f32; 3]) -> usize {
         (0..3).rev().fold(0, |cell, axis| {
@@ -85,7 +85,7 @@ impl Grid {
         nearest <= NORMAL_MAX && farthest >= 2.0 - NORMAL_MAX
     }
 
-    /// The extent of the cells `first..end` along an axis, slightly enlarged.
+    /// Returns the extent of the cells `first..end` along an axis, slightly enlarged.
     fn span(&self, axis: usize, first: usize, end: usize, farthest: f32) -> Interval {
         let face = |number: usize| self.low[axis] + number as f32 / self.scale[axis];
         let around = OVERLAP * face(0).abs().max(face(SIDE).abs()).max(face(SIDE) - face(0));

@@ -23,7 +23,7 @@ pub(super) fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     inputs
 }
 
-/// A point in or slightly around the tree's box, determined by a number.
+/// Returns a point, determined by `number`, in the tree's box or slightly outside.
 pub(super) fn point(regions: &Regions, number: u32) -> [f32; 3] {
     let places = [0.754_877_67, 0.569_840_3, 0.438_579_22_f64];
     std::array::from_fn(|axis| {

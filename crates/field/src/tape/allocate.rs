@@ -118,8 +118,8 @@ impl Allocator<'_> {
         }
     }
 
-    /// The entry of the current page with the value. It may begin a new page, so call it right before emitting the
-    /// clause.
+    /// Returns the entry of the current page with the value. May begin a new page, so call this right before emitting
+    /// the clause.
     fn entry(&mut self, id: NodeId) -> u8 {
         let known = self.places[id.index()].register_or_entry;
         if known != NONE && known as usize >= self.page_start {
@@ -262,7 +262,7 @@ impl Allocator<'_> {
         }
     }
 
-    /// A register for a result: the register of operand b or a if it has become free, else another register.
+    /// Returns a register for a result: the register of operand b or a if it has become free, else another register.
     fn result(&mut self, a: Option<u8>, b: Option<u8>) -> Result<u8, TapeError> {
         self.pinned = [0; 4];
         for register in [b, a].into_iter().flatten() {

@@ -123,13 +123,13 @@ pub enum Instruction {
 }
 
 impl Clause {
-    /// The clause as a word, in the layout of [`crate::tape`].
+    /// Returns the clause as a word, in the layout of [`crate::tape`].
     #[inline]
     pub const fn word(self) -> u32 {
         u32::from_le_bytes([self.opcode, self.output, self.input_a, self.input_b])
     }
 
-    /// The clause of a word.
+    /// Returns the clause that `word` encodes.
     pub const fn from_word(word: u32) -> Self {
         let [opcode, output, input_a, input_b] = word.to_le_bytes();
         Self { opcode, output, input_a, input_b }

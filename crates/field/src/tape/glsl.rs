@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 
-/// A literal that GLSL parses to the same f32. Negative numbers are put in parentheses.
+/// Returns a literal that GLSL parses to the same f32. Negative numbers are put in parentheses.
 pub fn literal(value: f32) -> String {
     if value.is_finite() {
         if value.is_sign_negative() { format!("({value:?})") } else { format!("{value:?}") }
@@ -209,7 +209,7 @@ impl<'a> Writer<'a> {
         self.text.push_str(";\n");
     }
 
-    /// The number of a texture sample, which reads all four channels at once.
+    /// Returns the number of a texture sample, which reads all four channels at once.
     fn sample(&mut self, texture: u16, u: NodeId, v: NodeId) -> usize {
         if let Some(place) = self.sampled.iter().position(|&known| known == (texture, u, v)) {
             return place;

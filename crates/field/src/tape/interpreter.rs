@@ -89,7 +89,7 @@ impl Tape {
         })
     }
 
-    /// An upper bound of the texels that [`Tape::append_texels`] appends.
+    /// Returns an upper bound of the texels that [`Tape::append_texels`] appends.
     pub fn texels_max(&self) -> usize {
         self.clauses().len() + 1
     }
@@ -135,8 +135,8 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// The variant that runs nearly every scene: all operators, many registers and textures. It is for GPUs, because it
-    /// is slow if every case is computed.
+    /// Returns the variant that runs nearly every scene: all operators, many registers and textures. It is for GPUs,
+    /// because it is slow if every case is computed.
     pub fn universal() -> Self {
         Self {
             operators: Op::ALL.iter().copied().collect(),
@@ -196,8 +196,8 @@ impl Variant {
             && self.every_case == other.every_case
     }
 
-    /// The text of `operators.glsl`: the defines, the operators of the variant and the operators of the regions'
-    /// tapes. The operators may use the declarations that [`super::glsl`] lists.
+    /// Returns the text of `operators.glsl`: the defines, the operators of the variant and the operators of the
+    /// regions' tapes. The operators may use the declarations that [`super::glsl`] lists.
     pub fn text(
         &self,
         region_operators: &BTreeSet<Op>,

@@ -116,7 +116,7 @@ pub enum TableEntry {
 }
 
 impl TableEntry {
-    /// The number of a constant.
+    /// Returns the number of a constant.
     pub fn constant(self) -> Option<f32> {
         match self {
             TableEntry::Constant(value) => Some(value),
@@ -144,17 +144,17 @@ impl Tape {
         allocate::build(graph, roots, options)
     }
 
-    /// The clauses, without END.
+    /// Returns the clauses, without END.
     pub fn clauses(&self) -> &[Clause] {
         &self.clauses
     }
 
-    /// The clauses, decoded.
+    /// Returns the clauses, decoded.
     pub fn instructions(&self) -> impl Iterator<Item = Instruction> + '_ {
         self.clauses.iter().filter_map(|clause| clause.decode())
     }
 
-    /// The table that immediates index, in pages of 256 entries; the last page may be shorter.
+    /// Returns the table that immediates index, in pages of 256 entries; the last page may be shorter.
     pub fn table(&self) -> &[TableEntry] {
         &self.table
     }
@@ -168,7 +168,7 @@ impl Tape {
         }));
     }
 
-    /// Bounds of the table's numbers. Unless the inputs are [`FrameInputs::any`], the bounds are single values.
+    /// Returns bounds of the table's numbers. Unless the inputs are [`FrameInputs::any`], the bounds are single values.
     fn table_bounds(&self, frame: &FrameInputs) -> Vec<Interval> {
         let bounds = self.table.iter().map(|entry| match *entry {
             TableEntry::Constant(value) => Interval::point(value),
@@ -177,7 +177,7 @@ impl Tape {
         bounds.collect()
     }
 
-    /// The registers that hold the values of the roots at the end.
+    /// Returns the registers that hold the values of the roots at the end.
     pub fn outputs(&self) -> &[u8] {
         &self.outputs
     }
@@ -192,7 +192,7 @@ impl Tape {
         self.memory
     }
 
-    /// The operators that occur.
+    /// Returns the operators that occur.
     pub fn operators(&self) -> BTreeSet<Op> {
         self.instructions()
             .filter_map(|instruction| match instruction {

@@ -20,8 +20,8 @@ const SELECTED_MAX: usize = 20;
 /// Maximum number of registers that are variables on GPUs.
 const SELECTED_BY_GPUS_MAX: usize = 8;
 
-/// The number of registers in a variant for tapes that need `needed` registers. It is a multiple of two if registers
-/// are variables, else a power of two, so that few variants serve many scenes.
+/// Returns the number of registers in a variant for tapes that need `needed` registers. It is a multiple of two if
+/// registers are variables, else a power of two, so that few variants serve many scenes.
 pub(crate) fn rounded_registers(needed: usize) -> usize {
     if needed <= SELECTED_MAX { needed.next_multiple_of(2) } else { needed.next_power_of_two() }
 }
@@ -65,8 +65,8 @@ fn register(file: &str, count: usize, first: usize, bits: u32) -> String {
     format!("mix({low}, {}, HAS(word, place, {bit}))", register(file, count, middle, bit))
 }
 
-/// The expression that selects the operator of `word` among `cases`. The cases are numbers in rising order, each with
-/// its value, and must not be empty. Any other number selects one of these values.
+/// Returns the expression that selects the operator of `word` among `cases`. The cases are numbers in rising order,
+/// each with its value, and must not be empty. Any other number selects one of these values.
 pub(super) fn operator(cases: &[(u8, String)]) -> String {
     let split = cases.partition_point(|(number, _)| *number < FIRST_BINARY);
     let (unary, binary) = cases.split_at(split);

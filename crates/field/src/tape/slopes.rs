@@ -65,7 +65,7 @@ impl<'a> GradientIntervals<'a> {
         Self { tape, frame, machine, outputs: vec![nothing; tape.outputs.len()], pieces: Pieces::default() }
     }
 
-    /// Bounds of the outputs and their gradients over a box, which is cut where parts of the tape jump.
+    /// Returns bounds of the outputs and their gradients over a box, which is cut where parts of the tape jump.
     pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[GradientInterval] {
         let Self { tape, frame, machine, outputs, pieces } = self;
         pieces.clear();

@@ -33,7 +33,7 @@ impl Bounds {
         (0..3).map(|axis| 0.5 * (self.high[axis] - self.low[axis])).fold(0.0, f32::max)
     }
 
-    /// The smallest box around both boxes, enlarged by `margin` on each side.
+    /// Returns the smallest box around both boxes, enlarged by `margin` on each side.
     pub fn hull(&self, other: &Self, margin: f32) -> Self {
         Self {
             low: [0, 1, 2].map(|axis| self.low[axis].min(other.low[axis]) - margin),
@@ -41,7 +41,7 @@ impl Bounds {
         }
     }
 
-    /// The cube that extends `reach` from a point along each axis.
+    /// Returns the cube that extends `reach` from a point along each axis.
     pub fn around(place: [f32; 3], reach: f32) -> Self {
         Self { low: place.map(|v| v - reach), high: place.map(|v| v + reach) }
     }
@@ -67,8 +67,8 @@ const MARGIN: f32 = 1.0 / 1000.0;
 
 type Cell = Bounds;
 
-/// A box around the surfaces of a tape's first output in all frames of `any`; `None` if the surfaces are unbounded or
-/// may be in every cell. A face of the box is final once a point just inside the face may be on a surface.
+/// Returns a box around the surfaces of a tape's first output in all frames of `any`; `None` if the surfaces are
+/// unbounded or may be in every cell. A face of the box is final once a point just inside the face may be on a surface.
 pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     let mut evaluator = IntervalEvaluator::new(tape, any);
     let mut left = CLAUSES_MAX / tape.clauses().len().max(1);
@@ -161,7 +161,7 @@ fn is_free(cell: &Cell, cuts: usize, evaluator: &mut IntervalEvaluator<'_>, left
     cuts > 0 && *left >= 8 && eighths(cell).all(|part| is_free(&part, cuts - 1, evaluator, left))
 }
 
-/// The eighths of a cell that may contain a surface. Once the budget is spent, the cell stays whole.
+/// Returns the eighths of a cell that may contain a surface. Once the budget is spent, the cell stays whole.
 fn divided(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> Vec<Cell> {
     if *left < 8 {
         *left = 0;

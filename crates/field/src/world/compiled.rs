@@ -23,7 +23,7 @@ impl World {
             && self.pictures.len() == other.pictures.len()
     }
 
-    /// The scene's functions as GLSL, validated by naga.
+    /// Returns the scene's functions as GLSL, validated by naga.
     ///
     /// # Errors
     /// Fails if the graph exceeds its limit, or if naga rejects the text, which is a bug in the generator.

@@ -85,7 +85,7 @@ pub(super) struct Growth {
 impl Growth {
     const NONE: Self = Self { middle: [0.0; 3], half: 1.0, power: 0 };
 
-    /// The growths to try. No growth is tried for a scene without bounds, because it has no size.
+    /// Returns the growths to try. No growth is tried for a scene without bounds, because it has no size.
     fn all(bounds: Option<&Bounds>) -> Vec<Self> {
         let Some(bounds) = bounds else { return vec![Self::NONE] };
         let middle = [0, 1, 2].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]));
@@ -118,7 +118,7 @@ pub struct Slopes {
 }
 
 impl Default for Slopes {
-    /// The slopes of a distance.
+    /// Returns the slopes of a distance.
     fn default() -> Self {
         Self { steepest: f32::INFINITY, distance_factor: None, tamed: None }
     }
@@ -238,7 +238,7 @@ fn samples(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>
     found
 }
 
-/// The frames to sample: silence at the start, then random times, sounds and parameters.
+/// Returns the frames to sample: silence at the start, then random times, sounds and parameters.
 pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
     (0..FRAMES).map(|number| {
         let random = |what: usize| cell_hash(number as f32, 7919.0 + what as f32);
@@ -263,7 +263,7 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
     })
 }
 
-/// A value of the sound: `fraction` of the largest value that music reaches.
+/// Returns a value of the sound: `fraction` of the largest value that music reaches.
 fn tried(input: SoundInput, fraction: f32) -> f32 {
     match input {
         // Music is hardly louder than half a full-scale square wave.

@@ -162,8 +162,8 @@ fn without_coordinates(
 }
 
 impl TapeBuffers {
-    /// The texels that the interpreter reads in a frame. Programs that were shortened with other numbers are written
-    /// whole.
+    /// Returns the texels that the interpreter reads in a frame. Programs that were shortened with other numbers are
+    /// written whole.
     pub fn texels(&self, inputs: &FrameInputs, short: &ShortPrograms) -> Vec<[u32; 4]> {
         let heads = 1 + self.of_objects.len().div_ceil(4);
         let mut texels = vec![[0; 4]; heads];
@@ -207,13 +207,13 @@ impl TapeBuffers {
         texels.len()
     }
 
-    /// The grid over space, around `center` in a scene without bounds.
+    /// Returns the grid over space, around `center` in a scene without bounds.
     pub(super) fn grid(&self, center: [f32; 3]) -> Grid {
         let bounds = self.bounds.unwrap_or_else(|| Bounds::around(center, AROUND_CENTER));
         Grid::of_box(bounds.low, bounds.high)
     }
 
-    /// The maximum number of texels that a frame needs without shortened programs.
+    /// Returns the maximum number of texels that a frame needs without shortened programs.
     pub fn texels_max(&self) -> usize {
         let of_programs = self
             .programs
@@ -241,7 +241,7 @@ fn append_grid(short: &ShortTapes, whole: u32, starts: &[u32], texels: &mut Vec<
 }
 
 impl World {
-    /// The programs of materials and light.
+    /// Returns the programs of materials and light.
     ///
     /// # Errors
     /// Fails if a tape exceeds the limits.

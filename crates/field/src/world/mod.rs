@@ -98,7 +98,7 @@ pub struct Roots {
 }
 
 impl Roots {
-    /// All expressions.
+    /// Returns all expressions.
     pub fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
         let materials = self.materials.iter().flatten();
         let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient).chain(self.glow);

@@ -14,9 +14,9 @@
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 
-/// The emission near a point in red, green and blue, and the distance to the nearest shining object; `None` if no
-/// object shines. Nearer objects have larger weights, so that there is no visible seam. An emission that depends on the
-/// normal is evaluated for a surface that faces up.
+/// Returns the emission near a point in red, green and blue, and the distance to the nearest shining object; `None` if
+/// no object shines. Nearer objects have larger weights, so that there is no visible seam. An emission that depends on
+/// the normal is evaluated for a surface that faces up.
 pub(super) fn nearby_light(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, GraphError> {
     let zero = scene.graph.constant(0.0);
     let objects = scene.objects.iter();
@@ -58,7 +58,7 @@ pub(super) fn nearby_light(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, Gra
     Ok(Some([r, g, b, nearest]))
 }
 
-/// The expressions with (0, 1, 0) as the normal.
+/// Returns the expressions with (0, 1, 0) as the normal.
 fn without_normals(graph: &mut Graph, roots: &[NodeId]) -> Result<Vec<NodeId>, GraphError> {
     let mut moved = vec![NodeId::default(); graph.len()];
     for id in graph.order(roots)?.nodes {

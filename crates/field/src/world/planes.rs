@@ -106,7 +106,7 @@ fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     Some(Rest { bound: bound?, estimate: estimate?, object })
 }
 
-/// The operands of nested minima, from left to right, without duplicates.
+/// Returns the operands of nested minima, from left to right, without duplicates.
 fn operands_of_minimum(graph: &Graph, root: NodeId) -> Vec<NodeId> {
     let mut operands = Vec::new();
     let mut seen = HashSet::new();

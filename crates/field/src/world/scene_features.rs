@@ -41,7 +41,7 @@ impl SceneFeatures {
         }
     }
 
-    /// The shader defines of these features.
+    /// Returns the shader defines of these features.
     pub fn defines(self) -> impl Iterator<Item = &'static str> {
         let all = [
             (self.panels, "PANELS"),

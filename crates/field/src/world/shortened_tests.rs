@@ -41,7 +41,7 @@ fn run(texels: &[[u32; 4]], place: usize, over: Over, at: &Point, frame: &FrameI
     (outputs.map(|register| registers[usize::from(register)] + 0.0).collect(), end + 1)
 }
 
-/// A point in a box around the origin or, for some numbers, far outside. Its normal has length 1.
+/// Returns a point in a box around the origin or, for some numbers, far outside. Its normal has length 1.
 fn point(number: u32, reach: f32) -> Point {
     let place = |step: f64| (f64::from(number) * step + 0.5).fract() as f32 * 2.0 - 1.0;
     let reach = if number.is_multiple_of(8) { 30.0 * reach } else { reach };

@@ -73,7 +73,7 @@ impl ShortenRequest {
 }
 
 impl ShortPrograms {
-    /// The tapes of a program if it was shortened with these numbers.
+    /// Returns the tapes of a program if it was shortened with these numbers.
     pub(super) fn tapes_of(&self, program: usize, key: impl FnOnce() -> RegionKey) -> Option<&ShortTapes> {
         let known = self.request.key_of(program)?;
         self.programs.get(program).filter(|_| *known == key())
@@ -85,7 +85,7 @@ impl WorthShortening {
         Self { rests: may_become_shorter.map(|may| may.then_some(0)).collect() }
     }
 
-    /// The request for a frame.
+    /// Returns the request for a frame.
     pub fn request(&self, buffers: &TapeBuffers, inputs: &FrameInputs) -> ShortenRequest {
         let keys = buffers.plans().zip(&self.rests);
         let mut keys: Vec<_> =

@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use crate::graph::{BAND_COUNT, CELL_HASH_GLSL, SoundInput};
 use crate::limits::LIMITS;
 
-/// The declarations that the generated functions need, in a form that naga accepts.
+/// Returns the declarations that the generated functions need, in a form that naga accepts.
 fn surroundings() -> String {
     format!(
         "#version 450\n\

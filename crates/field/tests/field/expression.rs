@@ -70,7 +70,7 @@ pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operator
     root
 }
 
-/// The inputs of a frame with some sound; [`TABLES_GLSL`] contains the same tables.
+/// Returns the inputs of a frame with some sound; [`TABLES_GLSL`] contains the same tables.
 pub(crate) fn frame() -> FrameInputs {
     FrameInputs {
         time: 12.5,
@@ -124,8 +124,8 @@ float table_history(float u, float v) {
 /// The largest error of drivers in an operator, as a function of the operator's first operand and result.
 pub(crate) type Disturbance = fn(op: Op, a: f32, result: f32) -> f32;
 
-/// The largest change of the last node of `order` at a point when the results of all operators are disturbed. It is the
-/// maximum of a few tries, and infinite if a value is not finite.
+/// Returns the largest change of the last node of `order` at a point when the results of all operators are disturbed.
+/// It is the maximum of a few tries, and infinite if a value is not finite.
 pub(crate) fn spread(
     graph: &Graph,
     order: &[NodeId],

@@ -161,8 +161,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// The index in a call of `name`, which reads one of `count` numbers. An index out of range is reported and gives
-    /// `None`.
+    /// Returns the index in a call of `name`, which reads one of `count` numbers. An index out of range is reported and
+    /// gives `None`.
     fn number_among(
         &mut self,
         name: &'static str,

@@ -311,7 +311,7 @@ impl Lowering<'_> {
         fit
     }
 
-    /// The location of argument `index` of a call whose arguments begin at `first`; `call` if it is not known.
+    /// Returns the location of argument `index` of a call whose arguments begin at `first`; `call` if it is not known.
     pub(super) fn argument_span(&self, first: u32, index: usize, call: Span) -> Span {
         if first == u32::MAX {
             return call;

@@ -22,7 +22,7 @@ impl Declared<'_> {
         Self { globals, lets: Vec::new(), functions: Vec::new(), params: Vec::new(), textures: Vec::new() }
     }
 
-    /// The declarations of a name; empty for an undeclared name.
+    /// Returns the declarations of a name; empty for an undeclared name.
     pub(super) fn global(&self, symbol: Symbol) -> Global {
         self.globals.get(symbol.index()).copied().unwrap_or_default()
     }

@@ -204,7 +204,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The vector in a value. Reports values that are not numbers or vectors; `what` names the operation in the
+    /// Returns the vector in a value. Reports values that are not numbers or vectors; `what` names the operation in the
     /// message.
     pub(super) fn number(
         &mut self,
@@ -378,7 +378,7 @@ impl Lowering<'_> {
     }
 }
 
-/// The set (`xyzw` or `rgba`) that contains a component's letter, and the letter's index in the set.
+/// Returns the set (`xyzw` or `rgba`) that contains a component's letter, and the letter's index in the set.
 fn component(letter: u8) -> Option<(u8, usize)> {
     Some(match letter {
         b'x' => (0, 0),

@@ -30,8 +30,7 @@ use lowering::Lowering;
 use scene::SceneBuilder;
 
 /// Builds a scene from its tree. Returns `None` if the scene has no shape or exceeds a limit. The caller must also
-/// check
-/// `diagnostics`: a scene with mistakes may still be returned.
+/// check `diagnostics`: a scene with mistakes may still be returned.
 pub(super) fn lower(
     loaded: Loaded,
     changing: ChangingNumbers,

@@ -90,7 +90,7 @@ impl SceneBuilder<'_> {
     }
 }
 
-/// A mixture of two materials; at fraction 0, the first material.
+/// Mixes two materials. At fraction 0 the result is the first material.
 fn mixed(graph: &mut Graph, a: &Material, b: &Material, fraction: NodeId) -> Material {
     let both: Vec<_> = a.numbers().into_iter().zip(b.numbers()).collect();
     let mixed = both.into_iter().map(|(a, b)| graph.mix(a, b, fraction));

@@ -49,7 +49,7 @@ impl Scope {
         }
     }
 
-    /// The value and notes of a name, if the current function or block binds it.
+    /// Returns the value and notes of a name, if the current function or block binds it.
     pub(super) fn local(&self, symbol: Symbol) -> Option<(Value, Stretch)> {
         let index = *self.innermost.get(symbol.index())? as usize;
         if index < self.frame {

@@ -107,7 +107,7 @@ pub(super) struct Values {
 }
 
 impl Values {
-    /// The value of a field and the location of its name; `None` if the section does not set it.
+    /// Returns the value of a field and the location of its name; `None` if the section does not set it.
     pub(super) fn given(&self, name: &str) -> Option<(Value, Span)> {
         debug_assert!(is_field(name), "no section has a field `{name}`");
         let given = self.given.iter().find(|(given, ..)| *given == name)?;
@@ -413,7 +413,7 @@ impl SceneBuilder<'_> {
 }
 
 impl Lowering<'_> {
-    /// The numbers of a section in the order of its fields. Missing fields have their defaults.
+    /// Returns the numbers of a section in the order of its fields. Missing fields have their defaults.
     pub(super) fn numbers(&mut self, fields: &[Field], values: &Values) -> Vec<NodeId> {
         let mut numbers = Vec::new();
         for field in fields {

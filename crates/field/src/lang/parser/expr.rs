@@ -10,7 +10,7 @@ use super::items::Habit;
 /// The binding power of prefix operators: below a power and above a product, so that -x^2 is -(x^2).
 const PREFIX: u8 = 7;
 
-/// A binary operator with its binding powers to the left and to the right.
+/// Returns the binary operator of a token, and the binding powers to the left and to the right.
 fn infix(kind: Kind) -> Option<(BinaryOp, u8, u8)> {
     Some(match kind {
         Kind::Or => (BinaryOp::Or, 1, 2),

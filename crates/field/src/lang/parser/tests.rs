@@ -5,7 +5,7 @@ use super::super::library::library;
 use super::super::symbol::{Interner, Symbol};
 use super::parse;
 
-/// The items of a text, with expressions in prefix form, and the messages about it.
+/// Returns the items of a text, with expressions in prefix form, and the messages about it.
 fn parsed(text: &str) -> (Vec<String>, Vec<String>) {
     let mut names = library().names.clone();
     let (mut tokens, mut diagnostics, mut ast) = (Vec::new(), Diagnostics::new(20), Ast::default());

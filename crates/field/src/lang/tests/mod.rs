@@ -34,7 +34,7 @@ pub(super) fn broken(text: &str) -> Compiled {
     compiled
 }
 
-/// The inputs of a frame. Each number of the sound that tests read has a different value: band i is i / 100.
+/// Returns the inputs of a frame. Each number of the sound that tests read has a different value: band i is i / 100.
 pub(super) fn frame(scene: &Scene) -> FrameInputs {
     FrameInputs {
         time: 2.0,

@@ -45,8 +45,8 @@ pub(super) struct Melt {
     pub(super) haze: NodeId,
 }
 
-/// The melt of two sides. If both have planes, each pair becomes a plane in between. If only one side has planes, they
-/// recede and fade into the sky.
+/// Returns the melt of two sides. If both have planes, each pair becomes a plane in between. If only one side has
+/// planes, they recede and fade into the sky.
 pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     let [zero, one] = [0.0, 1.0].map(|number| graph.constant(number));
     let remaining = graph.sub(one, s);
@@ -82,8 +82,8 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     Melt { planes, rest, owner, haze }
 }
 
-/// The depth q that solids lose far from the other side. The arguments include the fractions of the other side and of
-/// the solids' own side.
+/// Returns the depth q that solids lose far from the other side. The arguments include the fractions of the other side
+/// and of the solids' own side.
 fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 2]) -> NodeId {
     // At an own fraction of 0.2, q is half of the depth.
     let [least, eighth] = [LEAST, 0.125 * depth].map(|number| graph.constant(number));

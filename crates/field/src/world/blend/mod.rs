@@ -59,7 +59,7 @@ impl BlendKind {
         (self, name, meaning)
     }
 
-    /// The name of the kind.
+    /// Returns the name of the kind.
     pub fn name(self) -> &'static str {
         self.row().1
     }
@@ -69,7 +69,7 @@ impl BlendKind {
         Self::ALL.into_iter().find(|(_, known, _)| *known == name).map(|(kind, ..)| kind)
     }
 
-    /// The keyword in scenes and shows.
+    /// Returns the keyword in scenes and shows.
     pub fn way(self) -> Way {
         match self {
             Self::Melt => Way::Melt,
@@ -102,8 +102,8 @@ pub enum BlendError {
     World(#[from] WorldError),
 }
 
-/// The parameters of a frame of [`World::blend`]: the parameters of `from`, the parameters of `to`, and the fraction
-/// of `to`, which is clamped to 0..1. Missing parameters have the scenes' defaults.
+/// Returns the parameters of a frame of [`World::blend`]: the parameters of `from`, the parameters of `to`, and the
+/// fraction of `to`, which is clamped to 0..1. Missing parameters have the scenes' defaults.
 pub fn blended_params(
     (from, from_params): (&Scene, &[f32]),
     (to, to_params): (&Scene, &[f32]),
@@ -268,9 +268,9 @@ fn mixed_all(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<No
     a.iter().zip(b).map(|(&a, &b)| if a == b { a } else { graph.mix(a, b, s) }).collect()
 }
 
-/// The material of a melt, which depends on the surface that contains the point. Mirrors of the first side disappear
-/// before the middle, and mirrors of the second side appear after the middle, so that no frame traces more mirror rays
-/// than a single scene.
+/// Returns the material of a melt, which depends on the surface that contains the point. Mirrors of the first side
+/// disappear before the middle, and mirrors of the second side appear after the middle, so that no frame traces more
+/// mirror rays than a single scene.
 fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s: NodeId) -> Vec<NodeId> {
     let of = |numbers: &[NodeId]| Material::of(String::new(), numbers.iter().copied());
     let (a_own, b_own) = (of(a), of(b));
@@ -294,8 +294,8 @@ fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], melt: &melt::Melt, s:
     mixed.numbers()
 }
 
-/// The light of nearby shining objects. Each side's light is already attenuated by that side's distance, so shaders get
-/// the distance 0.
+/// Returns the light of nearby shining objects. Each side's light is already attenuated by that side's distance, so
+/// shaders get the distance 0.
 fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let rest = graph.sub(one, s);
@@ -320,8 +320,8 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
     Some([r, g, b, zero])
 }
 
-/// The lights of both sides, weighted by the fractions. They change in the middle half of the transition, because
-/// shadow rays of both sides cost most near the ends, where the surfaces of one scene are nearly whole.
+/// Returns the lights of both sides, weighted by the fractions. They change in the middle half of the transition,
+/// because shadow rays of both sides cost most near the ends, where the surfaces of one scene are nearly whole.
 fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
     let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
     let s = graph.sub(s, half);

@@ -48,7 +48,7 @@ impl Seen {
         Self { off, right, view, length }
     }
 
-    /// The coordinates of the point along the directions right, up and towards the eye.
+    /// Returns the coordinates of the point along the directions right, up and towards the eye.
     fn point(&self, graph: &mut Graph) -> Vector {
         let least = graph.constant(LEFT_MIN);
         let length = graph.max(self.length, least);
@@ -95,9 +95,9 @@ fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
     graph.sub(from, reached)
 }
 
-/// The distance to the scene's own shape, which grows with the fraction `s`. The shape may have holes and may be
-/// infinite. A growing ball therefore reveals the shape in the first quarter, and another ball fills the shape in the
-/// last quarter.
+/// Returns the distance to the scene's own shape, which grows with the fraction `s`. The shape may have holes and may
+/// be infinite. A growing ball therefore reveals the shape in the first quarter, and another ball fills the shape in
+/// the last quarter.
 fn own_shape(
     graph: &mut Graph,
     seen: &Seen,
@@ -124,8 +124,8 @@ fn own_shape(
     Ok(graph.min(value, filled))
 }
 
-/// The distance to the portal, negative inside. At the middle of the transition, the size of the portal is the distance
-/// from the eye to the target. Towards the end the portal grows without limit.
+/// Returns the distance to the portal, negative inside. At the middle of the transition, the size of the portal is the
+/// distance from the eye to the target. Towards the end the portal grows without limit.
 fn portal(
     graph: &mut Graph,
     shape: PortalShape,

@@ -119,7 +119,7 @@ impl Own {
         Self { point, normal, eye }
     }
 
-    /// The inputs for expressions that read a normal or a direction.
+    /// Returns the inputs for expressions that read a normal or a direction.
     fn turned(self, graph: &mut Graph, alignment: &Alignment) -> Self {
         Self { normal: alignment.own_direction(graph, self.normal), ..self }
     }
@@ -198,7 +198,7 @@ pub(super) fn position(graph: &mut Graph) -> Vector {
     [Input::X, Input::Y, Input::Z].map(|input| graph.input(input))
 }
 
-/// The value at the point `place`, with a zero normal.
+/// Returns the value at the point `place`, with a zero normal.
 pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId, GraphError> {
     let mut moved = vec![NodeId::default(); graph.len()];
     let zero = graph.constant(0.0);
@@ -269,7 +269,7 @@ fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: Normalize
     graph.mul(value, reach)
 }
 
-/// The distance of a point from a box; negative inside.
+/// Returns the distance of a point from a box; negative inside.
 fn outside(graph: &mut Graph, p: Vector, bounds: &Bounds) -> NodeId {
     let zero = graph.constant(0.0);
     let off = [0, 1, 2].map(|axis| {

@@ -26,7 +26,7 @@ fn scenes() -> impl Strategy<Value = World> {
         .prop_map(|(shape, other, place, floor)| scene((shape, other), place, floor))
 }
 
-/// A frame at a fraction, seen from far away, so that no solid shrinks because of the eye.
+/// Returns a frame at a fraction, seen from far away, so that no solid shrinks because of the eye.
 fn frame(from: &World, to: &World, fraction: f32) -> FrameInputs {
     FrameInputs {
         eye: [10.0, 200.0, -300.0],
