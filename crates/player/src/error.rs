@@ -67,7 +67,9 @@ pub enum DeviceError {
         name: String,
     },
     /// The device was disconnected.
-    #[error("the sound {direction} '{name}' is gone; connect it again, or choose another device with --device")]
+    #[error(
+        "the sound {direction} '{name}' is gone; connect it again, or choose another device with --device"
+    )]
     Gone {
         /// The direction of the sound.
         direction: Direction,
@@ -128,7 +130,9 @@ pub enum DeviceError {
         rate: u32,
     },
     /// The device could not be opened.
-    #[error("the sound {direction} {device} could not be opened ({reason}); choose another device with --device")]
+    #[error(
+        "the sound {direction} {device} could not be opened ({reason}); choose another device with --device"
+    )]
     Open {
         /// The direction of the sound.
         direction: Direction,

@@ -12,8 +12,7 @@ use crate::worker::Worker;
 
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// After a gap longer than this (the process was suspended), the clock restarts, because the ring may hold fewer
-/// frames.
+/// After a gap longer than this (the process was suspended) the clock restarts, because the ring may hold too little.
 const GAP_MAX: Duration = Duration::from_millis(250);
 
 pub(crate) struct NullOutput {
