@@ -12,7 +12,7 @@ pub enum Chroma {
 
 const HEAD: &[u8] = b"FRAME\n";
 
-/// The header of the stream.
+/// Returns the header of the stream.
 pub fn header((width, height): (u32, u32), fps: f64, chroma: Chroma) -> Vec<u8> {
     let (frames, seconds) = ratio(fps);
     let chroma = match chroma {
@@ -89,7 +89,7 @@ const LUMA: Plane = Plane { fractions: fractions(LIGHT, 219.0), black: 16 };
 const BLUE: Plane = Plane { fractions: fractions(difference(2), 224.0), black: 128 };
 const RED: Plane = Plane { fractions: fractions(difference(0), 224.0), black: 128 };
 
-/// The colour difference signal of a channel, from -1/2 to 1/2.
+/// Returns the coefficients of the colour difference signal of channel `color`. The signal is from -1/2 to 1/2.
 const fn difference(color: usize) -> [f64; 3] {
     let scale = 2.0 * (1.0 - LIGHT[color]);
     let mut difference = [-LIGHT[0] / scale, -LIGHT[1] / scale, -LIGHT[2] / scale];

@@ -33,8 +33,8 @@ pub(super) struct Preset {
 const PLAIN: Preset =
     Preset { size: (1280, 720), fps: 30.0, duration: None, sound: true, sound_rate: None, seam: None };
 
-/// The preset of a service. All services accept H.264 and 48 kHz, and encode the video again. `Loop` suits Spotify's
-/// Canvas: 3 to 8 seconds, portrait, silent, repeated.
+/// Returns the preset of a service. All services accept H.264 and 48 kHz, and encode the video again. `Loop` suits
+/// Spotify's Canvas: 3 to 8 seconds, portrait, silent, repeated.
 pub(super) fn preset(place: Option<Place>) -> Preset {
     let service = Preset { sound_rate: Some(48_000), ..PLAIN };
     let upright = Preset { size: (1080, 1920), ..service };

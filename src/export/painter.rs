@@ -182,7 +182,7 @@ impl HeadlessRenderer {
         Ok(self.renderer.limit_flashes(seconds)?)
     }
 
-    /// The last frame as RGBA bytes, top row first; premultiplied if it is transparent.
+    /// Returns the last frame as RGBA bytes, top row first; premultiplied if it is transparent.
     pub(super) fn read(&self) -> Vec<u8> {
         let mut rgba = self.renderer.read();
         if let Some(coverage) = &self.coverage {
@@ -246,22 +246,22 @@ impl Painter {
         self.headless_renderer.draw(&self.model, frame)
     }
 
-    /// The last frame as RGBA bytes, top row first; premultiplied if it is transparent.
+    /// Returns the last frame as RGBA bytes, top row first; premultiplied if it is transparent.
     pub fn read(&self) -> Vec<u8> {
         self.headless_renderer.read()
     }
 
-    /// The mode in which the scene is drawn.
+    /// Returns the mode in which the scene is drawn.
     pub fn mode(&self) -> Mode {
         self.model.mode
     }
 
-    /// The world that is drawn.
+    /// Returns the world that is drawn.
     pub fn world(&self) -> &World {
         self.model.world()
     }
 
-    /// The context.
+    /// Returns the context.
     pub fn gl(&self) -> &Gl {
         self.headless_renderer.context.gl()
     }

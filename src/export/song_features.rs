@@ -73,28 +73,28 @@ impl SongFeatures {
         self.structure();
     }
 
-    /// The structure of the whole song, computed at the first call.
+    /// Returns the structure of the whole song. The first call computes the structure.
     pub fn structure(&mut self) -> &SongStructure {
         let song = &self.song;
         self.structure.get_or_insert_with(|| structure_of(song, &StructureCache::of_user()))
     }
 
-    /// The position of `time` in the whole song; unknown before [`SongFeatures::know_song`].
+    /// Returns the position of `time` in the whole song. Call [`SongFeatures::know_song`] before this.
     pub fn place_in_song(&self, time: f64) -> SongMoment {
         self.structure.as_ref().map_or(SongMoment::UNKNOWN, |structure| structure.moment(time))
     }
 
-    /// The song's title for messages.
+    /// Returns the song's title for messages.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Length in seconds: from the container, or from decoding to the end.
+    /// Returns the song's length in seconds, which the container states or decoding to the end has shown.
     pub fn duration(&self) -> Option<f64> {
         if self.ended { Some(self.decoded()) } else { self.decoder.info().duration }
     }
 
-    /// The features at `time` seconds; `None` if the song has ended. Times may step back by a few seconds at most.
+    /// Returns the features at `time` seconds; `None` if the song has ended. Times may step back by a few seconds.
     ///
     /// # Errors
     /// Fails if the file is damaged.
@@ -103,7 +103,7 @@ impl SongFeatures {
         Ok((!self.is_over(time)).then(|| self.track.at(time)))
     }
 
-    /// The sound at `time` seconds, features with tables; `None` if the song has ended.
+    /// Returns the sound (features with tables) at `time` seconds; `None` if the song has ended.
     ///
     /// # Errors
     /// Fails if the file is damaged.
@@ -136,7 +136,7 @@ impl SongFeatures {
         Ok(())
     }
 
-    /// The sound at `time` seconds.
+    /// Returns the sound at `time` seconds.
     ///
     /// # Errors
     /// [`ExportError::AfterTheEnd`] if `time` is after the song's end, or an error of the decoder.

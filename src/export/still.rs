@@ -145,7 +145,7 @@ enum StillFormat {
 const JPEG_QUALITY: u8 = 93;
 
 impl StillFormat {
-    /// The format for a path's extension; PNG for a path without an extension.
+    /// Returns the format that the path's extension names; PNG for a path without an extension.
     fn of(path: &Path) -> Result<Self, ExportError> {
         let Some(ending) = path.extension() else { return Ok(Self::Png) };
         match ending.to_string_lossy().to_lowercase().as_str() {

@@ -22,7 +22,7 @@ pub(super) fn encode(key: ProgramKey, content: &[u8]) -> Vec<u8> {
     [&header(key, content)[..], content].concat()
 }
 
-/// The binary in an entry; `None` if the entry is damaged or has another key.
+/// Returns the binary in an entry; `None` if the entry is damaged or has another key.
 pub(super) fn decode(key: ProgramKey, bytes: &[u8]) -> Option<&[u8]> {
     let (found, content) = bytes.split_at_checked(HEADER)?;
     (found == header(key, content)).then_some(content)

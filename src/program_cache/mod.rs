@@ -55,17 +55,17 @@ struct Folder {
 }
 
 impl ProgramCache {
-    /// A cache that stores nothing.
+    /// Returns a cache that stores nothing.
     pub fn off() -> Self {
         Self { folder: None }
     }
 
-    /// A cache in a subfolder of `caches`; `None` gives a cache that stores nothing.
+    /// Returns a cache in a subfolder of `caches`. For `None`, the cache stores nothing.
     pub fn within(caches: Option<&Path>) -> Self {
         caches.map_or_else(Self::off, |caches| Self::in_folder(caches.join("programs")))
     }
 
-    /// A cache in this folder, which is created at the first write.
+    /// Returns a cache in this folder, which is created at the first write.
     pub fn in_folder(path: PathBuf) -> Self {
         Self {
             folder: Some(Arc::new(Folder {
@@ -168,7 +168,7 @@ impl ProgramStore for ProgramCache {
         }
     }
 
-    /// The reason why a program is not tried in this run, and the file of the record; `None` if it may be tried.
+    /// Returns the reason why the program must not be tried in this run, and the file that records the reason.
     fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         let is_retried = |why| why == GivenUp::DiedOnce && !self.is_left_out(key);
         self.noted(key).filter(|(why, _)| !is_retried(*why))
@@ -200,7 +200,7 @@ const BLOCK: u64 = 4096;
 /// More bytes than the longest of [`REASONS`].
 const WORD_MAX: usize = 16;
 
-/// The bytes of a file; an error if there are more than `limit`, `None` if there is no regular file of this name.
+/// Returns the bytes of a file; an error if there are more than `limit`, `None` if `path` is no regular file.
 fn read_file(path: &Path, limit: usize) -> Option<io::Result<Vec<u8>>> {
     // Opening a device or a pipe could block forever.
     if !fs::symlink_metadata(path).ok()?.is_file() {

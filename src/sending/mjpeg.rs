@@ -147,7 +147,7 @@ fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) 
 }
 
 impl Readers {
-    /// The JPEG of a frame. The first reader that needs the JPEG encodes the frame; other readers wait.
+    /// Returns the JPEG of a frame. The first reader that needs the JPEG encodes the frame; other readers wait.
     fn jpeg_of(&self, number: u64, picture: &OutgoingFrame) -> std::io::Result<Arc<Vec<u8>>> {
         let mut known = self.jpeg.lock().unwrap_or_else(PoisonError::into_inner);
         if known.0 != number {

@@ -61,7 +61,7 @@ impl Sending {
         Ok(Self { latest_frame, target: target.clone() })
     }
 
-    /// The target.
+    /// Returns the target.
     pub fn target(&self) -> &SenderTarget {
         &self.target
     }

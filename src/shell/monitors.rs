@@ -9,7 +9,7 @@ pub(crate) use crate::monitor::{named, names};
 /// Position and size of a rectangle on the desktop, in pixels.
 pub(crate) type Rect = ((i32, i32), (u32, u32));
 
-/// The bounding rectangle of all monitors; `None` without monitors.
+/// Returns the bounding rectangle of all monitors; `None` without monitors.
 pub(crate) fn around(monitors: &[Monitor]) -> Option<Rect> {
     let left = monitors.iter().map(|monitor| monitor.place.0).min()?;
     let top = monitors.iter().map(|monitor| monitor.place.1).min()?;
@@ -48,7 +48,7 @@ impl MonitorWatch {
         self.known = Arc::new(Mutex::new(Some(monitors)));
     }
 
-    /// All monitors from left to right; `None` while they are unknown.
+    /// Returns all monitors from left to right; `None` while they are unknown.
     pub(crate) fn known(&self) -> Option<Vec<Monitor>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

@@ -150,7 +150,7 @@ impl Output {
         self.ask(WindowMessage::CloseOutput);
     }
 
-    /// Size of the window in pixels; `None` while it shows nothing.
+    /// Returns the size of the window in pixels; `None` while it shows nothing.
     pub(crate) fn size(&self) -> Option<(u32, u32)> {
         match &self.state {
             State::On(_, surface) => Some(surface.size()),

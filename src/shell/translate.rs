@@ -42,7 +42,7 @@ pub(crate) fn input_of(event: &WindowEvent) -> Option<Input> {
     })
 }
 
-/// The pressed key; `None` for a released key.
+/// Returns the pressed key; `None` for a released key.
 pub(crate) fn key_press(event: &KeyEvent) -> Option<KeyPress> {
     (event.state == ElementState::Pressed).then(|| KeyPress {
         key: key_of(&event.logical_key),
@@ -98,7 +98,7 @@ const NAMED: [(WinitNamed, NamedKey); 22] = [
     (WinitNamed::MediaTrackPrevious, NamedKey::MediaTrackPrevious),
 ];
 
-/// The letter at the key's position on a Latin keyboard, for letters that the editor's commands use.
+/// Returns the letter at the key's position on a Latin keyboard, for letters that the editor's commands use.
 fn latin_at(key: PhysicalKey) -> Option<char> {
     let PhysicalKey::Code(code) = key else { return None };
     Some(match code {

@@ -272,7 +272,7 @@ impl ApplicationHandler<WindowMessage> for Front {
     }
 }
 
-/// The monitors on Wayland, from left to right; `None` on other window systems.
+/// Returns the monitors on Wayland, from left to right; `None` on other window systems.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn monitors_of_wayland(event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
     use winit::platform::wayland::ActiveEventLoopExtWayland;

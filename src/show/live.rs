@@ -11,7 +11,7 @@ pub struct LiveDirector {
 }
 
 impl LiveDirector {
-    /// A director that chooses among the scenes of a prepared show.
+    /// Returns a director that chooses among the scenes of a prepared show.
     pub fn new(prepared_show: PreparedShow) -> Self {
         let director = mariana_show::LiveDirector::new(prepared_show.cards().to_vec());
         Self { prepared_show, director }

@@ -194,27 +194,27 @@ impl PreparedShow {
         Self { show: self.show.with_cues(song, cues), ..self.clone() }
     }
 
-    /// The scenes that wait for a key, in order.
+    /// Returns the scenes that wait for a key, in order.
     pub fn cues(&self) -> Vec<&str> {
         self.show.cues()
     }
 
-    /// The timeline; `None` while all entries wait for a key.
+    /// Returns the timeline; `None` while every entry waits for a key.
     pub fn timeline(&self) -> Option<&Timeline> {
         self.show.timeline()
     }
 
-    /// The state of the show at `time` seconds; `None` without a timeline.
+    /// Returns the state of the show at `time` seconds; `None` without a timeline.
     pub fn at(&self, time: f64) -> Option<Moment<'_>> {
         self.timeline().map(|timeline| timeline.at(time))
     }
 
-    /// The clips in order; empty without a timeline.
+    /// Returns the clips in order; empty without a timeline.
     pub fn clips(&self) -> &[Clip] {
         self.show.clips()
     }
 
-    /// The source of a scene in the timeline.
+    /// Returns the source of a scene in the timeline.
     pub fn source(&self, scene: &str) -> Option<&SceneSource> {
         self.scenes.get(scene)
     }
@@ -228,7 +228,7 @@ impl PreparedShow {
         Some(SceneBlend { from: seen(from)?, to: seen(to)?, kind, aligned_at })
     }
 
-    /// The scenes of the timeline, in the order of their first clips.
+    /// Returns the scenes of the timeline, in the order of their first clips.
     pub fn sources(&self) -> Vec<&SceneSource> {
         let mut names: Vec<&str> = Vec::new();
         for clip in self.clips() {
@@ -245,7 +245,7 @@ impl PreparedShow {
     }
 }
 
-/// The name of a scene in shows.
+/// Returns the name of a scene in shows.
 pub fn name_of(source: &SceneSource) -> String {
     match source {
         SceneSource::Shipped(name) => name.clone(),

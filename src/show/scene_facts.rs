@@ -18,7 +18,7 @@ pub(super) fn refusal(error: SceneError) -> Refusal {
     }
 }
 
-/// The scene with this name in a show: a file in its folder, or a shipped scene.
+/// Returns the scene with this name in a show: a file in its folder, or a shipped scene.
 pub(super) fn source_of(name: &str, folder: &Path) -> Result<SceneSource, SceneError> {
     let beside = folder.join(name);
     if beside.is_file() {

@@ -28,17 +28,17 @@ pub struct StructureCache {
 }
 
 impl StructureCache {
-    /// A cache in the user's cache folder, if there is one.
+    /// Returns a cache in the user's cache folder, if there is one.
     pub fn of_user() -> Self {
         Self::among(&Folders::of_user())
     }
 
-    /// A cache in the cache folder of `folders`, if there is one.
+    /// Returns a cache in the cache folder of `folders`, if there is one.
     pub fn among(folders: &Folders) -> Self {
         Self { folder: folders.cache.as_ref().map(|cache| cache.join("songs")) }
     }
 
-    /// A cache in this folder, which is created at the first write.
+    /// Returns a cache in this folder, which is created at the first write.
     pub fn in_folder(path: PathBuf) -> Self {
         Self { folder: Some(path) }
     }

@@ -92,7 +92,7 @@ impl SongReader {
         }
     }
 
-    /// The structure of the track with this id ([`TrackInfo::id`]), once it is known.
+    /// Returns the structure of the track with this id ([`TrackInfo::id`]), once it is known.
     pub fn get(&self, track: u64) -> Option<Arc<SongStructure>> {
         self.shared.lock().find(track).cloned().flatten()
     }

@@ -227,13 +227,13 @@ impl Command {
     }
 }
 
-/// The named commands, for MIDI and OSC.
+/// Returns the commands with a name, which MIDI and OSC may send.
 pub fn for_controllers() -> &'static [ActionRow] {
     static TABLE: OnceLock<Vec<ActionRow>> = OnceLock::new();
     TABLE.get_or_init(|| ROWS.iter().filter_map(Row::for_controllers).collect())
 }
 
-/// The named commands that phones may send.
+/// Returns the commands with a name that phones may send.
 pub fn for_phones() -> &'static [ActionRow] {
     static TABLE: OnceLock<Vec<ActionRow>> = OnceLock::new();
     TABLE.get_or_init(|| ROWS.iter().filter(|row| row.for_phones).filter_map(Row::for_controllers).collect())
@@ -249,7 +249,7 @@ pub fn levels(state: &ShowState) -> Vec<(&'static str, f32)> {
     ROWS.iter().filter_map(|row| Some((row.name?, (row.level?)(state)?))).collect()
 }
 
-/// All key bindings, in the order of the help.
+/// Returns all key bindings, in the order of the help.
 pub fn bindings() -> impl Iterator<Item = &'static Binding> {
     ROWS.iter().flat_map(|row| row.bindings)
 }

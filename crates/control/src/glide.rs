@@ -37,7 +37,7 @@ impl Glide {
         (to + (from - to) * rest) as f32
     }
 
-    /// The target value.
+    /// Returns the target value.
     pub fn target(&self) -> f32 {
         self.to
     }

@@ -62,7 +62,7 @@ pub struct Refusals {
 }
 
 impl Refusals {
-    /// The sum of all counts.
+    /// Returns the sum of all counts.
     pub fn count(self) -> u64 {
         self.rubbish + self.unknown + self.not_numbers + self.too_many
     }

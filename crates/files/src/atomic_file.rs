@@ -75,7 +75,7 @@ impl Unfinished {
         Err(io::Error::other("another program keeps removing the temporary file: try again"))
     }
 
-    /// Path of the temporary file, for programs that write or read it by name.
+    /// Returns the path of the temporary file, for programs that write or read files by name.
     pub fn path(&self) -> &Path {
         self.file.path()
     }
@@ -203,7 +203,7 @@ impl AtomicFile {
         Ok(Self { path: path.to_owned(), place, unfinished })
     }
 
-    /// Path of the temporary file, for programs that write it by name.
+    /// Returns the path of the temporary file, for programs that write files by name.
     pub fn temporary(&self) -> &Path {
         self.unfinished.path()
     }

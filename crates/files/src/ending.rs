@@ -35,7 +35,7 @@ impl Signal {
         Self::ALL.into_iter().find(|signal| *signal as u8 == number)
     }
 
-    /// The exit code that shells report for a program ended by a signal: 128 plus the signal's number.
+    /// Returns the exit code that shells report for a program that this signal ended: 128 plus the signal's number.
     pub fn exit_code(self) -> u8 {
         128 + self as u8
     }

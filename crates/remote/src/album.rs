@@ -52,7 +52,7 @@ impl Album {
         std::mem::take(&mut *self.0.wanted.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The number of images stored so far. A new number tells phones to retry missing images.
+    /// Returns the number of images stored so far. A new number tells phones to retry missing images.
     pub(crate) fn count(&self) -> u64 {
         self.0.count.load(Ordering::Acquire)
     }

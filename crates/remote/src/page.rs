@@ -25,12 +25,12 @@ pub(crate) fn asset(path: &str) -> Option<&'static Asset> {
     ASSETS.iter().find(|asset| asset.path == path)
 }
 
-/// The HTML of the page, for tests.
+/// Returns the HTML of the page, for tests.
 pub fn page_text() -> &'static str {
     ASSETS[0].text
 }
 
-/// The content security policy of the page: only its own style, script and images, and connections to its host.
+/// Returns the page's content security policy: only its own style, script and images, and connections to `host`.
 pub(crate) fn policy(host: &str) -> String {
     // Some browsers do not include WebSockets in 'self'.
     format!(

@@ -70,7 +70,7 @@ impl Code {
         Some(Self { side: code.width(), dark })
     }
 
-    /// The number of modules per side.
+    /// Returns the number of modules per side.
     pub fn side(&self) -> usize {
         self.side
     }

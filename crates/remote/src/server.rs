@@ -119,12 +119,12 @@ impl Remote {
         Ok(Self(shared))
     }
 
-    /// The current state.
+    /// Returns the current state.
     pub fn state(&self) -> RemoteState {
         lock(&self.0.state).clone()
     }
 
-    /// The number of connected phones.
+    /// Returns the number of connected phones.
     pub fn phones(&self) -> usize {
         self.0.phones.load(Ordering::Relaxed)
     }
@@ -190,7 +190,7 @@ impl Shared {
         }
     }
 
-    /// The host given by the user, if it is a name.
+    /// Returns the host given by the user, if it is a name.
     fn name(&self) -> Option<&str> {
         Some(self.place.host()).filter(|host| host.parse::<IpAddr>().is_err())
     }

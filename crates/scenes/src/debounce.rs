@@ -60,7 +60,7 @@ impl Changes {
         self.last = Some(now);
     }
 
-    /// Time to read the files; `None` if nothing has changed.
+    /// Returns the time at which to read the files; `None` if nothing has changed.
     pub(super) fn due(&self, waits: &Waits) -> Option<Instant> {
         let latest = self.first? + waits.patience;
         if !self.writing.is_empty() {

@@ -82,7 +82,7 @@ impl Folder {
         if path.starts_with(&folder) { Ok(path) } else { Err(Refusal::LinkOut) }
     }
 
-    /// The folder's path for the system: an empty path means the current folder.
+    /// Returns the folder's path, or `.` for an empty path, which means the current folder.
     fn opened(&self) -> &Path {
         if self.0.as_os_str().is_empty() { Path::new(".") } else { &self.0 }
     }

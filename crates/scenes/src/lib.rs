@@ -98,7 +98,7 @@ impl SceneSource {
         Ok(Self::Formula(argument.to_owned()))
     }
 
-    /// The name in messages.
+    /// Returns the name in messages.
     pub fn name(&self) -> String {
         match self {
             Self::Shipped(name) => format!("{name}.{ENDING}"),
@@ -108,7 +108,7 @@ impl SceneSource {
         }
     }
 
-    /// The scene's main file, if it has one.
+    /// Returns the scene's main file, if it has one.
     pub fn file(&self) -> Option<&Path> {
         match self {
             Self::File(path) => Some(path),
@@ -131,7 +131,7 @@ impl SceneSource {
         files
     }
 
-    /// The title: a file's name without folder and extension.
+    /// Returns the title. The title of a file is the file's name without folder and extension.
     pub fn title(&self) -> String {
         match self {
             Self::Shipped(name) => name.clone(),
@@ -235,7 +235,7 @@ pub fn first_comment(text: &str) -> impl Iterator<Item = &str> {
     lines.take_while(Option::is_some).flatten().take_while(|line| !line.is_empty())
 }
 
-/// The names of the shipped scenes, sorted.
+/// Returns the names of the shipped scenes, sorted.
 pub fn shipped_names() -> Vec<String> {
     let mut names: Vec<String> = SHIPPED
         .files()

@@ -13,8 +13,8 @@ pub struct SceneList {
 }
 
 impl SceneList {
-    /// The cycle that contains `start`. The cycle begins with `start` if `start` is a formula, or with the scene
-    /// files of its folder if `start` is a file. The shipped scenes follow. Each group is sorted by name.
+    /// Returns the cycle that contains `start`. The cycle begins with `start` if this is a formula, or with the scene
+    /// files of the folder if `start` is a file. The shipped scenes follow. Each group is sorted by name.
     pub fn around(start: &SceneSource) -> Self {
         Self { start: start.clone() }
     }

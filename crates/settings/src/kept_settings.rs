@@ -31,7 +31,7 @@ impl KeptSettings {
         Self { settings, writer_thread: WriterThread::start("settings", work) }
     }
 
-    /// The current settings.
+    /// Returns the current settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

@@ -78,12 +78,12 @@ impl KnobMemory {
         (Self { writer_thread: path.map(keeper), file, waiting: 0 }, trouble)
     }
 
-    /// The current mappings.
+    /// Returns the current mappings.
     pub fn file(&self) -> &MappingFile {
         &self.file
     }
 
-    /// The current mappings. The pick-up state of the knobs may be changed.
+    /// Returns the current mappings. The pick-up state of the knobs may be changed.
     pub fn file_mut(&mut self) -> &mut MappingFile {
         &mut self.file
     }

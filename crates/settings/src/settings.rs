@@ -137,7 +137,7 @@ impl SettingsFile {
         (Self { path, settings }, error)
     }
 
-    /// The current settings.
+    /// Returns the current settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

@@ -93,7 +93,7 @@ impl Animation {
     }
 }
 
-/// Quality from 0 to 100.
+/// Returns the quality from 0 to 100.
 fn webp_quality(quality: EncodingQuality) -> &'static str {
     match quality {
         EncodingQuality::Low => "40",
@@ -138,7 +138,7 @@ pub(super) fn require_alpha(output: &Output) -> Result<(), ExportError> {
     }
 }
 
-/// Encoding with alpha: VP9 for browsers, ProRes for editing programs, and lossless FFV1 for the rest.
+/// Returns arguments for alpha: VP9 for browsers, ProRes for editing programs, and lossless FFV1 for other formats.
 fn encode_alpha(path: &Path, quality: EncodingQuality) -> Vec<&'static str> {
     // Padding is transparent too.
     let filter = ["-filter:v:0", TRANSPARENT_PICTURES];
@@ -206,7 +206,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     arguments
 }
 
-/// The constant rate factor. A higher factor gives fewer bytes. The factors of one row give about the same quality.
+/// Returns the constant rate factor. Higher factors give fewer bytes. A row's factors give about the same quality.
 fn rate_factor(codec: Option<Codec>, quality: EncodingQuality) -> &'static str {
     let of = |[h264, h265, vp9, av1]: [&'static str; 4]| match codec {
         None | Some(Codec::H264) => h264,

@@ -17,7 +17,7 @@ pub(super) struct Seam {
 }
 
 impl Seam {
-    /// The seam of a loop of `loop_frames` frames. The seam is shortened to half of the loop.
+    /// Creates the seam of a loop of `loop_frames` frames. The seam has at most half of the loop's frames.
     pub(super) fn new(loop_frames: u64, seam_frames: u64) -> Result<Self, ExportError> {
         let aside = tempfile::tempfile().map_err(no_room)?;
         Ok(Self { aside, loop_frames, seam_frames: seam_frames.min(loop_frames / 2), drawn: 0 })

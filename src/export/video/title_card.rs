@@ -11,7 +11,7 @@ const FADE: f64 = 0.6;
 pub(super) struct TitleCard(Caption);
 
 impl TitleCard {
-    /// The card of a song: title and artist, or the file's name if one of them is missing.
+    /// Returns the card of a song: title and artist, or the file's name if title or artist is missing.
     pub(super) fn of(song: &Song, size: (u32, u32)) -> Result<Self, ExportError> {
         let decoder = song.open()?;
         let info = decoder.info();

@@ -48,7 +48,7 @@ impl Seen {
         }
     }
 
-    /// The position at `now` without a jump, in seconds.
+    /// Returns the position at the time `now` if playback has not jumped, in seconds.
     fn position_at(&self, now: Instant) -> f64 {
         let (position, at) = self.position;
         let moving = !self.paused && !self.ended;

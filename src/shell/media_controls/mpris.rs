@@ -115,7 +115,7 @@ fn loop_status(repeat: Repeat) -> LoopStatus {
     }
 }
 
-/// The id of a track on the bus: a path of letters and digits.
+/// Returns the id of a track on the bus: a path of letters and digits.
 fn track_id(track: &TrackInfo) -> Option<TrackId> {
     let path = ObjectPath::try_from(format!("/org/mariana/track/{}", track.entry)).ok()?;
     Some(TrackId::from(path.into_owned()))

@@ -112,7 +112,7 @@ impl Wallpaper {
         around(&self.monitors()?)
     }
 
-    /// Size of the frame: the size of the largest monitor.
+    /// Returns the size of the frame, which is the size of the largest monitor.
     pub(crate) fn screen(&self) -> Option<(u32, u32)> {
         let pixels = |size: (u32, u32)| u64::from(size.0) * u64::from(size.1);
         match &self.ground {
@@ -162,7 +162,7 @@ pub(crate) fn filling(shape: (u32, u32), size: (u32, u32), area: Area) -> Panel 
 /// Another program's window: X11 id and size in pixels.
 type OtherWindow = (u32, (u32, u32));
 
-/// The window into which a screen saver's program must draw, if the environment variable for the window is set.
+/// Returns the window into which a screen saver must draw, if the environment variable for this window is set.
 pub(crate) fn of_screen_saver() -> Result<Option<OtherWindow>, String> {
     const NAME: &str = "XSCREENSAVER_WINDOW";
     let Ok(text) = std::env::var(NAME) else { return Ok(None) };

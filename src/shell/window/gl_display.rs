@@ -36,7 +36,7 @@ pub(super) fn open(
     Ok(Some((window.ok_or("the system opened no window")?, config)))
 }
 
-/// The config with the least multisampling, because the renderer antialiases by itself.
+/// Returns the config with the least multisampling, because the renderer antialiases by itself.
 fn best<'a>(configs: Box<dyn Iterator<Item = Config> + 'a>) -> Option<Config> {
     configs.min_by_key(GlConfig::num_samples)
 }

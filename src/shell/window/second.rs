@@ -42,7 +42,7 @@ pub(crate) struct SecondSurface {
 }
 
 pub(crate) trait DrawTarget {
-    /// The handle for the driver; `None` if the target is closed.
+    /// Returns the handle for the driver; `None` if the target is closed.
     fn handle(&self) -> Option<RawWindowHandle>;
 
     fn is_about_to_show(&self);

@@ -9,7 +9,7 @@ use winit::event_loop::OwnedDisplayHandle;
 
 use crate::session::SessionError;
 
-/// The connection behind `display`. The connection and everything created with it must be dropped first.
+/// Returns the connection behind `display`. The connection and everything created with it must be dropped first.
 pub(crate) fn wayland_connection(display: &OwnedDisplayHandle) -> Result<Connection, SessionError> {
     let handle = display.display_handle().map(|handle| handle.as_raw());
     let Ok(RawDisplayHandle::Wayland(handle)) = handle else { return Err(SessionError::NoLayerShell) };

@@ -75,7 +75,7 @@ impl MidiHub {
         Ok(Self(shared))
     }
 
-    /// The current state.
+    /// Returns the current state.
     pub fn state(&self) -> MidiState {
         lock(&self.0.state).clone()
     }

@@ -22,7 +22,7 @@ impl Learning {
         Self { target, moved: None }
     }
 
-    /// The target of the new mapping.
+    /// Returns the target of the new mapping.
     pub fn target(&self) -> &Target {
         &self.target
     }

@@ -46,7 +46,7 @@ impl Curve {
     /// All curves.
     pub const ALL: [Self; 4] = [Self::Linear, Self::Slow, Self::Fast, Self::Soft];
 
-    /// The name in files and panels.
+    /// Returns the curve's name in files and panels.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -162,7 +162,7 @@ impl Mappings {
         Self { holds: vec![PickUp::default(); list.len()], list }
     }
 
-    /// All mappings.
+    /// Returns all mappings.
     pub fn list(&self) -> &[Mapping] {
         &self.list
     }

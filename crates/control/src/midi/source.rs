@@ -132,7 +132,7 @@ pub struct KnobMove {
 }
 
 impl KnobMove {
-    /// A single movement to a value.
+    /// Returns a movement with a single value.
     pub fn to(device: Arc<str>, source: Source, value: f32, is_press: bool) -> Self {
         Self { device, source, value, way: [value; 2], presses: u32::from(is_press) }
     }

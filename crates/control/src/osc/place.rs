@@ -58,7 +58,7 @@ impl Place {
         Ok(Self { host: host.to_owned(), port })
     }
 
-    /// The host as written.
+    /// Returns the host as written.
     pub fn host(&self) -> &str {
         &self.host
     }

@@ -70,7 +70,7 @@ impl OscReceiver {
         Ok(receiver)
     }
 
-    /// The current state.
+    /// Returns the current state.
     pub fn state(&self) -> ReceiverState {
         lock(&self.state).clone()
     }

@@ -55,7 +55,7 @@ impl FileThread {
         Ok(Self { orders, file_events, own_scenes })
     }
 
-    /// The folder for the user's copies of scenes; `None` if the system has no data folder.
+    /// Returns the folder for the user's copies of scenes; `None` if the system has no data folder.
     pub fn own_scenes(&self) -> Option<&Path> {
         self.own_scenes.as_deref()
     }

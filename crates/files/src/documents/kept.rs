@@ -47,7 +47,7 @@ struct Head {
 }
 
 impl KeptTexts {
-    /// The user's backups.
+    /// Returns the user's backups.
     pub fn among(folders: &Folders) -> Self {
         Self { folder: folders.state.as_ref().map(|state| state.join("unsaved")) }
     }
@@ -108,7 +108,7 @@ fn name_of(file: &Path) -> &[u8] {
     AsRef::<OsStr>::as_ref(file).as_encoded_bytes()
 }
 
-/// Hash of a path for its backup's name (FNV-1a, 64 bits).
+/// Returns a hash of a path, from which the backup gets its name (FNV-1a, 64 bits).
 fn short_name(bytes: &[u8]) -> u64 {
     bytes
         .iter()
