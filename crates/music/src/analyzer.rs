@@ -141,7 +141,7 @@ impl Analyzer {
         let decimator = Decimator::new(hop);
         let slow_length = longest / decimator.step();
         let (lookahead, late) = match alignment {
-            // The middle of the decimated long window is at the moment.
+            // The moment is at the middle of the decimated long window.
             Alignment::Centred => {
                 ((slow_length / 2 - 1) * decimator.step() + decimator.delay() + 1, FLUX_LATE.0)
             }

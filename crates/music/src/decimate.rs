@@ -33,7 +33,7 @@ impl Decimator {
         self.step
     }
 
-    /// The delay of an output frame relative to its last input frame, in input frames.
+    /// The delay of an output frame after its last input frame, in input frames.
     pub(super) fn delay(&self) -> usize {
         self.taps.len() / 2
     }

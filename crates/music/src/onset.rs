@@ -27,7 +27,7 @@ const LAG: usize = 2;
 /// The exponent of the frequency in the groups' weights. Low groups weigh more: drums and basses carry the beat.
 const WEIGHT_POWER: f64 = -0.2;
 
-/// Time constant of a group's mean rise, in seconds.
+/// Time constant of the mean rise of a group, in seconds.
 const USUAL_SECONDS: f64 = 2.0;
 
 /// The minimum of a group's mean rise.

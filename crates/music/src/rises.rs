@@ -8,7 +8,7 @@ const HIGH_HZ: f64 = 4_000.0;
 /// Time constant of the decay of the loudest power, in seconds.
 const LOUDEST_SECONDS: f64 = 8.0;
 
-/// The distance of the two compared moments, in hops.
+/// The distance between the two compared moments, in hops.
 const LAG: usize = 2;
 
 #[derive(Clone, Copy, Debug, Default)]

@@ -49,7 +49,7 @@ pub struct Sound {
 }
 
 impl From<Features> for Sound {
-    /// Creates a sound without curves and without a known song.
+    /// Creates a sound without curves and without a song position.
     fn from(features: Features) -> Self {
         Self { features, ..Self::default() }
     }

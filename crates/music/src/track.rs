@@ -149,7 +149,7 @@ impl FeatureTrack {
     fn history(&self, moment: &TimedFeatures, amount: f32) -> (Arc<[f32]>, f32, f32) {
         let newest = moment.number / MOMENTS_PER_ROW + 2;
         let offset = 2.0 - ((moment.number % MOMENTS_PER_ROW) as f32 + amount) / MOMENTS_PER_ROW as f32;
-        // The first moment's time is 0, from which the hop cannot be computed.
+        // The hop cannot be computed from the first moment, whose time is 0.
         let hop = moment.time / moment.number as f64;
         let hop = if hop.is_finite() { hop.max(SHORTEST_HOP) } else { SHORTEST_HOP };
         let span = HISTORY_SECONDS / (hop * MOMENTS_PER_ROW as f64);

@@ -38,7 +38,7 @@ struct Seen {
     looks: u64,
     backward: Vec<f64>,
     steps: Vec<f64>,
-    /// The longest time in which the clock moved less than 1 ms.
+    /// The longest time during which the clock moved less than 1 ms.
     stillest: f64,
     moved: f64,
     passed: f64,

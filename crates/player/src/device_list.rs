@@ -53,7 +53,7 @@ pub struct DeviceList {
 }
 
 impl DeviceList {
-    /// The input with this id.
+    /// Returns the input with this id.
     pub fn input(&self, id: &str) -> Option<&ListedDevice> {
         self.inputs.iter().find(|entry| entry.id == id)
     }

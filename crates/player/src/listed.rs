@@ -33,7 +33,7 @@ pub struct ListedTrack {
 /// A change of a list. Indices refer to the list after all earlier edits. Indices beyond the list are ignored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Edit {
-    /// Moves the entry at `from` to index `to`.
+    /// Moves the entry at index `from` to index `to`.
     Move {
         /// The old index.
         from: usize,

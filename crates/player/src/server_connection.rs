@@ -38,7 +38,7 @@ pub(super) fn opened_by<T, E>(
 }
 
 impl ServerConnection {
-    /// Asks the server to close the connection, which wakes all its waiting threads. May block as long as the server.
+    /// Asks the server to close the connection. This wakes all threads that wait for it. May block like the server.
     pub(crate) fn end(self) {
         let mut asking = ASKING.lock().unwrap_or_else(PoisonError::into_inner);
         let is_there = own_connections(&mut asking)

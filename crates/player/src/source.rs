@@ -10,7 +10,7 @@ pub trait FrameSource: Send {
     /// Frames per second, constant over the source's life.
     fn sample_rate(&self) -> u32;
 
-    /// Length in seconds, if the container or a scan of the file gives one.
+    /// Length in seconds, if the container or a scan of the file reports a length.
     fn duration(&self) -> Option<f64>;
 
     /// Appends the next decoded frames (at most one packet) to `out` and returns their number, which is 0 at the end of

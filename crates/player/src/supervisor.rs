@@ -160,7 +160,7 @@ enum Current<P: Port> {
 struct Opening {
     thread: DeviceThread,
     since: Instant,
-    /// True if the opening took too long. It may still succeed later.
+    /// True if the opening is late. It may still succeed.
     overdue: bool,
 }
 
@@ -256,7 +256,7 @@ impl<P: Port> Watch<P> {
                 if self.device_list.is_none() {
                     self.device_list = DeviceWatch::shared().ok();
                 }
-                // The running opening is obsolete; if it hangs, its thread is abandoned.
+                // The running opening is obsolete. If the opening hangs, its thread is abandoned.
                 if let Some(opening) = self.opening.take() {
                     opening.thread.close();
                 }

@@ -33,7 +33,7 @@ pub struct TrackInfo {
     pub duration: Option<f64>,
     /// A factor for the samples before analysis, so that quiet and loud tracks drive a scene in the same way.
     pub scene_gain: f32,
-    /// Opens the track a second time from its start, to analyse it before it is heard.
+    /// Opens the track again from its start, so that it can be analysed before it is heard.
     pub reopen: Reopen,
 }
 
@@ -48,7 +48,7 @@ pub struct Content {
     pub cut: Option<Cut>,
 }
 
-/// A function that opens a track again, if it can be opened twice.
+/// A function that opens a track again, if the track can be opened twice.
 #[derive(Clone, Default)]
 pub struct Reopen {
     open: Option<Arc<Opening>>,
@@ -205,7 +205,7 @@ impl Repeat {
         Self::NAMES.into_iter().find(|(repeat, _)| *repeat == self).map_or("", |(_, name)| name)
     }
 
-    /// The mode with this name.
+    /// Returns the mode called `name`.
     pub fn named(name: &str) -> Option<Self> {
         Self::NAMES.into_iter().find(|(_, known)| *known == name).map(|(repeat, _)| repeat)
     }

@@ -14,7 +14,7 @@ impl Worker {
     pub(crate) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<Self> {
         let (at_end, done) = channel();
         let handle = Builder::new().name(name.into()).spawn(move || {
-            // `at_end` is dropped when the work returns or panics.
+            // This drops `at_end` when the work returns or panics.
             let _at_end = at_end;
             work();
         })?;

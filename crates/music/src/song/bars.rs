@@ -46,9 +46,9 @@ impl Meter {
 const BREAK_COST: f32 = 12.0;
 /// A meter of three needs beats three apart to be more similar than beats four apart, by this margin.
 const THREE_OVER_FOUR: f32 = 0.06;
-/// The number of hops before and after a beat in which the beat's onset is searched.
+/// The onset of a beat is searched within this many hops before and after the beat.
 const AROUND: usize = 3;
-/// The minimum onset strength at both thirds of a beat in a ternary meter, relative to the beat and to its half.
+/// Minimum onset strength at both thirds of a beat in a ternary meter, relative to the beat and to the beat's half.
 const TERNARY: (f32, f32) = (0.12, 1.5);
 
 struct Evidence {
@@ -158,7 +158,7 @@ fn meter(heard: &Heard, strengths: &[f32], beats: &[f64], evidence: &Evidence) -
     }
 }
 
-/// True if beats have three parts, with onsets at both the second and the third. Swing has onsets only at the third.
+/// True if the second and third parts of ternary beats both have onsets. Swing has onsets only at the third part.
 fn has_thirds(heard: &Heard, strengths: &[f32], beats: &[f64]) -> bool {
     let mean_at = |fraction: f64| {
         let at = |pair: &[f64]| {

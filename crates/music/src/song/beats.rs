@@ -222,7 +222,7 @@ fn is_steady(beats: &[usize], moments: &[Moment]) -> bool {
         && agreement(beats, moments) >= AGREE_MIN
 }
 
-/// Returns the agreement that [`AGREE_MIN`] describes; 0 without onsets.
+/// Returns the agreement of the onsets' positions, as [`AGREE_MIN`] describes it; 0 without onsets.
 fn agreement(beats: &[usize], moments: &[Moment]) -> f64 {
     let places: Vec<f64> = beats
         .windows(2)

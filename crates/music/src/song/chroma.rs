@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn pitch_classes_follow_the_tuning() {
         let mut fine = [0.0; FINE_BINS];
-        // This is A, a third of a semitone sharp.
+        // The fine bin of an A that is a third of a semitone sharp.
         fine[28] = 1.0;
         let at = |semitones| Tuning { semitones }.pitch_classes(&fine)[9];
         assert_eq!((at(0.0), at(1.0 / 3.0), at(-0.4)), (1.0, 1.0, 0.0));

@@ -27,7 +27,7 @@ const LOUD_BARS: usize = 4;
 const LOUD: (f32, f32) = (0.7, 1.0);
 /// The minimum difference between a drop's level and the level of the previous bars, in decibels.
 const JUMP_MIN: f32 = 3.0;
-/// The number of bars before a drop that are compared with it.
+/// A drop is compared with this many bars before it.
 const JUMP_BARS: usize = 8;
 /// The minimum onset density of a drop ([`Unit::onsets`]).
 const ONSETS_MIN: f32 = 0.033;
@@ -37,7 +37,7 @@ const LOUDER_THAN_EVE: f32 = 4.0;
 const LOW_OVER_EVE: f32 = 8.0;
 /// A drop's low band is the mean of this many bars.
 const LOW_BARS: usize = 2;
-/// The number of bars that are compared with the last bar before a drop.
+/// The last bar before a drop is compared with this many earlier bars.
 const BARS_BEFORE: usize = 4;
 /// The minimum lead of a drop's low band over earlier bars, or of earlier eves over the drop's eve, in decibels.
 const LOW_AWAY: f32 = 4.0;

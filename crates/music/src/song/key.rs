@@ -78,7 +78,7 @@ pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     }
     let mut sum = [0.0_f32; 12];
     for unit in units {
-        // A loud beat counts more, but at most four times as much as a quiet one.
+        // A loud beat counts up to four times as much as a quiet beat.
         let weight = (unit.level / 60.0).max(0.25);
         sum.iter_mut().zip(unit.chroma).for_each(|(sum, fraction)| *sum += weight * fraction);
     }

@@ -92,7 +92,7 @@ impl SongListener {
         let long_rate = rate / decimator.step() as f64;
         let gain = |index: usize, decimator: &Decimator| {
             let hz = index as f64 * long_rate / long_length as f64;
-            // Do not amplify frequencies that the filter hardly passes.
+            // Limit the gain for frequencies that the filter hardly passes.
             decimator.power_gain(hz, rate).max(1e-2)
         };
         let hop_seconds = hop as f64 / rate;

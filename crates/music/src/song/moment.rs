@@ -136,7 +136,7 @@ impl At<'_> {
             Some(next) if time >= beat.time => next.time - beat.time,
             _ => 60.0 / f64::from(beat.tempo),
         };
-        // Treat beats that are extremely close as one second apart, so that the result stays finite.
+        // If two beats are extremely close, treat them as one second apart, so that the result stays finite.
         let passed = (time - beat.time) / if period > 1e-3 { period } else { 1.0 };
         // Outside the beats of the song, bars continue at the last or first tempo.
         let counted = f64::from(beat.of_bar) - 1.0 + if passed.is_finite() { passed } else { 0.0 };

@@ -14,7 +14,7 @@ const LOOP_COST: f32 = 0.12;
 /// The periods of a repeating harmony, in bars.
 const LOOPS: [usize; 4] = [1, 2, 4, 8];
 const LONGEST: usize = 96;
-/// The cost of a section by its length in bars modulo four.
+/// The cost of a section, indexed by its length in bars modulo four.
 const ODD_COST: [f32; 4] = [0.0, 1.2, 0.5, 1.2];
 /// The cost of each bar by which a section is shorter than four bars.
 const SHORT_COST: f32 = 1.0;

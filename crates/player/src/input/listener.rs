@@ -11,7 +11,7 @@ use super::input_callback::InputCallbackLink;
 use crate::gain_switch::GainSwitch;
 use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 
-/// The longest sleep if no callback wakes the thread.
+/// Maximum sleep of the thread if no callback wakes it.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// If no frames arrive for this long, in seconds, silence replaces them.

@@ -85,7 +85,7 @@ fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>
             best = Some(index);
         }
     }
-    // The receiver may have been dropped.
+    // The send fails if the receiver was dropped.
     let _ = found.send(best.and_then(|index| candidates.into_iter().nth(index)));
     for worker in &mut workers {
         while !worker.has_ended() {
@@ -116,6 +116,6 @@ fn probe(id: &str, index: usize, answer: &Sender<(usize, bool)>) {
             false
         }
     };
-    // A late answer is ignored.
+    // If the search has ended, the answer is ignored.
     let _ = answer.send((index, heard));
 }

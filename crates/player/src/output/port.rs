@@ -157,7 +157,7 @@ impl Port for OutputPort {
     }
 }
 
-/// May block as long as the sound system does. Requests a buffer size, because PulseAudio's default is two seconds.
+/// May block as long as the sound system does. Requests a buffer size, because PulseAudio's default is 2 s.
 fn open(
     target: &Target,
     controls: &Arc<Controls>,

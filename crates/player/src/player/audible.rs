@@ -18,7 +18,7 @@ pub struct Moment {
     pub song_time: f64,
     /// The features of the sound.
     pub features: Features,
-    /// The position in the structure of the whole song. The player leaves the default value, and callers replace it.
+    /// The position in the song's structure. The player sets the default value, which callers replace.
     pub song: SongMoment,
     /// The track's id ([`TrackInfo::id`]); 0 for an input.
     pub track: u64,
@@ -34,7 +34,7 @@ pub(super) struct AudibleMoment {
     /// This clock is separate from the position's clock, because the image may be shifted.
     clock: Clock,
     moment: Moment,
-    /// The audible frame of the last moment, and the look-ahead of the image, in seconds.
+    /// The audible frame of the last moment, and the number of seconds by which the image looks ahead.
     heard: Option<(Audible, f64)>,
     /// The latency shift of the last call, in seconds.
     shift: f64,

@@ -38,7 +38,7 @@ const CHUNK: usize = 4096;
 
 const WAIT: Duration = Duration::from_millis(20);
 
-/// If a wait of [`WAIT`] took longer than this, the process was suspended.
+/// If a wait for [`WAIT`] takes longer than this, the process was suspended.
 const WAIT_MAX: Duration = Duration::from_millis(500);
 
 /// If the position is later than this, in seconds, a step back returns to the start of the same track.

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use crate::clock::{Audible, SpanHistory};
 
-/// Gaps shorter than this, in seconds, are not reported.
+/// The shortest gap that is reported, in seconds.
 const REPORTED_FROM: f64 = 0.05;
 
 /// Missed parts of the song. The [`Display`](fmt::Display) text describes the last missed part.

@@ -19,7 +19,7 @@ const LOUDNESS_POWER: f32 = 0.6;
 
 const SHAPES_KEPT: usize = 16;
 
-/// The loudness of a track's parts, as far as they are measured.
+/// The loudness of the parts of a track that are measured already.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LoudnessShape {
     /// A number that grows while more of the track is measured.
@@ -67,7 +67,7 @@ impl SharedShapes {
 }
 
 impl Shapes {
-    /// Returns the shape of `track` as far as it is measured. An incomplete shape is completed in the background.
+    /// Returns the measured part of the shape of `track`. The rest is measured in the background.
     pub(super) fn of(&self, track: &Arc<TrackInfo>) -> Option<Arc<LoudnessShape>> {
         let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
         let known = self.shared.of(track.id);

@@ -38,7 +38,7 @@ fn tracks_follow_each_other_to_the_frame_and_are_reported() {
             heard.reported_index
         );
     }
-    // No frame is added or lost: each sample is the previous one plus 1, or the list restarts.
+    // No frame is added or lost: each sample is the previous sample plus 1, or the list restarts.
     for pair in heard.windows(2) {
         let (Some(before), Some(after)) = (pair[0].index, pair[1].index) else { continue };
         assert!(after == before + 1.0, "{before} is followed by {after}");
@@ -69,7 +69,7 @@ fn tracks_of_other_rates_are_resampled_into_the_same_stream() {
         heard.extend(stepped.play(480));
     }
     let count = |entry: usize| heard.iter().filter(|heard| heard.entry == entry).count() as f64;
-    // The first callbacks were heard earlier; the last one ends in silence.
+    // The first callbacks were heard before this loop; the last callback ends in silence.
     for (entry, frames) in [(1, 24_000.0), (2, 48_000.0)] {
         assert!((count(entry) - frames).abs() <= 480.0, "track {entry} has {} frames", count(entry));
     }

@@ -48,7 +48,7 @@ pub enum PlaylistError {
     Address {
         /// The address.
         address: String,
-        /// The name of the list that contains it.
+        /// The name of the list that contains the address.
         list: String,
     },
     /// A list contains itself, directly or through other lists.

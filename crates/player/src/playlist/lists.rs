@@ -114,7 +114,7 @@ fn pls(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
         return None;
     }
     let mut numbered: Vec<(u64, Item)> = lines.iter().filter_map(|line| pls_file(base, line)).collect();
-    // The sort is stable, so entries without a usable number keep their order. They are at the end.
+    // The sort is stable, so entries without a usable number stay in order, at the end.
     numbered.sort_by_key(|(number, _)| *number);
     Some(numbered.into_iter().map(|(_, item)| item).collect())
 }

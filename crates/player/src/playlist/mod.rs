@@ -67,7 +67,7 @@ pub struct Opened {
     pub list: Playlist,
     /// The first playable track, or silence if no track is playable.
     pub first: Track,
-    /// The first error messages and the last one.
+    /// The first error messages and the last error message.
     pub track_errors: Vec<String>,
     /// True if a track can be played.
     pub playable: bool,
@@ -111,7 +111,7 @@ impl Playlist {
         Ok(list.opened(first, track_errors, repeat, shuffled))
     }
 
-    /// The list of one song.
+    /// Creates a list of one song.
     pub fn of_song(song: Song, repeat: Repeat) -> Opened {
         let mut list = Self::new(vec![song.into()]);
         list.arrange(repeat, false, None);

@@ -1,4 +1,4 @@
-//! The tracks that have begun in the segment: the one being decoded, and earlier ones that may still be audible.
+//! The tracks that have begun in the segment: the current track, and earlier tracks that may still be audible.
 
 use std::collections::VecDeque;
 
