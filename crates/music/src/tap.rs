@@ -11,7 +11,7 @@ const TAPS_MAX: usize = 8;
 /// A tap that deviates by more than this fraction of a beat starts a new tempo, together with the tap before it.
 const OFF: f64 = 0.35;
 
-/// The shortest beat, in seconds. Closer taps count as one.
+/// The shortest beat, in seconds. Two taps that are closer than this count as one tap.
 const PERIOD_MIN: f64 = 0.15;
 
 /// Tempo and phase from taps. Times are song times in seconds.

@@ -23,7 +23,7 @@ const ROWS_BESIDES: usize = 4;
 const HISTORY_ROWS: usize =
     (HISTORY_SECONDS / (MOMENTS_PER_ROW as f64 * SHORTEST_HOP)) as usize + 1 + ROWS_BESIDES;
 
-/// A row of the history: the number of its moment divided by [`MOMENTS_PER_ROW`], and its heights.
+/// A row of the history: the moment's number divided by [`MOMENTS_PER_ROW`], and the heights.
 type Row = (u64, [f32; HISTORY_POINTS]);
 
 /// A bounded record of features in order of time. Features are interpolated linearly between moments, so that they are

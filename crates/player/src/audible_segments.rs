@@ -11,7 +11,7 @@ use mariana_music::{FeatureTrack, Features, Sound, TimedFeatures};
 
 const SEGMENTS_KEPT: usize = 8;
 
-/// Maximum number of passages kept per segment. It limits memory if the passages are short.
+/// Maximum number of passages kept per segment, so that many short passages do not fill the memory.
 const PASSAGES_KEPT: usize = 8;
 
 /// Seconds of features that a passage keeps beyond the largest delay of the image, for the ring and a reserve.

@@ -115,7 +115,7 @@ pub struct SpanHistory {
 }
 
 impl SpanHistory {
-    /// Creates an empty history for a device with `rate` frames per second, and its only writer.
+    /// Creates an empty history for a device with `rate` frames per second, and the history's only writer.
     pub fn new(rate: u32) -> (SpanWriter, Arc<Self>) {
         let slots = (0..SPANS_KEPT).map(|_| Slot::default()).collect();
         let history = Arc::new(Self {
@@ -270,7 +270,7 @@ struct Found {
 /// The writing end of a [`SpanHistory`]. It is wait-free and never allocates.
 pub struct SpanWriter {
     history: Arc<SpanHistory>,
-    /// The time at which the next buffer should be audible if the device keeps its pace.
+    /// The time at which the next buffer is audible if the device keeps its pace.
     next_start_ns: Option<f64>,
 }
 

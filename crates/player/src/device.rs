@@ -211,13 +211,13 @@ pub(crate) fn converts(device: &cpal::Device) -> bool {
     device.id().is_ok_and(|id| is_server(id.host()))
 }
 
-/// Returns the rate to request from a device: its own rate or, if a server converts, the nearest within the limits.
+/// Returns the rate to request from a device: `rate`, or the nearest rate within the limits if a server converts.
 pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
     let (min, max) = (MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max);
     if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }
 }
 
-/// Scales `frames` for rates other than 44.1 and 48 kHz by the nearest power of two, within the device's range.
+/// Scales `frames` by the power of two nearest to `rate` / `BUFFER_RATE`, clamped to the buffer sizes in `supported`.
 pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSize) -> u32 {
     let scale = (f64::from(rate.max(1)) / f64::from(BUFFER_RATE)).log2().round().clamp(-3.0, 4.0);
     let frames = (f64::from(frames) * scale.exp2()) as u32;

@@ -90,7 +90,7 @@ impl DeviceList {
 #[derive(Default)]
 struct Shared {
     device_list: Mutex<Arc<DeviceList>>,
-    /// A number that grows with each change of the device list. It is 0 before the first poll.
+    /// A number that grows with each change of the device list; 0 before the first poll.
     generation: AtomicU64,
     looks: AtomicU64,
     stop: AtomicBool,
@@ -133,7 +133,7 @@ impl DeviceWatch {
         self.shared.looks.load(Ordering::Acquire)
     }
 
-    /// Returns the list at the last poll, and its generation. A different generation means that the list has changed.
+    /// Returns the latest list and its generation. If the generation differs from before, the list has changed.
     pub fn latest(&self) -> (u64, Arc<DeviceList>) {
         let generation = self.shared.generation.load(Ordering::Acquire);
         (generation, self.shared.device_list.lock().unwrap_or_else(PoisonError::into_inner).clone())

@@ -25,7 +25,7 @@ pub struct DeviceReport {
 pub struct HostReport {
     /// The sound system's name.
     pub name: String,
-    /// The reason why the devices are unknown; `None` if they are known.
+    /// The reason why the devices are unknown; `None` if the devices are known.
     pub problem: Option<String>,
     /// The devices for playback.
     pub outputs: Vec<DeviceEntry>,

@@ -9,7 +9,7 @@ use cpal::traits::{DeviceTrait, HostTrait};
 
 use super::server_connection::{self, ServerConnection};
 
-/// The suffix that an output's id gets in its monitor's id (PulseAudio, PipeWire).
+/// A monitor's id is the output's id with this suffix (PulseAudio, PipeWire).
 const MONITOR_SUFFIX: &str = ".monitor";
 
 static SERVER: Mutex<Option<Arc<cpal::Host>>> = Mutex::new(None);
@@ -70,7 +70,7 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     Ok(host)
 }
 
-/// A connection that is used by no other stream while this value exists.
+/// A connection for one stream. Other streams cannot use it while this value exists.
 pub(crate) struct PlaybackConnection(Option<Connected>);
 
 impl PlaybackConnection {

@@ -57,7 +57,7 @@ pub struct Edited {
     pub resume: bool,
 }
 
-/// A list for the list thread and its readers.
+/// A list that the list thread writes and other threads read.
 #[derive(Debug, Clone, Default)]
 pub struct SharedListing(Arc<Mutex<Listing>>);
 
@@ -68,7 +68,7 @@ struct Listing {
 }
 
 impl SharedListing {
-    /// Publishes a new list: the ids of its entries and their data.
+    /// Publishes a new list: the id and the data of each entry.
     pub fn tell(&self, entries: impl Iterator<Item = (u64, ListedTrack)>) {
         // Build the map before taking the lock, because the list may have many entries.
         let mut places = HashMap::new();

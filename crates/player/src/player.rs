@@ -125,14 +125,14 @@ pub struct PlayerStatus {
     pub missed_audio: MissedAudio,
 }
 
-/// A player of tracks. Dropping it ends the sound and the threads, within a time limit.
+/// A player of tracks. Dropping the player ends the sound and the threads, within a time limit.
 pub struct Player {
     // This is the first field, so that the threads end before the data that they use is dropped.
     threads: Threads,
     controls: Arc<Controls>,
     counters: Arc<Counters>,
     gain: GainSwitch,
-    /// The track that was audible last, with its current index in the list.
+    /// The track that was audible last, with the track's current index in the list.
     track: Arc<TrackInfo>,
     listing: SharedListing,
     shapes: Shapes,
@@ -231,7 +231,7 @@ impl Player {
         self.threads.send(Command::SeekTo(seconds));
     }
 
-    /// Skips to the next or the previous track. After 3 s of a track, a skip back returns to its start.
+    /// Skips to the next or the previous track. After 3 s of a track, a skip back restarts the track.
     pub fn skip(&self, forward: bool) {
         self.threads.send(Command::Skip { forward });
     }
@@ -339,7 +339,7 @@ impl Player {
         }
     }
 
-    /// The audible position, for other threads.
+    /// Returns the audible position, for other threads.
     pub fn position(&self) -> Position {
         self.position.clone()
     }
@@ -351,7 +351,7 @@ impl Player {
         self.audible.now(latency_shift)
     }
 
-    /// The sound, with its tables, of the moment that [`Player::now`] returned last.
+    /// Returns the sound and the tables of the moment that [`Player::now`] returned last.
     pub fn sound(&self) -> Sound {
         self.audible.sound()
     }

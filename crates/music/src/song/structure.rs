@@ -69,7 +69,7 @@ pub struct PitchFractions {
     pub fractions: [f32; 12],
 }
 
-/// The structure of a song. Times are seconds from its start; all numbers are finite.
+/// The structure of a song. Times are seconds from the song's start; all numbers are finite.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct SongStructure {
     /// The length of the analysed part, in seconds.
@@ -87,7 +87,7 @@ pub struct SongStructure {
     pub meter: Option<Meter>,
     /// The beats; empty without a steady beat.
     pub beats: Vec<SongBeat>,
-    /// The sections. They cover the song unless it is silent. If the song has bars, sections begin with bars.
+    /// The sections. They cover the song unless the song is silent. If the song has bars, sections begin with bars.
     pub sections: Vec<Section>,
     /// The interval of `energy` and `peaks`, in seconds.
     pub energy_step: f64,

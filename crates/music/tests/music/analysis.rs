@@ -279,7 +279,7 @@ fn a_click_peaks_at_its_time() {
 
 #[test]
 fn the_window_is_centred_to_the_frame() {
-    // With a click exactly on a moment, the moments before and after it weight the click symmetrically.
+    // A click exactly on a moment has the same weight in the moments before and after the click.
     let click = 20;
     let mut frames = vec![[0.0; 2]; 40 * 512];
     frames[click * 512] = [1.0; 2];
@@ -398,7 +398,7 @@ fn features_are_one_function_of_time_at_every_frame_rate() {
             }
         }
     }
-    // Features are continuous: over a twentieth of a hop no bar moves by more than a twentieth of its range.
+    // Features are continuous: in a twentieth of a hop, a bar moves by at most a twentieth of its range.
     let mut last = track.at(0.0);
     for step in 1..5000 {
         let now = track.at(f64::from(step) * 0.0005);

@@ -15,7 +15,7 @@ pub(crate) enum Drum {
     Ride,
 }
 
-/// A stroke of a pattern: its position in beats, its drum and its loudness.
+/// A stroke of a pattern: position in beats, drum and loudness.
 pub(crate) type Stroke = (f64, Drum, f64);
 
 #[derive(Clone, Debug)]

@@ -228,7 +228,7 @@ pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
     vec![intro.clone(), build, drop.clone(), rest, drop.clone(), drop, intro]
 }
 
-/// Ballads with one property that music with drops also has.
+/// Ballads that have one property of music with drops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Swell {
     None,

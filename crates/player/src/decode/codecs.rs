@@ -70,7 +70,7 @@ fn codec_name(codec: AudioCodecId) -> &'static str {
     }
 }
 
-/// Packets begin at multiples of this number of frames (for coarse time stamps). Opus frames last 2.5 ms or more.
+/// Returns the codec's grid: packets begin at multiples of this many frames. Opus frames last 2.5 ms or more.
 pub(super) fn grid(codec: AudioCodecId) -> Option<u32> {
     match codec {
         id::CODEC_ID_AAC => Some(1024),
@@ -80,7 +80,7 @@ pub(super) fn grid(codec: AudioCodecId) -> Option<u32> {
     }
 }
 
-/// True for the layers of MPEG audio, whose packets begin with a header that may change mid-stream.
+/// True for MPEG audio, whose packets begin with a header that may change in the middle of a stream.
 pub(super) fn is_mpeg_audio(codec: AudioCodecId) -> bool {
     matches!(codec, id::CODEC_ID_MP1 | id::CODEC_ID_MP2 | id::CODEC_ID_MP3)
 }

@@ -102,7 +102,7 @@ impl Decoder {
         }
     }
 
-    /// The number of damaged packets that were skipped so far. With ffmpeg it is always 0.
+    /// The number of damaged packets that were skipped so far. With ffmpeg the number is always 0.
     pub fn skipped_packets(&self) -> u64 {
         match &self.0 {
             By::Native(decoder) => decoder.skipped_packets(),

@@ -50,7 +50,7 @@ pub(super) struct NativeDecoder {
 
 /// The decoder's position in raw frames, since the start or the last jump.
 struct RawPlace {
-    /// The next raw frame. It is unknown until the first packet is decoded.
+    /// The next raw frame, which is unknown until the first packet is decoded.
     next: i64,
     settled: bool,
     at_start: bool,

@@ -224,7 +224,7 @@ impl PacketReader {
         self.stream.clock.frames(ticks, rate).map_or(0, |frames| frames.round() as usize)
     }
 
-    /// The number of raw frames at the start that must be cut off. It is known after the first packet.
+    /// Returns the number of raw frames to cut off at the start. The number is known after the first packet.
     pub(super) fn delay(&self, rate: u32) -> u64 {
         let edit = self.edits.iter().find(|edit| edit.track_id == self.stream.track.id && edit.timescale > 0);
         if codecs::is_opus(self.stream.params.codec)
@@ -246,7 +246,7 @@ impl PacketReader {
         }
     }
 
-    /// Returns the number of audible frames if the container states it, and the exact or estimated length in seconds.
+    /// Returns the number of audible frames, if the container states it, and the length in seconds, maybe estimated.
     pub(super) fn length(&mut self, rate: u32) -> (Option<u64>, Option<f64>) {
         let format = self.format.format_info().format;
         let delay = self.delay(rate) as i64;

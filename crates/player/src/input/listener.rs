@@ -69,7 +69,7 @@ pub(super) struct Listener {
     analyzer: Analyzer,
     gain: GainSwitch,
     stream: u64,
-    /// The number of hops before the stream began. It is added to the numbers of the stream's moments.
+    /// The number of hops before the stream began. This number is added to the numbers of the stream's moments.
     first_number: u64,
     last_number: u64,
     /// The time of the last frames or of the last inserted silence, in seconds since the epoch.
@@ -150,7 +150,7 @@ impl Listener {
             }
             (self.last, self.rest) = (now, REST);
         } else if now - self.last > GAP && self.rest > 0.0 {
-            // Without frames, the features fade to silence as they do after a song.
+            // Without frames, the features fade to silence, as after a song.
             let missing = now - self.last;
             self.batch.resize((missing * f64::from(self.analyzer.sample_rate())) as usize, [0.0; 2]);
             self.rest -= missing;

@@ -57,7 +57,7 @@ pub struct LiveStatus {
     pub silent: Option<String>,
     /// The reason why the chosen input could not be opened, while the previous input continues.
     pub refused: Option<String>,
-    /// The problem and its remedy, if the input has no signal.
+    /// If the input has no signal: the problem and a remedy.
     pub flat: Option<String>,
     /// An input with a signal, if `flat` is set and such an input was found.
     pub suggestion: Option<ListedDevice>,
@@ -71,7 +71,7 @@ pub struct LiveStatus {
     pub openings: u64,
 }
 
-/// A live input. Dropping it ends the streams and the threads, within a time limit.
+/// A live input. Dropping the input ends the streams and the threads, within a time limit.
 pub struct Live {
     target: Target,
     ear: Arc<Ear>,
@@ -89,7 +89,7 @@ pub struct Live {
     /// The total time of earlier pauses, in seconds.
     paused_for: f64,
     heard_at: f64,
-    /// The sound at the start of the pause. It is kept here because the track drops it.
+    /// The sound at the start of the pause. It is kept here because the track drops old sound.
     paused_at: Sound,
     moment: Moment,
 }
@@ -148,7 +148,7 @@ impl Live {
         &self.target
     }
 
-    /// Freezes the image (true) or lets it continue (false).
+    /// Freezes the image (true) or lets the image continue (false).
     pub fn set_paused(&mut self, paused: bool) {
         let now = self.ear.now();
         match (self.paused, paused) {
@@ -186,7 +186,7 @@ impl Live {
         self.moment
     }
 
-    /// The sound, with its tables, of the moment that [`Live::now`] returned last.
+    /// Returns the sound and the tables of the moment that [`Live::now`] returned last.
     pub fn sound(&self) -> Sound {
         match self.paused {
             Some(_) => self.paused_at.clone(),
@@ -194,7 +194,7 @@ impl Live {
         }
     }
 
-    /// The current state. Searches for an input with a signal if the current one has none.
+    /// Returns the current state. If the input has no signal, searches for an input with a signal.
     pub fn status(&mut self) -> LiveStatus {
         let status = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
         let (_, device_list) = self.watch.latest();

@@ -93,7 +93,7 @@ pub(super) fn open(
         (error, ErrorKind::UnsupportedConfig)
     })?;
     let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());
-    // A server mixes down channels whose positions it knows. Devices with more than 8 channels usually have none.
+    // A server mixes down channels with known positions. Devices with more than 8 channels usually have no positions.
     let mixed = converted && supported.channels() <= MIXED_CHANNELS_MAX;
     let channels = if mixed { 2 } else { supported.channels() };
     let format = if converted { SampleFormat::F32 } else { supported.sample_format() };

@@ -41,7 +41,7 @@ impl Prober {
         (self.found, self.next, self.pause) = (None, None, PAUSE);
     }
 
-    /// Returns the input with a signal that was found, without waiting. Starts a search of `candidates` if one is due.
+    /// Returns the input with a signal that a search has found. Starts a search of `candidates` if a search is due.
     pub(super) fn look(&mut self, candidates: impl FnOnce() -> Vec<ListedDevice>) -> Option<&ListedDevice> {
         if let Some((worker, answer)) = &self.search {
             if let Ok(found) = answer.try_recv() {

@@ -32,7 +32,7 @@ const LATE_MAX: f64 = 3.0;
 
 const LATENCY_MAX: Duration = Duration::from_secs(5);
 
-/// Maximum sample value. It is just below 1 because the device's integer formats end there.
+/// Maximum sample value. It is just below 1 because integer formats end just below 1.
 const SAMPLE_MAX: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// The settings that the window writes and the callback reads.
@@ -141,7 +141,7 @@ pub struct Segment {
     id: u64,
     ring: Consumer<StereoFrame>,
     next: u64,
-    /// The final number of frames. It is `u64::MAX` until the number is final.
+    /// The final number of frames; `u64::MAX` while more frames may follow.
     end: Arc<AtomicU64>,
     /// The time at which the segment's first frame is due; `None` if the segment has begun or may begin at any time.
     due: Option<Instant>,
@@ -184,7 +184,7 @@ impl Segment {
 pub struct OutputCallbackLink {
     /// The device's frames per second.
     pub rate: u32,
-    /// The maximum number of frames per call, as far as the device reports it.
+    /// The maximum number of frames per call, if the device reports it.
     pub buffer_frames: usize,
     /// The history of audible frames.
     pub history: Arc<SpanHistory>,
@@ -206,7 +206,7 @@ impl OutputCallbackLink {
 }
 
 impl Drop for OutputCallbackLink {
-    /// Silences the callback, even if its device resumes later.
+    /// Silences the callback, even if the device resumes later.
     fn drop(&mut self) {
         self.retired.store(true, Ordering::Relaxed);
     }

@@ -59,7 +59,7 @@ pub struct OutputStatus {
     pub openings: u64,
 }
 
-/// Opens and monitors the output. Dropping it closes the output.
+/// Opens and monitors the output. Dropping the supervisor closes the output.
 pub struct Supervisor(Watching<OutputPort>);
 
 impl Supervisor {

@@ -11,7 +11,7 @@ use crate::track::scale;
 use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 
 pub(crate) enum AnalysisInput {
-    /// Begins a passage. `position` is the index of the next frame in its track; samples are multiplied by `gain`.
+    /// Begins a passage. `position` is the next frame's index in the track; samples are multiplied by `gain`.
     Begin {
         passage: u64,
         sample_rate: u32,

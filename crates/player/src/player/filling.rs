@@ -16,7 +16,7 @@ pub(super) struct Filling {
     pub(super) target: f64,
     pub(super) ring: Producer<StereoFrame>,
     pub(super) end: Arc<AtomicU64>,
-    /// The callback's half of the segment, until it is handed over.
+    /// The callback's half of the segment, until this half is handed over.
     pub(super) waiting: Option<Segment>,
     conversion: Conversion,
     /// The number of source frames before the target. Only the analysis uses these frames.

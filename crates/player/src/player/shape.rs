@@ -108,7 +108,7 @@ fn run(inbox: &Receiver<Arc<TrackInfo>>, shared: &SharedShapes) {
         match track.reopen.open().transpose() {
             Ok(Some(mut source)) => next = measure(&track, &mut *source, inbox, shared),
             Ok(None) => {}
-            // The player reports errors of the track; here they are only logged.
+            // Errors of the track are only logged here, because the player also reports them.
             Err(error) => tracing::debug!("no shape: {error}"),
         }
         if next.is_none() {
@@ -140,7 +140,7 @@ fn measure(
         block.clear();
         match source.next_block(&mut block) {
             Ok(1..) => block.iter().for_each(|frame| sums.push(*frame)),
-            // If a track breaks off, its remaining parts count as silent, as in playback.
+            // If a track breaks off, the remaining parts count as silent, as in playback.
             Ok(0) | Err(_) => break,
         }
         if sums.squares.len() == sums.parts {

@@ -157,7 +157,7 @@ impl Stepped {
         let audible_segments = SharedAudibleSegments::default();
         let track_errors = SharedTrackErrors::default();
         let (to_analysis, inbox) = sync_channel(1);
-        // No analysis runs in these tests, so its input is discarded.
+        // No analysis runs in these tests, so the analysis input is discarded.
         std::thread::spawn(move || inbox.into_iter().for_each(|_: AnalysisInput| {}));
         let (commands, inbox) = channel();
         let (to_list, requests) = channel();

@@ -52,7 +52,7 @@ impl Answer {
         sounds.find(|stream| stream.is_known()).or(first)
     }
 
-    /// The length of the stream in seconds, if it is reported.
+    /// The length of the stream in seconds, if ffprobe reports a length.
     pub(super) fn duration(&self, stream: &Stream) -> Option<f64> {
         let reported = [&stream.duration, &self.format.duration].into_iter().flatten();
         let mut reported = reported.filter_map(|seconds| seconds.parse::<f64>().ok());
@@ -99,7 +99,7 @@ impl Stream {
         self.codec_long_name.as_deref().or(self.codec_name.as_deref()).unwrap_or("an unknown codec")
     }
 
-    /// Frames per second; 0 if they are not reported.
+    /// Frames per second; 0 if ffprobe does not report them.
     pub(super) fn rate(&self) -> u32 {
         self.sample_rate.as_deref().and_then(|rate| rate.parse().ok()).unwrap_or(0)
     }

@@ -14,7 +14,7 @@ pub(super) struct Passages {
     current: Playing,
     /// Earlier tracks of the segment whose ends may still be audible, the oldest first.
     before: VecDeque<Playing>,
-    /// The newest passage. Its number is never reused, so late features cannot be attributed to the wrong passage.
+    /// The newest passage. Numbers are never reused, so that late features are not assigned to a wrong passage.
     last: u64,
 }
 

@@ -147,7 +147,7 @@ impl CurrentSegment {
         self.filling = Some(filling);
     }
 
-    /// Fills the ring, and hands the segment over once it holds enough. Returns true if more frames are needed.
+    /// Fills the ring, and hands the segment over once the ring holds enough. Returns true if more frames are needed.
     pub(super) fn push(&mut self) -> bool {
         let Some((link, filling)) = self.link.as_mut().zip(self.filling.as_mut()) else { return false };
         filling.push_ready();

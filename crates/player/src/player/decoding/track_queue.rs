@@ -22,7 +22,7 @@ enum Next {
 
 pub(super) enum Following {
     Unknown,
-    /// The same track again. It is at its start already.
+    /// The same track again, which is at its start already.
     Again,
     Track(Track),
     End,
@@ -84,7 +84,7 @@ impl TrackQueue {
         (self.skipping, self.steps) = (self.request(Wanted::Files(files)), 0);
     }
 
-    /// Requests the track at this index of the list. Pending skips are dropped because they are older.
+    /// Requests the track at this index of the list. Older skips that are still pending are dropped.
     pub(super) fn ask_for_entry(&mut self, entry: usize) {
         (self.skipping, self.steps) = (self.request(Wanted::Entry(entry)), 0);
     }
@@ -119,7 +119,7 @@ impl TrackQueue {
 
     pub(super) fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
         let current = self.passages.track().info.id;
-        // If the list thread has ended, no track follows this one.
+        // If the list thread has ended, no further track follows.
         let _ = self.list.send(Request::Order { repeat, shuffled, current });
         self.ask(false);
     }
