@@ -97,7 +97,7 @@ impl Number {
         ((turned / grain).round() * grain).clamp(-LARGEST, LARGEST)
     }
 
-    /// Formats a value for the text, with no fewer decimals than the original.
+    /// Formats `value` for the text, with at least as many decimals as the number has now.
     pub fn written(&self, value: f64, speed: TurnSpeed) -> String {
         if self.whole {
             return format!("{value:.0}");

@@ -18,7 +18,7 @@ pub enum Fault {
     DearPixels,
     /// The driver rejects an interpreter.
     NoInterpreter,
-    /// The driver crashes the process while it compiles an interpreter.
+    /// The driver crashes the process while compiling an interpreter.
     DeadlyInterpreter,
     /// The driver takes seconds to compile a program, and is reported as slow after a fraction of a second.
     SlowCompiler,

@@ -1,7 +1,7 @@
 //! Placement of a finished image on a screen: cropped, mirrored and mapped to four corners.
 //!
 //! Only the final copy into a window applies the placement. The image and exports do not change. The visible part fills
-//! the four corners without enlarging pixels: a cropped image is rendered larger ([`Placement::picture_size`]).
+//! the four corners without enlarging pixels: a cropped image has more pixels ([`Placement::picture_size`]).
 
 use serde::{Deserialize, Serialize};
 
@@ -171,8 +171,8 @@ pub type Area = [f64; 4];
 /// The whole window.
 pub const WHOLE: Area = [0.0, 0.0, 1.0, 1.0];
 
-/// The largest centred area of a window with the aspect ratio of `shape`. An area that is less than a pixel smaller
-/// than the window becomes the whole window.
+/// Returns the largest area with the aspect ratio of `shape`, centred in a window. If less than a pixel of the window
+/// would remain, returns the whole window.
 pub fn fitted(shape: (u32, u32), window: (u32, u32)) -> Area {
     let [width, height] = [shape.0, shape.1].map(|side| f64::from(side.max(1)));
     let [across, down] = [window.0, window.1].map(|side| f64::from(side.max(1)));

@@ -304,7 +304,7 @@ impl Limiter {
 #[derive(Debug, Clone, Copy)]
 struct Own {
     ceiling: f32,
-    /// Largest luminance while a rise is delayed. Only adjacent cells get it, because a delay lasts one or two frames.
+    /// Largest luminance while a rise is delayed. It applies only to adjacent cells, because a delay takes few frames.
     highest: f32,
     grey: f32,
 }
@@ -341,7 +341,7 @@ fn marked(marks: &[bool], cell: usize) -> bool {
     marks.get(cell).copied().unwrap_or(false)
 }
 
-/// The cell at an offset from `place`. If it is outside the image, the last cell in that direction.
+/// Returns the cell at an offset from `place`, or the last cell in that direction inside the image.
 fn neighbour(place: usize, (right, down): (isize, isize)) -> usize {
     let column = (place % COLUMNS).saturating_add_signed(right).min(COLUMNS - 1);
     let row = (place / COLUMNS).saturating_add_signed(down).min(ROWS - 1);

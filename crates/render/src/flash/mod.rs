@@ -9,9 +9,9 @@
 //! cell counts its own changes. The area of flashes is the number of cells in a field that have too many changes
 //! within the same second.
 //!
-//! **Flashes are limited in the finished frame**, whatever the scene does. The GPU does it (`gpu::flash_pass`) without
-//! reading back, so that the frame that begins the flash is itself dimmed. [`Limiter`] does the same on the CPU, and
-//! tests compare both. The limiter only darkens and never mixes in older frames, so a limited frame is not smeared.
+//! **Flashes are limited in the finished frame**, whatever the scene does. The GPU limits them (`gpu::flash_pass`)
+//! without reading back, so that even the frame that begins the flash is dimmed. [`Limiter`] does the same on the CPU,
+//! and tests compare both. The limiter only darkens and never mixes in older frames, so a limited frame is not smeared.
 
 mod analyser;
 mod fields;

@@ -45,9 +45,9 @@ pub struct WorkerContext {
 impl WorkerContext {
     /// Creates a context for the driver `info`, on `display` or on a separate display. The context shares no objects.
     ///
-    /// **llvmpipe gets a separate display.** Before llvmpipe hands out the memory of a texture or buffer, it checks the
-    /// unfinished draws of all contexts of the display (`llvmpipe_flush_resource`). Mesa 22.3 reads these lists while
-    /// other threads change them, so drawing in one context could crash another context.
+    /// **llvmpipe gets a separate display.** Before llvmpipe hands out the memory of a texture or buffer, it reads
+    /// lists of unfinished draws, of all contexts of the display (`llvmpipe_flush_resource`). Other threads may change
+    /// these lists meanwhile (Mesa 22.3), so drawing in one context could crash another context.
     ///
     /// # Errors
     /// Fails with EGL's error.

@@ -13,7 +13,7 @@ use super::target::{Target, Texel};
 /// Maximum number of levels. The sides of the eighth level are a 256th of the image's sides.
 const LEVELS_MAX: u32 = 8;
 const SMALLEST: u32 = 6;
-/// The weight of each level relative to the next larger level.
+/// Weight of each level, relative to the level that has twice its width and height.
 const FADING: f32 = 0.85;
 
 pub(super) struct Bloom {

@@ -15,8 +15,8 @@ pub enum CellUse {
     Never,
 }
 
-/// Compiled distances with fewer clauses are faster without cells, and need no tree. Frames with and without cells
-/// cost the same at 1,900 clauses on the software renderer, and at about 600 on AMD (by instruction counts).
+/// Compiled distances with fewer clauses than this are faster without cells, and need no tree. Cells neither help nor
+/// hurt at 1,900 clauses on the software renderer, and at about 600 on AMD (by instruction counts).
 const CELLS_PAY_FROM: usize = 1_000;
 
 impl CellUse {

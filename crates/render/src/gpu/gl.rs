@@ -100,7 +100,7 @@ impl Gl {
         Ok(Self { functions: Arc::new(functions), context: Rc::new(context) })
     }
 
-    /// The functions, for another library that draws in this context. They must stay on this thread, like `self`.
+    /// Returns the functions, for another library in this context. Like `self`, they must stay on this thread.
     pub fn shared(&self) -> Arc<glow::Context> {
         self.functions.clone()
     }

@@ -55,7 +55,7 @@ pub enum Work {
 pub enum GivenUp {
     /// The driver rejected the program.
     Refused,
-    /// A process crashed while the driver compiled the program. The next run tries it once more.
+    /// A process crashed while the driver compiled the program. The next run tries the program once more.
     DiedOnce,
     /// Two processes crashed while the driver compiled the program.
     DiedTwice,

@@ -385,7 +385,7 @@ impl Renderer {
         self.presenter.flashes.pass.iter_mut().for_each(FlashPass::forget);
     }
 
-    /// The GPU time of an image that was drawn in one call, once it is known. Always `None` on a software renderer.
+    /// Returns the GPU time of an image drawn in one call, once the time is known; never on a software renderer.
     pub fn gpu_time(&mut self) -> Option<Duration> {
         self.painter.clock.take()
     }

@@ -35,7 +35,7 @@ pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
 /// The define of scenes whose value is not a distance.
 const NON_LIPSCHITZ_DEFINE: &str = "NON_LIPSCHITZ 1";
 
-/// Scenes with more clauses are interpreted unless the user requests compiling, because compiling would take minutes.
+/// Scenes with more clauses than this are compiled only on request, because compiling would take minutes.
 pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
 
 /// A variant of the interpreter.

@@ -150,7 +150,7 @@ impl RegionMaker {
     }
 }
 
-/// The tree of a scene with fewer clauses is built on one thread, because starting more threads would take longer.
+/// A scene with fewer clauses than this has its tree built on one thread: starting threads would take longer.
 const SMALL_TAPE: usize = 64;
 /// If the previous tree took longer than this time, several threads build even a small scene's tree.
 const QUICK_TREE: Duration = Duration::from_millis(3);

@@ -47,8 +47,8 @@ impl ShaderLibrary {
     }
 
     /// Assembles the text of `name`: `preamble`, the variant's macros, and the file with all includes. Generated files
-    /// take precedence. Comments mark where files begin and continue. [`name_places`] uses these marks instead of
-    /// `#line`, because Mesa forgets the file of a `#line` at the next `#ifdef`.
+    /// take precedence. Comments mark where files begin and continue, for [`name_places`]. A `#line` would not suffice,
+    /// because Mesa forgets the file of a `#line` at the next `#ifdef`.
     ///
     /// # Errors
     /// Fails if a file is missing or unreadable, an include line has no bare name, or the text is too deep or too long.

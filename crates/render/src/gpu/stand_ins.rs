@@ -1,9 +1,9 @@
 //! Placeholder textures and buffers for warming up a program.
 //!
-//! A context that compiles in parallel with the window shares no objects with it ([`super::program::ReadyProgram`]). It
-//! uses small placeholders, which have all properties of the scene's objects that drivers compile into a program. For
-//! example, Mesa's software renderers compile separate variants for sides that are powers of two, and for textures
-//! with a single level.
+//! A context that compiles in parallel does not share the window's objects ([`super::program::ReadyProgram`]). It uses
+//! small placeholders, which have all properties of the scene's objects that drivers compile into a program. For
+//! example, Mesa's software renderers compile separate variants for sides that are powers of two, and for textures with
+//! a single level.
 
 use std::collections::HashMap;
 

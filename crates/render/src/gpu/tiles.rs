@@ -29,7 +29,7 @@ const PROBES: u32 = 6;
 const GRAIN: u32 = 8;
 /// Software renderers draw squares of this size, so part heights that are multiples of this number are the best.
 const ROW: u32 = 64;
-/// Images with fewer pixels are not probed. Their parts start small instead.
+/// Images with fewer pixels than this are not probed. Instead, their first parts are small.
 const PROBED_MIN: u64 = 4 * (PROBES * GRAIN) as u64 * (PROBES * GRAIN) as u64;
 /// Number of probes after which the time of a frame can be predicted.
 const TELLING: u32 = 9;

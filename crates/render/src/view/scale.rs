@@ -101,7 +101,7 @@ pub fn dispatch_glsl() -> String {
     text
 }
 
-/// The smallest number not less than `value` in the series 1, 2, 5, 10, 20 ..., which also contains 0.5, 0.2, 0.1 ...
+/// Rounds `value` up to a number of the series 1, 2, 5, 10, 20 ..., which also contains 0.5, 0.2, 0.1 ...
 pub fn nice(value: f32) -> f32 {
     let value = if value.is_finite() { value.clamp(1e-6, 1e9) } else { 1.0 };
     let decade = 10_f64.powi(f64::from(value).log10().floor() as i32);
@@ -109,7 +109,7 @@ pub fn nice(value: f32) -> f32 {
     steps.into_iter().find(|step| *step >= value * 0.9999).unwrap_or(value)
 }
 
-/// The next larger or smaller number of the series of [`nice`].
+/// Returns the number after `value` in the series of [`nice`] if `larger`, otherwise the number before `value`.
 pub fn beside(value: f32, larger: bool) -> f32 {
     if larger {
         return nice(value * 1.01);

@@ -1,4 +1,4 @@
-//! Previews of the library's shapes for the completion list. A thread renders a preview when it is first needed.
+//! Previews of the library's shapes for the completion list. A thread renders each preview when it is first needed.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

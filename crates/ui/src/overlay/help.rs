@@ -35,7 +35,7 @@ pub(super) fn draw(painter: &Painter, space: Rect) -> Rect {
     let shrink_of = |table: &Table| (room / table.size()).min_elem().min(1.0);
     let tables = (1..=COLUMNS_MAX).map(|columns| Table::new(painter, style::TEXT_SIZE, columns));
     let Some(mut table) = tables.max_by(|a, b| {
-        // Prefer fewer columns.
+        // If two layouts allow the same text size, prefer fewer columns.
         shrink_of(a).total_cmp(&shrink_of(b)).then(b.columns.cmp(&a.columns))
     }) else {
         return Rect::NOTHING;

@@ -121,7 +121,7 @@ impl Overlay {
         }
     }
 
-    /// Handles input. Returns true if only the overlay may use the input. Keys go to [`Overlay::take_key`] instead.
+    /// Handles input other than keys (see [`Overlay::take_key`]). Returns true if only the overlay may use the input.
     pub fn on_input(&mut self, input: &Input) -> bool {
         let consumed = self.pointer.on_event(input);
         self.input.add(input, self.panels.context().pixels_per_point());
