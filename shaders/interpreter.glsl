@@ -1,8 +1,8 @@
 // The interpreter of tapes in texture buffers. `crates/field/src/tape/` describes clauses, registers and operators;
 // `interpreter.rs` there describes texels and the variant's defines, and writes operators.glsl.
 //
-// At the start the registers hold x, y, z and the normal. A region's tape has the distance beyond which a surface
-// casts no shadow instead of the normal's x.
+// At the start the registers hold x, y, z and the normal. For a region's tape, the register of the normal's x holds the
+// penumbra: the distance beyond which a surface casts no shadow.
 //
 // There are two loops over clauses. The loop with EVERY_CASE is for renderers that never skip a branch. It runs both
 // clauses of a texel in one round. Rare operators are always second in a texel and run between runs of texels, because

@@ -112,7 +112,7 @@ vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, f
 // Minimum of alpha. A sharper highlight would be smaller than a pixel.
 const float ALPHA_MIN = 0.02;
 
-// Reflectance towards the eye, without mirror images. Fresnel's reflection reduces the diffuse part.
+// Returns the reflectance towards the eye, without mirror images. Fresnel's reflection reduces the diffuse part.
 vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     float seen = max(dot(normal, -direction), 1e-3);
     float facing = max(dot(normal, incoming.mirrored), 1e-3);

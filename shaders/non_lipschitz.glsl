@@ -1,6 +1,6 @@
-// Traces rays through formulas that are not distances (NON_LIPSCHITZ) instead of sphere_tracing.glsl's `trace`. Each
-// cell (regions.glsl) has bounds of the gradient (region/gradient.rs): a step cannot pass a surface if its length is
-// the value divided by the rate at which the value can fall along the ray. Steps end at the cell's face.
+// Replaces `trace` of sphere_tracing.glsl for formulas that are not distances (variant NON_LIPSCHITZ). Each cell
+// (regions.glsl) has bounds of the gradient (region/gradient.rs): a step cannot pass a surface if its length is the
+// value divided by the rate at which the value can fall along the ray. Steps end at the cell's face.
 
 struct Slopes {
     vec3 low;

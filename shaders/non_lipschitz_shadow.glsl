@@ -6,7 +6,7 @@ const int SHADOW_STEPS_MAX = 512;
 // Growth of the shortest step with each step, so that rays that graze a surface end.
 const float SHADOW_STEP_GROWTH = 0.002;
 
-// Visible fraction of a light from p: 0 or 1.
+// Returns the fraction of a light that is visible from p: 0 or 1.
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
     vec3 origin = shadow_origin(p, normal, cone);
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;

@@ -79,7 +79,7 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     return light;
 }
 
-// A number for the surfaces of a path. A difference between neighbours is an edge of the geometry.
+// Identifies the surfaces of a path. If it differs between neighbours, an edge of the geometry is between them.
 float surface_key = 0.0;
 // A prime. Keys are integers below 2048, which 16-bit floats hold exactly.
 const float KEYS = 1021.0;
@@ -103,7 +103,7 @@ const int SURFACES_MAX = 1;
 // A path ends if less than this fraction of its light would reach the eye; the lowest quality uses the second value.
 const float FRACTION_MIN = 0.004;
 const float FRACTION_MIN_LEAST = 0.06;
-// In a blend, a mirror with less reflectance than this at normal incidence reflects less at all angles.
+// In a blend, mirrors with a lower reflectance at normal incidence also reflect less at grazing angles.
 const float FAINT = 0.02;
 
 #ifdef BLUR

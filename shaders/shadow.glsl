@@ -32,8 +32,8 @@ const float SHADOW_STEP_GROWTH = 0.0;
 // distance.
 const float SHADOW_STEP_MAX = 0.6;
 
-// Visible fraction of a light from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest pass
-// between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
+// Returns the fraction of a light that is visible from p: Quilez, "soft shadows in raymarched SDFs" (2010), with the
+// closest pass between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
     vec3 origin = shadow_origin(p, normal, cone);
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;

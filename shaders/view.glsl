@@ -70,7 +70,7 @@ float tape_length(int first) {
     return 2.0 * float(texels) + 1.0;
 }
 
-// Covered fraction of a pixel by a line at the nearest face, for cells `side` root cells wide.
+// Returns the fraction of a pixel that a line at the nearest face covers. Cells are `side` root cells wide.
 float face_cover(vec3 q, float side, float half_width) {
     vec3 pixel = 2.0 * camera_position.w * noted_t * region_scale.xyz;
     vec3 away = abs(q - side * floor(q / side + 0.5));

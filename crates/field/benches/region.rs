@@ -32,7 +32,7 @@ const SCENES: [(&str, &str); 8] = [
 /// The sequence repeats after this many frames.
 const FRAMES: usize = 64;
 
-/// Columns and rows of the history of the spectrum.
+/// Columns and rows of the spectrum's history.
 const HEARD: (usize, usize) = (64, 600);
 
 /// Returns the spectra of the frames up to `frame`, the newest first.

@@ -22,7 +22,7 @@
 //! let bounds = field.bounds([5.0, 5.0, 5.0], [6.0, 6.0, 6.0], &silence);
 //! assert!(bounds.lo > 4.0 && bounds.hi < 10.0);
 //!
-//! // The clauses that compute the field, and the same as GLSL.
+//! // The clauses that compute the field, and the equivalent GLSL.
 //! assert!(field.tape().clauses().len() < 40);
 //! println!("{}", field.tape());
 //! assert!(field.glsl()?.contains("float"));

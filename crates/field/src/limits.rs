@@ -9,7 +9,7 @@ pub struct Limits {
     pub graph_nodes_max: usize,
     /// Maximum number of clauses in a tape (each takes four bytes, or 40 while the tape is built).
     pub tape_clauses_max: usize,
-    /// Maximum number of outputs of a tape. Each keeps its slot until the end of the tape.
+    /// Maximum number of outputs of a tape. Each output keeps its slot until the end of the tape.
     pub tape_outputs_max: usize,
     /// Maximum number of memory slots to which the values of one tape are spilled.
     pub tape_memory_max: usize,

@@ -18,7 +18,7 @@ pub enum Choice {
 }
 
 impl Op {
-    /// True if [`Op::choice`] can return anything but [`Choice::Both`].
+    /// True if [`Op::choice`] can return [`Choice::Left`] or [`Choice::Right`].
     pub const fn chooses(self) -> bool {
         self.properties().has(Properties::CHOOSES)
     }

@@ -92,7 +92,7 @@ compounds! {
     AddMin = 101 "ADD_MIN" [two(Op::Add, A, C), two(Op::Min, Earlier(0), B)];
     /// max(a + c, b).
     AddMax = 102 "ADD_MAX" [two(Op::Add, A, C), two(Op::Max, Earlier(0), B)];
-    /// max(|a| - c, b): one side of a box.
+    /// max(|a| - c, b): one axis of the distance to a box.
     AbsSubMax = 103 "ABS_SUB_MAX" [two(Op::AbsSub, A, C), two(Op::Max, Earlier(0), B)];
     /// a^2 + b^2.
     Squares = 104 "SQUARES" [one(Op::Square, B), two(Op::SquareAdd, A, Earlier(0))];
@@ -100,9 +100,9 @@ compounds! {
     ShiftedSquareAdd = 105 "SHIFTED_SQUARE_ADD" [two(Op::Add, A, C), two(Op::SquareAdd, Earlier(0), B)];
     /// The length of (a, b).
     Hypotenuse = 106 "HYPOTENUSE" [one(Op::Square, B), two(Op::Length, A, Earlier(0))];
-    /// The square root of a^2 + b, minus c: the end of a ball.
+    /// The square root of a^2 + b, minus c: the last step of the distance to a ball.
     LengthSub = 107 "LENGTH_SUB" [two(Op::SquareAdd, A, B), two(Op::SqrtSub, Earlier(0), C)];
-    /// The length of (a, b), minus c: a cylinder, and the end of a ring.
+    /// The length of (a, b), minus c: the distance to a cylinder, or the last step of the distance to a ring.
     HypotenuseSub = 108 "HYPOTENUSE_SUB" [
         one(Op::Square, B), two(Op::SquareAdd, A, Earlier(0)), two(Op::SqrtSub, Earlier(1), C)
     ];

@@ -66,7 +66,7 @@ pub trait Kernel {
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
 }
 
-/// A [`Kernel`] for interval rules instead of values.
+/// Like [`Kernel`], but for interval rules.
 pub trait BoundsKernel {
     /// Runs with `rule`, the operator's interval rule for a, b and the frame. One-operand operators ignore b.
     fn run(&mut self, rule: impl Fn(Interval, Interval, &FrameInputs) -> Interval + Copy);

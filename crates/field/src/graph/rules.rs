@@ -335,7 +335,7 @@ pub(super) fn pow(a: Interval, b: Interval) -> Interval {
     hull.unwrap_or(Interval::ANY)
 }
 
-/// a is proportional to the sine and b to the cosine. The jump is at a = 0, b < 0, where the value is π.
+/// Bounds the angle whose sine is proportional to a and whose cosine to b. It jumps at a = 0, b < 0, where it is π.
 pub(super) fn atan2(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() {
         return Interval::ANY;

@@ -38,7 +38,7 @@ pub enum Holds {
     Text,
     /// A range of two numbers, such as `0.2 .. 0.6`.
     Range,
-    /// The name of a [`Way`](super::Way) from scene to scene.
+    /// The name of a transition between scenes, a [`Way`](super::Way).
     Way,
     /// The distance to a shape, a number at each point.
     Shape,

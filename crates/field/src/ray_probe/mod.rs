@@ -116,7 +116,7 @@ impl<'a> RayProbe<'a> {
         traced
     }
 
-    /// Returns the normal at a hit, of length 1.
+    /// Returns the normal at `hit`, of length 1.
     pub fn normal(&self, ray: &Ray, hit: &Hit) -> [f32; 3] {
         if let Some([a, b, c, _]) = hit.plane.and_then(|plane| self.planes.get(plane)) {
             return unit([*a, *b, *c]);

@@ -83,7 +83,7 @@ pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
 /// bounds for quotients and roots even if the value is as gentle as a distance.
 const USELESS: f32 = 32.0;
 
-/// Bounds for the steps of rays. The steepest sampled slope replaces useless bounds.
+/// Returns bounds for the steps of rays. Useless bounds are replaced by the steepest sampled slope.
 fn useful(gradient: [Interval; 3], steepest: f32) -> [Interval; 3] {
     gradient.map(|side| {
         let widest = side.lo.abs().max(side.hi.abs());

@@ -76,7 +76,7 @@ use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 pub const ROOT_SIDE: usize = crate::rays::ROOT_SIDE as usize;
 /// Cells of a brick along each axis.
 pub const BRICK_SIDE: usize = 4;
-/// Number of texels of the whole tapes that do not hold clauses.
+/// Number of texels that the whole tapes need in addition to their clauses.
 const WHOLE_BESIDE: usize = 8;
 /// The bound of a divided cell.
 pub const DIVIDED: u32 = u32::MAX;

@@ -14,7 +14,7 @@ use super::tree::{AROUND, Block, RegionStats, Trunk, bound_cells, cells_of, plac
 use super::{DIVIDED, OBJECT_UNKNOWN};
 use crate::graph::Interval;
 
-/// Cells whose program is at most this long are not divided.
+/// Cells whose program has at most this many clauses are not divided.
 const UNDIVIDED_MAX: usize = 16;
 /// Cells are divided if their side exceeds this fraction of their distance from the eye. With 0.2, building
 /// the tree takes a third less time in lattice and a quarter less in tunnel, but rays run 9 % more clauses in lattice

@@ -124,7 +124,7 @@ impl Program {
         Arg::Value((self.inputs + self.steps.len() - 1) as u32)
     }
 
-    /// Returns a hash of the program. Two programs collide with a probability of one in 2^64.
+    /// Returns a hash of the program. Different programs have equal hashes with a probability of one in 2^64.
     pub(super) fn hash(&self) -> u64 {
         const FACTORS: [u64; 3] = [0x9E37_79B9_7F4A_7C15, 0xBF58_476D_1CE4_E5B9, 0x94D0_49BB_1331_11EB];
         // Mix words outside of the chain, so that the chain has one product per step.

@@ -37,7 +37,7 @@ pub(super) struct ChoiceTrace {
 #[derive(Debug, Default)]
 pub(super) struct Scratch(Vec<Arg>);
 
-/// Cells where all values of an argument are above these ends.
+/// Returns the cells where all values of an argument are above the cell's number in `ends`.
 #[inline(always)]
 fn above(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
     match arg {
@@ -60,7 +60,7 @@ fn below(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
     }
 }
 
-/// Cells where no value of `a` is above any value of `b`.
+/// Returns the cells where no value of `a` is above any value of `b`.
 #[inline(always)]
 fn not_above(rows: &[Lanes], a: Arg, b: Arg) -> u64 {
     match (a, b) {
@@ -196,7 +196,7 @@ impl ChoiceTrace {
     }
 }
 
-/// Cells where the value `at` of a step equals operand a, and cells where it equals operand b.
+/// Returns the cells where the value `at` equals the step's operand a, and those where it equals operand b.
 // Inlined into the variants of `decide` for wider vectors.
 #[inline(always)]
 fn chosen(step: &Step, structure: &Structure, rows: &[Lanes], at: usize) -> (u64, u64) {

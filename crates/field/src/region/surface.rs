@@ -31,7 +31,7 @@ const NORMAL_MAX: f32 = 1.001;
 const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
 /// Number of texels that a full grid has in addition to those of a grid with a single cell.
 const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
-/// Programs up to this length are not shortened.
+/// Programs with at most this many nodes or steps are not shortened.
 const WHOLE_MAX: usize = 24;
 /// Maximum number of nodes in all programs that are shortened in a frame: about 20 to 40 ms. Further programs stay
 /// whole.

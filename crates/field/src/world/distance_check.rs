@@ -29,7 +29,7 @@ const SCALE_STEP: f32 = 1.1;
 const SCALES: i32 = 18;
 /// The largest power with which a scale grows from the middle of the bounds.
 const POWER_MAX: i32 = 4;
-/// Fractions of the largest reach to try. An infinite reach leaves the value unchanged.
+/// Reaches to try, as fractions of the largest reach. An infinite reach leaves the value unchanged.
 const REACHES: [f32; 5] = [f32::INFINITY, 1.0, 0.5, 0.25, 0.125];
 /// A stronger normalization is used only if it reduces the flat part of the surfaces by this factor.
 const WORTH: f32 = 1.2;
@@ -125,9 +125,9 @@ impl Default for Slopes {
 }
 
 /// Normalizes the value of the tape's first output; `None` if the value is a distance. A distance has a slope of at
-/// most 1 in nearly all samples, and not much less than 1 at surfaces. `frames` are the frames to sample, each with the
-/// boxes in which its points start alternately. A normalized value grows without limit, or up to about `reach` or a
-/// fraction of `reach`.
+/// most 1 in nearly all samples, and not much less than 1 at surfaces. `frames` are the frames to sample, each with
+/// some boxes; sampled points start in these boxes alternately. A normalized value grows without limit, or up to about
+/// `reach` or a fraction of `reach`.
 pub(super) fn tamed(
     tape: &Tape,
     frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,

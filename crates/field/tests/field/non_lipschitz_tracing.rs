@@ -162,7 +162,7 @@ fn trace(
     traced
 }
 
-/// Finds, by small steps, the start of the first stretch of at least `thick` on which the value is below 0.
+/// Finds, by small steps, the first point from which the value stays below 0 over a length of `thick`.
 fn march(
     batch: &mut Batch<'_>,
     origin: [f32; 3],

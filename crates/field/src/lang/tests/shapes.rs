@@ -2,7 +2,7 @@ use super::super::library::{self, Accuracy, TEXTS};
 use super::super::{Fault, compile, entries, no_includes};
 use super::{distance, scene, value};
 
-/// A point with the distance there.
+/// A point, and the distance at that point.
 pub(crate) type Sample = ([f32; 3], f32);
 
 pub(crate) const SHAPES: &[(&str, &[Sample])] = &[

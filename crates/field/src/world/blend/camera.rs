@@ -1,7 +1,7 @@
 //! The camera of a blend, between the cameras of two scenes.
 //!
 //! The target moves in a straight line. The line of sight turns around the target by yaw and pitch, in the shorter
-//! direction, while its length is mixed. Between two cameras that look at an object from opposite sides, the camera
+//! direction, and its length is mixed. Between two cameras that look at an object from opposite sides, the camera
 //! therefore moves around the object and does not pass through its own target.
 
 use crate::graph::{Graph, NodeId, Op};
