@@ -2,7 +2,7 @@
 
 use super::StereoFrame;
 
-/// The number of frames per hop at the lower rate. A shorter hop is not decimated.
+/// The number of frames per hop at the lower rate. A hop with fewer frames is not decimated.
 const KEPT_PER_HOP: usize = 64;
 
 const ORDER: usize = 4;

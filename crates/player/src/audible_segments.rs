@@ -52,7 +52,7 @@ struct SegmentNotes {
 pub struct SongPlace {
     /// Seconds since the track's start.
     pub song_time: f64,
-    /// The number of earlier track starts within the segment.
+    /// A number that grows each time a track starts again or another track starts in the segment.
     pub lap: u32,
     /// The passage that contains the position.
     pub passage: u64,
@@ -74,7 +74,7 @@ pub struct AudibleSegments {
 pub struct SharedAudibleSegments(Arc<Mutex<AudibleSegments>>);
 
 impl SharedAudibleSegments {
-    /// Locks the segments, for a short time only. A thread that panicked with the lock does not prevent later locks.
+    /// Locks the segments, even if a thread panicked while it held the lock. Hold the lock only briefly.
     pub fn lock(&self) -> MutexGuard<'_, AudibleSegments> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -45,7 +45,7 @@ const LOW_AWAY: f32 = 4.0;
 const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
 /// The minimum level differences between a pause and the bars after it, and between a pause and earlier eves, in dB.
 const PAUSE: (f32, f32) = (8.0, 4.0);
-/// The minimum distance between two drops, in bars. Of closer drops only the strongest is kept.
+/// The minimum distance between two drops, in bars. If drops are closer, only the strongest drop is kept.
 const APART: usize = 8;
 
 /// Measures the eve of the bar after each bar. `bar_times` are the borders of the bars.

@@ -19,7 +19,7 @@ pub struct SongMoment {
     pub bar: f32,
     /// The number of the beat in its bar, from 1; 0 without a steady beat.
     pub beat_in_bar: f32,
-    /// The section's letter: 1 for A up to 26 for Z and later letters; 0 without sections.
+    /// The section's letter: 1 for A, 26 for Z and for all later letters; 0 without sections.
     pub section: f32,
     /// Position in the section, 0..1.
     pub section_phase: f32,

@@ -16,7 +16,7 @@ const LOOPS: [usize; 4] = [1, 2, 4, 8];
 const LONGEST: usize = 96;
 /// The cost of a section, indexed by its length in bars modulo four.
 const ODD_COST: [f32; 4] = [0.0, 1.2, 0.5, 1.2];
-/// The cost of each bar by which a section is shorter than four bars.
+/// If a section is shorter than four bars, the cost of each missing bar.
 const SHORT_COST: f32 = 1.0;
 
 /// The minimum timbre deviation for scaling: the root of the sum of squares over all bands, in decibels.

@@ -24,7 +24,7 @@ pub struct Moment {
     pub track: u64,
     /// A number that grows with each seek and device change. The song time continues through a device change.
     pub segment: u64,
-    /// The number of earlier track starts within the segment.
+    /// A number that grows each time a track starts again or another track starts in the segment.
     pub lap: u32,
 }
 
