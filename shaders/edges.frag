@@ -1,5 +1,5 @@
-// Keeps only pixels that differ visibly from their neighbours. These pixels get more samples, selected by the stencil
-// or by the written mark.
+// Keeps only pixels that differ visibly from their neighbours. The stencil or the written mark selects these pixels for
+// more samples.
 
 #include "picture_block.glsl"
 #include "encode.glsl"

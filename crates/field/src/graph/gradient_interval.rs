@@ -111,7 +111,7 @@ impl GradientInterval {
         Self { value, ..chosen }
     }
 
-    /// Returns the axis and the coordinate of the plane on which a one-operand operator jumps, if it is the only one.
+    /// Returns the axis and the coordinate of the plane where a one-operand operator jumps, if the box has just one.
     pub fn jump(op: Op, a: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let offset = match op {
             Op::Floor | Op::Ceil | Op::Trunc | Op::Fract => 0.0,

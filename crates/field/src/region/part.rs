@@ -287,7 +287,8 @@ impl<'a> Part<'a> {
     }
 
     /// Returns the packed gradients for a group of the level's cells; 0 for cells without a surface, or if rays do not
-    /// need gradients. In bricks, eight cells share a gradient, because it costs as much as thousands of clauses.
+    /// need gradients. In bricks, eight cells share a gradient, because a gradient costs as much as thousands of
+    /// clauses.
     fn slopes(&mut self, level: &Level, depth: usize, cells: u64) -> [[u32; 2]; CELLS] {
         let mut words = [[0; 2]; CELLS];
         let Some(gradients) = &mut self.gradients else { return words };

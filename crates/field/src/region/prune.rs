@@ -308,7 +308,7 @@ fn decide(
             decisions.settled.push(index as u32);
             values[at] = Decided { number, left, right, ..values[at] };
         }
-        // If one argument is a number, the step stores its value operand twice.
+        // If one argument is a number, the step stores the other argument twice.
         let (by_a, by_b) = match step.form {
             Form::Values => (live & !right, live & !left),
             Form::NumberRight => (live & !right, 0),

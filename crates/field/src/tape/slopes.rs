@@ -46,7 +46,7 @@ impl Domain for Slopes<'_> {
     }
 }
 
-/// Computes bounds of a tape and of its gradient by the position over boxes, within one frame. Textures are treated as
+/// Computes bounds of a tape's values and of their gradients in boxes, within one frame. Textures are treated as
 /// constants, as in [`super::GradientEvaluator`]. Jumps have no slope ([`GradientInterval`]).
 #[derive(Debug, Clone)]
 pub struct GradientIntervals<'a> {

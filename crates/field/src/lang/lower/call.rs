@@ -1,4 +1,4 @@
-//! Calls of the scene's, the library's and the built-in functions, including folds over any number of arguments.
+//! Lowers calls of functions: built-in, from the library or from the scene. Folds take any number of arguments.
 
 use super::super::ast::{Expr, ExprId, Function, Type};
 use super::super::builtin::{BUILTINS, uses};

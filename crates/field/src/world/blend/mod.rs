@@ -320,7 +320,7 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
     Some([r, g, b, zero])
 }
 
-/// Returns the lights of both sides, weighted by the fractions. They change in the middle half of the transition,
+/// Returns the lights of both sides, weighted by the fractions. Lights change in the middle half of the transition,
 /// because shadow rays of both sides cost most near the ends, where the surfaces of one scene are nearly whole.
 fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
     let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
