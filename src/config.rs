@@ -85,7 +85,7 @@ pub struct PlaySettings {
     pub volume: f32,
     /// Delay of the sound in addition to the device's latency, in seconds; `None` uses the value saved for the device.
     pub latency: Option<f64>,
-    /// The live input to listen to instead of a song.
+    /// The live input to listen to; `None` plays songs.
     pub listen: Option<ListenChoice>,
     /// Highest number of frames per second; `None` uses the monitor's rate.
     pub fps_cap: Option<f64>,
@@ -105,9 +105,9 @@ pub struct PlaySettings {
     pub remembered: bool,
     /// Size of the window at the start, in pixels.
     pub size: (u32, u32),
-    /// Position of the window on the desktop at the start, in pixels; `None` leaves it to the system.
+    /// Position of the window on the desktop at the start, in pixels; `None` lets the system choose.
     pub place: Option<(i32, i32)>,
-    /// Draws the desktop's wallpaper instead of a window.
+    /// True to draw the desktop's wallpaper, not a window.
     pub wallpaper: bool,
     /// The controllers to open.
     pub controllers: ControllerSettings,

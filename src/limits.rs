@@ -1,4 +1,4 @@
-//! The limits of the program itself; each of its crates has its own `limits.rs`.
+//! The limits of the program itself. Each crate has its own `limits.rs`.
 //!
 //! Code that applies a limit reads it from here, error messages print the limit, and a test reaches it.
 

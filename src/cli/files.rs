@@ -40,7 +40,7 @@ pub(super) fn is_standard(path: &Path) -> bool {
     path.as_os_str() == STANDARD
 }
 
-/// Returns the named song without opening it; the demo track if no song is named.
+/// Returns the song at the path `file`, without opening it; the demo track if `file` is `None`.
 pub(super) fn song_or_demo(file: Option<PathBuf>) -> anyhow::Result<Song> {
     match file {
         None => Ok(DEMO_TRACK),

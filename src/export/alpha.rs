@@ -1,7 +1,7 @@
 //! Transparent images of a scene without its sky, for compositing.
 //!
-//! Bytes are premultiplied until the file is written: over black, they give the image with a black sky. Alpha is the
-//! fraction of the pixel that objects cover. Where a glow reaches beyond the objects, alpha is the largest colour
+//! Bytes are premultiplied until the file is written: laid over black, they give the image with a black sky. Alpha is
+//! the fraction of the pixel that objects cover. Where a glow reaches beyond the objects, alpha is the largest colour
 //! channel, because a smaller alpha could not store the glow.
 
 use super::error::ExportError;

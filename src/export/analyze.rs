@@ -24,7 +24,7 @@ pub struct AnalyzeRequest {
     pub gain: Gain,
     /// True if the position in the whole song is printed too.
     pub song_too: bool,
-    /// True for JSON objects instead of columns.
+    /// True to print JSON objects, false to print columns.
     pub json: bool,
 }
 

@@ -46,7 +46,7 @@ pub struct BenchRequest {
     pub gain: Gain,
     /// The scene; `auto` measures both modes.
     pub scene: SceneChoice,
-    /// True to measure with and without regions, even if the scene's choice selects one of them.
+    /// True to measure with and without regions, whatever the scene's choice says about regions.
     pub both: bool,
     /// True to measure the quality of edges too, which is slow.
     pub edges: bool,
@@ -314,7 +314,7 @@ pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {
     10.0 * (255.0 * 255.0 * count / sum).log10()
 }
 
-/// A row stops after this total time in ms, if it has at least [`FRAMES_MIN`] frames.
+/// A row with at least [`FRAMES_MIN`] frames ends after this total time, in ms.
 const ROW_MS_MAX: f64 = 20_000.0;
 /// Minimum number of frames in a row.
 const FRAMES_MIN: usize = 3;

@@ -46,7 +46,7 @@ pub enum ExportError {
         /// The system's error.
         reason: String,
     },
-    /// The input files for ffmpeg, the file for its messages or the frames of a loop's seam cannot be written.
+    /// A temporary file cannot be written: an input for ffmpeg, ffmpeg's messages or the frames of a loop's seam.
     #[error(
         "temporary files cannot be written in {} ({reason}): set TMPDIR to a folder with enough space",
         .folder.display()

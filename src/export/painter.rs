@@ -31,13 +31,13 @@ use mariana_music::Sound;
 pub struct SceneChoice {
     /// The scene.
     pub source: SceneSource,
-    /// Interpreted, compiled, or the faster of both modes.
+    /// Interpreted mode, compiled mode, or the faster of these modes.
     pub sdf: SdfChoice,
     /// The shaders.
     pub shaders: ShaderLibrary,
     /// Use of the tree of cells.
     pub cells: CellUse,
-    /// A view of the renderer's inner numbers instead of the image.
+    /// A view of the renderer's inner numbers; `None` draws the image.
     pub view: Option<ViewChoice>,
     /// True to leave the sky transparent.
     pub alpha: bool,

@@ -24,7 +24,7 @@ const HEIGHT: f64 = 730.0;
 
 const COLUMNS_MAX: usize = 1400;
 
-/// Fills of sections and scenes, in the order of their first appearance.
+/// Fills of sections and scenes, in the order in which sections and scenes first appear.
 const FILLS: [&str; 8] =
     ["#7fb3d5", "#f0b27a", "#82e0aa", "#d7bde2", "#f7dc6f", "#f1948a", "#76d7c4", "#ccd1d1"];
 
@@ -164,7 +164,7 @@ fn beats(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) {
     }
     let _ = writeln!(svg, "<path d=\"{others}\" stroke=\"#aab7b8\" stroke-width=\"0.7\"/>");
     let _ = writeln!(svg, "<path d=\"{downbeats}\" stroke=\"#2e86c1\" stroke-width=\"0.9\"/>");
-    // The median tempo is in the middle of the row, zero at the lower edge.
+    // Draw the median tempo in the middle of the row, and tempo 0 at the lower edge.
     let y = |tempo: f64| TEMPO.0 + TEMPO.1 * (1.0 - (tempo / middle / 2.0).clamp(0.0, 1.0));
     let every = structure.beats.len().div_ceil(COLUMNS_MAX).max(1);
     let points: String = structure

@@ -21,7 +21,7 @@ pub struct StructureRequest {
     pub song: Song,
     /// True to print the structure on standard output.
     pub reported: bool,
-    /// True for JSON instead of text.
+    /// True to print JSON, false to print text.
     pub json: bool,
     /// The SVG file to draw, if any.
     pub plot: Option<PathBuf>,

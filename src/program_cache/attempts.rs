@@ -14,7 +14,7 @@ use crate::gpu::program_store::Work;
 
 const WORKS: [(Work, &str); 2] = [(Work::Taking, "taking"), (Work::Compiling, "compiling")];
 
-/// Work in progress. Dropping it removes the mark: the process has survived the work.
+/// Work in progress. Dropping this removes the mark, because the process has survived the work.
 #[derive(Debug)]
 pub(super) struct Attempt {
     // The mark's file, which is open and therefore locked until the drop.

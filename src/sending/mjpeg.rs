@@ -57,7 +57,7 @@ fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
             latest_frame.rest(AGAIN);
             continue;
         };
-        // Count the reader before its thread starts, to limit the number of threads too.
+        // Count the reader before its thread starts, so that the limit also holds for threads.
         if readers.count.fetch_add(1, Ordering::AcqRel) >= LIMITS.send_readers_max {
             readers.count.fetch_sub(1, Ordering::AcqRel);
             let words = "too many programs read these frames already: close one of them";

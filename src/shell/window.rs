@@ -51,7 +51,7 @@ pub(crate) struct WindowOptions {
     pub ground: Option<Ground>,
 }
 
-/// A window without a context. The window's thread opens it; the show's thread binds it, because drivers are slow.
+/// A window without a context. The show's thread, not the window's, binds the context, because drivers are slow.
 pub(crate) struct OpenWindow {
     config: glutin::config::Config,
     window: SharedWindow,

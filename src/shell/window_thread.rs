@@ -25,13 +25,13 @@ use crate::shell::translate::{key_press, modifiers};
 use crate::shell::wallpaper::Layers;
 use crate::shell::window::{OpenWindow, WindowOptions, open_output, shared};
 
-/// Longest wait at the end for a show that a driver blocks: slightly longer than the show waits for its compilers.
+/// Longest wait at the end for a show that a driver blocks. The show waits for its compilers slightly less long.
 const END_WAIT: Duration = Duration::from_secs(6);
 
 pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + Send>;
 
-/// Opens a window and runs `play` on a separate thread, which gets the events through `messages`. Returns when either
-/// ends. `typing` is true while keys type text. `layers` show the frame instead of the window.
+/// Opens a window and runs `play` on a separate thread, which gets the events through `messages`. Returns at the end
+/// of `play` or the window. `typing` is true while keys type text. `layers` show the frame instead of the window.
 pub(crate) fn run(
     event_loop: EventLoop<WindowMessage>,
     input_queue: WindowOptions,

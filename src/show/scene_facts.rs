@@ -1,4 +1,4 @@
-//! Lookup of a show's scenes, and facts about them.
+//! Finds the scenes of a show, and facts about these scenes.
 
 use std::path::Path;
 

@@ -110,7 +110,7 @@ fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     if bytes.len() > limit { Err(io::ErrorKind::FileTooLarge.into()) } else { Ok(bytes) }
 }
 
-/// Length of the first line with its line feed, in bytes.
+/// Length of the first line, including the line feed, in bytes.
 const CHECKSUM_LINE: usize = 17;
 
 fn encode(text: &str) -> String {

@@ -1,5 +1,5 @@
-//! Analyses whole songs during a show, on a thread of low priority: first the current track, then the next. A track
-//! that is no longer wanted is abandoned at once.
+//! Analyses whole songs during a show, on a thread of low priority: first the current track, then the next track. The
+//! thread abandons a track that is no longer wanted at once.
 
 use std::collections::VecDeque;
 use std::io;

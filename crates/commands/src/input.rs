@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use bitflags::bitflags;
 
-/// A key, by the text it types or by its name. Key bindings use `Key<&'static str>` with lower-case letters.
+/// A key, given by the text that the key types or by a name. Key bindings use `Key<&'static str>` with lower-case
+/// letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Key<Text = String> {
     /// A key that types text.
@@ -112,7 +113,7 @@ pub enum Input {
     PointerButton {
         /// The button.
         button: PointerButton,
-        /// True when it is pressed.
+        /// True if the button is pressed, false if it is released.
         pressed: bool,
     },
     /// The wheel turns.

@@ -213,7 +213,7 @@ impl Command {
         shifted.or(binding.keys.get(place).map(|(_, command)| command)).cloned()
     }
 
-    /// Returns the binding whose keys send exactly this command.
+    /// Returns the binding with a key that sends exactly this command.
     pub fn binding(&self) -> Option<&'static Binding> {
         self.row().bindings.iter().find(|binding| binding.keys.iter().any(|(_, bound)| bound == self))
     }

@@ -171,7 +171,7 @@ commands! {
     }
     /// Sets the delay of the image.
     Delay(Delay) {}
-    /// Opens a panel and closes any other, or closes it if it is open.
+    /// Opens a panel and closes any other panel. If the panel is open, closes this panel.
     TogglePanel(Panel) {
         bindings: &[
             keys!(Key::Character("u") => C::TogglePanel(Panel::Tracks), "U", "track list"),
@@ -416,7 +416,7 @@ commands! {
     }
 }
 
-/// One or several keys for a command, with their texts for the help and `docs/reference.md`.
+/// One or several keys for a command, with texts for the help and `docs/reference.md`.
 #[derive(Debug)]
 pub struct Binding {
     /// The keys, each with the command that it sends.
@@ -449,7 +449,7 @@ pub struct Files {
 pub struct TurnedNumbers {
     /// The file of the text.
     pub file: PathBuf,
-    /// The byte offset of each number in the text as last loaded, and its value.
+    /// The byte offset of each number in the text as last loaded, and the number's value.
     pub values: Vec<(usize, f32)>,
 }
 

@@ -1,4 +1,4 @@
-//! Measures the cost of input messages: parsing bytes, queueing input, and taking a flood of it once per frame.
+//! Measures the cost of input messages: parsing bytes, queueing input, and taking a flood of input once per frame.
 
 #![allow(clippy::unwrap_used)]
 

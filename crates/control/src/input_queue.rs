@@ -1,6 +1,6 @@
 //! The queue of controller input between two frames: the newest value of each parameter and knob, and the actions in
-//! order. Device threads put input in, and the show takes it out once per frame. Memory is bounded by the number of
-//! different names, and the show is woken only once per batch.
+//! order. Device threads put input in, and the show takes all input out once per frame. Memory is bounded by the
+//! number of different names, and the show is woken only once per batch.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -6,8 +6,8 @@
 //! calls [`asked_to_end`] when it is woken.
 //!
 //! ffmpeg runs in a separate process group, so that Ctrl-C reaches Mariana alone. The writer of a temporary file
-//! holds a lock on it, which the kernel releases if the process is killed: the next run that writes into the folder
-//! removes the files that it can lock.
+//! holds a lock on the file, which the kernel releases if the process is killed: the next run that writes into the
+//! folder removes the files that this run can lock.
 
 use std::collections::BTreeMap;
 use std::fmt;

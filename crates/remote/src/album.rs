@@ -28,7 +28,7 @@ enum Page {
 }
 
 impl Album {
-    /// Stores the JPEG image of a scene. Returns false if it is too large or the album is full.
+    /// Stores the JPEG image of a scene. Returns false if the image is too large or the album is full.
     pub fn put(&self, scene: &str, jpeg: Arc<[u8]>) -> bool {
         let mut pages = self.lock();
         let is_full = pages.len() >= LIMITS.pictures_max && !pages.contains_key(scene);

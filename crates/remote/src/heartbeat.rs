@@ -9,7 +9,7 @@ pub(crate) struct Heartbeat {
     limits: Limits,
     heard: Instant,
     asked: Instant,
-    /// The number of messages allowed now, and the time of its last update.
+    /// The number of messages allowed now, and the time of the last update of this number.
     allowance: (f64, Instant),
 }
 
@@ -84,7 +84,7 @@ mod tests {
         let later = start + Duration::from_secs(1);
         assert!((1..LIMITS.messages_per_second_max).all(|_| heartbeat.note_heard(later)));
         assert!(!heartbeat.note_heard(later));
-        // A longer pause allows no larger burst.
+        // Even a long pause does not make the allowed burst larger.
         let later = start + Duration::from_secs(1_000);
         assert!((0..LIMITS.messages_at_once_max).all(|_| heartbeat.note_heard(later)));
         assert!(!heartbeat.note_heard(later));

@@ -19,7 +19,7 @@ pub struct Limits {
     pub phones_max: usize,
     /// The maximum size of a phone's message, in bytes.
     pub message_bytes_max: usize,
-    /// The maximum sustained message rate of a phone, in messages a second. A phone above it is disconnected.
+    /// The maximum sustained message rate of a phone, in messages a second. A phone above this rate is disconnected.
     pub messages_per_second_max: u32,
     /// The maximum burst of messages, for example after a network delay.
     pub messages_at_once_max: u32,

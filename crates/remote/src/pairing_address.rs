@@ -63,7 +63,7 @@ impl Code {
     /// The width of the required white margin, in modules.
     pub const EDGE: usize = 4;
 
-    /// Encodes a text. Returns `None` if it is too long.
+    /// Encodes a text. Returns `None` if the text is too long.
     pub fn of(text: &str) -> Option<Self> {
         let code = QrCode::with_error_correction_level(text, EcLevel::M).ok()?;
         let dark = code.to_colors().into_iter().map(|color| color == qrcode::Color::Dark).collect();

@@ -1,4 +1,4 @@
-//! A WebSocket session with one phone: its messages go to the input queue, and state updates are sent to it.
+//! A WebSocket session with one phone. The phone's messages go to the input queue; the phone gets state updates.
 
 use std::io::{self, Write};
 use std::net::TcpStream;
@@ -39,7 +39,7 @@ pub(crate) struct PhoneSession<'a> {
     shared: &'a Shared,
     reported: SentState,
     heartbeat: Heartbeat,
-    /// The time since which data has been waiting for the phone to read it.
+    /// The time since which unread data has been waiting for the phone.
     unread: Option<Instant>,
 }
 

@@ -1,4 +1,4 @@
-//! Blends of two scenes, and loading them.
+//! Loads blends of two scenes.
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Errors of loading a scene. Mistakes in its text are diagnostics of [`mariana_field::lang`].
+//! Errors of loading a scene. Mistakes in a scene's text are diagnostics of [`mariana_field::lang`].
 
 use std::path::PathBuf;
 

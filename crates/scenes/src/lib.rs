@@ -8,8 +8,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`Loader`] compiles scenes on a thread, and again when their files or [`Drafts`] change. [`probing`] finds the
-//! object at a point of an image. [`thumbnails`] draws previews in separate processes.
+//! A [`Loader`] compiles scenes on a thread, and compiles a scene again when its files or [`Drafts`] change.
+//! [`probing`] finds the object at a point of an image. [`thumbnails`] draws previews in separate processes.
 //!
 //! A scene can read only its own folder. Includes and textures come from that folder, and shipped textures replace
 //! missing textures. Links are resolved first, so that a link cannot lead out of the folder.
@@ -208,7 +208,7 @@ impl SceneSource {
     }
 }
 
-/// Returns a function that reads the includes of a scene in `folder`, or their drafts.
+/// Returns a function that reads an include of a scene in `folder`, or the draft of the include.
 fn including(folder: Folder, drafts: &DraftTexts) -> impl FnMut(&str) -> Result<String, String> {
     move |path| {
         let text = match drafts.of(&folder.path(path)) {

@@ -1,4 +1,4 @@
-//! Loads scenes on a background thread, and again when their files change.
+//! Loads scenes on a background thread, and loads a scene again when its files change.
 //!
 //! The loader passes finished values to the show, so a large or broken scene delays no frame. It watches folders
 //! instead of files, because most editors save by replacing the file.
@@ -6,8 +6,8 @@
 //! A file counts as changed when its bytes differ from the loaded bytes. A save without changes does not reload the
 //! scene, and two events of one save reload the scene once. A file is read 20 ms after its last event, but not while
 //! its writer has it open. The loader waits for a missing file for at most 400 ms, because some editors delete a file
-//! before they write it. Every two seconds the loader checks all files, because replaced parent folders and files on
-//! a network cause no events. If the system has no watches left, the loader checks five times a second.
+//! before they write a new one. Every two seconds the loader checks all files, because replaced parent folders and
+//! files on a network cause no events. If the system has no watches left, the loader checks five times a second.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;

@@ -33,8 +33,8 @@ impl ReadyScene {
         Ok(Self { world: Arc::new(world), buffers, plan, settles: false })
     }
 
-    /// Blends this scene with the scene `to`, which is moved to `alignment`. Its default fraction in the blend is
-    /// `fraction`, 0..1; each frame can override it.
+    /// Blends this scene with the scene `to`, which is moved to `alignment`. The default fraction of `to` is
+    /// `fraction`, 0..1; each frame can override this.
     ///
     /// # Errors
     /// Fails if the two scenes together exceed a limit.

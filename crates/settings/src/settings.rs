@@ -193,7 +193,7 @@ fn turn_of(path: &Path) -> Option<File> {
     None
 }
 
-/// The interval between the attempts of [`turn_of`], and their number.
+/// The interval between the attempts of [`turn_of`], and the number of attempts.
 const TURN_PERIOD: Duration = Duration::from_millis(5);
 const TURN_LOOKS: u32 = 100;
 

@@ -15,7 +15,7 @@ use mariana_music::Sound;
 /// Adds a small ball at a position that no driver has cached. Measures the time to the first frames.
 ///
 /// # Errors
-/// Fails if the scene is a single formula, or it cannot be read or drawn.
+/// Fails if the scene is a single formula, cannot be read, or cannot be drawn.
 pub(super) fn measure_edit(
     renderer: &mut Renderer,
     request: &BenchRequest,

@@ -66,7 +66,7 @@ pub struct ModeReport {
     pub mode: Mode,
     /// True if space was divided into cells.
     pub regions: bool,
-    /// Number of timed frames; lower than requested if they were slow.
+    /// Number of timed frames. Slow frames make this number lower than the requested number.
     pub frames: usize,
     /// Median time of building the tree of regions, in ms. Interpreted: also shortening materials and light.
     pub build_ms: f64,

@@ -25,7 +25,7 @@ const PIECE_BYTES: usize = 1 << 16;
 /// A running encoder. The encoder is killed when Mariana ends, or when this value is dropped.
 pub(super) struct EncoderProcess {
     child: Arc<Mutex<Child>>,
-    /// `None` once the process has all its input.
+    /// `None` once the process has got all input.
     input: Option<ChildStdin>,
     /// The process writes its messages into this file. A pipe could become full and block the process.
     reported_problems: File,
@@ -107,7 +107,7 @@ impl EncoderProcess {
         written
     }
 
-    /// Closes the input and waits until the process ends. A signal handler can still lock the mutex and kill it.
+    /// Closes the input and waits until the process ends. Signal handlers can still lock the mutex and kill it.
     ///
     /// # Errors
     /// Fails if the system reports an error, or if the process made no progress and was killed.

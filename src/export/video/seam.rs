@@ -9,7 +9,7 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use crate::export::error::ExportError;
 
 pub(super) struct Seam {
-    /// The first frames, on disk, because they may be hundreds of megabytes.
+    /// The loop's first frames, stored on disk, because the frames may take hundreds of megabytes.
     aside: File,
     loop_frames: u64,
     seam_frames: u64,
@@ -61,7 +61,7 @@ mod tests {
     fn the_last_frame_of_a_loop_is_followed_by_its_first() {
         let mut seam = Seam::new(8, 3).unwrap();
         assert_eq!(seam.needed(), 11);
-        // Each frame is filled with ten times its number.
+        // Every byte of frame n is 10 n.
         let passed: Vec<u8> =
             (0..11).filter_map(|index| Some(seam.pass(vec![10 * index; 4]).unwrap()?[0])).collect();
         // 80, 90 and 100 fade into 0, 10 and 20, which 30 follows.

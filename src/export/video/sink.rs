@@ -72,7 +72,7 @@ impl Sink {
 /// Maximum number of frames that wait for the thread. Meanwhile, one more frame is drawn and one more is written.
 const WAITING_MAX: usize = 1;
 
-/// A [`Sink`] on its thread. If it is dropped before it is finished, the output is not replaced.
+/// A [`Sink`] on its own thread. A drop without [`FrameWriter::finish`] does not replace the output.
 pub(super) struct FrameWriter {
     frames: SyncSender<Vec<u8>>,
     thread: JoinHandle<Result<Sink, ExportError>>,

@@ -27,7 +27,7 @@ enum Change {
 pub(super) struct Changes(Sender<Change>);
 
 impl Changes {
-    /// Sends the differences between `new` and `old`, and the position if it has `jumped`.
+    /// Sends the differences between `new` and `old`, and the position if `jumped` is true.
     pub(super) fn tell(&self, old: &Seen, new: &Seen, jumped: bool) {
         let mut properties = Vec::new();
         let mut add = |changed: bool, property: Property| {

@@ -1,8 +1,8 @@
 //! The desktop's wallpaper: the frame below all windows, on all monitors, without input. A screen saver uses the same
 //! code to draw in its window.
 //!
-//! On X11 the wallpaper is a window, on Wayland a surface on each output ([`layers`]). It pauses while it is covered or
-//! the computer runs on battery ([`rest`]).
+//! On X11 the wallpaper is a window, on Wayland a surface on each output ([`layers`]). The wallpaper pauses while
+//! windows cover it or the computer runs on battery ([`rest`]).
 
 #[cfg(all(unix, not(target_os = "macos")))]
 mod layers;

@@ -1,5 +1,5 @@
-//! Pauses the wallpaper: a thread asks the X server which windows cover the monitors, and the system for its power
-//! source. On Wayland, the compositor does not report what covers a surface, but stops requesting frames for it.
+//! Pauses the wallpaper: a thread asks the X server which windows cover the monitors, and reads the power source. On
+//! Wayland, the compositor requests no frames for a covered surface.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

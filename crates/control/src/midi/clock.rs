@@ -24,9 +24,9 @@ pub struct Clock {
     /// Numbers and times of the last clock messages.
     clocks: VecDeque<(u64, f64)>,
     count: u64,
-    /// A clock message's number and its song position in clocks; `None` before a start.
+    /// A clock message's number, and the song position there, in clock messages; `None` before a start.
     place: Option<(u64, u64)>,
-    /// The song position in clocks while the song is stopped.
+    /// The song position while the song is stopped, in clock messages.
     stands_at: Option<u64>,
     /// The number of consecutive clock messages that deviate from the fitted line.
     off: usize,
@@ -113,13 +113,13 @@ impl Clock {
         })
     }
 
-    /// Returns the song position of a clock message, in clocks.
+    /// Returns the song position at a clock message, in clock messages.
     fn place_of(&self, number: u64) -> Option<u64> {
         let (of, place) = self.place?;
         Some((place + number).saturating_sub(of))
     }
 
-    /// Fits a least-squares line through the last clock messages. Returns the time of clock 0 and the period.
+    /// Fits a least-squares line through the last clock messages. Returns the time of message 0 and the period.
     fn line(&self) -> Option<(f64, f64)> {
         if self.clocks.len() < FITTED_MIN {
             return None;
@@ -144,7 +144,7 @@ impl ClockReading {
         Some((self.beat + since).max(0.0))
     }
 
-    /// Returns the phase between two beats, 0..1, and the index of the beat in its bar.
+    /// Returns the phase between two beats, 0..1, and the index of the beat in the bar.
     pub fn phase_at(&self, time: f64) -> Option<(f32, u32)> {
         let beat = self.beat_at(time)?;
         let phase = beat.fract() as f32;

@@ -4,7 +4,7 @@ use super::message::{Message, Parser};
 use super::source::Source;
 
 const CHANNELS: usize = 16;
-/// The number of 14-bit controllers: controller `n` below this may send its low 7 bits as controller `n + 32`.
+/// The number of 14-bit controllers: a controller `n` below this may send the low 7 bits as controller `n + 32`.
 const FINE: usize = 32;
 
 /// The state of a device between two bytes.
@@ -154,7 +154,7 @@ mod tests {
         };
         assert_eq!(fine(&[0xb0, 7, 127, 39, 127]), [1.0]);
         assert_eq!(fine(&[0xb0, 39, 127, 7, 127]), [1.0]);
-        // Once a controller is known to have 14 bits, its coarse and its fine number both move it.
+        // Once a controller is known to have 14 bits, the coarse and the fine number both move the control.
         let (up, down) = (f32::from(64_u16 << 7) / 16_383.0, f32::from(64_u16 << 7 | 1) / 16_383.0);
         assert_eq!(fine(&[0xb0, 7, 64, 39, 0, 39, 1])[..], [up, down]);
         // Two separate knobs, with another message in between.

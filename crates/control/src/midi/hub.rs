@@ -80,7 +80,7 @@ impl MidiHub {
         lock(&self.0.state).clone()
     }
 
-    /// Returns the reading of the followed MIDI clock, and the current time on its scale; `None` without a clock.
+    /// Returns the reading of the followed clock, and the current time on the same scale; `None` without a clock.
     pub fn clock(&self) -> Option<(ClockReading, f64)> {
         let now = self.0.zero.elapsed().as_secs_f64();
         let reading = lock(&self.0.clock).0.reading()?;

@@ -137,7 +137,7 @@ pub enum Outcome {
     Turn(ParamChange),
     /// An action runs.
     Act(Action),
-    /// The knob moved but has not picked up its parameter yet. The values are fractions, 0..1.
+    /// The knob moved but has not picked up the parameter yet. The values are fractions, 0..1.
     Waits {
         /// The parameter.
         name: String,
@@ -167,7 +167,7 @@ impl Mappings {
         &self.list
     }
 
-    /// Adds a mapping. Returns false if it exists already or the limit is reached.
+    /// Adds a mapping. Returns false if the mapping exists already or the limit is reached.
     pub fn add(&mut self, mapping: Mapping) -> bool {
         let same = |one: &Mapping| {
             one.device == mapping.device && one.source == mapping.source && one.target == mapping.target

@@ -64,7 +64,7 @@ enum Expects {
 }
 
 /// A parser for MIDI bytes in pieces of any size. The parser handles running status and real-time bytes inside other
-/// messages. It skips system-exclusive messages without storing them.
+/// messages. The parser skips system-exclusive messages.
 #[derive(Debug, Clone, Default)]
 pub struct Parser {
     expects: Expects,
@@ -73,7 +73,7 @@ pub struct Parser {
 }
 
 impl Parser {
-    /// Takes the next byte. Returns the message that it completes, if any.
+    /// Takes the next byte. Returns the message that this byte completes, if any.
     pub fn push(&mut self, byte: u8) -> Option<Message> {
         match byte {
             // Real-time bytes do not affect the message around them.

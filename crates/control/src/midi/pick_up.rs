@@ -1,7 +1,7 @@
 //! Pick-up of knobs: a knob has no effect until it passes the parameter's value, so that the value never jumps.
 
-/// A knob within this distance of the value picks it up. The distance is a fraction of the range, slightly over one
-/// 7-bit step.
+/// A knob within this distance of the value picks up the parameter. The distance is a fraction of the range, slightly
+/// over one 7-bit step.
 const NEAR: f32 = 0.012;
 
 /// The state of one mapping. All values are fractions of the range, 0..1.

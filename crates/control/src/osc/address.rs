@@ -49,7 +49,7 @@ pub enum Refused {
     NotANumber,
 }
 
-/// An address that is not an action, its arguments, and its help text, for documentation.
+/// The documentation of an address that is not an action: the address, the arguments and the help text.
 pub type FixedAddress = (&'static str, &'static str, &'static str);
 
 /// Returns the addresses that are not actions, with their arguments and help texts.

@@ -6,7 +6,7 @@ use rosc::{OscMessage, OscPacket, OscTime};
 use crate::limits::LIMITS;
 
 const BUNDLE: &[u8] = b"#bundle\0";
-/// The length of a bundle's header: its name and time tag.
+/// The length of a bundle's header, which has a name and a time tag.
 const BUNDLE_HEAD: usize = 16;
 
 /// A message and the time tag of its bundle.

@@ -1,6 +1,6 @@
 //! Address patterns of OSC 1.0: `?` matches one character, `*` any number, `[a-z]` one of a set, `[!a]` one outside a
 //! set, `{one,two}` one of several words. No pattern character matches a slash. The matcher keeps a set of reachable
-//! positions and never backtracks: it takes at most (number of parts) x (number of characters) steps.
+//! positions and never backtracks. Matching takes at most (number of parts) x (number of characters) steps.
 
 use crate::limits::LIMITS;
 
@@ -30,7 +30,7 @@ pub fn is_pattern(address: &str) -> bool {
 }
 
 impl Pattern {
-    /// Parses a pattern. Returns `None` if it is too long or has an unclosed bracket or brace.
+    /// Parses a pattern. Returns `None` if the pattern is too long or has an unclosed bracket or brace.
     pub fn read(text: &str) -> Option<Self> {
         if text.len() > LIMITS.name_bytes_max {
             return None;

@@ -1,4 +1,4 @@
-//! The network address on which OSC is received, or to which it is sent.
+//! The network address on which OSC is received, or to which OSC is sent.
 
 use std::fmt::{self, Display, Formatter};
 use std::io;

@@ -1,4 +1,4 @@
-//! The thread that reads, saves and backs up texts, and watches their files for changes.
+//! The thread that reads, saves and backs up texts, and watches the files of the texts for changes.
 
 use std::collections::BTreeMap;
 use std::fs;
