@@ -21,8 +21,8 @@ pub(super) struct AnalyzeArguments {
     /// Print the structure of the whole song instead of its moments: tempo, bars, key, sections, builds, drops
     #[arg(long, conflicts_with_all = ["gain", "fps", "start", "duration"])]
     structure: bool,
-    /// Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the show
-    /// of the director
+    /// Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the
+    /// director's show
     #[arg(long, value_name = "FILE.svg", conflicts_with_all = ["gain", "fps", "start", "duration"])]
     plot: Option<PathBuf>,
     /// Also print the position in the whole song at each moment: bar, section, energy, build, drop, ...

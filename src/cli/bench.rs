@@ -32,7 +32,7 @@ pub(super) struct BenchArguments {
     /// With --all: measure only scenes whose names contain this text; can be given more than once
     #[arg(long, value_name = "PART", requires = "all")]
     only: Vec<String>,
-    /// Also compare the edges in the frame with a frame of 64 samples per pixel; slow
+    /// Also compare the frame's edges with a frame of 64 samples per pixel, which is slow
     #[arg(long)]
     edges: bool,
     /// Print JSON instead of text

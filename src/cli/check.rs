@@ -72,7 +72,7 @@ fn refused(scenes: usize, shown: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Prints each mistake as a JSON object. A scene that cannot be read gives one mistake at its first character.
+/// Prints each mistake as a JSON object. For a scene that cannot be read, prints one mistake at the first character.
 fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     let mut wrong = 0;
     for argument in scenes {

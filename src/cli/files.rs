@@ -1,4 +1,4 @@
-//! The files on the command line that have no flag: songs and at most one scene.
+//! The command-line arguments without a flag: songs and at most one scene.
 
 use std::ffi::OsStr;
 use std::io::{IsTerminal, Read};

@@ -56,7 +56,7 @@ pub(super) struct PlayArguments {
     /// Exit after the last track instead of starting over
     #[arg(long, conflicts_with = "repeat")]
     once: bool,
-    /// Volume at the start, in percent [default: the last one, at first 100]
+    /// Volume at the start, in percent [default: the last volume, at first 100]
     #[arg(long, value_name = "PERCENT", value_parser = parse_percent, allow_negative_numbers = true)]
     volume: Option<u8>,
     /// Additional delay of the sound, beyond the delay that the device reports; negative for less [default: the last
@@ -81,7 +81,7 @@ pub(super) struct PlayArguments {
     /// Show only requested panels and errors over the image: no hints, messages or bar
     #[arg(long)]
     clean: bool,
-    /// Size of the window in pixels [default: the last one, at first 1280x720]
+    /// Size of the window in pixels [default: the last size, at first 1280x720]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
     /// Let a show change the scenes: 'auto' to follow the song, 'off', or a .show file [default: the last choice in the

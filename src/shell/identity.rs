@@ -12,7 +12,7 @@ const ICON: &[u8] = include_bytes!("../../assets/desktop/icons/128x128/apps/org.
 pub(crate) fn reported_by(attributes: WindowAttributes) -> WindowAttributes {
     #[cfg(all(unix, not(target_os = "macos")))]
     let attributes = {
-        // The extension is for X11, but Wayland uses the same field.
+        // The trait has the name of X11, but Wayland uses the same field.
         use winit::platform::x11::WindowAttributesExtX11;
         attributes.with_name(APP_ID, "mariana")
     };

@@ -15,7 +15,7 @@ const KNOWN_MAX: usize = 16;
 
 /// Niceness of the thread after the first song: the lowest priority.
 const NICENESS: i32 = 19;
-/// Niceness for the first song, which already plays. Next to a software renderer, a nicer thread would starve.
+/// Niceness for the first song, which already plays. Next to a software renderer, a higher niceness would starve it.
 const FIRST_NICENESS: i32 = 5;
 
 /// The analysis thread. Dropping this value ends the thread.

@@ -28,7 +28,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l repeat -d 'Tracks to re
 one\t'One track, over and over'
 off\t'Each track once; the window stays open'"
 complete -c mariana -n "__fish_mariana_needs_command" -l device -d 'Output device, or input with --mic and --system: an id or name from \'mariana devices\', a part of an id or name, or \'default\' for the system\'s device [default: the last choice in the window, at first the system\'s device]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l volume -d 'Volume at the start, in percent [default: the last one, at first 100]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l volume -d 'Volume at the start, in percent [default: the last volume, at first 100]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l latency -d 'Additional delay of the sound, beyond the delay that the device reports; negative for less [default: the last delay set with the keys [ and ]]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l fps-cap -d 'Maximum frames per second [default: the monitor\'s rate]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l fade -d 'Duration of the fade between scenes with N and P, in seconds; 0 cuts' -r
@@ -36,7 +36,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l prepare-ahead -d 'Prepa
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l program-cache -d 'Keep the driver\'s compiled programs in the user\'s cache folder' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels [default: the last one, at first 1280x720]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels [default: the last size, at first 1280x720]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l show -d 'Let a show change the scenes: \'auto\' to follow the song, \'off\', or a .show file [default: the last choice in the window, at first auto unless a scene is named]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc -d 'Receive OSC messages on this port from this computer only, or on a network address given as ADDRESS:PORT; docs/osc.md lists the messages' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc-send -d 'Send the features of the sound to another program or to lights, by OSC' -r
@@ -169,7 +169,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leav
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s q -l quiet -d 'Print only errors'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l plot -d 'Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the show of the director' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l plot -d 'Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the director\'s show' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l gain -d 'Automatic gain: quiet and loud songs reach the same values from 0 to 1' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l fps -d 'Lines per second' -r
@@ -198,7 +198,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand bench" -l gain -d 'Autom
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l all -d 'Measure all shipped scenes'
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -l edges -d 'Also compare the edges in the frame with a frame of 64 samples per pixel; slow'
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -l edges -d 'Also compare the frame\'s edges with a frame of 64 samples per pixel, which is slow'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l json -d 'Print JSON instead of text'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -s h -l help -d 'Print help (see more with \'--help\')'

@@ -31,7 +31,7 @@ pub struct Scenery {
 }
 
 impl Scenery {
-    /// Wraps a frame of a scene. There is no earlier region tree.
+    /// Wraps a frame of a scene whose region tree is built from scratch.
     pub fn new(source: SceneSource, scene: ReadyScene, frame: Frame) -> Self {
         let maker = RegionMaker { plan: scene.plan, buffers: scene.buffers, last: None };
         let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
