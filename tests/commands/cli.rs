@@ -1,4 +1,4 @@
-//! The subcommands: their output and the files that they write. `cli_bad_input` tests refusals.
+//! Tests the output of the subcommands and the files that they write. `cli_bad_input` tests refusals.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]

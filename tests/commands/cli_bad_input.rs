@@ -1,4 +1,4 @@
-//! Refusals of the command line: the message and the exit code. Refusing input neither panics nor damages files.
+//! Input that the program refuses: the message and the exit code. The refusal must neither panic nor damage files.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -393,7 +393,7 @@ fn existing_outputs_survive_every_failure() {
     assert_eq!(place.read("good.mp4"), b"a good video");
 }
 
-/// ffmpeg's messages about a damaged song once filled a pipe that nothing read, and the video never ended.
+/// ffmpeg's messages about a damaged song once filled a pipe that nothing read, so the video never ended.
 #[test]
 fn a_video_of_a_damaged_song_ends() {
     let place = Workplace::new();

@@ -31,7 +31,7 @@ fn install_into(prefix: &Path) -> String {
     install(&["--prefix", prefix.to_str().unwrap(), "--binary", PROGRAM], &[])
 }
 
-/// The contents of all files by path. The path of a folder has a trailing slash.
+/// Returns the contents of all files in `folder` by path. The path of a folder has a trailing slash.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -143,7 +143,7 @@ fn staged_and_default_installations_work() {
     install(&["--prefix", "/usr", "--binary", PROGRAM], &[("DESTDIR", &package)]);
     let entry = text(&package, &format!("usr/share/applications/{APP_ID}.desktop"));
     assert!(entry.contains("\nExec=/usr/bin/mariana %F\n"), "{entry}");
-    // A package manager updates the databases itself.
+    // The script leaves the databases to the package manager, which updates them.
     assert!(!contents(&package).keys().any(|name| name.contains("cache") || name.contains("globs")));
     install(&["--remove", "--prefix", "/usr"], &[("DESTDIR", &package)]);
     assert_eq!(contents(&package).into_keys().collect::<Vec<_>>(), ["usr/"]);

@@ -1,4 +1,4 @@
-//! Jobs interrupted by signals, a full disk or crashing drivers: the files that they leave, and their messages.
+//! Jobs that are interrupted by signals, a full disk or a crashing driver: the messages, and the files that remain.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -26,8 +26,8 @@ fn workplace() -> Workplace {
     place
 }
 
-/// A command with the temporary folder of `place`. It resets signals to their default effect, even if the test itself
-/// ignores some.
+/// Returns a command that uses the temporary folder of `place`. Signals have their default effect on the command,
+/// even if the test ignores some.
 fn command(place: &Workplace, arguments: &[&str]) -> Command {
     let program = place.command(arguments);
     let mut command = Command::new("env");
@@ -72,7 +72,7 @@ fn send(signal: &str, number: u32) {
     output_of(kill.args([&format!("-{signal}"), &number.to_string()]), "procps").unwrap();
 }
 
-/// Also returns the process id of ffmpeg.
+/// Returns the program's process and the process id of ffmpeg.
 fn start_video(place: &Workplace, command: &mut Command) -> (Process, u32) {
     let mut process = Process::start(command, "coreutils");
     let mut encoder = None;
@@ -278,7 +278,7 @@ fn special_names_for_ffmpeg_are_plain_file_names() {
     ];
     for (index, name) in names.into_iter().enumerate() {
         let name = OsStr::from_bytes(name);
-        // The video has the name first, then the song has it.
+        // First give the name to the video, then to the song.
         let folder = place.path(&format!("folder %d {index}"));
         std::fs::create_dir(&folder).unwrap();
         place.write_tone(&format!("folder %d {index}/song.wav"), 440.0, 0.5, [0.5, 0.5]);

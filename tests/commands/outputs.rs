@@ -1,4 +1,4 @@
-//! Flags for outputs to screens and to other programs: accepted values, and values refused before a window opens.
+//! Flags for outputs to screens and other programs: accepted values, and values refused before a window opens.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]

@@ -1,4 +1,4 @@
-//! Playing lists of files: features, loudness, and files that are damaged or change during playback.
+//! Playing playlists: features, loudness, and files that are damaged or change during playback.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
@@ -85,7 +85,7 @@ fn loudness_tags_of_every_kind_are_read() {
         let gain = Decoder::open(&place.path(file)).unwrap().info().scene_gain;
         assert!((20.0 * gain.log10() - db).abs() < 0.01, "{file}: {} dB", 20.0 * gain.log10());
     }
-    // The features have the loudness that the file's tag specifies.
+    // The file's tag specifies the loudness, and the features follow that loudness.
     let volume = |name: &str| {
         let song = Song::File(place.path(name));
         let sound = SongFeatures::open_with(&song, 0.0, Gain::Off).unwrap().require(0.3).unwrap();
@@ -168,8 +168,8 @@ fn the_next_track_plays_after_a_file_that_changes() {
         wait_until(&format!("what follows {}", song.display()), || {
             looks += 1;
             let status = player.status();
-            // Seek only while the song is playing: on a slow machine, a seek during the preparation of the last seek
-            // would restart it.
+            // Seek only while the song is playing: on a slow machine, another seek would restart the preparation of
+            // the last seek.
             if looks % 50 == 0 && std::mem::replace(&mut heard_at, status.position) != status.position {
                 player.seek_by(10.0);
             }

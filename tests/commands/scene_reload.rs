@@ -21,7 +21,7 @@ use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use tempfile::TempDir;
 
 const WAIT_LIMIT: Duration = Duration::from_secs(60);
-/// A test waits for this time to show that the loader loads nothing. It is many times longer than a load takes.
+/// A test waits for this time to show that the loader loads nothing. A load takes far less time.
 const STILLNESS: Duration = Duration::from_millis(200);
 
 /// A loaded scene in these tests: the distance at (0, 0, 0) and the widths of the textures, or the errors.
@@ -113,7 +113,7 @@ impl Place {
         }
     }
 
-    /// `loads` is the expected total number of loads.
+    /// Fails unless the next result is `distance` and the loader has loaded `loads` times in total.
     #[track_caller]
     fn shows(&self, distance: f32, loads: usize) {
         assert_eq!(self.result().value, Ok((distance, vec![])));

@@ -357,7 +357,7 @@ fn write_ball(place: &Workplace, name: &str, bloom: f64, sky: &str) {
     place.write(&format!("{name}.scene"), text);
 }
 
-/// The numbers of pixels with an alpha of 0, between 0 and 255, and 255. Fails unless the image, composited on black,
+/// Returns the numbers of transparent, translucent and opaque pixels. Fails unless the image, composited on black,
 /// equals `opaque`.
 fn fractions_of(picture: &RgbaImage, opaque: &RgbImage) -> [usize; 3] {
     let mut fractions = [0; 3];

@@ -51,7 +51,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// All files under `folder`, as sorted paths from the repository's root. The separator is `/`.
+/// Returns all files under `folder` as sorted paths from the repository's root, with `/` as the separator.
 fn files_under(folder: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut folders = vec![PathBuf::from(folder)];
@@ -84,13 +84,13 @@ fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines().enumerate().map(|(number, line)| (number + 1, line.split("//").next().unwrap_or_default()))
 }
 
-/// The lines of code before the file's unit tests, which are at its end.
+/// Returns the lines of code without the unit tests at the end of the file.
 fn shipped_code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let tests = text.find("\n#[cfg(test)]\nmod tests {").unwrap_or(text.len());
     code(&text[..tests])
 }
 
-/// The program's module (a folder or file under `src/`) that contains a file.
+/// Returns the program's module (a folder or file under `src/`) that contains `file`.
 fn room_of(file: &str) -> &str {
     let inner = file.strip_prefix("src/").unwrap();
     inner.split('/').next().unwrap().trim_end_matches(".rs")
@@ -111,7 +111,7 @@ fn names_behind<'a>(line: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a 
     })
 }
 
-/// The rules that a line of code in `file` breaks. `deeper` counts the inline modules around the line.
+/// Returns the rules that `line` in `file` breaks. `deeper` counts the inline modules around the line.
 fn broken_walls(file: &str, deeper: usize, line: &str) -> Vec<String> {
     let room = room_of(file);
     let mut wrong = Vec::new();

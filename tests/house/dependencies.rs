@@ -16,7 +16,7 @@ fn texts(value: &toml::Value) -> BTreeSet<String> {
     value.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
 }
 
-/// The name and licence of each crate, from cargo. Includes crates for all systems if all are available offline,
+/// Returns the name and licence of each crate, from cargo: the crates for all systems if these are available offline,
 /// otherwise only the crates for this system.
 fn licences() -> Vec<(String, String)> {
     let ask = |more: &[&str]| {

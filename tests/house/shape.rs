@@ -27,11 +27,11 @@ const FUNCTION_MAX: usize = 80;
 /// limit.
 const OVER: &[(Kind, &str, usize)] = &[];
 
-/// The number of functions in the repository with more than [`FUNCTION_MAX`] lines. Lower the number when one is split.
+/// The number of functions with more than [`FUNCTION_MAX`] lines. Lower the number when you split one of them.
 const LONG_FUNCTIONS: usize = 2;
 
-/// Plain records with more than [`FIELDS_MAX`] fields, each with a description. All their fields are readable, or they
-/// have no methods.
+/// Plain records with more than [`FIELDS_MAX`] fields, each with a description. A record has only readable fields or
+/// no methods.
 const RECORDS: &[(&str, &str)] = &[
     ("Limits", "the limits of a crate"),
     ("ModeReport", "the measurements of `bench` in one mode"),
@@ -71,7 +71,7 @@ fn measures(texts: &BTreeMap<String, String>) -> Vec<Measure> {
     roots.into_iter().map(|root| Krate::read(root, texts).measure()).collect()
 }
 
-/// A cycle's name is the entry of `rows` that names one of its files, or else its first file.
+/// The name of a cycle is the entry of `rows` that names one of the cycle's files, or else the cycle's first file.
 fn large_knots(measure: &Measure, rows: &[(Kind, &str, usize)]) -> Found {
     let large = knots(&measure.edges).into_iter().filter(|knot| knot.len() > KNOT_MAX);
     large

@@ -116,7 +116,7 @@ impl PointReader {
 struct Row {
     op: Op,
     relative: f32,
-    /// The maximum absolute error is added to the relative error.
+    /// The maximum absolute error, which is allowed in addition to the relative error.
     absolute: f32,
     /// True for operands to which the bounds apply. The comments at the rows give the reasons for exceptions.
     trusted: fn(f32, f32) -> bool,
@@ -192,7 +192,7 @@ fn tolerance(op: Op) -> (f32, f32) {
     ROWS.iter().find(|row| row.op == op).map_or((0.0, 0.0), |row| (row.relative, row.absolute))
 }
 
-/// Runs a tape in both ways: as for materials and light, and as for a region.
+/// Runs a tape in both ways: as a tape for materials and light, and as the tape of a region.
 const RUN: &str = "
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -349,8 +349,8 @@ fn every_compound_agrees() {
     }
 }
 
-/// The change of a result that models an operator's rounding error. It is the bound in [`ROWS`], or two units in the
-/// last place for arithmetic, which drivers may fuse and reorder.
+/// Returns a change of `result` that is as large as the operator's rounding error: the bound in [`ROWS`], or two
+/// units in the last place for arithmetic, which drivers may fuse and reorder.
 fn disturbance(op: Op, a: f32, result: f32) -> f32 {
     const ULPS: f32 = 2.4e-7;
     match op {

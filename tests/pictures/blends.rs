@@ -87,7 +87,7 @@ fn shipped(name: &str) -> ReadyScene {
     ready(&SceneSource::Shipped(name.to_owned()))
 }
 
-/// Also returns the compile time in milliseconds and the number of clauses.
+/// Returns the renderer, the compile time in milliseconds and the number of clauses.
 fn test_renderer_of(
     from: &ReadyScene,
     to: &ReadyScene,
@@ -162,7 +162,7 @@ fn all_pairs() {
             for fraction in [0.25, 0.5, 0.75] {
                 let params = params(&a.world, &b.world, fraction);
                 let [compiled, interpreted] = [0, 1].map(|mode| {
-                    // The first frame builds the region tree, which the measurement excludes.
+                    // Draw a frame before the measurement, because the first frame builds the region tree.
                     draw(&mut test_renderer, &programs[mode], &params);
                     draw(&mut test_renderer, &programs[mode], &params)
                 });

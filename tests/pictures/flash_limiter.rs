@@ -28,10 +28,10 @@ struct Bench {
     analyser: Analyser,
     time: f64,
     changed: usize,
-    /// The number of cells in all frames. `differing` counts the cells in which the two limiters differ.
+    /// The number of cells in all frames. `differing` is the number of cells in which the two limiters differ.
     cells: usize,
     differing: usize,
-    // The last field, because it is dropped after the objects in the context.
+    // This field is the last, so that the context is dropped after the objects in it.
     _context: Context,
 }
 

@@ -30,7 +30,7 @@ fn on_floor(lights: &str) -> RgbaImage {
     picture(&format!("{FLOOR}{lights}"))
 }
 
-/// The sum of red, green and blue at a position, given in fractions of the image's size.
+/// Returns the sum of red, green and blue at a position, which is given in fractions of the image's size.
 fn brightness(picture: &RgbaImage, x: f64, y: f64) -> i32 {
     colour(picture, x, y).into_iter().sum()
 }
@@ -43,8 +43,8 @@ fn colour(picture: &RgbaImage, x: f64, y: f64) -> [i32; 3] {
 
 #[test]
 fn a_small_panel_lights_like_a_lamp_to_one_side() {
-    // At points in front of it, a small panel lights like a lamp. The lamp's strength is the panel's area times its
-    // radiance.
+    // In front of a small panel, the light is the same as from a lamp. The lamp's strength is the panel's area times
+    // its radiance.
     let lamp = on_floor("light a { position = vec3(0, 3, 0)  color = 4 }");
     let panel = "position = vec3(0, 3, 0)  right = vec3(0.05, 0, 0)  color = 400";
     let below = on_floor(&format!("light a {{ {panel}  up = vec3(0, 0, 0.05) }}"));

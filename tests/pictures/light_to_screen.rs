@@ -53,8 +53,8 @@ fn times(rows: [Rgb; 3], v: Rgb) -> Rgb {
     rows.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
 }
 
-/// The tone maps as in their sources. For AgX this is the original sigmoid; the shader approximates the sigmoid by a
-/// polynomial.
+/// Computes a tone map as its source defines it. For AgX, this uses the original sigmoid, which the shader
+/// approximates by a polynomial.
 fn witness(map: ToneMap, color: Rgb) -> Rgb {
     match map {
         ToneMap::Agx => {
@@ -261,7 +261,7 @@ fn wall(camera: &str) -> TestRenderer {
     test_renderer
 }
 
-/// The width of the edge in pixels, along the middle row: from a tenth to nine tenths of the brighter side's light.
+/// Returns the edge's width in pixels on the middle row, from a tenth to nine tenths of the brighter side's light.
 fn edge_width(picture: &RgbaImage) -> f64 {
     let row: Vec<f64> =
         (0..picture.width()).map(|x| linear(picture.get_pixel(x, picture.height() / 2).0[0])).collect();

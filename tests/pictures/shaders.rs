@@ -1,5 +1,5 @@
-//! Checks every shader variant with naga, glslang and the driver. Also checks their reports of errors in broken
-//! shaders.
+//! Checks every shader variant with naga, glslang and the driver. Also checks the errors that these compilers report
+//! for broken shaders.
 //!
 //! naga's GLSL front end does not support texture buffers (`usamplerBuffer`, `samplerBuffer`). The text for naga
 //! replaces the region lookups by a function. Only glslang and the driver check the interpreter's variants.

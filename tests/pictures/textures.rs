@@ -25,7 +25,7 @@ fn difference(a: &[u8], b: &[u8]) -> u8 {
     (0..3).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0)
 }
 
-/// Lines are columns if `across` is 0, and rows if `across` is 1.
+/// Compares line `a` with line `b`. The lines are columns if `across` is 0, and rows if `across` is 1.
 fn line_difference(wood: &RgbImage, across: usize, a: u32, b: u32) -> f64 {
     let length = if across == 0 { wood.height() } else { wood.width() };
     let at = |line: u32, i: u32| if across == 0 { wood.get_pixel(line, i) } else { wood.get_pixel(i, line) };

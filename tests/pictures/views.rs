@@ -86,8 +86,8 @@ fn ray(frame: &Frame, x: u32, y: u32) -> (DVec3, DVec3) {
     (camera.position, direction.normalize())
 }
 
-/// The intersection of a pixel's ray with the ball or the floor of [`BALL`]: the distance, the normal, and true for the
-/// ball. `Some(None)` is the sky. `None` means that the ray is too close to the ball's edge or to the horizon.
+/// Intersects a pixel's ray with [`BALL`]. Returns the distance, the normal, and true for the ball; `Some(None)` for
+/// the sky; `None` if the ray is too close to the ball's edge or to the horizon.
 fn meets(frame: &Frame, x: u32, y: u32) -> Option<Option<(f64, DVec3, bool)>> {
     let (origin, direction) = ray(frame, x, y);
     let center = DVec3::new(0.0, 1.0, 0.0);

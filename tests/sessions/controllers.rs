@@ -95,7 +95,7 @@ pub(crate) fn ask(app: &App, osc: &Sender, address: &str, wanted: impl Fn(&[u8])
     answer.unwrap()
 }
 
-/// Each key changes the otherwise constant frame.
+/// Presses the keys that start learning. Each key changes the frame, which is constant otherwise.
 fn begin_to_learn(app: &App) {
     for key in ["j", "Down", "Return"] {
         let before = app.picture();
@@ -104,7 +104,7 @@ fn begin_to_learn(app: &App) {
     }
 }
 
-/// The first number of a message; `None` if the message has another address or other type tags.
+/// Returns the first number of a message; `None` if the message has another address or other type tags.
 fn number_in(bytes: &[u8], address: &str, tags: &str) -> Option<f32> {
     let rest = bytes.strip_prefix(&padded(address)[..])?.strip_prefix(&padded(tags)[..])?;
     rest.first_chunk::<4>().map(|bytes| f32::from_be_bytes(*bytes))
@@ -239,7 +239,7 @@ fn sound_features_are_sent() {
     app.quit_by_key();
 }
 
-/// The message of controller 1 on channel 1 with a value.
+/// Returns the message that sets controller 1 on channel 1 to `value`.
 fn turned(value: u8) -> [u8; 3] {
     [0xb0, 1, value]
 }

@@ -57,7 +57,7 @@ impl Place {
     }
 }
 
-/// The bright channels at the right edge of the frame, which the editor does not cover.
+/// Returns the bright channels at the right edge of the frame, which the editor does not cover.
 fn color(app: &App) -> [bool; 3] {
     let picture = app.picture();
     let right = picture.enumerate_pixels().filter(|(x, _, _)| 20 * x > 19 * picture.width());
@@ -94,7 +94,7 @@ fn wait_until_gone(app: &App, what: &str, wanted: [u8; 3]) {
     app.wait_for(what, |picture| group(picture, wanted).is_none());
 }
 
-/// The text contains numbers.
+/// Opens the editor and waits for the highlighted numbers in the text.
 fn write(app: &App) {
     app.press(&["e"]);
     wait_for_group(app, "the highlighted text", NUMBER);
@@ -247,7 +247,7 @@ light n { direction = vec3(0, -1, 0)  color = 0 }
 camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 60 }
 sky { color = 0  ambient = 0 }
 ";
-/// In a window of [`SIZE`].
+/// The position of the ball in a window of [`SIZE`].
 const BALL_AT: (u32, u32) = (634, 210);
 
 fn part(picture: &RgbaImage, left: u32, top: u32, width: u32, height: u32) -> RgbaImage {

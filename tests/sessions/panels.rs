@@ -44,7 +44,7 @@ impl Place {
         app
     }
 
-    /// A session with these options only, so that it continues the last session.
+    /// Opens a session with only these options, so that it continues the last session.
     fn again(&self, options: &[&str]) -> App {
         self.inner.begin(&[&["--silent", "--prepare-ahead", "off"], options].concat())
     }

@@ -50,7 +50,7 @@ impl Place {
         Self { inner, song, scene }
     }
 
-    /// The session's image, rendered by `mariana still`.
+    /// Renders the session's image with `mariana still`.
     fn still(&self, size: (u32, u32)) -> RgbaImage {
         let output = self.inner.path("still.png");
         let mut command = command_in(PROGRAM, self.inner.folder(), None);

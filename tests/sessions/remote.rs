@@ -16,7 +16,7 @@ use crate::support::session::{App, Place};
 use mariana::thumbnails::{MOMENT, SIZE};
 use mariana_testing::process::{output_of, wait_until};
 
-/// The session has a wall and a song. Also returns the page's address.
+/// Opens a session with a wall and a song. Returns the session and the page's address.
 fn open(place: &Place, options: &[&str]) -> (App, String) {
     open_at(place, "127.0.0.1:0", options)
 }

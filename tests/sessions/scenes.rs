@@ -149,7 +149,7 @@ fn a_saved_scene_is_shown_without_restarting_the_song() {
     app.quit_content();
 }
 
-/// The number of rows at the top without a panel: these rows equal the rows of `clear`.
+/// Returns the number of rows at the top that no panel covers: these rows equal the rows of `clear`.
 fn clear_rows(picture: &RgbaImage, clear: &RgbaImage) -> u32 {
     let rows = 0..picture.height();
     rows.take_while(|&y| (0..picture.width()).all(|x| picture.get_pixel(x, y) == clear.get_pixel(x, y)))
@@ -437,7 +437,7 @@ fn a_slider_changes_the_frame_and_survives_a_reload() {
     app.quit_content();
 }
 
-/// A scene that a driver compiles for a second or more, in the colour `emission`.
+/// Returns a scene in the colour `emission` that a driver compiles for a second or more.
 fn heavy(balls: u32, emission: &str) -> String {
     format!(
         "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\

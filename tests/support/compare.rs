@@ -31,7 +31,7 @@ pub(crate) struct Difference {
     pub largest: u8,
 }
 
-/// In steps of 0..255, without alpha.
+/// Returns the largest difference of a channel in steps of 0..255, without alpha.
 pub(crate) fn pixel_difference(a: &Rgba<u8>, b: &Rgba<u8>) -> u8 {
     (0..3).map(|channel| a.0[channel].abs_diff(b.0[channel])).max().unwrap_or(0)
 }

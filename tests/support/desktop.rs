@@ -106,7 +106,7 @@ impl Desktop {
         self.show(command, song)
     }
 
-    /// Without a song, the program listens or plays the demo track.
+    /// Opens the program without a song: it listens to live input or plays the demo track.
     pub(crate) fn listen(&self, options: &[&str]) -> App<'_> {
         self.listen_printing_to(Stdio::piped(), options)
     }
@@ -177,7 +177,7 @@ impl Desktop {
         server.randr_delete_monitor(root, name).unwrap().check().unwrap();
     }
 
-    /// Also returns the server's root window.
+    /// Connects to the X server. Returns the connection and the root window.
     pub(crate) fn connect(&self) -> (RustConnection, u32) {
         let (server, number) = x11rb::connect(Some(&self.display)).unwrap();
         let root = server.setup().roots[number].root;
@@ -194,7 +194,7 @@ impl Desktop {
         self.show(command, song)
     }
 
-    /// `command` starts the program with `song`. Waits until its window is visible and focused.
+    /// Runs `command`, which starts the program with `song`. Waits until the window is visible and focused.
     pub(crate) fn show(&self, command: Command, song: &Path) -> App<'_> {
         let mut app = self.show_without_focus(command, song);
         app.wait("the keyboard focus", |app| {
@@ -223,7 +223,7 @@ impl Desktop {
     }
 }
 
-/// Also returns the display's name.
+/// Starts an X server. Returns the process and the display's name.
 pub(crate) fn start_x_server() -> (Process, String) {
     let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
     let mut server = Process::start(
@@ -275,7 +275,7 @@ pub(crate) struct App<'d> {
 }
 
 impl App<'_> {
-    /// The keys have their X11 names. They are pressed one after the other.
+    /// Presses keys one after the other, by their X11 names.
     pub(crate) fn press(&self, keys: &[&str]) {
         self.xdotool(&[&["key"], keys].concat());
     }
@@ -439,7 +439,7 @@ impl App<'_> {
     }
 }
 
-/// The average number of processors that a process uses while `act` runs.
+/// Returns the average number of processors that a process uses while `act` runs.
 pub(crate) fn load_of(process: u32, act: impl FnOnce()) -> f64 {
     let (worked, since) = (processor_seconds(process), Instant::now());
     act();

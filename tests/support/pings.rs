@@ -84,7 +84,7 @@ impl Pinger {
         Self { connection, root, window, atoms, number: 1 }
     }
 
-    /// Does not wait for the X server.
+    /// Sends a ping without waiting for the X server.
     pub(crate) fn send(&mut self) -> VoidCookie<'_, RustConnection> {
         self.number += 1;
         let [protocols, ping] = self.atoms;
@@ -95,7 +95,7 @@ impl Pinger {
         sent
     }
 
-    /// Waits for the answer to the last ping, until `gives_up` returns true. Returns true if the answer arrived.
+    /// Waits for the answer to the last ping, or until `gives_up` returns true. Returns true if the answer arrived.
     pub(crate) fn wait(&self, mut gives_up: impl FnMut() -> bool) -> bool {
         loop {
             match self.connection.poll_for_event().unwrap() {

@@ -81,12 +81,12 @@ impl Place {
         path
     }
 
-    /// A session with `song`, without sound output and without overlay.
+    /// Opens a session with `song`, without sound output and without overlay.
     pub(crate) fn open(&self, song: &Path, options: &[&str]) -> App {
         self.begin(&[&[song.to_str().unwrap()], &ALONE[..], options].concat())
     }
 
-    /// A session with the demo track, without sound output and without overlay.
+    /// Opens a session with the demo track, without sound output and without overlay.
     pub(crate) fn listen(&self, options: &[&str]) -> App {
         self.begin(&[&ALONE[..], options].concat())
     }
@@ -208,7 +208,7 @@ impl Write for Log {
     }
 }
 
-/// A session and its user. The session advances only during calls of these methods.
+/// A session that a test operates as a user. The session advances only during calls of these methods.
 pub(crate) struct App {
     session: RefCell<Offscreen>,
     held: RefCell<Modifiers>,
@@ -261,13 +261,13 @@ impl App {
         }
     }
 
-    /// The modifiers are held from now on.
+    /// Holds these modifiers from now on.
     pub(crate) fn hold(&self, modifiers: Modifiers) {
         self.held.replace(modifiers);
         self.send(Input::Modifiers(modifiers));
     }
 
-    /// In pixels of the window.
+    /// Moves the pointer to a position in pixels of the window.
     pub(crate) fn move_pointer(&self, x: f64, y: f64) {
         self.send(Input::PointerMoved([x, y]));
     }

@@ -57,7 +57,7 @@ impl TestRenderer {
         Self::of(&speakers(), Mode::Compiled, Counting::Off)
     }
 
-    /// A renderer for a scene in a mode. With [`Counting::On`], the program counts evaluations.
+    /// Creates a renderer for `scene` in `mode`. With [`Counting::On`], the program counts evaluations.
     pub(crate) fn of(scene: &SceneSource, mode: Mode, counting: Counting) -> Self {
         Self::of_ready(ready(scene), mode, counting)
     }
@@ -96,7 +96,7 @@ impl TestRenderer {
         frame
     }
 
-    /// `time` is in seconds.
+    /// Draws the frame at `time` seconds.
     pub(crate) fn picture(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> RgbaImage {
         self.try_picture(time, sound, size).unwrap_or_else(|error| panic!("{size:?} at {time} s: {error}"))
     }

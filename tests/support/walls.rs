@@ -19,7 +19,7 @@ pub(crate) const TWO_COLOURS: &str = "mix(vec3(0.5, 0.01, 0.01), vec3(0.01, 0.01
 /// The emission of a wall that slowly becomes brighter and darker. The change is no flash.
 pub(crate) const BREATHES: &str = "vec3(0.3 + 0.2 * sin(2 * t))";
 
-/// The colour at a position, given in fractions of the image's size.
+/// Returns the colour at a position, which is given in fractions of the image's size.
 pub(crate) fn at(picture: &RgbaImage, x: f32, y: f32) -> [u8; 3] {
     let place = |fraction: f32, side: u32| ((fraction * side as f32) as u32).min(side - 1);
     let [red, green, blue, _] = picture.get_pixel(place(x, picture.width()), place(y, picture.height())).0;
@@ -48,7 +48,7 @@ pub(crate) fn wait_for_refusal(log: impl Fn() -> String, wait_for_motion: impl F
     }
 }
 
-/// If `count` is large, building a region tree of these spheres takes too much time.
+/// Returns `count` spheres. If `count` is large, building the region tree takes too long.
 pub(crate) fn foam(count: usize) -> String {
     format!(
         "object foam {{ shape = smooth_union(for i in 0..{count}: sphere(p - vec3(3 * sin(i * 12.9898), \

@@ -2,7 +2,7 @@
 
 use image::RgbaImage;
 
-/// The fraction of the pixels in these columns that have the colour of wood, lit or unlit.
+/// Returns the fraction of the pixels in `columns` that have the colour of wood, lit or unlit.
 fn wood_fraction(picture: &RgbaImage, columns: std::ops::Range<u32>) -> f64 {
     let (mut wood, mut all) = (0_u32, 0_u32);
     for (x, _, pixel) in picture.enumerate_pixels() {

@@ -16,7 +16,7 @@ use mariana_testing::wave::write_wav;
 /// Keys that change the frame and the shader program, because these changes stress drivers most.
 const LETTERS: &str = "n p c v n v r Tab i h space Left Right";
 
-/// The value of an environment variable, or `otherwise` if it is not set.
+/// Returns the value of an environment variable, or `otherwise` if the variable is not set.
 fn change<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
     std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(otherwise)
 }

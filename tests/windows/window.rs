@@ -43,7 +43,7 @@ fn silent_song(folder: &Path, seconds: f64) -> PathBuf {
     song(folder, "quiet.wav", seconds, f64::INFINITY)
 }
 
-/// Pauses and seeks to the song's start. It is the only time that the test knows exactly.
+/// Pauses and seeks to the song's start, the only time that the test knows exactly.
 fn pause_at_start(app: &mut App) -> RgbaImage {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));

@@ -29,7 +29,7 @@ fn wait_for_half(place: &Place, right: bool, what: &str, wanted: impl Fn(&RgbaIm
     found.unwrap()
 }
 
-/// The bounds of the small output image in the control window, in pixels: left, top, right, bottom.
+/// Returns the bounds of the small output image in the control window, in pixels: left, top, right, bottom.
 fn small_picture(desk: &RgbaImage) -> Option<[u32; 4]> {
     let mut found: Option<[u32; 4]> = None;
     for (x, y, pixel) in desk.enumerate_pixels() {

@@ -20,7 +20,7 @@ pub(super) struct Size {
 
 #[derive(Debug, Default)]
 pub(super) struct Measure {
-    /// For each file, by path: the files that it depends on.
+    /// The files on which each file depends, by path.
     pub(super) edges: BTreeMap<String, BTreeSet<String>>,
     /// The sizes of types, by file and name.
     pub(super) types: BTreeMap<(String, String), Size>,
@@ -64,7 +64,7 @@ impl Walk<'_> {
         }
     }
 
-    /// A macro's arguments are tokens without a syntax tree, so this function finds the paths in them.
+    /// Finds the paths in a macro's arguments, which are tokens without a syntax tree.
     fn name_tokens(&mut self, tokens: TokenStream) {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
         let word = |at: usize| match tokens.get(at) {

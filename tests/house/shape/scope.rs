@@ -19,7 +19,7 @@ pub(super) struct Module {
     /// Imported names, each with its path.
     imports: HashMap<String, Vec<String>>,
     globs: Vec<Vec<String>>,
-    /// The items of the module, without its submodules and its test code.
+    /// The items of the module, without submodules and test code.
     pub(super) code: Vec<Item>,
 }
 
