@@ -77,7 +77,7 @@ pub fn column_of(line: &[u8], offset: usize) -> usize {
     behind
 }
 
-/// Returns the byte offset of the cell whose left edge is nearest to `column`, or `line`'s length beyond the cells.
+/// Returns the byte offset of the cell whose left edge is nearest to `column`; beyond all cells, `line`'s length.
 pub fn offset_of(line: &[u8], column: f32) -> usize {
     for cell in cells(line) {
         if column < cell.column as f32 + 0.5 * cell.width as f32 {

@@ -30,7 +30,7 @@ pub struct Number {
     whole: bool,
 }
 
-/// Change per point of pointer movement, as a fraction of the power of ten of the number's first digit.
+/// Change per point of pointer movement, for a number from 1 to 10. Other numbers change in proportion to their decade.
 const FRACTION_OF_POINT: f64 = 0.02;
 /// Points of pointer movement that change an integer by one.
 const POINTS_OF_STEP: f64 = 12.0;
@@ -50,7 +50,7 @@ impl TurnSpeed {
 }
 
 impl Number {
-    /// Returns the number of `line` that contains byte `at` or ends there. `words` are the line's words.
+    /// Returns the number in `line` that contains byte `at` or ends there. `words` are the line's words.
     pub fn at(line: &[u8], words: &[Word], at: usize) -> Option<Self> {
         let index = words
             .iter()
@@ -138,7 +138,7 @@ impl Number {
     }
 }
 
-/// Returns the index of the number whose digits begin at byte `digits`, from 0, in the language's order of numbers.
+/// Returns the index, from 0 in the language's order, of the number whose digits begin at byte `digits`.
 pub fn numbers_before(text: &[u8], digits: usize) -> Option<usize> {
     number_place(std::str::from_utf8(text).ok()?, digits)
 }

@@ -35,7 +35,7 @@ impl Flip {
     }
 }
 
-/// The parts that are cut off an image's edges, in percent of its width and height: left, top, right, bottom.
+/// The parts that are cut off an image's edges, in percent of the image's size: left, top, right, bottom.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(try_from = "[f64; 4]", into = "[f64; 4]")]
 pub struct Crop([f64; 4]);
@@ -68,8 +68,8 @@ impl Crop {
     }
 }
 
-/// The corners of the visible part on the screen, as fractions of its width and height to the right and down: upper
-/// left, upper right, lower right, lower left.
+/// The screen positions of the visible part's corners, as fractions of the screen to the right and down: upper left,
+/// upper right, lower right, lower left.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "[[f64; 2]; 4]", into = "[[f64; 2]; 4]")]
 pub struct Corners([[f64; 2]; 4]);

@@ -49,7 +49,7 @@ impl SceneRenderer {
         self.draw_frame(&frame)
     }
 
-    /// Draws `frame`, in which you can change the inputs first, such as camera and parameters.
+    /// Draws `frame`. Before the call you can change its inputs, such as camera and parameters.
     ///
     /// # Errors
     /// Same errors as [`SceneRenderer::draw`].

@@ -1,5 +1,5 @@
 //! The state of the controllers panel: parameters and actions, the MIDI controls mapped to them, and the phone page.
-//! The overlay draws it, keys and the pointer change it, and its commands go to the session.
+//! The overlay draws the panel. Keys and the pointer change it. Its commands go to the session.
 
 mod rows;
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! The state of the corner handles of the keystone correction. The overlay draws the handles, keys and the pointer move
-//! them, and the stage moves the frame's corners.
+//! The state of the corner handles of the keystone correction. The overlay draws the handles. Keys and the pointer move
+//! them. The stage moves the frame's corners.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 

@@ -54,7 +54,7 @@ pub struct FileBrowser {
 }
 
 impl FileBrowser {
-    /// Shows `folder`, or the user's music folder for `None`. `wake` is called when a folder has been read.
+    /// Shows `folder`, or the user's music folder if it is `None`. `wake` is called when a folder has been read.
     ///
     /// # Errors
     /// Fails if the system cannot start another thread.

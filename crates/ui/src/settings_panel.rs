@@ -246,7 +246,7 @@ pub(crate) mod tests {
         use NamedKey::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, Enter};
         let mut panel = panel(&Choices::default(), None);
         assert_eq!((press(&mut panel, ArrowUp), panel.selected()), (None, 0));
-        // Enter on the chosen output has no effect, and arrows do not try further outputs.
+        // Enter on the chosen output has no effect, and arrows do not try other outputs.
         assert_eq!((press(&mut panel, Enter), press(&mut panel, ArrowRight)), (None, None));
         assert_eq!((press(&mut panel, ArrowDown), panel.selected()), (None, 1));
         assert_eq!(press(&mut panel, Enter), set(Setting::Output(Some("usb".into()))));

@@ -1,6 +1,6 @@
 //! The grid of cells in which flashes are counted.
 
-/// Cells from left to right. A field of view has a third of these columns.
+/// Cells from left to right. A field of view spans a third of them.
 pub const COLUMNS: usize = 48;
 /// Cells from top to bottom.
 pub const ROWS: usize = 36;

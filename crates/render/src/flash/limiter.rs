@@ -29,7 +29,7 @@ pub(super) const HOLD: f64 = 1.0;
 pub(super) const SWING: f32 = 0.07;
 /// Half of the time for which the lowest luminance is remembered, in seconds.
 const MEMORY: f64 = 0.6;
-/// Rise of the ceiling in luminance per second: `FOLLOW` when the lows have become brighter, `RELEASE` after flashes.
+/// Rise of the ceiling in luminance per second: `FOLLOW` if the lowest luminance rises, `RELEASE` after flashes.
 pub(super) const FOLLOW: f32 = 0.25;
 pub(super) const RELEASE: f32 = 0.5;
 /// Fraction of grey in a limited red. It is large enough that no red stays saturated.
@@ -43,7 +43,7 @@ pub(super) const EARLY: f64 = 0.035;
 pub(super) const OPEN: f32 = 1.25;
 /// Fraction of the ceiling below which light does not change. Brighter light approaches the ceiling.
 pub(super) const KNEE: f32 = 0.8;
-/// Range of a ceiling in cells. Adjacent cells get the ceiling unchanged.
+/// Distance in cells over which a ceiling spreads. Adjacent cells get the ceiling unchanged.
 pub(super) const REACH: usize = 7;
 /// Rise of a ceiling per squared distance beyond the adjacent cell. The fraction of grey falls by the same number.
 pub(super) const CEILING_RISE: f32 = OPEN / ((REACH - 1) * (REACH - 1)) as f32;

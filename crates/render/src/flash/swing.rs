@@ -147,7 +147,7 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Tolerance for comparing frame times, which are rounded, in seconds.
+/// Tolerance, in seconds, for comparing frame times, which are rounded.
 pub(super) const ROUNDING: f64 = 1e-6;
 
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! Orbit controls: the user turns and zooms the view around the point that the scene's camera looks at.
 //!
-//! The controls add to the scene's camera, which may keep moving. `eye` in materials and the sky follows the controls.
+//! They apply on top of the scene's camera, which may keep moving. `eye` in materials and the sky follows the controls.
 //! Regions, bounds, planes and the formulas of the camera path ignore the controls.
 
 use glam::DVec3;

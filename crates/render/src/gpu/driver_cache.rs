@@ -1,4 +1,4 @@
-//! Disables Mesa's shader cache when its disk is full. Mesa up to 22.3 maps the cache's index into memory without
+//! Disables Mesa's shader cache when the cache's disk is full. Mesa up to 22.3 maps its index into memory without
 //! reserving disk space. If a later write finds the disk full, a bus error kills the process.
 
 #![expect(unsafe_code, reason = "sets an environment variable before other threads start")]
@@ -11,7 +11,7 @@ const ROOM_MIN: u64 = 16 << 20;
 
 const OFF: &str = "MESA_SHADER_CACHE_DISABLE";
 
-/// Disables Mesa's cache for this process and its children if its disk is almost full. Call before starting threads.
+/// Disables Mesa's cache for this process and its children if the disk is almost full. Call before starting threads.
 pub fn leave_where_full() {
     let folder = folder(|name| std::env::var_os(name).filter(|value| !value.is_empty()));
     let room = folder.and_then(|folder| room_in(&folder));

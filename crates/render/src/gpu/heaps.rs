@@ -12,7 +12,7 @@
 /// Two heaps cause little contention, because small blocks come from a cache of each thread.
 const HEAPS: libc::c_int = 2;
 
-/// Makes all threads of the process share few heaps. Call it before starting other threads.
+/// Makes all threads of the process share two heaps. Call it before starting other threads.
 pub fn limit_heaps() {
     // SAFETY: the function takes two plain numbers and locks the state that it changes.
     unsafe { libc::mallopt(libc::M_ARENA_MAX, HEAPS) };

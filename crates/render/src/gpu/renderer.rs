@@ -329,7 +329,7 @@ impl Renderer {
         })
     }
 
-    /// Keeps the finished image's light for fades. `false` if the image has no light: for a view, or after the targets
+    /// Keeps the finished image's light for fades. Returns `false` if it has no light: for a view, or after the targets
     /// were dropped.
     ///
     /// # Errors

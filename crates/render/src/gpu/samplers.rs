@@ -11,7 +11,7 @@ use super::program::LazyProgram;
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
 
-/// A shader that reads the maximum number of textures of a program.
+/// A shader that reads as many textures as any program may read.
 pub const SAMPLERS_SHADER: &str = "samplers.frag";
 
 /// Maximum number of textures of a program, each in its own unit.

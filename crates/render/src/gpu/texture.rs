@@ -93,7 +93,7 @@ fn covered(above: u32, below: u32) -> Vec<(usize, Vec<f32>)> {
 }
 
 /// The bits of the nearest 16-bit float, ties to even. `value` must be within 0..=1. For values below 2^-14 the result
-/// may be any smaller value.
+/// may be too small.
 fn half_bits(value: f32) -> u16 {
     /// Mantissa bits that a 16-bit float lacks.
     const DROPPED: u32 = 13;

@@ -61,7 +61,7 @@ impl TextureBuffer {
 const TEXEL_BYTES: usize = 16;
 
 /// Pads the bytes if their length is unusual, because Mesa's software renderers would compile another variant of a
-/// program, which takes seconds during a show. Unusual are powers of two, and lengths whose remainder modulo 65,536 is
+/// program, which takes seconds during a show. Powers of two are unusual, and lengths whose remainder modulo 65,536 is
 /// below 256: Mesa reads the second byte of the length as the number of a texture's last mip level.
 fn padded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let length = bytes.len();

@@ -17,7 +17,7 @@ use crate::faults::{self, Fault};
 /// Target time of a part in seconds: half of the limit (`limits.rs`), because the costs of pixels differ.
 pub(super) const PART_SECONDS: f64 = 0.12;
 /// Seconds for submitting a draw and waiting for its end. With a value of 1 ms, cheap pixels seemed ten times as
-/// expensive.
+/// expensive as they are.
 const OVERHEAD: f64 = 0.00025;
 /// Maximum factor between the highest and the second-highest cost per pixel. A higher cost is clamped.
 const OUTLIER: f64 = 4.0;

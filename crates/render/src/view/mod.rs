@@ -123,7 +123,7 @@ impl View {
         &VIEWS[self as usize % VIEWS.len()]
     }
 
-    /// Returns the view after or before `view`. `None` comes before the first view and after the last view.
+    /// Returns the view after `view`, or before it if not `forward`. `None` is before the first and after the last.
     pub fn beside(view: Option<Self>, forward: bool) -> Option<Self> {
         let places = VIEWS.len() + 1;
         let place = view.map_or(0, |view| view as usize + 1);

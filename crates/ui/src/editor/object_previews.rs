@@ -45,7 +45,7 @@ impl ObjectPreviews {
             && !self.known.contains_key(name)
         {
             self.known.insert(name, None);
-            // Sending fails only if the thread did not start. That was logged.
+            // Sending fails only if the thread did not start, which has been logged.
             let _ = self.orders.send((name, formula));
         }
     }

@@ -39,7 +39,7 @@ pub(super) fn show(
 
     let mut grabs = Vec::new();
     for (corner, place) in places.into_iter().enumerate() {
-        // Draw the handle of a corner that is outside the window at the window's edge.
+        // If a corner is outside the window, draw its handle at the window's edge.
         let seen = screen.shrink(RADIUS.min(0.5 * screen.size().min_elem())).clamp(place);
         let grab = Rect::from_center_size(seen, vec2(HOLD, HOLD)).intersect(screen);
         let area = style::area(Id::unique("corner of the picture").with(corner), Order::Foreground)

@@ -27,7 +27,7 @@ const LINES_MIN: usize = 14;
 const AROUND: f32 = 112.0;
 const EDGE: f32 = 10.0;
 
-/// Draws the editor, and its marks and cards over the frame. Returns the areas of all, the editor's area first.
+/// Draws the editor, and its marks and cards over the frame. Returns all these areas, the editor's area first.
 pub(super) fn show(
     context: &egui::Context,
     rooms: &Rooms,

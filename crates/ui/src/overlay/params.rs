@@ -34,7 +34,7 @@ pub(super) fn show(
     let width = width(space.width() + 2.0 * style::MARGIN);
     let id = Id::unique("overlay parameters");
     if context.memory(|memory| memory.area_rect(id)).is_none() {
-        // egui's first pass only finds the size.
+        // Discard egui's first pass, because it only finds the size.
         context.request_discard("the size of the parameters' panel");
     }
     let area = style::area(id, Order::Middle)

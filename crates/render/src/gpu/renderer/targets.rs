@@ -41,7 +41,7 @@ impl Targets {
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<Self, GpuError> {
-        // Counts use the shader outputs of the lens, because images with counts are never shown.
+        // Counts replace the shader outputs of the lens, because images with counts are never shown.
         let texels: &[Texel] = match (counting, has_lens) {
             (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
             (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],

@@ -49,7 +49,7 @@ fn the_card_of_a_point_leads_to_its_source_line() {
     probe(&mut setup, [0.5, 0.9]);
     setup.editor.obey(EditorEvent::GoToProbed);
     assert_eq!(line_of_cursor(&setup), 6);
-    // The frame comes from the loaded text; meanwhile a line was added above.
+    // The frame shows the loaded text. Since then, the user has added a line above.
     let scenery = scenery_of(setup.source());
     setup.go_to("object near");
     setup.type_text("# far\n");
