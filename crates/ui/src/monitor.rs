@@ -20,7 +20,7 @@ impl fmt::Display for Monitor {
     }
 }
 
-/// Returns the monitor whose name is `text`. If there is none, `text` is a monitor's number, from 1.
+/// Returns the monitor with the name `text`. If no monitor has this name, `text` is a monitor's number, from 1.
 pub fn named<'a>(monitors: &'a [Monitor], text: &str) -> Option<&'a Monitor> {
     let by_name = monitors.iter().find(|monitor| monitor.name.eq_ignore_ascii_case(text));
     by_name.or_else(|| monitors.get(text.parse::<usize>().ok()?.checked_sub(1)?))

@@ -102,7 +102,7 @@ impl Texts {
         Some(document.editing.buffer().line_of(now.start))
     }
 
-    /// Returns the next mistake of the visible text. If it has none, returns the number of a text that has a mistake.
+    /// Returns the next mistake of the visible text. If it has no mistake, returns the number of a wrong text.
     pub(super) fn next_mistake(&self) -> Result<Marked, Option<usize>> {
         let next = self.document().and_then(Document::next_mistake);
         next.ok_or_else(|| self.found.first_wrong_text())
