@@ -55,7 +55,7 @@ const FUSED: [Op; 7] = [
 
 /// Returns an operand, which is an earlier node.
 fn back(built: &[NodeId], byte: u8) -> Option<NodeId> {
-    // Choose mostly recent nodes, so that results are used, and a few earlier nodes, whose values must be kept.
+    // Choose mostly recent nodes, so that results are used, and some old nodes, so that values must be kept.
     let distance = match byte {
         0..112 => usize::from(byte % 2),
         112..224 => usize::from(byte % 12),

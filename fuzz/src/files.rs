@@ -157,7 +157,7 @@ fn stays_within(path: &Path) -> bool {
     path.strip_prefix(folder).is_ok_and(|rest| !rest.components().any(|part| part.as_os_str() == ".."))
 }
 
-/// Reads a settings file, changes it and reads it again.
+/// Reads a settings file, changes the settings and reads the file again.
 pub(crate) fn settings(data: &[u8]) {
     let path = file("settings", "settings.toml", data);
     let (mut file, reported) = SettingsFile::open(Some(path.clone()));

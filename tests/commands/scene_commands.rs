@@ -53,7 +53,7 @@ fn the_shipped_scene_is_checked_and_its_cost_reported() {
     }
 }
 
-/// Rays can stop in front of a surface if its formula is not a distance, so `check` reports such formulas.
+/// If a formula is not a distance, rays can stop in front of the surface. Therefore `check` reports such formulas.
 #[test]
 fn check_reports_a_shape_that_is_no_distance() {
     let place = Workplace::new();

@@ -84,7 +84,7 @@ fn a_show_dims_and_freezes_frames_of_any_scene() {
         assert!(frame(time) == at(time), "the moment {time}");
     }
     let alone = |scene: &str, time: &str| still(&place, &["--scene", scene, "--at", time]);
-    // The frozen frame stays when another scene starts. At the end of the freeze it fades to the current scene.
+    // The frozen frame stays when another scene starts. Then it fades to the current scene.
     let held = frame(1.0);
     assert!(frame(0.5) != held && [1.0, 2.5, 3.5].iter().all(|time| frame(*time) == held));
     assert!(frame(5.0) != held && frame(5.0) != alone("green.scene", "5"));
@@ -136,7 +136,7 @@ fn a_show_without_a_matching_cue_is_refused() {
         place.run(&[&[job], &show[..], &["-o", output]].concat()).refused_with_details(&reported);
         assert!(!place.path(output).exists(), "{output}");
     }
-    // All cues of this show wait for keys, so it cannot be rendered.
+    // All cues of this show wait for keys, so the show cannot be rendered.
     place.write("cues.show", "at cue red.scene\nat cue green.scene\n");
     let outcome = place.run(&["video", "one.wav", "--show", "cues.show", "-o", "a.mp4"]);
     assert!(outcome.code == 1 && outcome.stderr.contains("only a window has"), "{outcome:?}");

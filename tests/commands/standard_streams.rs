@@ -104,7 +104,7 @@ fn scenes_and_songs_can_be_combined_as_arguments() {
     assert!(still(&["one.wav", "my.scene"], "b.png") == by_flag);
     assert!(still(&["my.scene", "one.wav"], "c.png") == by_flag);
     assert!(still(&["one.wav"], "d.png") != by_flag);
-    // The player accepts the arguments as well, but cannot open a window here.
+    // The player also accepts these arguments, but cannot open a window here.
     place.run(&["my.scene"]).refused(&["window"]);
     place.run(&["one.wav", "my.scene"]).refused(&["window"]);
     let refused = |arguments: &[&str], parts: &[&str]| {

@@ -1,5 +1,5 @@
-//! Dependency rules that Cargo cannot express; ARCHITECTURE.md explains them. `walls` lists the packages that each
-//! crate may depend on, the modules that each module of the program may use, and the modules that may access the
+//! Dependency rules that Cargo cannot express. ARCHITECTURE.md explains these rules. `walls` lists the packages that
+//! each crate may depend on, the modules that each module of the program may use, and the modules that may access the
 //! outside world. Clippy checks `unwrap` and `unsafe` (see `[workspace.lints]`).
 
 #![allow(clippy::unwrap_used)]

@@ -1,5 +1,5 @@
-//! Rules for dependencies: their licences, and one version of each crate. The lists are in deny.toml, which `cargo
-//! deny` reads as well.
+//! Rules for dependencies: allowed licences, and one version of each crate. The lists are in deny.toml, which `cargo
+//! deny` also reads.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 

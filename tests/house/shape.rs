@@ -1,9 +1,9 @@
 //! Limits on the structure of crates: the number of modules in a dependency cycle, the size of types and the length of
 //! functions. [`OVER`] lists the current violations; its numbers may only shrink.
 //!
-//! A module is a file with its inline modules. It depends on the modules that define the names in its paths; re-exports
-//! are followed. Declaring or re-exporting a module is no dependency. Test code counts only for the length of
-//! functions.
+//! A module is a file with its inline modules. A module depends on the modules that define the names in its paths;
+//! re-exports are followed. Declaring or re-exporting a module is no dependency. Test code counts only for the length
+//! of functions.
 
 mod measure;
 mod scope;

@@ -223,7 +223,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
 /// Packages that only some modules may use. A row also applies to all packages whose names begin with its name: `egui`
 /// covers `egui_glow`.
 pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
-    // Other modules use these crates by their names in lib.rs, to which the rows of [`ROOMS`] apply.
+    // These crates also have names in lib.rs. If a module uses such a name, the rows of [`ROOMS`] apply.
     ("mariana_commands", &["lib"]),
     ("mariana_files", &["lib", "config"]),
     ("mariana_render", &["lib"]),

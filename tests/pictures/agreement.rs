@@ -356,7 +356,7 @@ fn disturbance(op: Op, a: f32, result: f32) -> f32 {
     match op {
         Op::Add | Op::Sub | Op::Mul | Op::Square | Op::Sqrt => ULPS * result.abs(),
         Op::AbsDifference | Op::AbsSub => ULPS * result.abs(),
-        // The intermediate result of a fused operator is rounded as well.
+        // The intermediate result of a fused operator is also rounded.
         Op::SquareDifference | Op::Length => 2.0 * ULPS * result.abs(),
         Op::SquareAdd | Op::OutsideAdd => ULPS * (a * a + result.abs()),
         Op::SqrtSub => ULPS * (a.max(0.0).sqrt() + result.abs()),

@@ -1,5 +1,5 @@
-//! Tests the flash limiter on the GPU with sequences that are made to defeat it. The analyser judges the results; it
-//! shares only the definition of a flash with the limiter. The limiter on the CPU computes the same frames for
+//! Tests the flash limiter on the GPU with sequences that are made to defeat it. The analyser judges the results. The
+//! analyser and the limiter share only the definition of a flash. The limiter on the CPU computes the same frames for
 //! comparison.
 
 #![cfg(target_os = "linux")]

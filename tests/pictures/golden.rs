@@ -120,7 +120,7 @@ fn tone_mapping_is_monotonic_and_removes_invalid_light(test_renderer: &mut TestR
     .into();
     let bright = ["1e-6", "0.001", "0.01", "0.1", "0.5", "1.0", "3.0", "10.0", "100.0", "1e4", "1e8"];
     let all: Vec<String> = black.iter().cloned().chain(bright.map(grey)).collect();
-    // Each column has a value. The shader reads it from an array, so that no driver folds it as a constant.
+    // Each column has a value. The shader reads the values from an array, so that no driver folds them as constants.
     let body = format!(
         "vec3 lights[{count}] = vec3[{count}]({lights});\n    \
          color = lights[int(sample_place().x) % {count}];",

@@ -106,7 +106,7 @@ fn truth(surely: bool, never: bool) -> Span {
     }
 }
 
-/// Interval versions of the operators that the shipped scenes use. For other operators it returns [`ALL`].
+/// Computes an operator on intervals. Supports the operators that the shipped scenes use; returns [`ALL`] for others.
 fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
     let less = |a: Span, b: Span| truth(a.1 < b.0, a.0 >= b.1);
     match name {

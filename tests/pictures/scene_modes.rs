@@ -23,7 +23,7 @@ use mariana_music::{Sound, Tables};
 
 const SIZE: (u32, u32) = (240, 135);
 
-/// Two planes, one of which turns with time, and a ball between them.
+/// A fixed plane, a plane that turns with time, and a ball between the planes.
 const PLANES: &str = "min(min(y, 0.6*x + 0.8*(9 + sin(t) - z)), sqrt(x*x + (y-1)*(y-1) + (z-4)*(z-4)) - 1)";
 
 const UNBOUNDED: &str = "y + 0.2*sin(x)*sin(z)";

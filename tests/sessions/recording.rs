@@ -259,7 +259,7 @@ fn an_interrupted_fade_is_rendered_again_bit_for_bit() {
         last = settled(&app, &last, &format!("{time} s"));
         pictures.push((time, last.clone()));
     }
-    // A freeze also interrupts a fade. At its end, the frozen frame fades to the new scene.
+    // A freeze also interrupts a fade. At the end of the freeze, the frozen frame fades to the new scene.
     place.freeze(&app);
     place.sender.send("/param/width", &[3.0]);
     place.go_to(&app, 26.25);

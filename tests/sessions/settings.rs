@@ -17,7 +17,7 @@ fn wait_for_setting(app: &App, place: &Place, line: &str) {
     app.wait_until(line, |_| place.saved_settings().lines().any(|found| found == line));
 }
 
-/// Waits until no line of the settings begins with `key`. Then the setting has its default.
+/// Waits until no line of the settings begins with `key`, because the setting has its default.
 fn wait_for_default(app: &App, place: &Place, key: &str) {
     app.wait_until(key, |_| !place.saved_settings().lines().any(|line| line.starts_with(key)));
 }

@@ -179,7 +179,7 @@ fn a_show_in_a_window_equals_its_stills_and_follows_saves() {
 fn the_director_uses_the_structure_of_a_lists_first_track() {
     apart!();
     let place = Place::new();
-    // The song has a calm and a loud half, so it has two sections with a scene for each.
+    // The song has a calm half and a loud half. These are two sections, and each section gets a scene.
     let samples = (0..60 * 48_000).flat_map(|frame: u32| {
         let (loud, at) = (frame >= 30 * 48_000, (frame % 24_000) as f32);
         let hiss = (frame.wrapping_mul(2_654_435_761) >> 16) as f32 / 32_768.0 - 1.0;

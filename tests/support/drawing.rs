@@ -1,8 +1,8 @@
-//! OpenGL contexts in the test process. Only one thread at a time uses its contexts.
+//! OpenGL contexts in the test process. Only one thread at a time may use contexts.
 //!
 //! Tests run in parallel threads, and all their contexts share an EGL display. Before llvmpipe (up to Mesa 22.3)
-//! allocates a buffer, it reads all contexts of a display (`lp_scene_is_resource_referenced`). It does not lock them,
-//! so a thread that draws meanwhile could crash the process.
+//! allocates a buffer, it reads all contexts of a display (`lp_scene_is_resource_referenced`). llvmpipe does not lock
+//! the contexts, so a thread that draws meanwhile could crash the process.
 
 use std::ops::Deref;
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -45,9 +45,9 @@ impl Drop for DrawsAlone {
     }
 }
 
-/// A context without a window. Its guard keeps other threads from drawing.
+/// A context without a window. The guard keeps other threads from drawing.
 pub(crate) struct Context {
-    // The first field, because it is dropped before the guard.
+    // This field is the first, so that the context is dropped before the guard.
     headless: Headless,
     _alone: DrawsAlone,
 }

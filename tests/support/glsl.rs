@@ -41,7 +41,7 @@ impl Stage {
     }
 }
 
-/// Runs glslangValidator on `text`. Returns its output, as an error if the validator rejects the text.
+/// Runs glslangValidator on `text`. Returns the validator's output; if the validator rejects the text, as an error.
 fn run_glslang(stage: Stage, text: &str, options: &[&str]) -> Result<String, String> {
     let suffix = if stage == Stage::Vertex { ".vert" } else { ".frag" };
     let mut file = tempfile::Builder::new().suffix(suffix).tempfile().unwrap();
@@ -81,7 +81,7 @@ fn with_quoted_lines(text: &str, reported_problems: &str) -> String {
     quoted
 }
 
-/// The file name in naga's messages. Their line numbers refer to the whole text, with its includes.
+/// The file name in naga's messages. The line numbers in the messages count the lines of the text with all includes.
 const REWRITTEN: &str = "rewritten, whole shader";
 
 /// Checks a whole OpenGL shader with naga's GLSL front end and validator. The error quotes the rejected line of the
@@ -102,8 +102,8 @@ pub(crate) fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Converts OpenGL 3.30 text to Vulkan 4.50 text, by the table in the module's documentation. Fails if a uniform block
-/// or a texture has no fixed binding, because the renderer would not bind it.
+/// Converts OpenGL 3.30 text to Vulkan 4.50 text, by the table in the module's documentation. Fails if a uniform
+/// block or a texture has no fixed binding, because the renderer would not bind the block or texture.
 pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
     let samplers: Vec<(&str, &str)> = text.lines().filter_map(declared_sampler).collect();
     let mut vulkan = String::new();

@@ -98,7 +98,7 @@ pub(crate) struct Outcome {
 }
 
 impl Outcome {
-    /// Runs `command`. Fails unless it exits (not by a signal) within `limit`.
+    /// Runs `command`. Fails if the command takes longer than `limit` or is ended by a signal.
     pub(crate) fn of(command: &mut Command, limit: Duration) -> Self {
         let (stdout, stderr) = (tempfile::tempfile().unwrap(), tempfile::tempfile().unwrap());
         command.stdout(stdout.try_clone().unwrap()).stderr(stderr.try_clone().unwrap());

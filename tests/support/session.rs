@@ -29,7 +29,7 @@ const PICTURE: Duration = Duration::from_millis(20);
 
 pub(crate) struct Place {
     folder: PathBuf,
-    /// Removes the folder when it is dropped; `None` if another process owns the folder.
+    /// Removes the folder when this field is dropped; `None` if another process owns the folder.
     _own: Option<TempDir>,
     drawer: PathBuf,
 }
@@ -143,7 +143,7 @@ impl Place {
         song
     }
 
-    /// Ends a session as a power cut would. Restores the folder to its state before the end, without the files that the
+    /// Ends a session as a power cut would: the folder gets back the state before the end, without the files that the
     /// session writes at its end.
     pub(crate) fn cut_off(&self, app: App) {
         let kept = tempfile::tempdir().unwrap();

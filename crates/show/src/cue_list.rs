@@ -65,7 +65,7 @@ pub enum Anchor {
     Time(f64),
     /// The start of a bar; 1 is the first whole bar.
     Bar(u32),
-    /// The start of a section: its letter, and its number among the sections with that letter, counted from 1.
+    /// The start of a section, by the section's letter and its number among the sections with that letter, from 1 on.
     Section(String, u32),
     /// A drop, counted from 1.
     Drop(u32),
@@ -76,7 +76,7 @@ pub enum Anchor {
 }
 
 impl CueList {
-    /// Returns the entries that wait for the cue key, in their order.
+    /// Returns the entries that wait for the cue key, in the order of the text.
     pub fn cues(&self) -> impl Iterator<Item = &Entry> {
         self.entries.iter().filter(|entry| entry.when.anchor == Anchor::Cue)
     }

@@ -29,7 +29,7 @@ pub struct SceneCard {
     pub scene: String,
     /// The scene's `about` block.
     pub about: About,
-    /// The names of its named cameras.
+    /// The names of the scene's cameras.
     pub cameras: Vec<String>,
 }
 

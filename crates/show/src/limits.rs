@@ -1,4 +1,4 @@
-//! The limits on shows. Code, error messages and tests read them from here.
+//! The limits on shows, for code, error messages and tests.
 
 /// Limits on show files and on the memory that shows use.
 #[derive(Debug, Clone, Copy, PartialEq)]

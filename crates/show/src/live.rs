@@ -148,7 +148,7 @@ mod tests {
         let loud = starts(60, |time| if time < 30.0 { 0.2 } else { 0.9 });
         let change = loud.iter().find(|(start, _)| *start > 1.0).unwrap();
         assert!((30.0..32.0).contains(&change.0) && change.1 == Way::Cut, "{loud:?}");
-        // Flickering energy causes no change, and every scene has its minimum time.
+        // Flickering energy causes no change, and every scene is shown for the minimum time.
         let flicker = starts(100, |time| if (time * 4.0).fract() < 0.5 { 0.1 } else { 0.9 });
         assert!(flicker.windows(2).all(|pair| pair[1].0 - pair[0].0 >= CLIP[0]), "{flicker:?}");
     }

@@ -1,8 +1,8 @@
 //! Records a performance frame by frame, and converts the recording to a cue list that repeats the performance.
 //!
 //! At the recorded moments, the cue list reproduces all values bit for bit. Between two moments that are close
-//! together, it interpolates the values. When the song jumps back, new frames replace the frames recorded after that
-//! moment.
+//! together, the cue list interpolates the values. When the song jumps back, new frames replace the frames recorded
+//! after that moment.
 
 use std::collections::BTreeMap;
 

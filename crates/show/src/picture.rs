@@ -85,7 +85,7 @@ fn all_moves(clips: &[Clip], name: &str) -> Vec<Move> {
     moves
 }
 
-/// Returns the index of the animation in effect at `time`, and its value.
+/// Returns the index and the value of the animation in effect at `time`.
 fn last_at(moves: &[Move], time: f64) -> Option<(usize, f32)> {
     let place = moves.partition_point(|one| one.has_begun(time)).checked_sub(1)?;
     moves.get(place).map(|one| (place, one.at(time)))

@@ -110,12 +110,12 @@ impl Show {
         self.timeline.as_ref()
     }
 
-    /// Returns the clips in their order; empty without a timeline.
+    /// Returns the clips, sorted by start. The list is empty if there is no timeline.
     pub fn clips(&self) -> &[Clip] {
         self.timeline().map_or(&[], Timeline::clips)
     }
 
-    /// Returns the scenes that wait for the cue key, in their order.
+    /// Returns the scenes that wait for the cue key, in the order of the text.
     pub fn cues(&self) -> Vec<&str> {
         self.cue_list.cues().map(|entry| entry.scene.as_str()).collect()
     }
@@ -151,8 +151,8 @@ fn resolved(
     })
 }
 
-/// Returns the director's seed for a song. The seed depends only on rounded values, so that it is the same on every
-/// machine.
+/// Returns the director's seed for a song. The seed depends only on rounded values, so that every machine computes
+/// the same seed.
 pub fn seed_of(song: &SongStructure) -> u64 {
     let whole = |number: f64| number.round() as u64;
     let key = song.key.map_or(99, |key| u64::from(key.root));

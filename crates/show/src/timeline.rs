@@ -122,7 +122,7 @@ impl Timeline {
         self.pictures.dim()
     }
 
-    /// Returns the clips in their order. There is at least one clip.
+    /// Returns the clips, sorted by start. There is at least one clip.
     pub fn clips(&self) -> &[Clip] {
         &self.clips
     }

@@ -1,5 +1,5 @@
 //! Helpers for tests of several packages: child processes, a sound server, a session bus, WAVE files and data from
-//! the thesis. This crate does not depend on the project's other crates, so that their changes do not rebuild it.
+//! the thesis. This crate does not depend on the project's other crates, so it is rarely rebuilt.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 

@@ -1,5 +1,5 @@
-//! Measures controllers: the latency from a MIDI or OSC message to the frame that shows it, and the effect of message
-//! floods on frames and memory.
+//! Measures controllers: the latency from a MIDI or OSC message to the frame that shows the change, and the effect of
+//! message floods on frames and memory.
 //!
 //! The tool starts the program in a window of this desktop, with fake MIDI ports in a folder (feature `fake-midi`),
 //! sends messages, and reads the program's log after it ends.

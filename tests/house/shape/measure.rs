@@ -1,4 +1,4 @@
-//! Measures a crate: the dependencies between its modules, their cycles, and the sizes of its types.
+//! Measures a crate: the dependencies between modules, the cycles of these dependencies, and the sizes of types.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -44,7 +44,7 @@ pub(super) struct Change<'a> {
     pub(super) energy: f32,
 }
 
-/// Returns the changes of a song in their order. The first change is at the start of the song.
+/// Returns the changes of a song, sorted by time. The first change is at the start of the song.
 pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Change<'a>> {
     let spread = Spread::of(song);
     let first = song.sections.first();

@@ -31,7 +31,7 @@ fn a_show_follows_the_song() {
     let timeline = timeline.unwrap();
     assert!(left_out.is_empty(), "{text}");
     let on = |time: f64| timeline.at(time).clip.scene.as_str();
-    // The song is calm, then medium, then loud from the drop on. The calm section that returns brings its scene back.
+    // The song is calm, then medium, and loud from the drop on. The repeated calm section gets its scene again.
     assert!(["lake", "wood"].contains(&on(1.0)), "{text}");
     assert_eq!(on(20.0), "street", "{text}");
     assert!(["fire", "storm"].contains(&on(33.0)), "{text}");

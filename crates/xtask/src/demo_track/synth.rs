@@ -307,7 +307,7 @@ mod tests {
     /// saw.
     #[test]
     fn the_saw_is_band_limited() {
-        let hz = 5_000.0; // its fifth partial, 25 kHz, folds to 23 kHz, its seventh to 13 kHz
+        let hz = 5_000.0; // the fifth partial, 25 kHz, folds to 23 kHz; the seventh, 35 kHz, folds to 13 kHz
         let level = |wave: &dyn Fn(&mut Phase) -> f32, at: f32| {
             let (mut phase, mut re, mut im) = (Phase::default(), 0.0_f64, 0.0_f64);
             for n in 0..48_000 {

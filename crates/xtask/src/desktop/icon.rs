@@ -1,5 +1,5 @@
-//! The icon: a woofer with a wooden frame. The left half of its ring has the colour of the left channel, the right
-//! half the colour of the right channel. The SVG and the PNGs come from the same list of layers.
+//! The icon: a woofer with a wooden frame. The left half of the woofer's ring has the colour of the left channel, the
+//! right half the colour of the right channel. The SVG and the PNGs come from the same list of layers.
 
 use std::fmt::Write;
 

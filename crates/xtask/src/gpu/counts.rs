@@ -14,7 +14,7 @@ pub(super) struct Counts {
     pub(super) spills: u32,
     /// Scratch memory per thread, in bytes.
     pub(super) scratch: u32,
-    /// Code size: bytes on AMD, instructions otherwise.
+    /// Code size: in bytes on AMD GPUs, in instructions on other GPUs.
     pub(super) code: u32,
 }
 

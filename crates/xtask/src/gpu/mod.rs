@@ -5,7 +5,7 @@
 //! the load of the machine, so they can be compared with the accepted figures of the same version of Mesa
 //! ([`budgets`]).
 //!
-//! `cargo xtask gpu-programs` prints the figures for the GPU of this machine, if its driver reports any.
+//! `cargo xtask gpu-programs` prints the figures for the GPU of this machine, if the driver reports any.
 
 mod budgets;
 mod counts;

@@ -172,7 +172,7 @@ fn shadows(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32>
         .collect()
 }
 
-/// Returns the ambient occlusion factor of each point, 0..1, from distances along its normal.
+/// Returns the ambient occlusion factor of each point, 0..1, from distances along the point's normal.
 fn openness(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3], size: f32) -> Vec<f32> {
     let mut closed = vec![0.0_f32; points.len()];
     for (tap, weight) in [(0.04, 0.30), (0.09, 0.26), (0.16, 0.24), (0.26, 0.20), (0.40, 0.18)] {
