@@ -325,9 +325,9 @@ mod tests {
         for (text, wanted) in [
             ("at start none.scene", "none.scene"),
             ("at start orbb", "orbb"),
-            ("at start own.scene camera far", "its cameras are near"),
-            ("at start bare.scene camera far", "it has no named cameras"),
-            ("at start own.scene\nset swell = 1", "its parameters are size"),
+            ("at start own.scene camera far", "the scene's cameras are near"),
+            ("at start bare.scene camera far", "the scene has no named cameras"),
+            ("at start own.scene\nset swell = 1", "the scene's parameters are size"),
             ("at start own.scene flyy", "my.show:1:20"),
             ("at section Z orb\nat drop 9 orb", "no entry of the show fits this song"),
         ] {

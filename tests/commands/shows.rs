@@ -161,9 +161,9 @@ fn all_mistakes_of_a_show_are_reported_with_their_lines() {
         "bad.show:1:10",
         "gren.scene",
         "bad.show:2:25",
-        "its cameras are near",
+        "the scene's cameras are near",
         "bad.show:3:7",
-        "its parameters are size",
+        "the scene's parameters are size",
         "bad.show:4:18",
         "did you mean `melt`?",
         "bad.show:7:8",
@@ -182,12 +182,12 @@ fn mistakes_of_a_show_are_reported_with_their_positions() {
     };
     refused("at start red.scene\nat 3 s gren.scene\n", &["gren.scene"]);
     refused("at start red.scene mlet over 2 bars\n", &["bad.show:1:20", "did you mean `melt`?"]);
-    refused("at start red.scene\n set siz = 3\n", &["`siz`", "its parameters are size"]);
+    refused("at start red.scene\n set siz = 3\n", &["`siz`", "the scene's parameters are size"]);
     refused(
         "at start red.scene\n set picture brightness = 7\n",
         &["bad.show:2:", "7 is not between 0 and 1"],
     );
-    refused("at start red.scene camera far\n", &["`far`", "its cameras are near"]);
+    refused("at start red.scene camera far\n", &["`far`", "the scene's cameras are near"]);
     place.run(&["video", "--show", "none.show", "-o", "a.mp4"]).refused(&["none.show"]);
     // A cue that the song does not have is reported. The other cues are rendered.
     place.write("some.show", "at start red.scene\nat section Q green.scene\nat 0 s blue.scene cut\n");

@@ -101,8 +101,8 @@ fn time_of(
         index.and_then(|index| times.get(index)).copied().ok_or_else(|| Missing {
             sentence: format!("the song has no {what} {number}"),
             hint: match times.len() {
-                0 => format!("it has no {what}s"),
-                count => format!("it has {count}: see `mariana analyze --structure`"),
+                0 => format!("the song has no {what}s"),
+                count => format!("the song has {count}: see `mariana analyze --structure`"),
             },
         })
     };
@@ -127,8 +127,8 @@ fn time_of(
                 let mut letters: Vec<&str> = song.sections.iter().map(|one| one.letter.as_str()).collect();
                 letters.dedup();
                 let hint = match letters.len() {
-                    0 => "it has no sections".to_owned(),
-                    _ => format!("its sections are {}", letters.join(" ")),
+                    0 => "the song has no sections".to_owned(),
+                    _ => format!("the song's sections are {}", letters.join(" ")),
                 };
                 return Err(Missing { sentence: format!("the song has no section {letter}"), hint });
             }

@@ -118,7 +118,7 @@ impl NamedScenes {
 /// Returns a hint about a wrong name, with a list of the valid names.
 fn listed(what: &str, names: &[String]) -> String {
     match names {
-        [] => format!("it has no named {what}: leave it out"),
-        names => format!("its {what} are {}: choose one of them, or leave it out", names.join(", ")),
+        [] => format!("the scene has no named {what}: leave this one out"),
+        names => format!("the scene's {what} are {}: choose one, or leave this one out", names.join(", ")),
     }
 }

@@ -79,8 +79,7 @@ fn color_at(u: f32, v: f32) -> [f32; 3] {
     mix3(color, [58.0, 28.0, 12.0], dark)
 }
 
-/// Returns the ring coordinate. The coordinate's floor is the year (modulo [`RINGS`]), and its fraction is the
-/// season.
+/// Returns the ring coordinate. Its integer part is the year (modulo [`RINGS`]), its fraction is the season.
 fn ring_at(u: f32, v: f32) -> f32 {
     let figure = 2.3 * gradient(u * 2.0 + 0.37, v * 3.0 + 0.21, [2, 3], 51)
         + 1.3 * gradient(u * 3.0, v * 8.0, [3, 8], 58)
