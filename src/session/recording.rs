@@ -9,7 +9,7 @@ use crate::scenes::SceneSource;
 use crate::session::direction::OfTrack;
 use crate::session::scene::Performed;
 use crate::show::{Finish, OnStage, Performance, TimedTransition, TransitionKind, name_of, print};
-use mariana_field::lang::Way;
+use mariana_field::lang::TransitionStyle;
 
 /// Interval at which a changing performance is written.
 const KEPT_EVERY: Duration = Duration::from_secs(1);
@@ -145,7 +145,7 @@ impl Take {
     fn note(&mut self, time: f64, seen: Performed<'_>) {
         self.is_held = false;
         let changes = match seen.faded {
-            Some((seconds, start)) => (TimedTransition::new(Way::Fade, seconds), start),
+            Some((seconds, start)) => (TimedTransition::new(TransitionStyle::Fade, seconds), start),
             None => (TimedTransition::CUT, time),
         };
         let (transition, start) = match (&self.shown, seen.directed) {
@@ -250,7 +250,7 @@ mod tests {
         let held = Finish { numbers: [0.5, 1.0], is_shown: false };
         recording.note_picture(Some(0), 6.0, &held, true);
         recording.note_picture(Some(2), 7.0, &Finish::NOTHING, false);
-        let melt = (TimedTransition::new(Way::Melt, 2.0), 0.5);
+        let melt = (TimedTransition::new(TransitionStyle::Melt, 2.0), 0.5);
         recording.note((Some(1), "two"), 1.5, seen(&heart, Some(melt)), now);
         recording.note((None, "an input"), 9.0, seen(&city, None), now);
         assert!(!recording.toggle(now));

@@ -63,6 +63,17 @@ impl Place {
         fs::remove_file(self.port(name)).unwrap();
     }
 
+    /// Turns a knob down and, by `up`, up again until the wall is yellow.
+    fn turn_until_yellow(&self, app: &App, up: &[u8]) {
+        app.wait_until("yellow", |_| {
+            self.play("desk", &turned(0));
+            app.run_for(Duration::from_millis(30));
+            self.play("desk", up);
+            app.run_for(Duration::from_millis(100));
+            colour(app) == [true, true, false]
+        });
+    }
+
     /// Sends bytes from a device. The bytes are lost if the session does not listen to the device.
     fn play(&self, name: &str, bytes: &[u8]) {
         let socket = UnixDatagram::unbound().unwrap();
@@ -274,13 +285,7 @@ fn a_learned_knob_controls_its_parameter_and_is_remembered() {
     let app = place.open(&[]);
     app.wait_until_reported("receiving MIDI from desk (fake port)");
     wait_for_colour(&app, "green", [false, true, false]);
-    app.wait_until("yellow", |_| {
-        place.play("desk", &turned(0));
-        app.run_for(Duration::from_millis(30));
-        place.play("desk", &turned(127));
-        app.run_for(Duration::from_millis(100));
-        colour(&app) == [true, true, false]
-    });
+    place.turn_until_yellow(&app, &turned(127));
     app.quit_by_key();
 }
 
@@ -327,14 +332,8 @@ fn floods_of_invalid_midi_are_ignored() {
         place.play("desk", &[0xff; 500]);
         place.play("desk", &[0xb0, 1]);
     }
-    app.wait_until("yellow", |_| {
-        place.play("desk", &turned(0));
-        app.run_for(Duration::from_millis(30));
-        // These bytes are two messages with running status, interrupted by a clock message.
-        place.play("desk", &[0xb0, 1, 126, 1, 0xf8, 127]);
-        app.run_for(Duration::from_millis(100));
-        colour(&app) == [true, true, false]
-    });
+    // These bytes are two messages with running status, interrupted by a clock message.
+    place.turn_until_yellow(&app, &[0xb0, 1, 126, 1, 0xf8, 127]);
     app.quit_by_key();
 }
 

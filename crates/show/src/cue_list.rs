@@ -1,6 +1,6 @@
 //! A cue list: the content of a show file. Entries name moments in musical terms, such as bars and sections.
 
-use mariana_field::lang::{Span, Way};
+use mariana_field::lang::{Span, TransitionStyle};
 use mariana_field::world::{BlendKind, PortalShape};
 
 /// A cue list, with entries in the order of the text.
@@ -131,11 +131,11 @@ pub enum TransitionKind {
 
 impl TransitionKind {
     /// Returns the kind without a portal's shape, as the scene language names it.
-    pub fn way(self) -> Way {
+    pub fn style(self) -> TransitionStyle {
         match self {
-            Self::Cut => Way::Cut,
-            Self::Fade => Way::Fade,
-            Self::Blend(kind) => kind.way(),
+            Self::Cut => TransitionStyle::Cut,
+            Self::Fade => TransitionStyle::Fade,
+            Self::Blend(kind) => kind.style(),
         }
     }
 
@@ -148,14 +148,14 @@ impl TransitionKind {
     }
 }
 
-/// A portal becomes a ball, because [`Way`] has no shapes.
-impl From<Way> for TransitionKind {
-    fn from(way: Way) -> Self {
-        match way {
-            Way::Cut => Self::Cut,
-            Way::Fade => Self::Fade,
-            Way::Melt => Self::Blend(BlendKind::Melt),
-            Way::Portal => Self::Blend(BlendKind::Portal(PortalShape::default())),
+/// A portal becomes a ball, because [`TransitionStyle`] has no shapes.
+impl From<TransitionStyle> for TransitionKind {
+    fn from(style: TransitionStyle) -> Self {
+        match style {
+            TransitionStyle::Cut => Self::Cut,
+            TransitionStyle::Fade => Self::Fade,
+            TransitionStyle::Melt => Self::Blend(BlendKind::Melt),
+            TransitionStyle::Portal => Self::Blend(BlendKind::Portal(PortalShape::default())),
         }
     }
 }

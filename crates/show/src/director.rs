@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use super::bar_lines::BarLines;
 use super::cue_list::{Anchor, CueList, Entry, Length, Transition, TransitionKind, When};
 use changes::{Change, Reason, changes, in_build};
-use mariana_field::lang::{About, Way};
+use mariana_field::lang::{About, TransitionStyle};
 use mariana_field::world::{BlendKind, PortalShape};
 use mariana_music::SongStructure;
 
@@ -112,7 +112,7 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> CueList {
             let when = When { anchor: Anchor::Bar(bar), offset: Length::ZERO };
             let how = match turns.fade {
                 0.0 => Transition::CUT,
-                bars => Transition::new(Way::Fade, Length::Bars(bars)),
+                bars => Transition::new(TransitionStyle::Fade, Length::Bars(bars)),
             };
             cue_list.entries.push(Entry::new(when, &cards[card].scene, camera.clone(), Some(how)));
         }
@@ -201,18 +201,18 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
         return Transition::CUT;
     }
     let by_energy = match (change.before, change.energy) {
-        (before, now) if before < CALM && now < CALM => Way::Melt,
-        (before, now) if before >= LOUD && now >= LOUD => Way::Cut,
-        (before, now) if now > before => Way::Portal,
-        _ if coin => Way::Melt,
-        _ => Way::Fade,
+        (before, now) if before < CALM && now < CALM => TransitionStyle::Melt,
+        (before, now) if before >= LOUD && now >= LOUD => TransitionStyle::Cut,
+        (before, now) if now > before => TransitionStyle::Portal,
+        _ if coin => TransitionStyle::Melt,
+        _ => TransitionStyle::Fade,
     };
-    let way = to.about.enter.or(from.about.leave).unwrap_or(by_energy);
-    match way {
-        Way::Cut => Transition::CUT,
-        Way::Melt if change.energy < CALM => Transition::new(way, Length::Bars(4.0)),
-        Way::Melt => Transition::new(way, Length::Bars(2.0)),
-        Way::Portal => {
+    let style = to.about.enter.or(from.about.leave).unwrap_or(by_energy);
+    match style {
+        TransitionStyle::Cut => Transition::CUT,
+        TransitionStyle::Melt if change.energy < CALM => Transition::new(style, Length::Bars(4.0)),
+        TransitionStyle::Melt => Transition::new(style, Length::Bars(2.0)),
+        TransitionStyle::Portal => {
             let shape = match to.about.portal {
                 Some(_) => PortalShape::Own,
                 None if coin => PortalShape::Ball,
@@ -221,7 +221,7 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
             let portal = TransitionKind::Blend(BlendKind::Portal(shape));
             Transition::new(portal, Length::Bars(2.0))
         }
-        Way::Fade => Transition::new(way, Length::Bars(1.0)),
+        TransitionStyle::Fade => Transition::new(style, Length::Bars(1.0)),
     }
 }
 

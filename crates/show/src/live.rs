@@ -5,7 +5,7 @@
 
 use super::director::{SceneCard, next_scene};
 use super::timeline::{Clip, TimedTransition, Timeline};
-use mariana_field::lang::Way;
+use mariana_field::lang::TransitionStyle;
 
 /// Minimum and approximate maximum time in seconds between two scene changes.
 const CLIP: [f64; 2] = [12.0, 45.0];
@@ -61,7 +61,7 @@ impl LiveDirector {
             // The input has just started, or has been replaced.
             self.energies = [heard.energy; 2];
             self.clips.clear();
-            return self.enter(heard, TimedTransition::new(Way::Fade, 1.0));
+            return self.enter(heard, TimedTransition::new(TransitionStyle::Fade, 1.0));
         }
         for (energy, over) in self.energies.iter_mut().zip(OVER) {
             *energy += (heard.energy - *energy) * (step / over).min(1.0) as f32;
@@ -72,15 +72,15 @@ impl LiveDirector {
         if !is_beat || since < CLIP[0] || !(is_new || since >= CLIP[1]) {
             return None;
         }
-        let (way, seconds) = match is_new {
-            true if now > before => (Way::Cut, 0.0),
-            true => (Way::Fade, 2.0),
+        let (style, seconds) = match is_new {
+            true if now > before => (TransitionStyle::Cut, 0.0),
+            true => (TransitionStyle::Fade, 2.0),
             // Use no blend, because it would have to start before the music changes.
-            false if now < CALM => (Way::Fade, 4.0),
-            false if now < LOUD => (Way::Fade, 2.0),
-            false => (Way::Cut, 0.0),
+            false if now < CALM => (TransitionStyle::Fade, 4.0),
+            false if now < LOUD => (TransitionStyle::Fade, 2.0),
+            false => (TransitionStyle::Cut, 0.0),
         };
-        self.enter(heard, TimedTransition::new(way, seconds))
+        self.enter(heard, TimedTransition::new(style, seconds))
     }
 
     /// Shows the prepared scene now and chooses the next scene.
@@ -124,7 +124,7 @@ mod tests {
 
     /// Returns the start and transition of each scene at 120 beats a minute, if `energy` returns the energy at a
     /// time.
-    fn starts(seconds: usize, energy: impl Fn(f64) -> f32) -> Vec<(f64, Way)> {
+    fn starts(seconds: usize, energy: impl Fn(f64) -> f32) -> Vec<(f64, TransitionStyle)> {
         let mut director = director();
         let mut found = Vec::new();
         for step in 0..seconds * 50 {
@@ -133,7 +133,7 @@ mod tests {
                 Hearing { time, energy: energy(time), tempo: 120.0, phase: (time * 2.0).fract() as f32 };
             if let Some(timeline) = director.hear(heard) {
                 let clip = timeline.at(time + 10.0).clip;
-                found.push((clip.start, clip.transition.kind.way()));
+                found.push((clip.start, clip.transition.kind.style()));
             }
         }
         found
@@ -143,11 +143,11 @@ mod tests {
     fn scenes_change_with_the_energy_or_after_a_while_and_on_a_beat() {
         let even = starts(200, |_| 0.3);
         assert!((4..=6).contains(&even.len()), "{even:?}");
-        assert!(even.iter().skip(1).all(|(_, way)| *way == Way::Fade), "{even:?}");
+        assert!(even.iter().skip(1).all(|(_, style)| *style == TransitionStyle::Fade), "{even:?}");
         assert!(even.iter().all(|(start, _)| (start * 2.0).fract() < 0.05), "on a beat: {even:?}");
         let loud = starts(60, |time| if time < 30.0 { 0.2 } else { 0.9 });
         let change = loud.iter().find(|(start, _)| *start > 1.0).unwrap();
-        assert!((30.0..32.0).contains(&change.0) && change.1 == Way::Cut, "{loud:?}");
+        assert!((30.0..32.0).contains(&change.0) && change.1 == TransitionStyle::Cut, "{loud:?}");
         // Flickering energy causes no change, and every scene is shown for the minimum time.
         let flicker = starts(100, |time| if (time * 4.0).fract() < 0.5 { 0.1 } else { 0.9 });
         assert!(flicker.windows(2).all(|pair| pair[1].0 - pair[0].0 >= CLIP[0]), "{flicker:?}");

@@ -21,7 +21,7 @@ use super::cue_list::{
     When, is_of_no_scene,
 };
 use crate::limits::LIMITS;
-use mariana_field::lang::{Diagnostic, Sources, Span, Way, nearest, render_all};
+use mariana_field::lang::{Diagnostic, Sources, Span, TransitionStyle, nearest, render_all};
 use mariana_field::world::{BlendKind, PortalShape};
 use words::{Kind, Word, lines};
 
@@ -253,22 +253,22 @@ impl<'a> Reader<'a> {
 
     fn transition(&mut self) -> Read<Option<Transition>> {
         let Some(word) = self.peek() else { return Ok(None) };
-        let Some(way) = Way::named(word.text).filter(|_| word.kind == Kind::Name) else {
-            let ways = Way::ALL.map(Way::name);
-            let near = nearest(word.text, ways.into_iter().chain(["camera"]));
+        let Some(style) = TransitionStyle::named(word.text).filter(|_| word.kind == Kind::Name) else {
+            let styles = TransitionStyle::ALL.map(TransitionStyle::name);
+            let near = nearest(word.text, styles.into_iter().chain(["camera"]));
             let unknown = Diagnostic::new(word.span, format!("{} is not a transition", word.shown()));
             return Err(Box::new(match near {
                 Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint(format!("the transitions are {}", quoted(ways.into_iter()))),
+                None => unknown.hint(format!("the transitions are {}", quoted(styles.into_iter()))),
             }));
         };
         self.at += 1;
-        if way == Way::Cut {
+        if style == TransitionStyle::Cut {
             return Ok(Some(Transition::CUT));
         }
-        let kind = match way {
-            Way::Portal => TransitionKind::Blend(BlendKind::Portal(self.portal_shape()?)),
-            way => way.into(),
+        let kind = match style {
+            TransitionStyle::Portal => TransitionKind::Blend(BlendKind::Portal(self.portal_shape()?)),
+            style => style.into(),
         };
         let length = if self.eat("over") { self.length()? } else { Length::Bars(1.0) };
         let unfinished = self.eat("unfinished");

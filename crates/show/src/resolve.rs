@@ -3,7 +3,7 @@
 use super::bar_lines::BarLines;
 use super::cue_list::{Anchor, CueList, Length, Setting, Step, Transition, TransitionKind, When};
 use super::timeline::{Clip, Move, TimedTransition, Timeline};
-use mariana_field::lang::{Diagnostic, Span, Way};
+use mariana_field::lang::{Diagnostic, Span, TransitionStyle};
 use mariana_music::SongStructure;
 
 /// The transition if neither the entry nor the scene specifies a transition.
@@ -20,7 +20,7 @@ pub fn resolve(
     cue_list: &CueList,
     song: &SongStructure,
     cues: &[f64],
-    likes: impl Fn(Option<&str>, &str) -> Option<Way>,
+    likes: impl Fn(Option<&str>, &str) -> Option<TransitionStyle>,
 ) -> (Option<Timeline>, Vec<Diagnostic>) {
     let lines = BarLines::of(song);
     let mut left_out = Vec::new();
@@ -51,8 +51,8 @@ pub fn resolve(
             last = Some((start, entry.span));
         }
         let transition = entry.transition.unwrap_or_else(|| {
-            let way = likes(clips.last().map(|clip| clip.scene.as_str()), &entry.scene);
-            way.map_or(USUAL, |way| Transition::new(way, Length::Bars(USUAL_BARS)))
+            let style = likes(clips.last().map(|clip| clip.scene.as_str()), &entry.scene);
+            style.map_or(USUAL, |style| Transition::new(style, Length::Bars(USUAL_BARS)))
         });
         let seconds = lasting(transition.length, start, &lines);
         let mut moves: Vec<Move> =
@@ -206,8 +206,9 @@ mod tests {
     fn resolved(text: &str) -> (Timeline, Vec<String>) {
         let parsed = parse("test.show", text);
         let cue_list = parsed.cue_list.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)));
-        let (timeline, left_out) =
-            resolve(&cue_list, &song(), &[3.0, 40.0], |_, to| (to == "liked").then_some(Way::Melt));
+        let (timeline, left_out) = resolve(&cue_list, &song(), &[3.0, 40.0], |_, to| {
+            (to == "liked").then_some(TransitionStyle::Melt)
+        });
         (timeline.unwrap(), left_out.into_iter().map(|one| one.message).collect())
     }
 
@@ -221,12 +222,12 @@ mod tests {
         assert_eq!(left_out, [""; 0]);
         let starts: Vec<f64> = timeline.clips().iter().map(|clip| clip.start).collect();
         assert_eq!(starts, [0.0, 7.25, 9.5, 16.5, 24.5, 30.5, 32.5, 60.5]);
-        let transitions: Vec<(Way, f64)> = timeline
+        let transitions: Vec<(TransitionStyle, f64)> = timeline
             .clips()
             .iter()
-            .map(|clip| (clip.transition.kind.way(), clip.transition.seconds))
+            .map(|clip| (clip.transition.kind.style(), clip.transition.seconds))
             .collect();
-        use Way::{Cut, Fade, Melt, Portal};
+        use TransitionStyle::{Cut, Fade, Melt, Portal};
         let wanted = [
             (Fade, 0.0),
             (Cut, 0.0),

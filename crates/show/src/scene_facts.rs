@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::cue_list::{Entry, is_of_no_scene};
 use super::director::SceneCard;
-use mariana_field::lang::{About, Diagnostic, Scene, Span, Way};
+use mariana_field::lang::{About, Diagnostic, Scene, Span, TransitionStyle};
 
 /// Facts about one scene.
 #[derive(Debug, Clone)]
@@ -36,7 +36,7 @@ pub struct Refusal {
 
 impl SceneFacts {
     /// Returns the preferred transitions to and from the scene.
-    pub(super) fn ways(&self) -> (Option<Way>, Option<Way>) {
+    pub(super) fn styles(&self) -> (Option<TransitionStyle>, Option<TransitionStyle>) {
         (self.about.enter, self.about.leave)
     }
 

@@ -10,7 +10,7 @@ use super::scene_facts::{NamedScenes, Refusal, SceneFacts};
 use super::substitutes::with_substitutes;
 use super::text::print;
 use super::timeline::{Clip, Timeline};
-use mariana_field::lang::{Diagnostic, Way, render_all};
+use mariana_field::lang::{Diagnostic, TransitionStyle, render_all};
 use mariana_music::SongStructure;
 
 /// An error in a show file.
@@ -34,7 +34,7 @@ pub enum CueListError {
 }
 
 /// Preferred transitions to and from a scene.
-type Liked = (Option<Way>, Option<Way>);
+type Liked = (Option<TransitionStyle>, Option<TransitionStyle>);
 
 /// A cue list and its timeline for one song.
 #[derive(Debug, Clone, Default)]
@@ -42,17 +42,17 @@ pub struct Show {
     /// `None` if all entries wait for the cue key.
     timeline: Option<Timeline>,
     cue_list: CueList,
-    ways: BTreeMap<String, Liked>,
+    styles: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
 }
 
 impl Show {
     /// Lets the director create a show of the given scenes; returns `None` if there are no scenes.
     pub fn directed(song: &SongStructure, scenes: &BTreeMap<String, SceneFacts>) -> Option<Self> {
-        let (ways, cards) = (ways_of(scenes), cards_of(scenes));
+        let (styles, cards) = (ways_of(scenes), cards_of(scenes));
         let cue_list = direct(song, &cards, seed_of(song));
-        let timeline = Some(resolved(&cue_list, song, &[], &ways).0?);
-        Some(Self { timeline, cue_list, ways, cards })
+        let timeline = Some(resolved(&cue_list, song, &[], &styles).0?);
+        Some(Self { timeline, cue_list, styles, cards })
     }
 
     /// Creates a show from the text of a show file. Also returns a report of the entries that do not fit the song.
@@ -80,13 +80,13 @@ impl Show {
                 return Err(CueListError::Mistakes { report });
             }
         };
-        let (ways, cards) = (ways_of(&named.facts), cards_of(&named.facts));
-        let (timeline, left_out) = resolved(&cue_list, song, &[], &ways);
+        let (styles, cards) = (ways_of(&named.facts), cards_of(&named.facts));
+        let (timeline, left_out) = resolved(&cue_list, song, &[], &styles);
         let reported = (!left_out.is_empty()).then(|| render_all(&left_out, &parsed.sources, false));
         if timeline.is_none() && cue_list.cues().next().is_none() {
             return Err(CueListError::NothingFits { report: reported.unwrap_or_default() });
         }
-        Ok((Self { timeline, cue_list, ways, cards }, reported))
+        Ok((Self { timeline, cue_list, styles, cards }, reported))
     }
 
     /// Returns this show with another timeline.
@@ -96,7 +96,7 @@ impl Show {
 
     /// Returns this show as it runs if the cue key is pressed at the times `cues`, in seconds.
     pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
-        self.with_timeline(resolved(&self.cue_list, song, cues, &self.ways).0)
+        self.with_timeline(resolved(&self.cue_list, song, cues, &self.styles).0)
     }
 
     /// Replaces refused scenes by other scenes of the show. Returns `None` if all scenes are refused.
@@ -132,7 +132,7 @@ impl Show {
 }
 
 fn ways_of(known: &BTreeMap<String, SceneFacts>) -> BTreeMap<String, Liked> {
-    known.iter().map(|(name, scene)| (name.clone(), scene.ways())).collect()
+    known.iter().map(|(name, scene)| (name.clone(), scene.styles())).collect()
 }
 
 fn cards_of(known: &BTreeMap<String, SceneFacts>) -> Vec<SceneCard> {
@@ -143,10 +143,10 @@ fn resolved(
     cue_list: &CueList,
     song: &SongStructure,
     cues: &[f64],
-    ways: &BTreeMap<String, Liked>,
+    styles: &BTreeMap<String, Liked>,
 ) -> (Option<Timeline>, Vec<Diagnostic>) {
     resolve(cue_list, song, cues, |from, to| {
-        let liked = |name: &str| ways.get(name).copied().unwrap_or_default();
+        let liked = |name: &str| styles.get(name).copied().unwrap_or_default();
         liked(to).0.or(from.and_then(|from| liked(from).1))
     })
 }

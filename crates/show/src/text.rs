@@ -27,7 +27,7 @@ pub fn print(cue_list: &CueList, comments: &[String]) -> String {
             let _ = write!(text, "  camera {}", name(camera));
         }
         if let Some(transition) = entry.transition {
-            let _ = write!(text, "  {}", transition.kind.way().name());
+            let _ = write!(text, "  {}", transition.kind.style().name());
             if let TransitionKind::Blend(kind @ BlendKind::Portal(shape)) = transition.kind
                 && shape != PortalShape::default()
             {

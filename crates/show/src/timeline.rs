@@ -223,19 +223,19 @@ impl Clip {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mariana_field::lang::Way;
+    use mariana_field::lang::TransitionStyle;
 
-    fn clip(start: f64, way: Way, seconds: f64) -> Clip {
-        let transition = TimedTransition::new(way, seconds);
+    fn clip(start: f64, style: TransitionStyle, seconds: f64) -> Clip {
+        let transition = TimedTransition::new(style, seconds);
         Clip { start, scene: format!("at {start}"), camera: None, transition, moves: Vec::new() }
     }
 
     #[test]
     fn a_moment_has_a_clip_and_the_progress_of_its_transition() {
         let timeline = Timeline::new(vec![
-            clip(10.0, Way::Melt, 4.0),
-            clip(0.0, Way::Fade, 9.0),
-            clip(12.0, Way::Cut, 3.0),
+            clip(10.0, TransitionStyle::Melt, 4.0),
+            clip(0.0, TransitionStyle::Fade, 9.0),
+            clip(12.0, TransitionStyle::Cut, 3.0),
         ])
         .unwrap();
         let at = |time| {
@@ -248,10 +248,13 @@ mod tests {
         // The transition ends where the next one begins.
         assert_eq!(at(10.5), (1, Some((0.0, 0.25))));
         assert_eq!((at(12.0), at(1e9)), ((2, None), (2, None)));
-        let broken_off = TimedTransition { unfinished: true, ..TimedTransition::new(Way::Fade, 4.0) };
-        let clips =
-            vec![clip(0.0, Way::Cut, 0.0), Clip { transition: broken_off, ..clip(10.0, Way::Fade, 4.0) }];
-        let timeline = Timeline::new([clips, vec![clip(11.0, Way::Cut, 0.0)]].concat()).unwrap();
+        let broken_off =
+            TimedTransition { unfinished: true, ..TimedTransition::new(TransitionStyle::Fade, 4.0) };
+        let clips = vec![
+            clip(0.0, TransitionStyle::Cut, 0.0),
+            Clip { transition: broken_off, ..clip(10.0, TransitionStyle::Fade, 4.0) },
+        ];
+        let timeline = Timeline::new([clips, vec![clip(11.0, TransitionStyle::Cut, 0.0)]].concat()).unwrap();
         let fraction = |time| timeline.at(time).leaving.map(|(_, fraction)| fraction);
         assert_eq!(
             (fraction(10.5), fraction(11.0)),
@@ -263,7 +266,7 @@ mod tests {
 
     #[test]
     fn parameters_keep_their_last_value() {
-        let mut one = clip(0.0, Way::Cut, 0.0);
+        let mut one = clip(0.0, TransitionStyle::Cut, 0.0);
         let part = |start, seconds, from, to| Move { param: "swell".to_owned(), start, seconds, from, to };
         one.moves = vec![part(2.0, 4.0, 0.0, 1.0), part(8.0, 0.0, 0.3, 0.5)];
         let at = |time| one.params_at(time).first().map(|(_, value)| *value).unwrap();

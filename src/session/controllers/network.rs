@@ -24,7 +24,7 @@ pub(super) struct Network {
 impl Network {
     pub(super) fn start(
         settings: &ControllerSettings,
-        input_queue: &InputQueue,
+        input: &InputQueue,
         board: &Board,
         waker: &Waker,
     ) -> Self {
@@ -37,13 +37,8 @@ impl Network {
             move || waker.wake()
         };
         let receiver = settings.osc.clone().and_then(|place| {
-            let started = OscReceiver::start(
-                place,
-                commands::for_controllers(),
-                input_queue.clone(),
-                board.clone(),
-                wake(),
-            );
+            let started =
+                OscReceiver::start(place, commands::for_controllers(), input.clone(), board.clone(), wake());
             started.map_err(&mut no_thread).ok()
         });
         let sender = settings.osc_send.clone().and_then(|place| {

@@ -18,7 +18,7 @@ pub(super) struct Phones {
 impl Phones {
     pub(super) fn start(
         settings: &ControllerSettings,
-        input_queue: &InputQueue,
+        input: &InputQueue,
         board: &Board,
         waker: &Waker,
     ) -> Self {
@@ -28,7 +28,7 @@ impl Phones {
             let waker = waker.clone();
             let table = commands::for_phones();
             let shown = (board.clone(), album.clone());
-            let started = Remote::start(place, table, input_queue.clone(), shown, move || waker.wake());
+            let started = Remote::start(place, table, input.clone(), shown, move || waker.wake());
             let words = |error| trouble = Some(format!("phones cannot connect: {error}"));
             started.map_err(words).ok()
         });

@@ -4,27 +4,27 @@ use super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::fields::{DefaultValue, Field, Holds};
 use crate::graph::NodeId;
 
-macro_rules! define_ways {
-    ($( $(#[$documentation:meta])* $way:ident, $name:literal; )*) => {
+macro_rules! define_transition_styles {
+    ($( $(#[$documentation:meta])* $style:ident, $name:literal; )*) => {
         /// The transition from one scene to another.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-        pub enum Way { $( $(#[$documentation])* $way, )* }
+        pub enum TransitionStyle { $( $(#[$documentation])* $style, )* }
 
-        impl Way {
-            /// All ways in the order of their numbers.
-            pub const ALL: [Self; [$($name),*].len()] = [$( Self::$way, )*];
+        impl TransitionStyle {
+            /// All styles in the order of their numbers.
+            pub const ALL: [Self; [$($name),*].len()] = [$( Self::$style, )*];
 
             /// Returns the name in scenes and shows.
             pub const fn name(self) -> &'static str {
-                match self { $( Self::$way => $name, )* }
+                match self { $( Self::$style => $name, )* }
             }
         }
     };
 }
 
-// A new way needs four changes: a row here, a kind and names in `world::blend`, the blending itself (`World::blend`),
+// A new style needs four changes: a row here, a kind and names in `world::blend`, the blending itself (`World::blend`),
 // and a kind of transition in shows (`mariana_show::TransitionKind`).
-define_ways! {
+define_transition_styles! {
     /// The next frame shows the new scene.
     Cut, "cut";
     /// The images are mixed in linear light.
@@ -35,14 +35,14 @@ define_ways! {
     Portal, "portal";
 }
 
-impl Way {
-    /// Returns the way with this name.
+impl TransitionStyle {
+    /// Returns the style with this name.
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|way| way.name() == name)
+        Self::ALL.into_iter().find(|style| style.name() == name)
     }
 
     pub(super) fn numbered(number: f32) -> Option<Self> {
-        Self::ALL.into_iter().find(|way| f32::from(*way as u8) == number)
+        Self::ALL.into_iter().find(|style| f32::from(*style as u8) == number)
     }
 }
 
@@ -60,9 +60,9 @@ pub struct About {
     /// Words that describe the mood. Successive scenes should have few of these words in common.
     pub moods: Vec<String>,
     /// The preferred transition to this scene.
-    pub enter: Option<Way>,
+    pub enter: Option<TransitionStyle>,
     /// The preferred transition from this scene.
-    pub leave: Option<Way>,
+    pub leave: Option<TransitionStyle>,
     /// The distance to the shape in which the scene may appear. The shape is seen from its front: x right, y up, z
     /// towards the eye. Halfway through the transition, 1 is the distance from the eye to the camera's target.
     pub portal: Option<NodeId>,
@@ -98,10 +98,10 @@ impl About {
         of_about("moods", Holds::Text, "Words for the scene's mood, in quotes, separated by commas."),
         of_about(
             "enter",
-            Holds::Way,
+            Holds::TransitionStyle,
             "The preferred transition to this scene: `cut`, `fade`, `melt` or `portal`.",
         ),
-        of_about("leave", Holds::Way, "The preferred transition from this scene."),
+        of_about("leave", Holds::TransitionStyle, "The preferred transition from this scene."),
         Field {
             uses: POINT | FRAME,
             ..of_about(

@@ -38,8 +38,8 @@ pub enum Holds {
     Text,
     /// A range of two numbers, such as `0.2 .. 0.6`.
     Range,
-    /// The name of a transition between scenes, a [`Way`](super::Way).
-    Way,
+    /// The name of a transition between scenes, a [`TransitionStyle`](super::Way).
+    TransitionStyle,
     /// The distance to a shape, a number at each point.
     Shape,
 }
@@ -57,7 +57,12 @@ impl Holds {
     pub const fn parts(self) -> usize {
         match self {
             Holds::Vector => 3,
-            Holds::Number | Holds::ToneMap | Holds::Material | Holds::Text | Holds::Way | Holds::Shape => 1,
+            Holds::Number
+            | Holds::ToneMap
+            | Holds::Material
+            | Holds::Text
+            | Holds::TransitionStyle
+            | Holds::Shape => 1,
             Holds::Range => 2,
         }
     }

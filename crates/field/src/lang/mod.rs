@@ -43,7 +43,7 @@ mod token;
 mod value;
 mod words;
 
-pub use about::{About, Way};
+pub use about::{About, TransitionStyle};
 pub use changing::{Turning, changed_numbers, number_place};
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, Holds, MaterialRange};

@@ -7,6 +7,16 @@ use glow::HasContext;
 use super::error::GpuError;
 use super::gl::Gl;
 
+/// The capabilities that another library may leave on.
+const SWITCHES: [u32; 6] = [
+    glow::BLEND,
+    glow::CULL_FACE,
+    glow::DEPTH_TEST,
+    glow::FRAMEBUFFER_SRGB,
+    glow::SCISSOR_TEST,
+    glow::STENCIL_TEST,
+];
+
 impl Gl {
     /// Lets `draws` draw over the window's framebuffer, then restores OpenGL's defaults, with conversion to sRGB off.
     ///
@@ -39,14 +49,7 @@ impl Gl {
     fn reset_state(&self) {
         // SAFETY: sets state of the current context; binds no object that could be deleted.
         unsafe {
-            for switch in [
-                glow::BLEND,
-                glow::CULL_FACE,
-                glow::DEPTH_TEST,
-                glow::FRAMEBUFFER_SRGB,
-                glow::SCISSOR_TEST,
-                glow::STENCIL_TEST,
-            ] {
+            for switch in SWITCHES {
                 self.disable(switch);
             }
             self.blend_equation(glow::FUNC_ADD);
@@ -77,15 +80,6 @@ mod tests {
     use crate::gpu::scene_program::{Mode, link_scene, variant_of};
     use crate::gpu::scene_resources::SceneResources;
     use crate::gpu::shader_source::ShaderLibrary;
-
-    const SWITCHES: [u32; 6] = [
-        glow::BLEND,
-        glow::CULL_FACE,
-        glow::DEPTH_TEST,
-        glow::FRAMEBUFFER_SRGB,
-        glow::SCISSOR_TEST,
-        glow::STENCIL_TEST,
-    ];
 
     #[test]
     fn a_guest_that_changes_all_state_does_not_change_the_image() {

@@ -37,12 +37,17 @@ fn a_show_follows_the_song() {
     assert!(["fire", "storm"].contains(&on(33.0)), "{text}");
     assert_eq!(on(1.0), on(60.0), "{text}");
     let transition = |time: f64| timeline.at(time).clip;
-    assert_eq!((transition(33.0).start, transition(33.0).transition.kind.way()), (32.5, Way::Cut), "{text}");
+    assert_eq!(
+        (transition(33.0).start, transition(33.0).transition.kind.style()),
+        (32.5, TransitionStyle::Cut),
+        "{text}"
+    );
     // Scenes do not change during the build.
     assert!(timeline.clips().iter().all(|clip| clip.start < 24.5 || clip.start >= 32.5), "{text}");
     // A blend is half complete when the section starts.
-    let flowing =
-        timeline.clips().iter().filter(|clip| matches!(clip.transition.kind.way(), Way::Melt | Way::Portal));
+    let flowing = timeline.clips().iter().filter(|clip| {
+        matches!(clip.transition.kind.style(), TransitionStyle::Melt | TransitionStyle::Portal)
+    });
     for clip in flowing.filter(|clip| clip.start > 0.0) {
         let middle = clip.start + 0.5 * clip.transition.seconds;
         assert!([16.5, 32.5, 48.5].iter().any(|border| (middle - border).abs() < 1e-6), "{text}");
@@ -88,7 +93,10 @@ fn calm_music_fades_from_camera_to_camera() {
     let calm: Vec<_> = timeline.clips().iter().filter(|clip| clip.scene == "lake").collect();
     let starts: Vec<f64> = calm.iter().map(|clip| clip.start).collect();
     assert_eq!(starts, [0.0, 10.5, 22.5], "{}", print(&cue_list, &[]));
-    assert!(calm[1..].iter().all(|clip| clip.transition == TimedTransition::new(Way::Fade, 4.0)), "{calm:?}");
+    assert!(
+        calm[1..].iter().all(|clip| clip.transition == TimedTransition::new(TransitionStyle::Fade, 4.0)),
+        "{calm:?}"
+    );
     assert!(calm[0].camera != calm[1].camera && calm[1].camera != calm[2].camera, "{calm:?}");
 }
 

@@ -17,7 +17,7 @@ fn a_show_is_read() {
     let tunnel = &read.entries[1];
     assert_eq!(tunnel.when, When { anchor: Anchor::Section("B".to_owned(), 2), offset: Length::Beats(1.5) });
     assert_eq!(tunnel.camera.as_deref(), Some("inside"));
-    assert_eq!(tunnel.transition, Some(Transition::new(Way::Melt, Length::Bars(2.0))));
+    assert_eq!(tunnel.transition, Some(Transition::new(TransitionStyle::Melt, Length::Bars(2.0))));
     let swell = Setting {
         param: "swell".to_owned(),
         from: -0.2,
@@ -137,7 +137,7 @@ prop_compose! {
         ],
         offset in length(), before in any::<bool>(),
         scene in "[a-z_]{1,8}|[a-z]{1,4}[ /.][a-z]{1,4}", camera in proptest::option::of("[a-z]{1,8}"),
-        (way, unfinished) in (0usize..5, any::<bool>()), shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..14), length(), 0usize..6)),
+        (style, unfinished) in (0usize..5, any::<bool>()), shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..14), length(), 0usize..6)),
     ) -> Entry {
         let value = |number: i16, name: usize| {
             let number = f32::from(number) / 8.0;
@@ -149,13 +149,13 @@ prop_compose! {
             Length::Bars(number) => Length::Bars(-number),
         };
         let offset = if offset.number() == 0.0 { Length::ZERO } else if before { negative(offset) } else { offset };
-        let transition = Way::ALL.get(way).map(|way| Transition {
-            kind: match way {
-                Way::Portal => TransitionKind::Blend(BlendKind::Portal(SHAPES[shape])),
+        let transition = TransitionStyle::ALL.get(style).map(|style| Transition {
+            kind: match style {
+                TransitionStyle::Portal => TransitionKind::Blend(BlendKind::Portal(SHAPES[shape])),
                 other => (*other).into(),
             },
-            length: if *way == Way::Cut { Length::ZERO } else { over },
-            unfinished: unfinished && *way != Way::Cut,
+            length: if *style == TransitionStyle::Cut { Length::ZERO } else { over },
+            unfinished: unfinished && *style != TransitionStyle::Cut,
         });
         let settings = swell.into_iter().map(|(from, steps, after, name)| Setting {
             param: CAMERA_TURNS.iter().chain(&PICTURE_NUMBERS).nth(name).copied().unwrap_or("swell").to_owned(),

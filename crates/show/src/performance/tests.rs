@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::{parse, print, resolve};
-use mariana_field::lang::Way;
+use mariana_field::lang::TransitionStyle;
 use mariana_music::SongStructure;
 
 /// A frame: seconds since the previous frame, a possible scene change, and the values of a parameter, the camera's
@@ -110,7 +110,7 @@ fn unchanged_parameters_are_not_written() {
             &OnStage {
                 scene: "orb",
                 camera: Some("pole"),
-                transition: TimedTransition::new(Way::Melt, 2.0),
+                transition: TimedTransition::new(TransitionStyle::Melt, 2.0),
                 start: 0.0,
                 params: vec![Turned { name: "relief", value: 0.5, own: 0.5, is_shown: false }],
                 moves: &[],
@@ -277,8 +277,11 @@ fn only_a_transition_that_was_cut_off_is_unfinished() {
     for (time, scene, start, seconds) in
         [(1.0, "one", 1.0, 0.0), (3.0, "two", 2.0, 8.0), (7.0, "three", 6.0, 1.5), (9.0, "four", 7.5, 3.0)]
     {
-        let transition =
-            if seconds > 0.0 { TimedTransition::new(Way::Fade, seconds) } else { TimedTransition::CUT };
+        let transition = if seconds > 0.0 {
+            TimedTransition::new(TransitionStyle::Fade, seconds)
+        } else {
+            TimedTransition::CUT
+        };
         let picture = Finish::NOTHING;
         let params = Vec::new();
         performance.note(

@@ -147,15 +147,15 @@ fn shadows(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32>
     for _ in 0..STEPS {
         let at: Vec<Vec3> = under_way
             .iter()
-            .map(|&(index, way)| points[index] + normals[index] * 0.006 + ray * way)
+            .map(|&(index, style)| points[index] + normals[index] * 0.006 + ray * style)
             .collect();
         let distances = field.distances(&at);
         let mut still = Vec::with_capacity(under_way.len());
-        for (&(index, way), distance) in under_way.iter().zip(distances) {
+        for (&(index, style), distance) in under_way.iter().zip(distances) {
             let near = distance * field.scale;
-            light[index] = light[index].min(0.5 + 0.5 * near / (0.07 * way));
-            if near > -0.07 * way && way < 5.0 {
-                still.push((index, way + (distance * field.step).clamp(0.008, 0.12)));
+            light[index] = light[index].min(0.5 + 0.5 * near / (0.07 * style));
+            if near > -0.07 * style && style < 5.0 {
+                still.push((index, style + (distance * field.step).clamp(0.008, 0.12)));
             }
         }
         under_way = still;

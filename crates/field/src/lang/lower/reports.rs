@@ -46,12 +46,12 @@ impl Reports<'_> {
     #[cold]
     pub(super) fn circle(&mut self, symbol: Symbol, span: Span) -> Value {
         let first = self.calls.iter().position(|call| call.0 == symbol).unwrap_or(0);
-        let way = self.calls.iter().skip(first).map(|call| call.0).chain([symbol]);
-        let way: Vec<String> = way.map(|symbol| format!("`{}`", self.names.name(symbol))).collect();
-        let message = if way.len() <= 2 {
-            format!("{} uses itself", way.first().map_or("this", String::as_str))
+        let style = self.calls.iter().skip(first).map(|call| call.0).chain([symbol]);
+        let style: Vec<String> = style.map(|symbol| format!("`{}`", self.names.name(symbol))).collect();
+        let message = if style.len() <= 2 {
+            format!("{} uses itself", style.first().map_or("this", String::as_str))
         } else {
-            format!("these names depend on each other in a circle: {}", way.join(" → "))
+            format!("these names depend on each other in a circle: {}", style.join(" → "))
         };
         let hint = "there is no recursion: repeat with `for`";
         // The message already names the calls, so they need no notes.

@@ -3,7 +3,7 @@
 //! The fields of each section are listed in rows (see `lang::fields`). This module evaluates and checks the fields.
 //! `objects.rs` and `lights.rs` then combine the fields of an object or a light.
 
-use super::super::about::{About, Way};
+use super::super::about::{About, TransitionStyle};
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
 use super::super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::super::diagnostic::Diagnostic;
@@ -223,9 +223,9 @@ impl SceneBuilder<'_> {
                     let numbered = |map: &ToneMap| (map.name(), map.number());
                     self.one_of("tone map", &ToneMap::ALL.each_ref().map(numbered), entry.value)
                 }
-                Holds::Way => {
-                    let numbered = |way: &Way| (way.name(), f32::from(*way as u8));
-                    self.one_of("transition", &Way::ALL.each_ref().map(numbered), entry.value)
+                Holds::TransitionStyle => {
+                    let numbered = |style: &TransitionStyle| (style.name(), f32::from(*style as u8));
+                    self.one_of("transition", &TransitionStyle::ALL.each_ref().map(numbered), entry.value)
                 }
                 Holds::Text => self.text(field.name, entry.value),
                 Holds::Range => self.range(field.name, entry.value, entry.end),
@@ -362,7 +362,7 @@ impl SceneBuilder<'_> {
             Some((Value::Vector(vector), _)) => Some(vector.part(0)),
             _ => None,
         };
-        let way = |name: &str| number(name, 0).and_then(Way::numbered);
+        let style = |name: &str| number(name, 0).and_then(TransitionStyle::numbered);
         let words = text("moods").unwrap_or_default();
         let words = words.split(',').map(str::trim).filter(|word| !word.is_empty());
         About {
@@ -371,8 +371,8 @@ impl SceneBuilder<'_> {
             license: text("license"),
             energy: (number("energy", 0).unwrap_or(0.0), number("energy", 1).unwrap_or(1.0)),
             moods: words.map(str::to_lowercase).collect(),
-            enter: way("enter"),
-            leave: way("leave"),
+            enter: style("enter"),
+            leave: style("leave"),
             portal,
         }
     }

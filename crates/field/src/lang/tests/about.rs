@@ -1,6 +1,6 @@
 //! The block `about`, and named cameras.
 
-use super::super::{About, Way, compile, no_includes};
+use super::super::{About, TransitionStyle, compile, no_includes};
 use crate::graph::FrameInputs;
 use crate::world::World;
 
@@ -22,8 +22,8 @@ fn about_describes_the_scene() {
         license: Some("CC0".to_owned()),
         energy: (0.125, 0.5),
         moods: vec!["calm".to_owned(), "wet".to_owned()],
-        enter: Some(Way::Melt),
-        leave: Some(Way::Cut),
+        enter: Some(TransitionStyle::Melt),
+        leave: Some(TransitionStyle::Cut),
         portal: None,
     };
     assert_eq!(said, wanted);

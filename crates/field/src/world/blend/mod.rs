@@ -27,7 +27,7 @@ pub use portal::PortalShape;
 
 use super::{Bounds, Plane, Rest, Surfaces, Traced, World, WorldError};
 use crate::graph::{Graph, Input, NodeId, Op};
-use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, Way};
+use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, TransitionStyle};
 use crate::limits::LIMITS;
 use side::{Side, Steps};
 
@@ -70,10 +70,10 @@ impl BlendKind {
     }
 
     /// Returns the keyword in scenes and shows.
-    pub fn way(self) -> Way {
+    pub fn style(self) -> TransitionStyle {
         match self {
-            Self::Melt => Way::Melt,
-            Self::Portal(_) => Way::Portal,
+            Self::Melt => TransitionStyle::Melt,
+            Self::Portal(_) => TransitionStyle::Portal,
         }
     }
 }
