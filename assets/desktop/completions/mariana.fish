@@ -28,22 +28,22 @@ complete -c mariana -n "__fish_mariana_needs_command" -l repeat -d 'Tracks to re
 one\t'One track, over and over'
 off\t'Each track once; the window stays open'"
 complete -c mariana -n "__fish_mariana_needs_command" -l device -d 'Output device, or input with --mic and --system: an id or name from \'mariana devices\', a part of an id or name, or \'default\' for the system\'s device [default: the last choice in the window, at first the system\'s device]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l volume -d 'Volume at the start, in percent [default: the last one, at first 100]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l latency -d 'Additional delay of the sound, beyond the delay that the device reports; negative for less [default: the last delay set with [ and ]]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l volume -d 'Volume at the start, in percent [default: the last volume, at first 100]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l latency -d 'Additional delay of the sound, beyond the delay that the device reports; negative for less [default: the last delay set with the keys [ and ]]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l fps-cap -d 'Maximum frames per second [default: the monitor\'s rate]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l fade -d 'Duration of the fade between scenes with N and P, in seconds; 0 cuts' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l prepare-ahead -d 'Prepare the next and the previous scene while the current scene is shown' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l program-cache -d 'Keep the driver\'s compiled programs in the user\'s cache folder' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels [default: the last one, at first 1280x720]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels [default: the last size, at first 1280x720]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l show -d 'Let a show change the scenes: \'auto\' to follow the song, \'off\', or a .show file [default: the last choice in the window, at first auto unless a scene is named]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l osc -d 'Receive OSC messages on this port, from this computer only, or with ADDRESS:PORT on that address; docs/osc.md lists the messages' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l osc -d 'Receive OSC messages on this port from this computer only, or on a network address given as ADDRESS:PORT; docs/osc.md lists the messages' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc-send -d 'Send the features of the sound to another program or to lights, by OSC' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l osc-rate -d 'OSC messages sent per second' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l midi -d 'Listen to MIDI devices; J maps them' -r -f -a "on\t''
+complete -c mariana -n "__fish_mariana_needs_command" -l midi -d 'Listen to MIDI devices; key J maps them' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l remote -d 'Serve a page on this port with which phones on the network control the show, or with ADDRESS:PORT on that address only: J shows the code to scan; docs/remote.md describes the protection' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l remote -d 'Serve a page that lets phones on the network control the show, on this port, or only on a network address given as ADDRESS:PORT. Key J shows the code to scan; docs/remote.md describes the protection' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l quality -d 'Quality of the image; auto lowers the resolution when frames take too long [default: the setting in the window, initially auto]' -r -f -a "auto\t'The best that keeps the frame rate'
 low\t'About half the window\'s width and height'
 medium\t''
@@ -52,13 +52,13 @@ best\t'Full resolution and all effects, at any frame rate'"
 complete -c mariana -n "__fish_mariana_needs_command" -l flash-limiter -d 'Dim more than three flashes a second, as WCAG 2.3.1 requires [default: the setting in the window, initially on]' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l brightness -d 'Brightness of the image in the window, in percent [default: the setting there, initially 100]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l blackout-fade -d 'Duration of a blackout (X) fade, and of the return from a frozen image (Z), in seconds [default: the setting in the window, initially 0.5]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l blackout-fade -d 'Duration of a blackout fade (key X), and of the return from a frozen image (key Z), in seconds [default: the setting in the window, initially 0.5]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l flip -d 'Mirror the image in the window, for projectors [default: the setting there, initially off]' -r -f -a "off\t''
 horizontal\t'For rear projection'
 vertical\t''
 both\t'For a projector mounted upside down'"
 complete -c mariana -n "__fish_mariana_needs_command" -l crop -d 'Crop of each edge of the image in the window, in percent; the rest fills the window, unstretched [default: the last setting, initially 0,0,0,0]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l corners -d 'Positions of the image\'s corners in the window, in percent to the right and down, clockwise from the upper left, for a projector at an angle. \'off\' uses the window\'s corners [default: the corners set with Y]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l corners -d 'Positions of the image\'s corners in the window, in percent to the right and down, clockwise from the upper left, for a projector at an angle. \'off\' uses the window\'s corners [default: the corners set with key Y]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l output -d 'Show the image without panels on a whole monitor, given by name or number, in addition to the window; \'list\' lists the monitors, \'off\' uses none [default: the last choice in the window]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l send -d 'Send the frames to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l send-size -d 'Size of the frames that are sent [default: the window\'s size at the start]' -r
@@ -68,7 +68,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l view -d 'Show a view of
 complete -c mariana -n "__fish_mariana_needs_command" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l regions -d 'Skip empty space with a tree of cells and run shortened tapes in them; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
+complete -c mariana -n "__fish_mariana_needs_command" -l regions -d 'Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s choice, or agx'
 agx\t''
@@ -98,7 +98,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -a "bench" -d 'Measure fra
 complete -c mariana -n "__fish_mariana_needs_command" -a "check" -d 'Check scenes: print each mistake with its position, or the cost of the scene'
 complete -c mariana -n "__fish_mariana_needs_command" -a "tape" -d 'Print the tape of a scene\'s distance: the clauses that the interpreter runs'
 complete -c mariana -n "__fish_mariana_needs_command" -a "eval" -d 'Evaluate a scene\'s distance at points, one number per line'
-complete -c mariana -n "__fish_mariana_needs_command" -a "show" -d 'Write the show that follows a song to a file that can be edited'
+complete -c mariana -n "__fish_mariana_needs_command" -a "show" -d 'Write the director\'s show for a song to a show file, for editing'
 complete -c mariana -n "__fish_mariana_needs_command" -a "scenes" -d 'List the shipped scenes with their descriptions'
 complete -c mariana -n "__fish_mariana_needs_command" -a "devices" -d 'List the sound systems with their inputs and outputs, and the formats of these devices'
 complete -c mariana -n "__fish_mariana_needs_command" -a "help" -d 'Print this message or the help of the given subcommand(s)'
@@ -114,7 +114,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand still" -l view -d 'Show 
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l regions -d 'Skip empty space with a tree of cells and run shortened tapes in them; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l regions -d 'Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s choice, or agx'
 agx\t''
@@ -154,7 +154,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l view -d 'Show 
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l regions -d 'Skip empty space with a tree of cells and run shortened tapes in them; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l regions -d 'Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s choice, or agx'
 agx\t''
@@ -169,7 +169,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leav
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s q -l quiet -d 'Print only errors'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l plot -d 'Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the show of the director' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l plot -d 'Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the director\'s show' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l gain -d 'Automatic gain: quiet and loud songs reach the same values from 0 to 1' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l fps -d 'Lines per second' -r
@@ -187,7 +187,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand bench" -l scene -d 'The 
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -l regions -d 'Skip empty space with a tree of cells and run shortened tapes in them; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -l regions -d 'Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s choice, or agx'
 agx\t''
@@ -198,7 +198,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand bench" -l gain -d 'Autom
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l all -d 'Measure all shipped scenes'
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -l edges -d 'Also compare the edges in the frame with a frame of 64 samples per pixel; slow'
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -l edges -d 'Also compare the frame\'s edges with a frame of 64 samples per pixel, which is slow'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l json -d 'Print JSON instead of text'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -s h -l help -d 'Print help (see more with \'--help\')'
@@ -224,7 +224,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_see
 complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check tape eval show scenes devices help" -f -a "check" -d 'Check scenes: print each mistake with its position, or the cost of the scene'
 complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check tape eval show scenes devices help" -f -a "tape" -d 'Print the tape of a scene\'s distance: the clauses that the interpreter runs'
 complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check tape eval show scenes devices help" -f -a "eval" -d 'Evaluate a scene\'s distance at points, one number per line'
-complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check tape eval show scenes devices help" -f -a "show" -d 'Write the show that follows a song to a file that can be edited'
+complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check tape eval show scenes devices help" -f -a "show" -d 'Write the director\'s show for a song to a show file, for editing'
 complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check tape eval show scenes devices help" -f -a "scenes" -d 'List the shipped scenes with their descriptions'
 complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check tape eval show scenes devices help" -f -a "devices" -d 'List the sound systems with their inputs and outputs, and the formats of these devices'
 complete -c mariana -n "__fish_mariana_using_subcommand help; and not __fish_seen_subcommand_from still video analyze bench check tape eval show scenes devices help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'

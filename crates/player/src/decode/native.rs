@@ -7,7 +7,7 @@
 //!   from its start. After a seek, lossy codecs decode half a second before the target first. So the samples are the
 //!   same as without the seek (except for AAC's random substituted noise).
 //! - Damaged packets are skipped and counted. Silence of the same length replaces them, so that later sound stays in
-//! time.
+//!   time.
 //! - Chained streams (Ogg) play in succession, resampled to the first rate.
 //! - No buffer is sized by a number from the file. A panic in a codec library becomes an error.
 

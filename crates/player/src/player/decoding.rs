@@ -6,7 +6,7 @@
 //! - A following track stays in the segment and, at the same sample rate, in the same resampler. The analysis restarts,
 //!   so that the features depend only on this track. A skip by the user makes a new segment.
 //! - A new output also makes a new segment, but the song does not wait for it. The segment is due at the moment at
-//! which the output opened, so the song is missed up to the segment's first audible frame.
+//!   which the output opened, so the song is missed up to the segment's first audible frame.
 
 mod command;
 mod passages;
