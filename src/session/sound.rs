@@ -311,7 +311,7 @@ impl Sound {
                     let closing = std::thread::Builder::new().name("closing".into());
                     // Without a thread, close the input here: closing has a time limit.
                     if let Err(error) = closing.spawn(move || drop(live)) {
-                        tracing::warn!("closed the input on the window's thread: {error}");
+                        tracing::warn!("cannot start a thread to close the input ({error}): closed it on the show's thread");
                     }
                 }
                 self.unremembered = None;

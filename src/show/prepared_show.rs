@@ -61,7 +61,7 @@ pub enum ShowError {
     )]
     WaitsForKeys,
     /// The director has no scene without mistakes.
-    #[error("there is no scene to show: give a scene without mistakes with --scene")]
+    #[error("there is no scene to show: name a scene without mistakes with --scene")]
     NoScenes,
 }
 

@@ -269,7 +269,7 @@ commands! {
         control: Some(Control::Switch(C::Keep)),
         is_on: Some(|state| state.kept),
         bindings: &[keys!(
-            Key::Character("k") => C::Keep(Toggle), "K", "keep this scene although scenes follow the song"
+            Key::Character("k") => C::Keep(Toggle), "K", "keep this scene when scenes would follow the song"
         )],
     }
     /// Fires the next cue of a show file that waits for a key.
@@ -319,7 +319,7 @@ commands! {
     NextView {
         bindings: &[keys!(
             Key::Character("v") => C::NextView,
-            "V or Shift+V", "next view of how the image is made; Shift goes back",
+            "V or Shift+V", "next diagnostic view, such as ray steps; Shift goes back",
             shifted: Some(C::PreviousView)
         )],
     }

@@ -218,7 +218,7 @@ fn file() {
             Some((picture - burst_start(n) as f64 / f64::from(RATE)) * 1e3)
         })
         .collect();
-    report("file: lead of the image over the sound at the monitor", errors.clone());
+    report("file: how far the image is ahead of the sound at the monitor", errors.clone());
     report("file: absolute value of the same", errors.into_iter().map(f64::abs).collect());
     println!("      {} underruns", player.status().underruns);
 }

@@ -26,7 +26,7 @@ macro_rules! with_settings {
                 /// True to dim more than three flashes a second.
                 #[serde(with = "by_name", skip_serializing_if = "is_on")]
                 flash_limiter: bool = true, FlashLimiter
-                    { "Limit flashes", "Dims more than three flashes a second, which can cause seizures (WCAG 2.3.1)" }
+                    { "Limit flashes", "Dims the image if it flashes more than three times a second, because that can cause seizures (WCAG 2.3.1)" }
                     [ value_name = "ON-OFF", value_parser = choice::<bool>();
                       "Dim more than three flashes a second, as WCAG 2.3.1 requires [default: the setting in the window, initially on]" ];
 
@@ -73,7 +73,7 @@ macro_rules! with_settings {
                     { "Brightness",
                       "Brightness of the image, in the window and wherever it is sent; key X fades to black" }
                     [ value_name = "PERCENT", value_parser = parse_percent, allow_negative_numbers = true;
-                      "Brightness of the image in the window, in percent [default: the setting there, initially 100]" ];
+                      "Brightness of the image in the window, in percent [default: the value in the settings, initially 100]" ];
 
                 /// The duration of a blackout fade, and of the return from a frozen image, in seconds.
                 #[serde(deserialize_with = "fade", skip_serializing_if = "is_usual")]
@@ -88,7 +88,7 @@ macro_rules! with_settings {
                 flip: Flip = Flip::Off, Flip
                     { "Mirror", "Mirrors the image, for projectors; key Y moves the corners" }
                     [ value_name = "WAY", value_parser = choice::<Flip>();
-                      "Mirror the image in the window, for projectors [default: the setting there, initially off]" ];
+                      "Mirror the image in the window, for projectors [default: the value in the settings, initially off]" ];
 
                 /// The crop of each edge.
                 #[serde(skip_serializing_if = "is_default")]

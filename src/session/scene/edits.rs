@@ -47,7 +47,7 @@ mod tests {
         let start = Instant::now();
         let at = |milliseconds: u64| start + Duration::from_millis(milliseconds);
         let mut edits = Edits::default();
-        assert!(!edits.save_samples(INTERPRETED, start), "a scene that was opened is not edited");
+        assert!(!edits.save_samples(INTERPRETED, start), "opening a scene does not count as an edit");
         edits.note(start);
         assert!(edits.save_samples(INTERPRETED, start) && edits.save_samples(INTERPRETED, at(1_999)));
         assert!(!edits.save_samples(INTERPRETED, at(2_000)));

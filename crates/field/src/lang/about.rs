@@ -93,7 +93,7 @@ impl About {
         of_about(
             "energy",
             Holds::Range,
-            "The energy of the music for which the scene is made, as in `0.2 .. 0.6`. A song's loudest moment has 1.",
+            "The energy of the music for which the scene is made, as in `0.2 .. 0.6`. The energy of a song's loudest moment is 1.",
         ),
         of_about("moods", Holds::Text, "Words for the scene's mood, in quotes, separated by commas."),
         of_about(
