@@ -90,7 +90,7 @@ pub struct KeyPress {
     pub latin: Option<char>,
     /// The text that the key types, if any.
     pub text: Option<String>,
-    /// True for the repeats of a held key.
+    /// True if this is a repeat because the key is held.
     pub repeat: bool,
 }
 
@@ -146,7 +146,7 @@ pub enum PointerButton {
     Other,
 }
 
-/// A scroll distance to the right and down. Positive moves the content right and down, as in the window system.
+/// A scroll distance, horizontal and vertical. Positive values move the content right and down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Wheel {
     /// In notches.

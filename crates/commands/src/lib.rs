@@ -82,12 +82,12 @@ pub enum Panel {
     Corners,
 }
 
-/// A reference to a scene, as controllers send it.
+/// The title or number by which a controller names a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneName {
-    /// Its title.
+    /// The title.
     Title(String),
-    /// Its number in the list of scenes, from 1. Marked scenes come first.
+    /// The number in the list of scenes, counted from 1. Marked scenes come first.
     Number(usize),
 }
 
@@ -137,7 +137,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// A row without keys and name: only panels send the command.
+    /// The defaults of a row: without keys and a name, only panels send the command.
     pub const PLAIN: Self = Self {
         name: None,
         control: None,
@@ -218,7 +218,7 @@ impl Command {
         self.row().bindings.iter().find(|binding| binding.keys.iter().any(|(_, bound)| bound == self))
     }
 
-    /// Returns true if the command would change nothing, because the switch has the wanted state already.
+    /// Returns true if the command sets a switch to the state that the switch already has.
     pub fn is_done_already(&self, state: &ShowState) -> bool {
         let Row { control: Some(Control::Switch(command)), is_on: Some(is_on), .. } = self.row() else {
             return false;
@@ -227,13 +227,13 @@ impl Command {
     }
 }
 
-/// Returns the commands with a name, which MIDI and OSC may send.
+/// Returns the named commands. MIDI and OSC may send only these.
 pub fn for_controllers() -> &'static [ActionRow] {
     static TABLE: OnceLock<Vec<ActionRow>> = OnceLock::new();
     TABLE.get_or_init(|| ROWS.iter().filter_map(Row::for_controllers).collect())
 }
 
-/// Returns the commands with a name that phones may send.
+/// Returns the named commands that phones may send.
 pub fn for_phones() -> &'static [ActionRow] {
     static TABLE: OnceLock<Vec<ActionRow>> = OnceLock::new();
     TABLE.get_or_init(|| ROWS.iter().filter(|row| row.for_phones).filter_map(Row::for_controllers).collect())

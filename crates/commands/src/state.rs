@@ -1,6 +1,6 @@
 //! The show's state, for phones, controllers and media keys.
 
-/// The state of everything that a named command can change. A plain copy, made on request.
+/// The state of everything that a named command can change, copied from the show at one moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ShowState {
     /// Playback is paused by the user.
@@ -9,9 +9,9 @@ pub struct ShowState {
     pub muted: bool,
     /// Tracks play in random order.
     pub shuffled: bool,
-    /// Scenes follow the song.
+    /// The program changes scenes to suit the song.
     pub follows: bool,
-    /// The current scene is kept although scenes follow the song.
+    /// The current scene stays, even while `follows` is true.
     pub kept: bool,
     /// A recording is running.
     pub recording: bool,

@@ -21,7 +21,7 @@ pub const SHIFT_STEP_MS: f64 = 5.0;
 /// Defines [`Command`] and its table from one row per command.
 macro_rules! commands {
     ($( $(#[$doc:meta])* $variant:ident $( ( $value:ty ) )? { $($field:ident: $of_row:expr),* $(,)? } )*) => {
-        /// A request of the user.
+        /// A request by the user.
         #[derive(Debug, Clone, PartialEq)]
         pub enum Command {
             $( $(#[$doc])* $variant $( ($value) )?, )*
@@ -133,7 +133,7 @@ commands! {
             Key::Character("s") => C::Shuffle(Toggle), "S", "play tracks in random order or in list order"
         )],
     }
-    /// Switches between repeating all tracks, one track, or none.
+    /// Switches to the next repeat mode: all tracks, one track, or none.
     NextRepeat {
         bindings: &[keys!(Key::Character("l") => C::NextRepeat, "L", "repeat all tracks, one track, or none")],
     }
@@ -171,7 +171,7 @@ commands! {
     }
     /// Sets the delay of the image.
     Delay(Delay) {}
-    /// Opens a panel and closes any other panel. If the panel is open, closes this panel.
+    /// Opens this panel and closes any other panel. If this panel is already open, closes it.
     TogglePanel(Panel) {
         bindings: &[
             keys!(Key::Character("u") => C::TogglePanel(Panel::Tracks), "U", "track list"),
@@ -235,11 +235,11 @@ commands! {
     }
     /// Shows a scene.
     ShowScene(Box<SceneSource>) {}
-    /// Reloads the scene, including unsaved edits in the editor.
+    /// Reloads the scene. Unsaved edits in the editor are shown too.
     ReloadScene {}
-    /// Sets numbers of a scene's text for the next frames, without parsing the text again.
+    /// Changes numbers in a scene's text and shows the result without parsing the text again.
     TurnNumbers(TurnedNumbers) {}
-    /// Marks exactly the scenes with these titles.
+    /// Marks the scenes with these titles, and removes all other marks.
     MarkScenes(BTreeSet<String>) {}
     /// Makes manual scene changes cuts or fades.
     Cut(Switch) {
@@ -263,7 +263,7 @@ commands! {
             Key::Character("a") => C::Follow(Toggle), "A", "turn automatic scene changes (the show) on or off"
         )],
     }
-    /// Keeps the current scene while scenes follow the song, or releases it.
+    /// Keeps the current scene while scenes follow the song, or allows scene changes again.
     Keep(Switch) {
         name: Some("keep"),
         control: Some(Control::Switch(C::Keep)),
@@ -272,7 +272,7 @@ commands! {
             Key::Character("k") => C::Keep(Toggle), "K", "keep this scene when scenes would follow the song"
         )],
     }
-    /// Fires the next cue of a show file that waits for a key.
+    /// Starts the next entry that waits for a key in the show file.
     NextCue {
         name: Some("cue"),
         control: Some(Control::Press(|| C::NextCue)),
@@ -289,13 +289,13 @@ commands! {
             "F9", "start or stop recording your actions as a show"
         )],
     }
-    /// Switches between the interpreted and the compiled scene.
+    /// Switches between interpreting and compiling the scene.
     ToggleMode {
         bindings: &[keys!(
             Key::Character("c") => C::ToggleMode, "C", "interpreted or compiled formulas; the image is the same"
         )],
     }
-    /// Uses a shortened tape in each cell, or the whole tape everywhere.
+    /// Switches between a shortened tape in each cell and the whole tape everywhere.
     ToggleRegions {
         bindings: &[keys!(
             Key::Character("r") => C::ToggleRegions, "R", "skip empty space or not; the image is the same"
@@ -325,7 +325,7 @@ commands! {
     }
     /// Shows the previous diagnostic view.
     PreviousView {}
-    /// Increases (`true`) or decreases the value of the view, such as its scale.
+    /// Increases (`true`) or decreases the adjustable value of a diagnostic view, such as its scale.
     StepView(bool) {
         bindings: &[
             keys!(
@@ -346,7 +346,7 @@ commands! {
     ToggleSceneLine {
         bindings: &[keys!(Key::Character("i") => C::ToggleSceneLine, "I", "show or hide scene information")],
     }
-    /// Fades the image to black, or back.
+    /// Fades the image to black, or from black back to the image.
     Blackout(Switch) {
         name: Some("blackout"),
         control: Some(Control::Switch(C::Blackout)),
@@ -362,7 +362,7 @@ commands! {
             Key::Character("z") => C::Freeze(Toggle), "Z", "freeze or release the image; the song continues"
         )],
     }
-    /// Sets the brightness of the image for this run, 0..1.
+    /// Sets the brightness of the image, 0..1, without saving it for the next run.
     Brightness(f32) {
         name: Some("brightness"),
         control: Some(Control::Level(C::Brightness)),
@@ -423,7 +423,7 @@ pub struct Binding {
     pub keys: &'static [(Key<&'static str>, Command)],
     /// The command of the first key while Shift is held, if Shift changes the command.
     pub shifted: Option<Command>,
-    /// The keys in writing, such as "F, F11 or double click".
+    /// The keys as the help names them, such as "F, F11 or double click".
     pub written: &'static str,
     /// The help text, such as "enter or leave full screen".
     pub help: &'static str,
@@ -456,7 +456,7 @@ pub struct TurnedNumbers {
 /// A delay of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delay {
-    /// Milliseconds; a negative delay advances the image.
+    /// Milliseconds; a negative delay shows the image earlier.
     pub milliseconds: f64,
     /// True once the user has released the control: then the value is saved.
     pub settled: bool,

@@ -11,7 +11,7 @@ pub enum ValueType {
     Level,
     /// A number in the action's unit, or no value.
     Number,
-    /// A name, or a number from 1.
+    /// A name, or a number counted from 1.
     Choice,
 }
 

@@ -6,7 +6,7 @@
 pub struct Glide {
     from: f32,
     to: f32,
-    /// The start of the movement, in seconds.
+    /// The time at which the movement starts, in seconds.
     since: f64,
     /// The smoothing time in seconds; 0 jumps to the target.
     seconds: f32,

@@ -57,7 +57,7 @@ pub struct Refusals {
     pub unknown: u64,
     /// Values that are not numbers.
     pub not_numbers: u64,
-    /// Input beyond the limits of a frame, and messages scheduled too far ahead.
+    /// Input beyond the limits between two frames, and messages scheduled too far ahead.
     pub too_many: u64,
 }
 

@@ -57,7 +57,7 @@ pub struct Directed {
     pub part: u64,
 }
 
-/// A parameter's value at a moment, with its origin.
+/// A parameter's value at a moment, and the origin of this value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// The value, within the range.
@@ -155,7 +155,7 @@ impl Model {
         params.map(|(name, held)| (&**name, held.glide.target(), held.changed_by))
     }
 
-    /// Restores a value from an earlier run. The scene's text may have changed since then.
+    /// Restores a value from an earlier run. The scene's text may have changed since that run.
     pub fn remember(&mut self, scene: &str, name: &str, value: f32) {
         if value.is_finite() {
             let held = Held { changed_by: ChangedBy::Slider, glide: Glide::at(value), during: None };
@@ -256,7 +256,7 @@ mod tests {
         let directed = |part| Some(Directed { value: 2.0, part });
         model.turn("orb", &SIZE, slow, directed(1), 0.0);
         assert_eq!(read(&model, directed(1), 0.0), (2.0, ChangedBy::Midi));
-        // The smoothed movement ends at the user's target.
+        // The smoothed movement approaches the user's target, not the show's value.
         assert!(read(&model, directed(1), 9.0).0 > 3.9);
         model.turn("orb", &SIZE, slow, directed(2), 9.0);
         assert_eq!(read(&model, directed(2), 9.0), (2.0, ChangedBy::Midi));

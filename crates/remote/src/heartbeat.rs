@@ -80,7 +80,7 @@ mod tests {
         let mut heartbeat = Heartbeat::new(LIMITS, start);
         assert!((0..LIMITS.messages_at_once_max).all(|_| heartbeat.note_heard(start)));
         assert!(!heartbeat.note_heard(start));
-        // One second adds a second's allowance, minus the message that was rejected.
+        // After one second, the allowance is one second of messages, minus the message that was rejected before.
         let later = start + Duration::from_secs(1);
         assert!((1..LIMITS.messages_per_second_max).all(|_| heartbeat.note_heard(later)));
         assert!(!heartbeat.note_heard(later));

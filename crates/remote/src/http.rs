@@ -154,7 +154,7 @@ pub fn answer_in_words(stream: &TcpStream, status: &str, words: &str, within: Du
     answer(stream, status, &fields, format!("{words}\n").as_bytes(), within);
 }
 
-/// Closes a connection after reading the rest of the request, because unread bytes would discard the answer.
+/// Reads the rest of the request, then closes. Closing with unread bytes would discard the answer.
 pub fn part(mut stream: &TcpStream) {
     let _ = stream.shutdown(Shutdown::Write);
     let end = Instant::now() + PARTING_TIME;

@@ -6,8 +6,8 @@ use qrcode::{EcLevel, QrCode};
 
 use crate::token::Token;
 
-/// Documentation addresses (RFC 5737, RFC 3849). No packet is sent, because connecting a UDP socket only makes the
-/// system choose a local address.
+/// Addresses reserved for documentation (RFC 5737, RFC 3849). Connecting a UDP socket to one makes the system choose a
+/// local address, but sends no packet.
 const FAR_V4: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::new(192, 0, 2, 1)), 9);
 const FAR_V6: SocketAddr = SocketAddr::new(IpAddr::V6(Ipv6Addr::new(0x2001, 0xdb8, 0, 0, 0, 0, 0, 1)), 9);
 

@@ -10,7 +10,7 @@ use crate::token::Token;
 pub(crate) enum Route {
     /// An embedded file, and the host that the request names.
     Text(&'static Asset, String),
-    /// The page's address without the trailing slash that relative links need.
+    /// A redirect to the page's address with a trailing slash, which relative links need.
     Slash,
     /// The preview image of the scene with this title.
     Picture(String),
@@ -86,7 +86,7 @@ pub(crate) fn route(head: &Head, host: &str, token: &Token) -> Result<Route, Ref
     if !head.has("Upgrade") {
         return Err(Refusal::TalkOnly);
     }
-    // Browsers send the origin of a page, and the page cannot change it.
+    // Browsers send the origin of a page here. A page cannot send a false origin.
     let origin = head.field("Origin").unwrap_or_default();
     if !origin.eq_ignore_ascii_case(&format!("http://{host}")) {
         return Err(Refusal::Origin);

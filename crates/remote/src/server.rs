@@ -205,7 +205,7 @@ impl Shared {
                 return;
             }
             let Ok(stream) = stream else {
-                // For example, too many files are open.
+                // Retry later: for example, too many files are open.
                 std::thread::sleep(AGAIN);
                 continue;
             };
@@ -271,7 +271,7 @@ impl Shared {
                 http::answer(&stream, "308 Permanent Redirect", &fields, b"", within);
             }
             Ok(Route::PhoneSession(key)) => self.phone_session(stream, &key, rest),
-            // Report a full server before the missing upgrade, so that the page can show the reason.
+            // The page asks without an upgrade why the phone was refused: answer that the server is full.
             Err(Refusal::TalkOnly) if self.phones.load(Ordering::Acquire) >= limits.phones_max => {
                 turn_away(&stream, within);
             }

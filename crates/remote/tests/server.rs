@@ -359,7 +359,7 @@ fn a_phone_that_reads_nothing_is_disconnected_and_blocks_nobody() {
     place.wait_for_phones(2);
     let names = |number: usize| (0..4_000).map(|name| format!("scene {name} of {number}")).collect();
     let mut number = 0;
-    // Each state is larger than the network buffers for a client that does not read.
+    // The network holds only a few of these large states for a client that does not read.
     while place.remote.phones() == 2 {
         number += 1;
         place.board.put(Present { scenes: names(number), ..present(1.0) });
@@ -380,7 +380,7 @@ fn a_slow_phone_gets_the_newest_state_and_not_all_of_them() {
     };
     let place = Place::within(limits);
     let (mut late, mut phone) = (place.phone(), place.phone());
-    // Each state has half a megabyte. The network buffers about twenty states for a client that does not read.
+    // Each state has half a megabyte. The network holds about twenty states for a client that does not read.
     let states = 120;
     for number in 1..=states {
         let scenes = (0..20_000).map(|name| format!("scene {name} of {number}")).collect();

@@ -52,7 +52,7 @@ impl KeptSettings {
         loop {
             match self.writer_thread.poll()? {
                 Err(error) => return Some(error),
-                // Other windows also write the file. While a change waits to be written, the result is outdated.
+                // Adopt other windows' changes to the file, unless a change from here still waits to be written.
                 Ok(settings) if self.writer_thread.is_idle() => self.settings = settings,
                 Ok(_) => {}
             }

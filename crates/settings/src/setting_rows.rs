@@ -40,7 +40,7 @@ pub enum Values {
         /// Turns a whole percentage into the setting.
         setting: OfPercent,
     },
-    /// The delay of the image for a device, in milliseconds; a negative delay advances the image.
+    /// The delay of the image for a device, in milliseconds; a negative delay shows the image earlier.
     Delay(f64),
 }
 

@@ -13,9 +13,9 @@ const BEATS_IN_BAR: u64 = 4;
 const FITTED_MAX: usize = 48;
 /// The number of clock messages needed for a tempo.
 const FITTED_MIN: usize = 6;
-/// A pause after which the clock starts anew, in seconds. It is the interval of clock messages at 5 beats a minute.
+/// The clock restarts after this many seconds without a message. At 5 beats a minute, messages are this far apart.
 const PAUSE: f64 = 0.5;
-/// A deviation from the fitted line, in seconds, above which a clock message may belong to a new tempo.
+/// A clock message further from the fitted line than this, in seconds, may belong to a new tempo.
 const OFF: f64 = 0.006;
 
 /// Follows the MIDI clock of one device. Times are in seconds since any fixed moment.
@@ -24,7 +24,7 @@ pub struct Clock {
     /// Numbers and times of the last clock messages.
     clocks: VecDeque<(u64, f64)>,
     count: u64,
-    /// A clock message's number, and the song position there, in clock messages; `None` before a start.
+    /// The number of a clock message and the song position at it, in clock messages; `None` before the song starts.
     place: Option<(u64, u64)>,
     /// The song position while the song is stopped, in clock messages.
     stands_at: Option<u64>,
@@ -119,7 +119,7 @@ impl Clock {
         Some((place + number).saturating_sub(of))
     }
 
-    /// Fits a least-squares line through the last clock messages. Returns the time of message 0 and the period.
+    /// Fits a least-squares line to the last clock messages. Returns the time of message 0 and the time per message.
     fn line(&self) -> Option<(f64, f64)> {
         if self.clocks.len() < FITTED_MIN {
             return None;

@@ -4,10 +4,10 @@ use super::message::{Message, Parser};
 use super::source::Source;
 
 const CHANNELS: usize = 16;
-/// The number of 14-bit controllers: a controller `n` below this may send the low 7 bits as controller `n + 32`.
+/// Controllers `n` below this may have 14 bits: then controller `n + 32` sends the low 7 bits.
 const FINE: usize = 32;
 
-/// The state of a device between two bytes.
+/// The state of a device, kept from one byte to the next.
 #[derive(Debug, Clone)]
 pub struct Device {
     parser: Parser,
@@ -19,7 +19,7 @@ struct Channel {
     /// The last value of each controller number, for detecting presses and 14-bit controllers.
     values: [u8; 128],
     last: Option<u8>,
-    /// True for controllers that have sent their coarse and fine numbers in succession.
+    /// True for controllers `n` that have sent messages for `n` and `n + 32` in succession, and so have 14 bits.
     is_fine: [bool; FINE],
 }
 
@@ -78,7 +78,7 @@ impl Device {
         let is_press = before.is_some_and(|before| before < 64) && value >= 64;
         tell(Said::Moved(Source::Control { channel, number }, fraction(value), is_press));
         let last = state.last.replace(number);
-        // A 14-bit controller sends a coarse and a fine number, in either order.
+        // A 14-bit controller sends its high bits with the coarse number and its low bits with the fine number.
         let (coarse, other) = match number {
             0..32 => (number, number + 32),
             32..64 => (number - 32, number - 32),
@@ -154,7 +154,7 @@ mod tests {
         };
         assert_eq!(fine(&[0xb0, 7, 127, 39, 127]), [1.0]);
         assert_eq!(fine(&[0xb0, 39, 127, 7, 127]), [1.0]);
-        // Once a controller is known to have 14 bits, the coarse and the fine number both move the control.
+        // Once a controller is known to have 14 bits, messages for either of its numbers move the control.
         let (up, down) = (f32::from(64_u16 << 7) / 16_383.0, f32::from(64_u16 << 7 | 1) / 16_383.0);
         assert_eq!(fine(&[0xb0, 7, 64, 39, 0, 39, 1])[..], [up, down]);
         // Two separate knobs, with another message in between.

@@ -30,7 +30,7 @@ pub struct MidiState {
     pub trouble: Option<String>,
     /// True once the first scan is done.
     pub is_known: bool,
-    /// The device whose clock is followed.
+    /// The device whose MIDI clock sets the tempo.
     pub clock_of: Option<String>,
     /// A counter that increases with each change.
     pub revision: u64,
@@ -272,7 +272,7 @@ mod tests {
         hub_test.send("drums", &[0xfa, 0xf8]);
         hub_test.send("synth", &[0xf8, 0xf8, 0xf8]);
         assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("drums"));
-        // A device whose clock has been silent for long is replaced.
+        // If the followed clock has been silent for long, another device takes over.
         lock(&hub.0.clock).2 = -CLOCK_GONE;
         hub_test.send("synth", &[0xf8]);
         assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("synth"));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::mapping::{Mapping, Target};
 use super::source::{KnobMove, Source};
 
-/// A coarse knob is accepted if no fine number arrives within this time, in seconds.
+/// A knob counts as 7-bit if no message with its low bits arrives within this time, in seconds.
 const WAITS: f64 = 0.08;
 
 /// The state while a control is being learned.
@@ -39,7 +39,7 @@ impl Learning {
         }
         match (&self.moved, moved.source) {
             (None, source) => self.moved = Some((moved.device.clone(), source, now)),
-            // The fine number of the same knob.
+            // The knob that moved has 14 bits: learn the 14-bit control.
             (
                 Some((device, Source::Control { channel, number }, since)),
                 fine @ Source::FineControl { .. },
@@ -54,7 +54,7 @@ impl Learning {
         }
     }
 
-    /// Returns the time at which the resolution of the moved knob is known; `None` if no knob has moved.
+    /// Returns the time when it is known if the moved knob has 7 or 14 bits; `None` if no knob has moved.
     pub fn known_at(&self) -> Option<f64> {
         self.moved.as_ref().map(|(_, source, since)| match source {
             Source::Control { .. } => since + WAITS,
@@ -62,7 +62,7 @@ impl Learning {
         })
     }
 
-    /// Returns the new mapping once the resolution of the knob is known.
+    /// Returns the new mapping once it is known if the knob has 7 or 14 bits.
     pub fn learned(&self, now: f64) -> Option<Mapping> {
         let (device, source, _) =
             self.moved.as_ref().filter(|_| self.known_at().is_some_and(|at| now >= at))?;

@@ -89,7 +89,7 @@ pub struct Mapping {
 
 /// The default smoothing time in seconds. It hides the 128 steps of a knob.
 const SMOOTHING: f32 = 0.05;
-/// The default tempo range of a knob, in beats per minute.
+/// The default tempos at the two ends of a knob, in beats per minute.
 const TEMPOS: [f32; 2] = [60.0, 180.0];
 
 impl Mapping {
@@ -156,7 +156,7 @@ pub struct Mappings {
 }
 
 impl Mappings {
-    /// Takes a list of mappings; entries beyond the limit are dropped.
+    /// Uses a list of mappings. Entries beyond the limit are ignored.
     pub fn of(mut list: Vec<Mapping>) -> Self {
         list.truncate(LIMITS.mappings_max);
         Self { holds: vec![PickUp::default(); list.len()], list }

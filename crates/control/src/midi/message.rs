@@ -59,7 +59,7 @@ enum Expects {
     /// No status byte is in force, so data bytes are ignored.
     #[default]
     Nothing,
-    /// Waits for `count` data bytes of `status`. If `runs` is true, more data may follow without a status byte.
+    /// Collects `count` data bytes of `status`. If `runs` is true, another message may follow without a status byte.
     Data { status: u8, count: usize, runs: bool },
 }
 

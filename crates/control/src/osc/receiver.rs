@@ -164,7 +164,7 @@ impl Hearing {
                     answers.into_iter().for_each(|answer| send(socket, answer, from));
                 }
                 Err(error) if is_patience(&error) => {}
-                // A client that sent a query has closed its port, or the network is down for a while.
+                // Keep receiving: an answer was refused, because the client that sent the query has closed its port.
                 Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
                 Err(error) => {
                     tracing::debug!("OSC: {error}");

@@ -75,13 +75,13 @@ fn send(place: &Place, interval: Duration, sample: &Mutex<Sample>, is_over: &Ato
     let mut due = Instant::now();
     while !is_over.load(Ordering::Relaxed) {
         let now = Instant::now();
-        // After a suspend, missed packets are not sent.
+        // After the computer was suspended, do not send the missed packets.
         due = (due + interval).max(now);
         std::thread::sleep(due.saturating_duration_since(now));
         let sample = sample.lock().unwrap_or_else(PoisonError::into_inner).clone();
         if let Some(bytes) = (!sample.is_empty()).then(|| packet(sample)).flatten() {
             match socket.send_to(&bytes, to) {
-                // No program is listening yet.
+                // Keep sending: no program is listening yet.
                 Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
                 sent => drop(sent?),
             }
