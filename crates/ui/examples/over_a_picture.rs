@@ -1,5 +1,5 @@
-//! Draws the table of keys over an empty frame and saves it: `cargo run -p mariana-ui --example over_a_picture --
-//! keys.png`.
+//! Draws the table of keys over an empty frame and saves the image: `cargo run -p mariana-ui --example over_a_picture
+//! -- keys.png`.
 
 use std::error::Error;
 use std::time::Instant;

@@ -1,5 +1,5 @@
-//! The time of a session: the system's time, or simulated time in tests. A session and its panels share one thread, and
-//! simulated time applies only to this thread.
+//! The time of a session: the system's time, or simulated time in tests. Simulated time applies only to the thread that
+//! sets it; a session and its panels share one thread.
 
 use std::cell::Cell;
 use std::time::{Duration, Instant};

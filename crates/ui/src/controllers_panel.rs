@@ -48,13 +48,13 @@ pub enum ControllerRow {
         /// True while the panel waits for a control to map.
         learns: bool,
     },
-    /// A mapping, below its target.
+    /// A mapping. Its row is below the row of its target.
     Knob {
         /// The mapping.
         mapping: Mapping,
-        /// The control and its device.
+        /// The control and its device, and a note if the device is not connected.
         words: String,
-        /// The parameter's present position, 0..1, if the parameter belongs to the shown scene.
+        /// The present position of the target parameter, 0..1; `None` if the shown scene lacks this parameter.
         stands: Option<f32>,
     },
 }
@@ -62,11 +62,11 @@ pub enum ControllerRow {
 /// An editable part of a mapping, from left to right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Field {
-    /// The value at the control's lower end.
+    /// The position that the parameter takes at the lower end of the control.
     From,
-    /// The value at the control's upper end.
+    /// The position that the parameter takes at the upper end of the control.
     To,
-    /// Swaps the ends.
+    /// Swaps the positions for the two ends of the control.
     Invert,
     /// The response curve, a [`Curve`].
     Curve,
@@ -105,7 +105,7 @@ impl Field {
         }
     }
 
-    /// The command for a click or Enter on the part. On an end, it sets the end to `stands`, the parameter's position.
+    /// The command for a click or Enter on the part. `From` and `To` get `stands`, the parameter's position.
     pub fn request(self, mapping: &Mapping, stands: Option<f32>) -> Option<Command> {
         let mut after = mapping.clone();
         let [from, to] = &mut after.range;
@@ -160,7 +160,7 @@ pub struct ControllersState<'a> {
     pub counts: (u64, u64),
     /// All mappings.
     pub mappings: &'a [Mapping],
-    /// The target that waits for a control.
+    /// The target to which the next moved control is mapped.
     pub learning: Option<&'a Target>,
 }
 
@@ -249,7 +249,7 @@ impl ControllersPanel {
         (true, None)
     }
 
-    /// Selects the first changeable row from `place` on, downwards if `down`. Without such a row, keeps the selection.
+    /// Selects the first changeable row at or below `place` if `down`, otherwise at or above `place`, if there is one.
     fn select_from(&mut self, place: usize, down: bool) {
         let found = if down {
             self.rows.iter().enumerate().skip(place).find(|(_, row)| is_changeable(row))

@@ -8,7 +8,7 @@ use mariana_commands::input::{Key, NamedKey};
 use mariana_commands::{Command, MovedCorner};
 use mariana_render::placement::{Area, Corners};
 
-/// Movement by an arrow key, as a fraction of the screen.
+/// Movement per press of an arrow key, as a fraction of the screen. With Shift, the next constant applies.
 const STEP: f64 = 0.001;
 const LARGE_STEP: f64 = 0.01;
 

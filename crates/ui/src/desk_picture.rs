@@ -1,5 +1,5 @@
-//! The layout of the control window, which is used while the output fills a second screen. A column at the right
-//! contains a small frame, and the rest is for panels.
+//! The layout of the control window, which is used while the output fills a second screen. A column at the right shows
+//! the frame at a small size, and the rest is for panels.
 
 use mariana_render::placement::Area;
 

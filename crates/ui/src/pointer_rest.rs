@@ -1,4 +1,4 @@
-//! Decides if the pointer is active. Pointer and bar appear when the pointer moves. They disappear after a rest, or at
+//! Decides if the pointer is active. Pointer and bar appear when the pointer moves. They disappear after a pause, or at
 //! once when the window enters full screen.
 
 use std::time::{Duration, Instant};

@@ -1,5 +1,5 @@
 //! The state of the scene list: a thumbnail of each scene, a search by name or comment, and marks. The overlay draws
-//! the list. Keys and the pointer change it. [`Thumbnails`] finds the images.
+//! the list. Keys and the pointer change it. [`Thumbnails`] provides the images.
 
 use std::collections::BTreeSet;
 use std::ops::Range;

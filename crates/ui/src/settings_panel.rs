@@ -31,9 +31,9 @@ pub struct Facts<'a> {
     pub outputs: Vec<Output>,
     /// The connected monitors.
     pub monitors: Vec<Monitor>,
-    /// True if the output comes from the command line.
+    /// True if the output was chosen on the command line.
     pub output_for_this_run: bool,
-    /// The delay of the image, in milliseconds.
+    /// The delay of the image relative to the sound, in milliseconds.
     pub shift: f64,
     /// The display name of the device to which the delay applies.
     pub device: Option<&'a str>,

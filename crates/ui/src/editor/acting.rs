@@ -113,7 +113,7 @@ impl Editor {
         self.propose(false);
     }
 
-    /// Inserts pasted text as its own undo step.
+    /// Inserts pasted text as a separate undo step.
     pub(super) fn put_in(&mut self, text: &[u8]) {
         if let Some(query) = self.finding.typed() {
             query.extend(String::from_utf8_lossy(text).lines().next());
@@ -369,8 +369,8 @@ impl Editor {
         }
     }
 
-    /// Opens the completion list. If the user `asked` for it, typed letters are not needed, and an empty result is
-    /// reported.
+    /// Opens the completion list. If the user `asked` for the list, it opens even before a letter is typed, and a
+    /// message says if no name fits.
     fn propose(&mut self, asked: bool) {
         self.proposals.close();
         let Some(document) = self.texts.document().filter(|document| document.is_open()) else { return };

@@ -54,11 +54,11 @@ pub(crate) struct Document {
     /// The file's contents when last read; `None` while the file is being read.
     pub disk: Option<OnDisk>,
     pub question: Option<Question>,
-    /// The mistakes, and the version of the text that contains them.
+    /// The version of the text that the loader checked last, and the mistakes in this version.
     found: (u64, Vec<Mistake>),
     /// The last version of the text that had no mistakes. The frame shows this version.
     shown: u64,
-    /// Pairs of versions, oldest first: a version of the drafts, and the version of this text in these drafts.
+    /// For each draft sent to the loader, oldest first: the version of all drafts, and the version of this text.
     sent: VecDeque<(u64, u64)>,
     /// The version of the text that was last passed on to the loader.
     noted: u64,
@@ -223,12 +223,12 @@ impl Document {
         self.found = (sent.map_or(0, |(_, version)| *version), mistakes);
     }
 
-    /// Records that the text version of the last findings has no mistakes.
+    /// Records that the version that the loader checked last has no mistakes, so the frame shows this version.
     pub(crate) fn note_shown(&mut self) {
         self.shown = self.found.0;
     }
 
-    /// Maps `range` from the version that the frame shows to the present text; `None` if it has been edited.
+    /// Maps `range` from the version that the frame shows to the present text; `None` if that part was edited since.
     pub(crate) fn place_as_shown(&self, range: Range<usize>) -> Option<Range<usize>> {
         self.editing.place(self.shown, range)
     }

@@ -11,7 +11,7 @@ use mariana_files::documents::{FileEvent, FileThread};
 use super::document::{Document, Question};
 
 pub(super) const TEMPLATE: &str = include_str!("new.scene");
-/// Maximum time that the exit waits for backups.
+/// Maximum time to wait for backups when the program exits.
 const KEEP_LIMIT: Duration = Duration::from_secs(3);
 const NO_FOLDER: &str = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";
 

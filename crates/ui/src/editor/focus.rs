@@ -32,7 +32,7 @@ impl Focus {
         self.ignores_repeats
     }
 
-    /// Accepts every key from now on.
+    /// Accepts repeated keys from now on.
     pub(super) fn take_repeats(&mut self) {
         self.ignores_repeats = false;
     }

@@ -45,7 +45,7 @@ pub enum EditAction {
     NextText,
     /// Goes to the next mistake.
     NextMistake,
-    /// Switches highlighting of the parts of the frame that the lines at the cursor draw.
+    /// Highlights the parts of the frame that the lines at the cursor draw, or stops highlighting them.
     Light,
     /// Shows or hides the cost of each object.
     Profile,
@@ -94,7 +94,7 @@ const fn named(
     Row { key: Key::Named(key), held, written, action, meaning }
 }
 
-/// All key bindings. With Shift, the key for the next match finds the previous match, and Undo becomes Redo.
+/// All key bindings. With Shift, the key for the next match finds the previous match, and the key for Undo redoes.
 pub const ROWS: &[Row] = &[
     letter("s", "Ctrl+S", EditAction::Save, "save; a shipped scene is copied to your folder"),
     letter("z", "Ctrl+Z", EditAction::Undo, "undo"),

@@ -96,7 +96,7 @@ pub enum EditorEvent {
     ClosePicker,
     /// The picker's colour changed.
     SetColor([f64; 3]),
-    /// The position at the cursor was dragged by this vector.
+    /// The position whose numbers are at the cursor was dragged by this vector, in scene coordinates.
     MovePlace([f64; 3]),
     /// The text was scrolled.
     Scroll {
@@ -269,7 +269,7 @@ impl Editor {
     /// Sets the frame's position in the window and its camera.
     pub fn set_view(&mut self, map: Map, camera: Option<Camera>) {
         let (is_new, moves) = self.picture.set_view(map, camera);
-        // Only the cross at a position depends on the camera.
+        // Only the cross that marks a position depends on the camera.
         let is_crossed =
             || self.document().is_some_and(|document| self.held_numbers.place(document).is_some());
         if is_new || moves && is_crossed() {

@@ -27,7 +27,7 @@ pub(crate) struct Picture {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Light {
     pub columns: usize,
-    /// For each cell, true if the lines at the cursor draw it.
+    /// For each cell of a grid over the frame, row by row: true if the lines at the cursor draw the cell.
     pub cells: Vec<bool>,
 }
 

@@ -60,8 +60,8 @@ impl Proposals {
         self.object_previews.update()
     }
 
-    /// Finds candidates for the name at the cursor. If the user `asked`, no letters need be typed. Returns true if
-    /// there are candidates.
+    /// Finds candidates for the name at the cursor. If the user `asked`, works even before a letter is typed. Returns
+    /// true if there are candidates.
     pub(super) fn propose(&mut self, document: &Document, asked: bool) -> bool {
         let (buffer, cursor) = (document.editing.buffer(), document.editing.cursor());
         let (range, list) = document.with_colors(|colors| proposals(buffer, colors, cursor, asked));

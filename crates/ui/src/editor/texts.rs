@@ -102,7 +102,7 @@ impl Texts {
         Some(document.editing.buffer().line_of(now.start))
     }
 
-    /// Returns the next mistake of the visible text. If it has no mistake, returns the number of a wrong text.
+    /// Returns the next mistake of the visible text. Without one, returns the number of another text with mistakes.
     pub(super) fn next_mistake(&self) -> Result<Marked, Option<usize>> {
         let next = self.document().and_then(Document::next_mistake);
         next.ok_or_else(|| self.found.first_wrong_text())
@@ -326,7 +326,7 @@ impl Texts {
                 Some("reloaded: another program has changed the file".to_owned())
             }
             Change::Gone => {
-                // The draft keeps the scene on screen.
+                // The file is gone, but its text stays in the drafts, so the scene stays on screen.
                 self.files.keep_gone(document);
                 self.outbox.replace_file(document);
                 None

@@ -24,7 +24,7 @@ impl Document {
         self.triple_at(at).filter(|(triple, _)| triple.kind == TripleKind::Color)
     }
 
-    /// Returns the position at the cursor as the text has it, and -1 if the scene uses its negative, otherwise 1.
+    /// Returns the position written at the cursor, and its sign in the scene: -1 if the scene negates it, otherwise 1.
     pub(super) fn place_at_cursor(&self) -> Option<([f64; 3], f64)> {
         let (triple, _) = self.triple_at(self.editing.cursor()).filter(|_| self.is_open())?;
         match triple.kind {

@@ -32,7 +32,7 @@ struct Turn {
 #[derive(Debug, Clone, PartialEq)]
 struct Held {
     inputs: Vec<HeldNumber>,
-    /// The version of the drafts that contains the inputs.
+    /// The version of the drafts since which the numbers are inputs.
     since: u64,
 }
 
@@ -44,7 +44,7 @@ struct HeldNumber {
     digits: usize,
     /// True if a minus precedes the digits in the loaded text.
     negated: bool,
-    /// The range of values that a frame may set.
+    /// The range in which a frame may set the input without a new parse of the text.
     room: (f32, f32),
 }
 
@@ -139,7 +139,7 @@ impl HeldNumbers {
         Ok(())
     }
 
-    /// Turns the numbers into frame inputs with a range around their values. This parses the text.
+    /// Makes the numbers frame inputs with a range around their values. For this, the text is parsed again.
     fn hold(&mut self, places: &[usize], values: &[f64], texts: &mut Texts) {
         let (Some(turn), Some(document)) = (&mut self.turn, texts.document()) else { return };
         let mut inputs = Vec::new();

@@ -20,7 +20,7 @@ use mariana_render::reading_order::isolated;
 const WIDTH_MAX: f32 = 1100.0;
 /// Height of the seek bar's clickable area.
 const RAIL_HEIGHT: f32 = 26.0;
-/// Height of a plain seek bar or volume slider.
+/// Height of the volume slider, and of a seek bar without a loudness curve.
 const LINE_HEIGHT: f32 = 4.0;
 const BUTTON: f32 = 30.0;
 const LEVEL: Vec2 = vec2(18.0, 2.0);
@@ -31,7 +31,7 @@ const BAR_STEP: f32 = 3.0;
 /// Range of the volume slider's width. If there is less room, the slider is hidden.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
 const RIGHT_BUTTONS: f32 = 10.0;
-/// Height of the line of sections, and size of their letters.
+/// Height of the line that shows the song's sections. The next constant is the size of the sections' letters.
 const SECTION_HEIGHT: f32 = 3.0;
 const LETTER_SIZE: f32 = 9.5;
 /// Colours of sections, in order of their letters' first appearance.
@@ -74,7 +74,7 @@ pub struct Bar<'a> {
     pub seen: bool,
 }
 
-/// Number of steps of the level. The bar is laid out again at each step.
+/// The level 0..1 has this many steps. The bar is laid out again when the level reaches another step.
 const LEVEL_STEPS: f32 = 24.0;
 
 impl Hash for Bar<'_> {
@@ -174,8 +174,8 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     front.galley(label.center() - 0.5 * galley.size(), galley, style::TEXT);
 }
 
-/// Draws the loudness curve around the middle of `place`. The part up to `fraction` is drawn as played. Unknown
-/// loudness becomes a thin line.
+/// Draws the loudness curve around the middle of `place`. The part up to `fraction` is drawn as played. Where the
+/// loudness is unknown, draws a thin line.
 fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, fraction: f32) {
     let bars = (place.width() / BAR_STEP).floor().max(1.0) as usize;
     for bar in 0..bars {
@@ -192,7 +192,7 @@ fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, fraction: f
     }
 }
 
-/// Draws the sections as a coloured line with letters at the lower edge of `place`, and drops at the upper edge.
+/// Draws a coloured line with a letter for each section at the bottom of `place`, and a mark for each drop at the top.
 fn draw_sections(painter: &Painter, place: Rect, song: &SongStructure, duration: f64) {
     let x = |time: f64| place.left() + (time / duration).clamp(0.0, 1.0) as f32 * place.width();
     let mut letters: Vec<&str> = Vec::new();

@@ -310,7 +310,7 @@ impl Overlay {
             input.events.push(Event::PointerGone);
         }
         if interactive && !was {
-            // Send egui the events that it has missed.
+            // Send egui the pointer events that it did not get while no control reacted to the pointer.
             if self.panels.context().input(|input| input.pointer.any_down()) {
                 input.events.push(egui::Event::PointerGone);
             }

@@ -6,7 +6,7 @@ use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 use mariana_player::track::Repeat;
 
-/// Step of the position in seconds. The bar is laid out again at each step.
+/// The bar is laid out again each time that the position has moved on by this many seconds.
 const POSITION_STEP: f64 = 0.1;
 
 /// A snapshot of the player for display.

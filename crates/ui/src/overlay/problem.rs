@@ -115,7 +115,7 @@ fn cut_line(line: &str, width_max: usize) -> String {
     line.chars().take_while(fits).chain(['…']).collect()
 }
 
-/// Splits a line by meaning: the first column, text and colour of each part.
+/// Splits a line into differently coloured parts. Returns the first column, text and colour of each part.
 fn pieces(line: &str) -> Vec<(usize, &str, Color32)> {
     let split = |at: usize, left: Color32, right: Color32| {
         let (before, after) = line.split_at_checked(at).unwrap_or((line, ""));

@@ -13,7 +13,7 @@ const ROW: f32 = 26.0;
 const LANE: f32 = 10.0;
 /// Maximum width of a row's name: first in points, then as a fraction of the row.
 const NAME: (f32, f32) = (170.0, 0.34);
-/// Largest delay that the slider reaches, in milliseconds in each direction. Keys reach larger delays.
+/// Largest delay that the slider can set, in milliseconds in each direction. Keys can set larger delays.
 const RAIL_MS: f64 = 500.0;
 pub(super) struct Seen {
     selected: usize,

@@ -52,7 +52,7 @@ impl Stage {
         let time = Some(self.seconds);
         let input = RawInput { screen_rect: Some(self.screen), time, events, ..Default::default() };
         let mut laid_out = self.panels.lay_out(input, &mut content, Instant::now());
-        // egui panics if textures are left unused.
+        // egui panics if a test drops texture changes without clearing them.
         laid_out.output.textures_delta.clear();
         laid_out
     }
@@ -443,7 +443,7 @@ fn missing_letters_are_searched_for_once() {
     for _ in 0..3 {
         stage.frame(Vec::new(), noticed("日本"));
     }
-    // The search only looks for the new letter. No font contains it, so there is no wake-up.
+    // Only the third letter is new, so only this letter is searched for. No font contains the letter.
     assert_eq!(stage.panels.fallback().missed(), 2);
     stage.frame(Vec::new(), noticed("日本語"));
     assert_eq!(stage.panels.fallback().missed(), 3);

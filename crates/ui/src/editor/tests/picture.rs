@@ -49,7 +49,7 @@ fn the_card_of_a_point_leads_to_its_source_line() {
     probe(&mut setup, [0.5, 0.9]);
     setup.editor.obey(EditorEvent::GoToProbed);
     assert_eq!(line_of_cursor(&setup), 6);
-    // The frame shows the loaded text. Since then, the user has added a line above.
+    // The user has added a line above the object since the scene was loaded.
     let scenery = scenery_of(setup.source());
     setup.go_to("object near");
     setup.type_text("# far\n");
@@ -63,7 +63,7 @@ fn the_card_of_a_point_leads_to_its_source_line() {
         (name.as_str(), line, words.as_str()),
         ("main.scene", 4, "shape = sphere(p - vec3(0, 0, 5), 1)")
     );
-    // The sky has no line. Esc closes the card before the editor.
+    // No line of the text draws the sky. Esc closes the card and leaves the editor open.
     probe(&mut setup, [0.5, 0.1]);
     setup.editor.obey(EditorEvent::GoToProbed);
     assert_eq!((line_of_cursor(&setup), setup.editor.picture.probed().unwrap().surface.as_ref()), (4, None));

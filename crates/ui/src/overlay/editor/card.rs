@@ -7,7 +7,7 @@ use crate::editor::{Editor, EditorEvent};
 use crate::overlay::{assisted, icons, style};
 use mariana_scenes::probing::Surface;
 
-/// Width of the card, and of its column of names.
+/// Width of the card. The next constant is the width of the column of names in the card.
 const WIDTH: f32 = 250.0;
 const NAMES: f32 = 62.0;
 const ROW: f32 = 17.0;

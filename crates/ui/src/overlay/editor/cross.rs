@@ -1,5 +1,5 @@
-//! A cross in the frame at the position that is under the text cursor. The user drags the cross's arms to move the
-//! position along an axis, or its middle to move the position in the view plane.
+//! A cross in the frame, at the position whose numbers are at the text cursor. The user drags the cross's arms to move
+//! the position along an axis, or its middle to move the position in the view plane.
 
 use egui::{Color32, Context, CursorIcon, Id, LayerId, Order, Pos2, Rect, Sense, Stroke, Vec2, vec2};
 use glam::DVec3;

@@ -17,7 +17,7 @@ const EDGE: u8 = 190;
 /// Subdivisions of the mesh that follows the frame's corners on the screen.
 const PARTS: usize = 12;
 
-/// The last mask. It is uploaded again only after a change.
+/// The texture of the last mask. A new mask is uploaded only if its fingerprint differs.
 #[derive(Clone)]
 struct Kept {
     fingerprint: u64,

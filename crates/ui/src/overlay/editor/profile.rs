@@ -35,7 +35,7 @@ pub(super) fn show(ui: &Ui, space: Rect, editor: &Editor, ask: &mut impl FnMut(E
         return space.bottom();
     }
     let mut rows = rows(editor);
-    // Leave room for the text.
+    // Leave out parts of objects to make room for the text.
     leave_out_parts(&mut rows, (0.45 * space.height() / ROW) as usize);
     let height = ROW * (rows.len() + 1) as f32 + 8.0;
     let table = Rect::from_min_max(pos2(space.left(), (space.bottom() - height).max(space.top())), space.max);

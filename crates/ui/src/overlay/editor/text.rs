@@ -352,7 +352,7 @@ fn point(
         )
     });
     if editor.held_numbers().turns_three() {
-        // The picker or the cross still changes the numbers.
+        // The user is changing the numbers with the picker or the cross, so the text ignores the pointer.
         if !down {
             ask(EditorEvent::LetGo);
         }

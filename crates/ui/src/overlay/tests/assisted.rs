@@ -94,7 +94,7 @@ fn tab_did_not_reach_the_bar() {
     while stage.panels.wants_focus() {
         stage.frame(vec![], content());
     }
-    // The seek bar comes first: arrows seek.
+    // The first control is the seek bar, so arrow keys seek.
     assert!(focused(&stage).is_some());
     stage.frame(vec![], content());
     assert_eq!(
