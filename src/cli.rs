@@ -224,7 +224,7 @@ mod tests {
         Arguments::command().debug_assert();
     }
 
-    /// scripts/run opens no window for these commands.
+    /// `scripts/run` must list all commands that need no window.
     #[test]
     fn scripts_run_knows_every_command_without_a_window() {
         let cue_list = include_str!("../scripts/run");

@@ -51,7 +51,7 @@ pub struct Memory {
     pub folders: Folders,
 }
 
-/// Controllers outside the program.
+/// The external controllers: OSC, MIDI and phones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControllerSettings {
     /// The address at which OSC is received; `None` receives none.
@@ -101,7 +101,7 @@ pub struct PlaySettings {
     pub begin_at: f64,
     /// Values of the sliders that were moved in the first scene, by name.
     pub sliders: BTreeMap<String, f32>,
-    /// True if the next run continues this run.
+    /// True if this run is saved, so that the next run can continue it.
     pub remembered: bool,
     /// Size of the window at the start, in pixels.
     pub size: (u32, u32),

@@ -9,7 +9,7 @@ pub struct Limits {
     pub picture_side_min: u32,
     /// Largest width and height of an image, in pixels (OpenGL 3.3 drivers commonly allow this).
     pub picture_side_max: u32,
-    /// Maximum number of pixels in an image (64 Mi: a target of 16-bit floats takes 512 MiB).
+    /// Maximum number of pixels in an image (64 Mi: as 16-bit floats, these take 512 MiB).
     pub picture_pixels_max: u64,
     /// Lowest frame rate of `analyze`, `video` and the frame cap, in frames per second.
     pub fps_min: f64,
@@ -26,9 +26,9 @@ pub struct Limits {
     pub kept_program_bytes_max: usize,
     /// Maximum size of all programs on disk, in bytes; the least recently used ones are deleted first.
     pub program_cache_bytes_max: u64,
-    /// Seconds from the start until thumbnails of the folder's scenes are drawn ahead.
+    /// Time after the start, in seconds, at which thumbnails of the folder's scenes are drawn in advance.
     pub thumbnails_ahead_after: f64,
-    /// Maximum number of scenes in a folder whose thumbnails are drawn ahead.
+    /// Maximum number of thumbnails drawn in advance. Others are drawn when a list shows them.
     pub thumbnails_ahead_max: usize,
     /// Maximum size of a song's structure on disk, in bytes (usually 30 KiB for each minute).
     pub structure_bytes_max: usize,

@@ -53,7 +53,7 @@ pub fn frame_of_quarter(rgba: &[u8], size: (u32, u32)) -> Vec<u8> {
     bytes
 }
 
-/// Returns the planes of luma, blue and red of a frame with 4:2:0 chroma (known as I420 or YU12).
+/// Returns the three planes (luma, blue and red difference) of a frame with 4:2:0 chroma, known as I420 or YU12.
 pub fn quarter_planes(rgba: &[u8], (width, _): (u32, u32)) -> Vec<u8> {
     let pixels = rgba.as_chunks::<4>().0;
     let width = (width as usize).max(2);

@@ -222,7 +222,7 @@ fn count(number: usize, what: &str) -> String {
     if number == 1 { format!("1 {what}") } else { format!("{number} {what}s") }
 }
 
-/// Returns the names, in the scene language, of the inputs that `roots` read. Leaves out the point.
+/// Returns the names, in the scene language, of the inputs that `roots` read, except the coordinates of the point.
 fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<String> {
     let used = graph.inputs_used(roots)?;
     let mut names: Vec<String> = used

@@ -25,7 +25,7 @@ macro_rules! define_flags {
             pub(super) fn over(&self, remembered: &Choices) -> Choices {
                 let mut choices = remembered.clone();
                 $($($(
-                    // Expands only for rows that have a flag.
+                    // Makes the macro skip rows without a flag.
                     let _ = $help;
                     if let Some(value) = self.$field {
                         choices.set(&Setting::$variant(value));

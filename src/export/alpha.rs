@@ -12,7 +12,7 @@ use crate::gpu::renderer::Renderer;
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::ReadyScene;
 
-/// `sample_light.glsl` gives bright samples less weight. This exposure makes the difference negligible.
+/// `sample_light.glsl` gives bright samples less weight. At this low exposure, all samples have almost equal weight.
 const EXPOSURE: f32 = 0.01;
 
 pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), ExportError> {

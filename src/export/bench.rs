@@ -46,7 +46,7 @@ pub struct BenchRequest {
     pub gain: Gain,
     /// The scene; `auto` measures both modes.
     pub scene: SceneChoice,
-    /// True to measure with and without regions, whatever the scene's choice says about regions.
+    /// True to measure both with and without regions; false to measure only what the field `scene` selects.
     pub both: bool,
     /// True to measure the quality of edges too, which is slow.
     pub edges: bool,
@@ -283,7 +283,7 @@ fn first_draw(
     Ok([made, milliseconds(start.elapsed())])
 }
 
-/// Compares frames for each number of edge samples with a reference of 64 samples in every pixel.
+/// Compares a frame drawn with each number of edge samples to a reference with 64 samples in every pixel.
 fn measure_edges(
     renderer: &mut Renderer,
     resources: &SceneResources,

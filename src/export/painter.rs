@@ -37,7 +37,7 @@ pub struct SceneChoice {
     pub shaders: ShaderLibrary,
     /// Use of the tree of cells.
     pub cells: CellUse,
-    /// A view of the renderer's inner numbers; `None` draws the image.
+    /// A diagnostic view, whose colours show the renderer's internal values; `None` draws the image.
     pub view: Option<ViewChoice>,
     /// True to leave the sky transparent.
     pub alpha: bool,
@@ -112,7 +112,7 @@ impl HeadlessRenderer {
         }
         let program = link_scene(gl, &choice.shaders, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
-        // Views show the cells, so a view always needs cells.
+        // Diagnostic views show the cells, so they need cells even where cells do not save time.
         let change = match choice.cells {
             CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,
             change => change,
@@ -134,7 +134,7 @@ impl HeadlessRenderer {
         Ok(self.renderer.draw_view(&frame, resources, program, (&setup.block, legend.as_deref()))?)
     }
 
-    /// Draws `over`, with the fraction `fraction` (0..1) of the light from `under`. Views are not mixed, because
+    /// Draws `over` mixed with `under`, whose light has the weight `fraction` (0..1). Views are not mixed, because
     /// their colours stand for numbers.
     pub(super) fn draw_faded(
         &mut self,
@@ -148,7 +148,7 @@ impl HeadlessRenderer {
         self.draw_over(over.0, over.1, fraction)
     }
 
-    /// Draws a scene, with the fraction `fraction` (0..1) of the light from the last frame. Views are not mixed.
+    /// Draws a scene mixed with the last frame, whose light has the weight `fraction` (0..1). Views are not mixed.
     pub(super) fn draw_over(
         &mut self,
         model: &Model,

@@ -17,7 +17,7 @@ use mariana_music::Sound;
 /// Maximum number of scenes and blends on the GPU; the least recently drawn ones are removed first.
 const MODELS_MAX: usize = 8;
 
-/// The key of a model: a scene, or a blend of two scenes from two cameras.
+/// The key of a model: a scene, or a blend of two scenes, each with its own camera.
 #[derive(Debug, Clone, PartialEq)]
 enum Drawn {
     Scene(String),
@@ -141,7 +141,7 @@ impl ShowPainter {
         if fraction < 1.0 { self.draw_over((time, sound), fraction, size) } else { Ok(()) }
     }
 
-    /// Mixes the frame of a moment over the last frame. Like the window, draws no scene that fades out.
+    /// Mixes the frame of a moment over the last frame. If a scene is fading out at that moment, leaves it out.
     fn draw_over(
         &mut self,
         (time, sound): Heard,

@@ -50,7 +50,7 @@ pub struct ProgramCache {
 struct Folder {
     path: PathBuf,
     complained: AtomicBool,
-    /// Programs whose first crash was found in this run.
+    /// Programs that crashed an earlier run, as this run has found out. This run skips them.
     left_out: Mutex<HashSet<ProgramKey>>,
 }
 

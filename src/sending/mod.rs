@@ -1,8 +1,8 @@
 //! Sends the window's frames to other programs. Each program has a thread that takes the latest frame, so slow
 //! programs skip frames.
 //!
-//! **A receiver never blocks the show.** The show puts a frame into a mailbox ([`LatestFrame`]) and continues. A
-//! receiver that blocks, disconnects or returns causes one message each time ([`Sending::news`]).
+//! **A receiver never blocks the show.** The show puts a frame into a mailbox ([`LatestFrame`]) and continues. Each
+//! time a receiver blocks, disconnects or comes back, [`Sending::news`] has one message about it.
 
 mod latest_frame;
 mod mjpeg;
@@ -42,7 +42,7 @@ pub struct Sending {
 }
 
 impl Sending {
-    /// Sends frames of `size` pixels, both even, `fps` times a second. Returns at once: a receiver may connect later.
+    /// Sends frames of `size` pixels (both even) `fps` times a second. Returns at once: a receiver may connect later.
     ///
     /// # Errors
     /// [`SendError`]
@@ -71,12 +71,12 @@ impl Sending {
         self.latest_frame.put(picture);
     }
 
-    /// True if a receiver reads frames, or waits for the first.
+    /// True if a receiver is connected, or no frame has been offered yet.
     pub fn is_wanted(&self) -> bool {
         self.latest_frame.is_wanted()
     }
 
-    /// Messages about receivers since the last call.
+    /// Returns the messages about receivers since the last call.
     pub fn news(&self) -> Vec<String> {
         self.latest_frame.news()
     }
@@ -84,7 +84,7 @@ impl Sending {
 
 impl Drop for Sending {
     fn drop(&mut self) {
-        // If a receiver blocks the thread, the process ends without waiting for the thread.
+        // Do not wait for the thread: a receiver may block it.
         self.latest_frame.end();
     }
 }

@@ -42,7 +42,7 @@ pub(super) fn start(
 
 fn send(mut receiver: impl Receiver, fps: f64, latest_frame: &LatestFrame) {
     let period = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(33));
-    // The stream's header is sent with the first frame.
+    // Wait for a frame before opening, because opening sends the stream's header.
     while latest_frame.first().is_some() {
         match receiver.open() {
             Ok(()) => latest_frame.has_receiver(),

@@ -1,10 +1,10 @@
-//! Targets of frames, as written on the command line.
+//! Where frames are sent, as written on the command line.
 
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// A target of frames.
+/// Where frames are sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SenderTarget {
     /// A y4m stream into a FIFO; `None` is standard output.

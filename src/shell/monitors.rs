@@ -44,7 +44,7 @@ impl MonitorWatch {
     /// Sets the monitors on a window system that reports them, which makes polling unnecessary.
     pub(crate) fn note(&mut self, monitors: Vec<Monitor>) {
         self.begun = true;
-        // A running thread ends because the old value is dropped.
+        // Dropping the old value ends the thread that polls, if there is one.
         self.known = Arc::new(Mutex::new(Some(monitors)));
     }
 

@@ -47,7 +47,7 @@ pub(crate) struct WindowOptions {
     pub place: Option<(i32, i32)>,
     pub visible: bool,
     pub log_debug: bool,
-    /// The place of a window without input; `None` for a normal window.
+    /// Where a wallpaper or screen saver, which takes no input, is drawn; `None` for a normal window.
     pub ground: Option<Ground>,
 }
 
@@ -76,8 +76,8 @@ pub(crate) struct GlWindowContext {
 }
 
 impl OpenWindow {
-    /// Opens a window whose events arrive on the thread behind `events`. The second result is that thread's own
-    /// handle.
+    /// Opens a window whose events arrive on the thread behind `events`. The second result is the window's handle for
+    /// use on that thread.
     pub(crate) fn open(
         event_loop: &ActiveEventLoop,
         events: &EventLoopProxy<WindowMessage>,

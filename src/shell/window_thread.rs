@@ -30,8 +30,8 @@ const END_WAIT: Duration = Duration::from_secs(6);
 
 pub(crate) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), SessionError> + Send>;
 
-/// Opens a window and runs `play` on a separate thread, which gets the events through `messages`. Returns at the end
-/// of `play` or the window. `typing` is true while keys type text. `layers` show the frame instead of the window.
+/// Opens a window and runs `play` on a separate thread, which gets the events through `messages`. Returns when `play`
+/// or the window ends. `typing` is true while keys type text. `layers`, if given, show the frame instead of the window.
 pub(crate) fn run(
     event_loop: EventLoop<WindowMessage>,
     input_queue: WindowOptions,

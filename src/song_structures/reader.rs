@@ -83,7 +83,7 @@ impl SongReader {
             if track.reopen.is_possible() {
                 state.wanted.push(track.clone());
             } else {
-                // Silence that replaces a removed track has that track's id.
+                // Silence has replaced a removed track under the same id: forget the structure of that track.
                 state.known.retain(|(known, _)| *known != track.id);
             }
         }

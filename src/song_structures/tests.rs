@@ -41,7 +41,7 @@ fn a_structure_that_was_kept_is_the_same_bit_for_bit() {
     assert!(first.seconds > 11.0 && !first.energy.is_empty() && !first.beats.is_empty(), "{first:?}");
     let files = kept_files(&kept);
     assert_eq!(files.len(), 1);
-    // Only the file contains this value.
+    // The analysis cannot find this value, so it must come from the file.
     let reported = fs::read_to_string(&files[0]).unwrap();
     let changed = SongStructure { tuning_hz: 432.1, ..first.clone() };
     let key = cache.key(&Content { song: song.clone(), cut: None }, &|| true).unwrap();

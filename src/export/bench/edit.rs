@@ -12,7 +12,7 @@ use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::ReadyScene;
 use mariana_music::Sound;
 
-/// Adds a small ball at a position that no driver has cached. Measures the time to the first frames.
+/// Adds a small ball at a new position, so that no driver has cached the scene. Measures the time to the first frames.
 ///
 /// # Errors
 /// Fails if the scene is a single formula, cannot be read, or cannot be drawn.

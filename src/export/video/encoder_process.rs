@@ -107,7 +107,7 @@ impl EncoderProcess {
         written
     }
 
-    /// Closes the input and waits until the process ends. Signal handlers can still lock the mutex and kill it.
+    /// Closes the input and waits for the process. Meanwhile, signal handlers can lock the mutex and kill the process.
     ///
     /// # Errors
     /// Fails if the system reports an error, or if the process made no progress and was killed.
@@ -144,7 +144,7 @@ impl EncoderProcess {
 
 impl Drop for EncoderProcess {
     fn drop(&mut self) {
-        // The output is useless after an error.
+        // If the encoder still runs, an error has occurred, and its output is useless.
         end_child(&mut lock(&self.child));
     }
 }

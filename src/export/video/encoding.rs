@@ -140,11 +140,11 @@ pub(super) fn require_alpha(output: &Output) -> Result<(), ExportError> {
 
 /// Returns arguments for alpha: VP9 for browsers, ProRes for editing programs, and lossless FFV1 for other formats.
 fn encode_alpha(path: &Path, quality: EncodingQuality) -> Vec<&'static str> {
-    // Padding is transparent too.
+    // The pixels that make the sides even are transparent too.
     let filter = ["-filter:v:0", TRANSPARENT_PICTURES];
     let codec: &[&str] = if ends_in(path, &["webm"]) {
         let rate = rate_factor(Some(Codec::Vp9), quality);
-        // The encoder refuses alpha together with hidden frames.
+        // libvpx refuses alpha together with hidden frames (`auto-alt-ref`).
         &["-c:v:0", "libvpx-vp9", "-b:v:0", "0", "-row-mt", "1", "-auto-alt-ref", "0", "-crf:v:0", rate]
     } else if ends_in(path, &["mov"]) {
         &["-c:v:0", "prores_ks", "-profile:v:0", "4444", "-alpha_bits", "16"]
@@ -206,7 +206,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     arguments
 }
 
-/// Returns the constant rate factor. Higher factors give fewer bytes. A row's factors give about the same quality.
+/// Returns the constant rate factor. Higher factors give fewer bytes. Factors in one row give about the same quality.
 fn rate_factor(codec: Option<Codec>, quality: EncodingQuality) -> &'static str {
     let of = |[h264, h265, vp9, av1]: [&'static str; 4]| match codec {
         None | Some(Codec::H264) => h264,

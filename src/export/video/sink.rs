@@ -69,7 +69,7 @@ impl Sink {
     }
 }
 
-/// Maximum number of frames that wait for the thread. Meanwhile, one more frame is drawn and one more is written.
+/// Maximum number of frames that wait to be written, besides the frame being drawn and the frame being written.
 const WAITING_MAX: usize = 1;
 
 /// A [`Sink`] on its own thread. A drop without [`FrameWriter::finish`] does not replace the output.

@@ -15,7 +15,7 @@ use crate::session::desktop::DesktopControls;
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{PlayerStatus, Position};
 
-/// A position that differs by more than this from undisturbed playback is a jump, in seconds.
+/// A position that differs from steady playback by more than this, in seconds, is a jump.
 const JUMP: f64 = 0.5;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ impl Seen {
         }
     }
 
-    /// Returns the position at the time `now` if playback has not jumped, in seconds.
+    /// Returns the position in seconds that playback without a jump reaches at the time `now`.
     fn position_at(&self, now: Instant) -> f64 {
         let (position, at) = self.position;
         let moving = !self.paused && !self.ended;

@@ -13,7 +13,7 @@ use crate::commands::{Command, Switch};
 use crate::shell::identity::APP_ID;
 use mariana_player::track::{Repeat, TrackInfo};
 
-/// The program's name on the bus, completed by the process id, because several may run.
+/// The program's name on the bus. The process id is appended, because several instances may run.
 const NAME: &str = "mariana";
 /// Maximum number of changes that wait for a slow bus. Further changes are lost.
 const CHANGES_MAX: usize = 64;

@@ -225,7 +225,7 @@ impl OutputHandler for LayersState {
     }
 
     fn update_output(&mut self, _: &Connection, queue: &QueueHandle<Self>, output: WlOutput) {
-        // The compositor may have closed the output's surface.
+        // Create the surface again if the compositor has closed it.
         self.hang(queue, output.clone());
         if let Some(output_surface) = self.output_surfaces.of_output(&output) {
             self.measure(&output_surface);

@@ -61,7 +61,7 @@ impl Wallpaper {
         }
     }
 
-    /// Drops everything that belongs to the context.
+    /// Drops everything that belongs to the OpenGL context.
     pub(crate) fn let_go(&mut self) {
         if let Shown::Wall(wall) = &mut self.ground {
             wall.let_go();

@@ -32,7 +32,7 @@ impl WallpaperPause {
                 if std::mem::replace(&mut rested, rests) != rests {
                     tracing::info!("the wallpaper {}", if rests { "pauses" } else { "continues" });
                 }
-                // Without requests of the compositor, the show pauses by itself.
+                // Leave out `is_unseen`: without requests from the compositor, the show stops drawing by itself.
                 let ordered = look.is_covered || look.spares_battery;
                 if is_on.swap(ordered, Ordering::Relaxed) != ordered {
                     waker.wake();

@@ -1,4 +1,4 @@
-//! Further windows for the same context: the output, wallpaper surfaces on Wayland, and windows without input.
+//! Additional windows and surfaces of one context: the output, wallpapers on Wayland, and windows without input.
 
 #![expect(unsafe_code, reason = "glutin's functions that create surfaces from window handles are unsafe")]
 

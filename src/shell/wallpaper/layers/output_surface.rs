@@ -29,7 +29,7 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// Returns the extent of a surface of `units` with a whole `scale`. If the compositor can stretch the surface,
+    /// Returns the extent of a surface of `units` with the integer `scale`. If the compositor can stretch the surface,
     /// uses the output's pixels (`mode`), so that fractional scales are exact.
     fn of(units: (u32, u32), mode: Option<(u32, u32)>, scale: u32, is_stretched: bool) -> Self {
         let units = (units.0.max(1), units.1.max(1));
