@@ -1,9 +1,9 @@
 //! Compares the cost of transitions with the cost of their two scenes. The CPU time of each frame of a two-second
 //! transition, including the region tree, is divided by the sum of both scenes' medians.
 //!
-//! `cargo bench --bench transitions` measures the transition from each shipped scene to the next, with all kinds of
-//! blends; `-- speakers:heart` measures one pair. It does not use criterion, for the same reasons as `drawing`, and
-//! because the longest frame of a transition counts.
+//! `cargo bench --bench transitions` measures the transition from each shipped scene to the next, with every kind of
+//! blend; `-- speakers:heart` measures one pair. It does not use criterion, for the same reasons as `drawing`, and
+//! because it also reports the longest frame.
 
 #![allow(clippy::unwrap_used)]
 
@@ -66,7 +66,7 @@ fn median(times: &[f64]) -> f64 {
     times.get(times.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The pairs given on the command line. Without any, each shipped scene with the next scene.
+/// The pairs given on the command line; by default, each shipped scene paired with the next.
 fn pairs() -> Vec<(String, String)> {
     let named: Vec<(String, String)> = std::env::args()
         .filter_map(|arg| arg.split_once(':').map(|(from, to)| (from.to_owned(), to.to_owned())))

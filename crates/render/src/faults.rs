@@ -50,7 +50,7 @@ impl Fault {
 static WANTED: OnceLock<Option<(Fault, Instant)>> = OnceLock::new();
 static STRUCK: AtomicBool = AtomicBool::new(false);
 
-/// Returns true if the one-time `fault` occurs now. Its seconds count from the first call.
+/// Returns true if the one-time `fault` occurs now. Its seconds count from the first call of any function here.
 pub fn strikes(fault: Fault) -> bool {
     lasts(fault) && !STRUCK.swap(true, Ordering::Relaxed)
 }

@@ -5,7 +5,7 @@
 pub struct Limits {
     /// Largest shader source in bytes, with all includes resolved.
     pub shader_bytes_max: usize,
-    /// Maximum number of texels of a frame's regions (4 Mi texels take 64 MiB). Further cells use the whole tape.
+    /// Maximum number of texels of a frame's regions (4 Mi texels take 64 MiB). Cells beyond them use the whole tape.
     pub region_texels_max: usize,
     /// Maximum number of system fonts that are loaded for letters missing in the program's own fonts.
     pub system_fonts_max: usize,

@@ -1,14 +1,14 @@
 //! Placement of a finished image on a screen: cropped, mirrored and mapped to four corners.
 //!
 //! Only the final copy into a window applies the placement. The image and exports do not change. The visible part fills
-//! the four corners without enlarging pixels: a cropped image has more pixels ([`Placement::picture_size`]).
+//! the four corners without enlarging pixels: a cropped image is drawn larger ([`Placement::picture_size`]).
 
 use serde::{Deserialize, Serialize};
 
 /// A projective map: a 3×3 matrix, stored by rows. It is multiplied by `(x, y, 1)`.
 pub type Map = [[f64; 3]; 3];
 
-/// Maximum crop in percent; opposite edges are added.
+/// Maximum crop of two opposite edges together, in percent.
 pub const CROP_MAX: f64 = 90.0;
 /// Largest distance of a corner outside the screen, as a fraction of the screen.
 pub const CORNER_OUTSIDE_MAX: f64 = 1.0;
@@ -171,8 +171,8 @@ pub type Area = [f64; 4];
 /// The whole window.
 pub const WHOLE: Area = [0.0, 0.0, 1.0, 1.0];
 
-/// Returns the largest area with the aspect ratio of `shape`, centred in a window. If less than a pixel of the window
-/// would remain, returns the whole window.
+/// Returns the largest area with the aspect ratio of `shape`, centred in a window. Returns the whole window if the bars
+/// beside the area would be thinner than half a pixel.
 pub fn fitted(shape: (u32, u32), window: (u32, u32)) -> Area {
     let [width, height] = [shape.0, shape.1].map(|side| f64::from(side.max(1)));
     let [across, down] = [window.0, window.1].map(|side| f64::from(side.max(1)));

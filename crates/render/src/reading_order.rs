@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use unicode_bidi::{BidiInfo, Level};
 
-/// The first character that is written from right to left.
+/// The lowest code point of the characters that are written from right to left.
 const FIRST: char = '\u{590}';
 /// The Unicode characters first-strong isolate and pop directional isolate. They delimit a part that is ordered
 /// separately.

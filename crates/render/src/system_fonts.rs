@@ -50,7 +50,7 @@ struct Candidate {
     rank: Rank,
 }
 
-/// Order of fonts with the same number of letters: script, upright, weight, width, proportional, sans-serif.
+/// Order of fonts that cover equally many letters: by script, upright, weight, width, proportional, sans-serif.
 type Rank = (bool, bool, Reverse<u16>, Reverse<u16>, bool, bool);
 
 impl SystemFonts {

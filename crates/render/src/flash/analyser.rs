@@ -7,7 +7,7 @@ use super::swing::{DEFINED, LightSwing, RedSwing, Times};
 /// Flashes that cover at most this fraction of a field of view do not count.
 const AREA: f64 = 0.25;
 
-/// Maximum number of flashes within one second.
+/// The largest number of flashes found within one second.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Flashes {
     /// Flashes of luminance.
@@ -104,7 +104,7 @@ mod tests {
     fn red_and_luminance_count_separately() {
         let (red, black) = ([1.0, 0.0, 0.0], [0.0; 3]);
         assert_eq!(flashes(6.0, 60, red, black, |_| true), Flashes { general: 6, red: 6 });
-        // Both colours have the same luminance, so only the red flashes.
+        // Both colours have the same luminance, so these are red flashes only.
         assert_eq!(flashes(6.0, 60, red, [0.2126; 3], |_| true), Flashes { general: 0, red: 6 });
         assert_eq!(flashes(6.0, 60, [0.4, 0.0, 0.0], black, |_| true), Flashes { general: 0, red: 6 });
     }

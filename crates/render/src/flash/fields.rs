@@ -1,4 +1,4 @@
-//! Fields of ten degrees of view. A field is a rectangle with a third of the image's width and height, at any position.
+//! Ten-degree fields of view. A field is a rectangle with a third of the image's width and height, at any position.
 
 use super::grid::{CELLS, COLUMNS, ROWS};
 
@@ -10,7 +10,7 @@ const FIELD: usize = WIDTH * HEIGHT;
 /// A summed-area table: for each corner of cells, the sum over all cells above and to the left of the corner.
 type Sums = Vec<u32>;
 
-/// Calls `see` for each field with its first cell and the fraction of its cells that is marked, 0..1.
+/// Calls `see` for each field, with the field's first cell and the fraction, 0..1, of marked cells.
 fn look(marked: impl Fn(usize) -> bool, mut see: impl FnMut(usize, f64)) {
     let sums = summed(|cell| u32::from(marked(cell)));
     let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
@@ -56,7 +56,7 @@ pub(super) fn crowded(marked: impl Fn(usize) -> bool, fraction: f64) -> Vec<bool
     if !any {
         return Vec::new();
     }
-    // A field contains this cell if it begins less than a field's width to the left and a field's height above.
+    // The cell is in each field whose first cell is less than a field's size to the left of the cell and above it.
     let sums = summed(|cell| first.get(cell).copied().unwrap_or(0));
     let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
     let covered = (0..CELLS).map(|cell| {

@@ -7,7 +7,7 @@ pub const ROWS: usize = 36;
 /// Cells of a grid.
 pub const CELLS: usize = COLUMNS * ROWS;
 
-/// Maximum number of flashes of a kind in one second.
+/// Maximum number of flashes of a kind, general or red, that are allowed in one second.
 pub const FLASHES_MAX: usize = 3;
 
 /// The mean colour of each cell of an image: linear RGB, 0..1, row by row.

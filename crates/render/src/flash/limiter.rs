@@ -2,8 +2,8 @@
 //!
 //! Each cell counts the changes of the incoming and of the displayed frames. A rise that could begin a fourth flash
 //! marks the cell for a second. Marked cells are limited if they cover more than a certain fraction of a field. The
-//! limit is a ceiling: the lowest luminance of the last second plus a margin too small to count. After the flashes it
-//! rises slowly. Flashing red is limited by removing saturation.
+//! limit is a ceiling: the lowest luminance of the last second plus a margin too small to count as a flash. After the
+//! flashes the ceiling rises slowly. Flashing red is limited by removing saturation.
 //!
 //! **Limits have no visible edges.** A ceiling spreads over neighbouring cells, where it rises with the squared
 //! distance. Ceilings are interpolated between cells, so a cell's mean does not exceed its own ceiling. A pixel depends
@@ -11,37 +11,37 @@
 //!
 //! **The displayed frames count**: each frame is measured again after dimming ([`Limiter::note_shown`]).
 //!
-//! Measured light is approximate, and drawn light is rounded to bytes. Thresholds are therefore lower than in the
-//! definition, and a borderline change gets the latest possible time. A rise that is too early by about a frame is only
-//! delayed by a frame. Otherwise three flashes a second in step with the frames would sometimes be limited.
+//! Measured light is approximate, and drawn light is rounded to bytes. Thresholds are therefore lower than WCAG's, and
+//! a borderline change is dated as late as possible. A rise that is too early by about a frame is only delayed by a
+//! frame. Otherwise three flashes a second in step with the frames would sometimes be limited.
 
 use super::fields;
 use super::grid::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, luminance};
 use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, Times};
 
-/// Fraction of a field above which flashes are limited. It is a little less than the definition's fraction.
+/// Fraction of a field above which flashes are limited. It is a little less than WCAG's quarter.
 pub(super) const AREA: f64 = 0.2;
 /// If a second contains this many changes and the last change is a rise, the rise begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
 /// Seconds for which a cell stays marked.
 pub(super) const HOLD: f64 = 1.0;
-/// Margin between a cell's lowest luminance and its ceiling. It is a little less than the change of a flash.
+/// Margin between a cell's lowest luminance and its ceiling. A change of this size is too small for a flash.
 pub(super) const SWING: f32 = 0.07;
 /// Half of the time for which the lowest luminance is remembered, in seconds.
 const MEMORY: f64 = 0.6;
 /// Rise of the ceiling in luminance per second: `FOLLOW` if the lowest luminance rises, `RELEASE` after flashes.
 pub(super) const FOLLOW: f32 = 0.25;
 pub(super) const RELEASE: f32 = 0.5;
-/// Fraction of grey in a limited red. It is large enough that no red stays saturated.
+/// Fraction of grey that is mixed into a limited red, so that the red is no longer saturated.
 pub(super) const GREY: f32 = 0.6;
-/// Recovery of a limited red, in fraction of grey per second.
+/// Decrease per second of the fraction of grey, after the flashes.
 pub(super) const RED_RELEASE: f32 = 0.6;
-/// A rise that is at most this many seconds too early is only delayed: one frame at 30 or more frames a second.
+/// A rise at most this many seconds too early is delayed, not limited: by one frame at 30 frames a second.
 pub(super) const EARLY: f64 = 0.035;
 
 /// A ceiling of this height dims nothing.
 pub(super) const OPEN: f32 = 1.25;
-/// Fraction of the ceiling below which light does not change. Brighter light approaches the ceiling.
+/// Light below this fraction of the ceiling does not change. Brighter light is compressed below the ceiling.
 pub(super) const KNEE: f32 = 0.8;
 /// Distance in cells over which a ceiling spreads. Adjacent cells get the ceiling unchanged.
 pub(super) const REACH: usize = 7;
@@ -88,7 +88,7 @@ struct Cell {
     red: RedSwing,
     red_changes: Times,
     red_until: f64,
-    /// The displayed red and its changes. Dimming can give the displayed red other changes than the input has.
+    /// The displayed red and its changes. Dimming can make these changes differ from the input's.
     shown_red: RedSwing,
     shown_red_changes: Times,
     /// Lowest displayed luminance in the current half of the memory, and in the previous half.
@@ -170,7 +170,7 @@ fn is_put_off(until: f64, now: f64) -> bool {
 pub struct Step {
     /// Seconds since the previous frame.
     pub seconds: f64,
-    /// True if a half of the memory ends.
+    /// True if the current half of the memory ends and a new half begins.
     pub forgets: bool,
 }
 
@@ -304,7 +304,7 @@ impl Limiter {
 #[derive(Debug, Clone, Copy)]
 struct Own {
     ceiling: f32,
-    /// Largest luminance while a rise is delayed. It applies only to adjacent cells, because a delay takes few frames.
+    /// Maximum luminance while a rise is delayed. It spreads only to adjacent cells, because a delay is short.
     highest: f32,
     grey: f32,
 }

@@ -17,7 +17,7 @@ fn shown_of(frame: &Grid, corrections: &[Correction]) -> Grid {
     Grid::new(frame.colors().iter().zip(corrections).map(|(color, correction)| correction.apply(*color)))
 }
 
-/// A frame as the limiter shows it: `color` in the `lit` cells, black elsewhere.
+/// Feeds the limiter with frames: `color` in the `lit` cells, black elsewhere. Analyses the displayed frames.
 struct Show {
     limiter: Limiter,
     analyser: Analyser,
@@ -120,7 +120,7 @@ fn a_change_to_red_that_is_too_dim_to_count_does_not_hide_a_later_one() {
 
 #[test]
 fn slow_small_and_rare_changes_pass_unchanged() {
-    /// The name, the flashes per second, both colours, and the lit cells.
+    /// A name, flashes per second, two colours, and the lit cells.
     type Case = (&'static str, f64, [[f32; 3]; 2], fn(usize) -> bool);
     let cases: [Case; 6] = [
         ("three flashes a second", 3.0, [WHITE, BLACK], everywhere),
@@ -150,7 +150,7 @@ fn slow_small_and_rare_changes_pass_unchanged() {
 fn three_hertz_pass_at_uneven_frame_times() {
     let mut show = Show::new();
     for frame in 0..600_u32 {
-        // Frames are a few milliseconds early or late, and the flash follows the frames.
+        // Frames are a few milliseconds early or late. Flashes are a fixed number of frames apart.
         let jitter = f64::from(frame * 7 % 5) / 1000.0 - f64::from((frame + 599) * 7 % 5) / 1000.0;
         let color = if frame % 20 < 3 { WHITE } else { BLACK };
         show.frame(1.0 / 60.0 + jitter, color, everywhere);

@@ -1,7 +1,7 @@
 //! Detection and limiting of flashes as defined by WCAG 2.3.1.
 //!
 //! A general flash is a pair of opposing changes of relative luminance by 10 % or more of the maximum, where the darker
-//! state is below 0.8. A red flash is a pair of opposing changes to and from a saturated red. At most three flashes of
+//! state is below 80 %. A red flash is a pair of opposing changes to and from a saturated red. At most three flashes of
 //! a kind may occur in any one second. Small flashes are exempt: simultaneous flashes that together cover at most a
 //! quarter of any ten degrees of the field of view. Ten degrees are a third of a screen's width and height.
 //!

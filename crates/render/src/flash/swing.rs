@@ -4,23 +4,23 @@ use std::collections::VecDeque;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Thresholds {
-    /// Smallest change of luminance, as a fraction of the maximum.
+    /// Smallest change of luminance that counts, as a fraction of the maximum luminance.
     pub light_change: f32,
     /// Changes do not count if their darker state has at least this luminance.
     pub light_darker: f32,
     /// A colour is a saturated red if red makes up at least this fraction of the colour's linear light.
     pub red_fraction: f32,
-    /// Smallest change of a red's chromaticity, in the CIE 1976 UCS diagram.
+    /// Smallest change of a red's chromaticity that counts, in the CIE 1976 UCS diagram.
     pub red_change: f32,
 }
 
 pub(super) const DEFINED: Thresholds =
     Thresholds { light_change: 0.1, light_darker: 0.8, red_fraction: 0.8, red_change: 0.2 };
-/// Conservative thresholds, for approximate measurements and 8-bit images.
+/// Thresholds that miss no change despite approximate measurements and 8-bit images.
 pub(super) const CAUTIOUS: Thresholds =
     Thresholds { light_change: 0.095, light_darker: 0.805, red_fraction: 0.78, red_change: 0.19 };
-/// Thresholds for changes that count despite measurement errors. They are stricter than the definition by as much as
-/// [`CAUTIOUS`] is looser.
+/// Thresholds above which a change certainly counts, whatever the measurement errors. They are as much stricter than
+/// [`DEFINED`] as [`CAUTIOUS`] is looser.
 pub(super) const SURE_CHANGE: f32 = 0.105;
 pub(super) const SURE_DARKER: f32 = 0.795;
 pub(super) const SURE_RED_FRACTION: f32 = 0.82;
@@ -97,7 +97,7 @@ pub(super) struct RedSwing {
     red: bool,
     /// The extreme chromaticity since the last change: closest to red after a rise, farthest from red after a fall.
     extreme: Option<[f32; 2]>,
-    /// True if the last change counts despite measurement errors.
+    /// True if the last change certainly counts, whatever the measurement errors.
     sure: bool,
 }
 

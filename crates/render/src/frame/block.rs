@@ -10,7 +10,7 @@ use mariana_music::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
-/// Vectors before the block's arrays.
+/// Number of vec4 before the block's arrays.
 const HEAD: usize = 12;
 const LIGHT: usize = 4;
 const LIGHTS_MAX: usize = FIELD_LIMITS.scene_lights_max;

@@ -26,7 +26,7 @@ impl FromStr for Setting {
     }
 }
 
-/// A value outside the input's range. The bounds of a scene's shapes are only valid within the range.
+/// A value outside the input's range. It is refused, because outside the range a scene's bounds are wrong.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("--set {name}={value}: {name} ranges from {least} to {most}; choose a value in this range")]
 pub struct OutOfRange {
@@ -100,7 +100,7 @@ impl HeldInputs {
     }
 }
 
-/// Finds an input by name. A parameter of the scene takes precedence over a song's number of the same name.
+/// Finds an input by name. A parameter of the scene takes precedence over a sound input of the same name.
 fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     if name == "t" {
         return Some(Place::Time);

@@ -63,7 +63,7 @@ impl Picture {
     }
 }
 
-/// Largest radius of a blurred point, in image heights. A larger radius would need too many samples.
+/// Largest radius of a blurred point, in image heights. Larger radii are clamped, to limit the samples needed.
 pub const BLUR_MAX: f32 = 0.04;
 const EXPOSURE_MAX: f32 = 1000.0;
 const GRAIN_MAX: f32 = 16.0;

@@ -33,7 +33,7 @@ fn append(texels: &mut Vec<[f32; 4]>, table: &TableData, pieces: usize) {
     texels.resize(end, [0.0; 4]);
 }
 
-/// Converts the Bézier points of a cubic to coefficients, constant term first. They need fewer shader registers.
+/// Converts the Bézier points of a cubic to coefficients, constant term first. Coefficients need fewer registers.
 fn polynomial(&[a, b, c, d]: &[f32; 4]) -> [f32; 4] {
     [a, 3.0 * (b - a), 3.0 * (a - 2.0 * b + c), d - a + 3.0 * (b - c)]
 }

@@ -67,7 +67,7 @@ impl WorkerContext {
         Ok(Self { display: display.clone(), context })
     }
 
-    /// Creates a context on EGL's default display; [`super::headless::Headless`] uses a device. `None` if EGL refuses.
+    /// Creates a context on EGL's default display, apart from [`super::headless::Headless`]. `None` if EGL refuses.
     pub fn beside_headless() -> Option<Self> {
         #[cfg(target_os = "linux")]
         let made = super::headless::default_context();
@@ -180,7 +180,7 @@ impl Queue {
 
 impl BackgroundCompiler {
     /// Starts a thread for each context of the driver `info`. Each worker calls `wake` after each job. If there are no
-    /// contexts or threads, [`BackgroundCompiler::poll`] returns texts, which the caller links between frames.
+    /// contexts or threads, [`BackgroundCompiler::poll`] returns texts, which the caller compiles between frames.
     pub fn start(
         contexts: Vec<WorkerContext>,
         sources: Sources,
@@ -257,7 +257,7 @@ impl Drop for BackgroundCompiler {
             while !thread.is_finished() && Instant::now() < until {
                 std::thread::sleep(Duration::from_millis(2));
             }
-            // Do not wait: a driver cannot be interrupted and may need minutes. The worker's context needs no window.
+            // Do not wait longer: a driver may need minutes. Its thread may outlive the window, which it does not use.
             if !thread.is_finished() {
                 tracing::info!("a driver is still compiling: Mariana exits without waiting for it");
                 continue;

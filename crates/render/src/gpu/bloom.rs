@@ -1,6 +1,6 @@
 //! Bloom: light that the lens and the eye scatter.
 //!
-//! The light is halved in size repeatedly, then enlarged again and mixed level by level (Jimenez, "Next Generation Post
+//! The image is halved in size repeatedly, then enlarged again and mixed level by level (Jimenez, "Next Generation Post
 //! Processing in Call of Duty: Advanced Warfare", 2014). Here every level is a mean of light, and `present.frag`
 //! subtracts the scattered light from its origin, so that the image gets no brighter.
 

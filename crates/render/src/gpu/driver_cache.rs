@@ -44,7 +44,7 @@ mod tests {
     fn the_free_space_of_a_missing_folder_is_its_parents() {
         let place = tempfile::tempdir().unwrap();
         assert!(room_in(&place.path().join("not/there")).is_some_and(|room| room > 0));
-        // The kernel's own files are not on a disk.
+        // File systems of the kernel, such as /proc, have no free space.
         assert_eq!(room_in(Path::new("/proc/self")), Some(0));
     }
 

@@ -5,11 +5,11 @@
 //! it holds the samples, in a block for each pixel. On a software renderer, reading the marks back takes no time. A GPU
 //! would have to wait, so GPUs use the stencil.
 //!
-//! Tried: sorting the list by surface. The time changed by less than 3 %, because samples at edges run 2.4 times the
-//! clauses whatever their neighbours are. Tried: reusing the light of a first sample of the same surface. It saved 18 %
-//! of the clauses and lost 2 dB, but saved no time on llvmpipe, where eight neighbours wait for the slowest. If eight
-//! neighbours always waited for the slowest, frames would take 7 % (wave_tank) to 23 % (speakers) longer, so letting
-//! each pixel advance by itself cannot gain much more.
+//! Tried: sorting the list by surface. The time changed by less than 3 %, because samples at edges run 2.4 times as
+//! many clauses as others, whatever their neighbours. Tried: reusing the light of a first sample of the same surface.
+//! It saved 18 % of the clauses and lost 2 dB, but saved no time on llvmpipe, where eight neighbours wait for the
+//! slowest. Waiting for the slowest makes frames at most 7 % (wave_tank) to 23 % (speakers) longer; a loop in which no
+//! pixel waits could not gain much more.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -94,8 +94,8 @@ impl EdgeList {
         Ok(())
     }
 
-    /// Lists the marked pixels. `beams` holds the free length of each pixel's beam, for all pixels. Returns the areas
-    /// of the target into which samples must be drawn.
+    /// Lists the marked pixels. `beams` holds the distance up to which each pixel's beam meets no surface. Returns the
+    /// areas of the target into which samples must be drawn.
     pub(super) fn prepare(&mut self, beams: &[f32]) -> Result<Vec<Part>, GpuError> {
         let marks = self.marks.read_red();
         let listed = listed_pixels(&marks, self.size);

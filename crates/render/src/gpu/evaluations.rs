@@ -22,13 +22,13 @@ pub struct Evaluations {
     pub shadow: f64,
     /// For ambient occlusion.
     pub occlusion: f64,
-    /// Rays that stopped at the limit of steps.
+    /// Rays that stopped because they reached the maximum number of steps.
     pub capped_rays: f64,
     /// Clauses of distances and objects that the interpreter ran; 0 for compiled scenes.
     pub clauses: f64,
     /// Clauses of materials and light that the interpreter ran; 0 for compiled scenes.
     pub surface_clauses: f64,
-    /// Lookups of a point's cell.
+    /// Lookups of the cell that contains a point.
     pub lookups: f64,
     /// Pixels with further samples at edges.
     pub edge_pixels: f64,

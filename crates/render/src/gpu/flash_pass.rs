@@ -3,15 +3,15 @@
 //!
 //! All results stay on the GPU, so frames do not wait, and the frame with the fourth flash is itself dimmed. Textures
 //! with one texel per cell hold the state of the cells, and two passes rewrite these textures for each frame. Decisions
-//! that depend on many cells, such as crowded fields, are computed on rows of bits. The steps of a frame:
+//! that depend on many cells use rows of bits, one bit per cell. The steps of a frame:
 //!
 //! 1. `cells.frag` takes the mean colours of the cells.
 //! 2. `flash_follow.frag` finds changes, and marks the cells that change too often.
 //! 3. `flash_rows.frag`, `flash_fields.frag` and `flash_areas.frag` find the cells to limit.
-//! 4. `flash_decide.frag` gives cells ceilings, and `flash_spread.frag` spreads them over neighbouring cells.
+//! 4. `flash_decide.frag` sets the ceilings of cells, and `flash_spread.frag` spreads them to neighbouring cells.
 //! 5. `cells.frag` takes the mean colours again, below the ceilings, and `flash_note.frag` records their changes.
-//! 6. `limit_flashes.frag` draws over the displayed image, only near limited cells. The remaining pixels do not change,
-//!    and an image without limited cells costs no such pass.
+//! 6. `limit_flashes.frag` draws over the displayed image, only near limited cells. Other pixels do not change, and an
+//!    image without limited cells skips this pass.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -51,7 +51,7 @@ const NOTED: [&str; 6] =
     ["shown_swings", "shown_ages", "shown_rest", "shown_lows", "shown_red_swings", "shown_red_ages"];
 /// Number of passes per frame.
 pub const PASSES: usize = 10;
-/// Cells per rectangle of `flash_cells.vert`.
+/// Number of cells in each rectangle that `flash_cells.vert` draws.
 const GROUP: usize = 16;
 
 /// The flash limiter and its GPU objects.
@@ -126,8 +126,8 @@ impl FlashPass {
         self.steps = Steps::default();
     }
 
-    /// Draws once with each program while `is_wanted` returns true, so that the driver completes its work in advance.
-    /// The window does not change, and the limiter forgets these draws.
+    /// Draws once with each program, until `is_wanted` returns false, so that the driver compiles them completely in
+    /// advance. The window does not change, and the limiter forgets these draws.
     pub fn warm_up(&mut self, picture: &Target, is_wanted: &mut dyn FnMut() -> bool) {
         self.begin(0.0);
         let passes = (0..PASSES).take_while(|_| is_wanted());
@@ -159,7 +159,7 @@ impl FlashPass {
         self.cells.reset_state();
     }
 
-    /// Draws one of the [`PASSES`]. Each pass relies on the bindings and targets of the previous passes.
+    /// Draws one of the [`PASSES`]. Draw them in order: each uses bindings and results of the previous passes.
     fn pass(&self, number: usize, finished: &Target) {
         let Self { programs, memory, cells, .. } = self;
         let [followed, followed_before] = &memory.followed;

@@ -1,4 +1,4 @@
-//! Drawing by another library in our context. The library gets the window's framebuffer; then our state is restored.
+//! Lets another library draw in our context, into the window's framebuffer, and restores our state afterwards.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 

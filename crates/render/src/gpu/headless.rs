@@ -35,7 +35,7 @@ impl Headless {
     #[cfg(all(unix, not(target_os = "macos")))]
     pub fn new(log_debug: bool) -> Result<Self, GpuError> {
         use glutin::api::egl::device::Device;
-        // Take turns: Mesa guards its first initialization (`lp_build_init` in 22.3) with only a plain flag.
+        // One thread at a time: Mesa's first initialization is not thread-safe (`lp_build_init` in 22.3).
         let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         let no_context = |reason: String| GpuError::NoHeadlessContext { reason };
         let mut devices: Vec<Device> =

@@ -4,7 +4,7 @@
 //! after 300 scenes a third of the resident memory was free but kept. Each heap also reserves 64 MiB of addresses,
 //! which count under `ulimit -v`. Threads that share two heaps reuse the freed memory.
 //!
-//! **Returned memory.** A compiler takes up to 50 MiB. Blocks that live longer keep the pages of this memory in use,
+//! **Returned memory.** A compiler takes up to 50 MiB. Freed memory that lies below a block in use stays in the heap,
 //! so call [`give_back`] after compiling.
 
 #![expect(unsafe_code, reason = "the C library's allocator is set up by C functions")]
@@ -36,7 +36,7 @@ mod tests {
 
     #[test]
     fn freed_memory_returns_to_the_system() {
-        // glibc does not map such small blocks individually. A few longer-lived blocks keep the heap's pages in use.
+        // glibc takes such small blocks from a heap. The few kept blocks stop the heap from shrinking by itself.
         let blocks: Vec<Vec<u8>> = (0..8_192).map(|_| vec![1; 64 << 10]).collect();
         let full = resident();
         let kept: Vec<Vec<u8>> = blocks.into_iter().step_by(128).collect();

@@ -10,7 +10,7 @@ use super::object::{Buffer, VertexArray};
 use super::program::{LazyProgram, binding_of};
 use super::target::Target;
 
-/// Maximum number of pixels of one draw. A pass over an 8K image is split, so that no watchdog mistakes it for a hang.
+/// Maximum number of pixels of one draw. Larger passes are split, so that no watchdog mistakes a draw for a hang.
 const BAND_PIXELS: u32 = 1 << 21;
 
 pub(super) struct Passes {

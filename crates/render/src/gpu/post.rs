@@ -8,9 +8,9 @@
 //!
 //! The light has the size of the scene's targets. The finished image has the size of the output.
 //!
-//! **Light until the last pass.** Until `present.frag`, everything is linear light in 16-bit floats. Samples are
-//! weighted by the visible part of their light; otherwise one bright sample would dominate the pixels of an edge. AgX
-//! is the default tone map, because bright saturated colours fade to white as on film. The AgX look is slightly more
+//! **Light until the last pass.** Until `present.frag`, everything is linear light in 16-bit floats. Brighter samples
+//! have a smaller weight in a pixel; otherwise one bright sample would dominate the pixels of an edge. AgX is the
+//! default tone map, because it fades bright saturated colours to white, as film does. The AgX look is slightly more
 //! saturated than neutral, because emissive scenes depend on colour. Noise does not change from frame to frame, so
 //! still parts stay identical, bit for bit.
 

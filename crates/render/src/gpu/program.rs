@@ -325,7 +325,7 @@ impl LazyProgram {
     }
 }
 
-/// Compiles and links two named texts. Logs give positions in the files of [`super::shader_source`].
+/// Compiles and links two texts with their names. Logs give positions in the files of [`super::shader_source`].
 pub(super) fn link_texts(
     gl: &Gl,
     vertex: (&str, &str),

@@ -63,7 +63,7 @@ pub struct Renderer {
     presenter: Presenter,
 }
 
-/// Targets for small previews of further scenes ([`Renderer::sketch`]), which are drawn one after the other.
+/// Targets for small previews of other scenes ([`Renderer::sketch`]). The previews are drawn one after the other.
 #[derive(Default)]
 pub struct Sketch(Canvas);
 
@@ -106,7 +106,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Times the GPU, so that parts of frames shrink when pixels become expensive. While a frame is drawn, no further
+    /// Times the GPU, so that parts of frames shrink when pixels become expensive. While a frame is drawn, no other
     /// timer may run.
     ///
     /// # Errors
@@ -142,8 +142,8 @@ impl Renderer {
         self.painter.set_edge_samples(samples);
     }
 
-    /// Draws an invisible empty image with every pass of a window's first frame while `is_wanted` returns true, because
-    /// many drivers finish a program only at its first draw. Has no effect after the first draw.
+    /// Draws an invisible empty image with every pass of a window's first frame, because many drivers finish a program
+    /// only at its first draw. Stops when `is_wanted` returns false. Has no effect after the first draw.
     ///
     /// # Errors
     /// Same errors as [`Renderer::draw`].
@@ -329,8 +329,8 @@ impl Renderer {
         })
     }
 
-    /// Keeps the finished image's light for fades. Returns `false` if it has no light: for a view, or after the targets
-    /// were dropped.
+    /// Keeps the finished image's light for fades. Returns `false` if the light is missing: for a view, or after the
+    /// targets were dropped.
     ///
     /// # Errors
     /// Fails if there is no memory for the light.

@@ -112,7 +112,7 @@ impl RegionMaker {
         self.build_while(frame, request, &|| true)
     }
 
-    /// Like [`RegionMaker::build`], while `is_wanted` returns true. The result of a cancelled build is unusable.
+    /// Like [`RegionMaker::build`], but stops when `is_wanted` returns false. The result is then unusable.
     pub fn build_while(
         &self,
         frame: &Frame,

@@ -40,7 +40,7 @@ fn stand_in_side(side: u32) -> u32 {
     }
 }
 
-/// The placeholders of a context that warms up scenes. There is one texture per kind of size, at most nine.
+/// The placeholders of a context that warms up scenes. It has at most nine textures: sides are 1, 4 or 6.
 pub(super) struct StandIns {
     gl: Gl,
     pictures: HashMap<(u32, u32), Texture>,

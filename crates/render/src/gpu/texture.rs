@@ -165,8 +165,8 @@ pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     Ok(texture)
 }
 
-/// Uploads the lower mip levels of the bound texture. Otherwise llvmpipe would generate them, and the first frame would
-/// wait until llvmpipe has compiled a shader for this.
+/// Uploads the lower mip levels of the bound texture. If llvmpipe generated them, the first frame would wait until
+/// llvmpipe has compiled a shader for this.
 fn upload_levels(gl: &Gl, picture: &RgbaImage) {
     let levels = std::iter::successors(Level::below(picture), Level::next);
     for (number, level) in (1..).zip(levels) {

@@ -1,7 +1,7 @@
 //! Splits draws into parts, so that a window stays responsive and no driver's watchdog mistakes a long draw for a hang.
 //!
 //! Probes all over a scene's first frame find the cost of a pixel. Each drawn part updates this cost. No part takes
-//! longer than a quarter of a second, and splitting does not change a bit of the image. Most frames are a single part.
+//! longer than a quarter of a second, and splitting does not change the image. Most frames are a single part.
 //!
 //! In the window, a frame takes as many calls as it needs. Between two calls the show handles input, and the previous
 //! image stays visible. A frame that would take far too long is started again with fewer pixels. If the region tree or
@@ -134,7 +134,7 @@ impl Costs {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
     areas: Vec<Part>,
-    /// The remainder of the current row of parts.
+    /// What remains to be drawn of the current row of parts.
     row: Option<Part>,
     /// True if the next draw is not measured, because the driver may compile the program during it.
     warms_up: bool,
@@ -320,7 +320,7 @@ mod tests {
 
     #[test]
     fn an_expensive_scene_is_drawn_in_short_parts() {
-        // A foam at 2.8 ms per pixel, with sky above or below the foam.
+        // A scene of foam that takes 2.8 ms per pixel, with sky above or below the foam.
         for foam_is_below in [true, false] {
             let cost = |_, y| if (y < 120) == foam_is_below { 2.8e-3 } else { 1e-6 };
             let (_, longest) = drawn(vec![Part::whole((320, 180))], (320, 180), cost);

@@ -63,7 +63,7 @@ define_views! {
     Occlusion, "occlusion", "the fraction of the ambient light that arrives";
     /// The number of clauses or evaluations for a pixel.
     Clauses, "clauses", "clauses that the interpreter runs; distance evaluations if compiled", "the count shown in red";
-    /// The cells of the regions.
+    /// The cells of the region tree.
     Cells, "cells", "the cells of the regions, and the lengths of their tapes";
     /// A colour for each object.
     Materials, "materials", "a colour for each object";

@@ -24,14 +24,14 @@ pub const FACES_AWAY: Color = [0.20, 0.25, 0.45];
 pub const EMPTY_CELL: Color = [0.27, 0.29, 0.34];
 /// Colour of a point outside all cells.
 pub const NO_CELL: Color = [0.16, 0.16, 0.16];
-/// Colour of positive distances, which are outside a shape.
+/// Colour of positive distances: points outside a shape.
 pub const OUTSIDE: Color = [0.93, 0.66, 0.33];
-/// Colour of negative distances, which are inside a shape.
+/// Colour of negative distances: points inside a shape.
 pub const INSIDE: Color = [0.32, 0.55, 0.86];
 /// Colour of the line where the distance is zero.
 pub const ZERO: Color = [1.0, 1.0, 1.0];
 
-/// Colours of objects, in order. After the last colour they repeat.
+/// Colours of objects, in order. After the last colour, the first follows again.
 pub const OBJECTS: [Color; 12] = [
     [0.90, 0.62, 0.20],
     [0.34, 0.71, 0.91],

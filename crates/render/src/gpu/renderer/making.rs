@@ -129,7 +129,7 @@ impl Making {
         part: Part,
     ) {
         let gl = sampling.gl();
-        // On a GPU, do not measure a short draw that is a whole pass, because measuring waits for the draw.
+        // On a GPU, a pass of a single draw is short. Do not measure it: measuring would wait for the draw.
         let is_measured = gl.info().software || !self.parts.were_one();
         let begun = Instant::now();
         self.draw_part(sampling, targets, program, part);

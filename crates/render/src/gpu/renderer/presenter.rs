@@ -130,7 +130,7 @@ impl Presenter {
         shown.map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
 
-    /// Draws once with every program that a window's first image needs, while `is_wanted` returns true.
+    /// Draws once with every program that a window's first image needs, until `is_wanted` returns false.
     pub(super) fn warm_up(
         &mut self,
         passes: &Passes,

@@ -18,7 +18,7 @@ use crate::view::setup::ViewBlock;
 /// The shader that marks edges.
 pub const EDGE_SHADER: &str = "edges.frag";
 
-/// Numbers in the `PassBlock` of `frame_block.glsl`.
+/// Number of floats in the `PassBlock` of `frame_block.glsl`.
 const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
 
 /// Radius of the beam around all rays of a pixel, in half pixel widths: half the diagonal and a small margin.
@@ -26,7 +26,7 @@ const BEAM: f32 = 1.4143;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Sample {
-    /// The sample at the centre, with the free length of the pixel's beam.
+    /// The sample at the centre. It also finds the distance up to which the pixel's beam meets no surface.
     First,
     /// Only the sample at the centre, for views.
     Only,
@@ -70,7 +70,7 @@ impl Sampling {
         self.view_block.set(view.as_flattened());
     }
 
-    /// Gives a scene's program the same samplers whatever was drawn before. `edges.frag` only changes the first slot.
+    /// Resets a scene program's samplers. `edges.frag` needs no reset after it: it changes only the first slot.
     pub(super) fn settle_samplers(&self, target: &Target) -> Result<(), GpuError> {
         self.samplers.as_ref().map_or(Ok(()), |samplers| samplers.settle(&self.gl, target))
     }
@@ -121,7 +121,7 @@ impl Sampling {
         program.bind();
     }
 
-    /// Unbinds the list of edges, because a texture that stays bound might be the target of the draw.
+    /// Unbinds the edge list's texture, because the next draw might write to this texture.
     pub(super) fn unbind_edge_pixels(&self) {
         // SAFETY: sets state of the current context.
         unsafe {

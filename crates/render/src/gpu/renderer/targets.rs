@@ -41,7 +41,7 @@ impl Targets {
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<Self, GpuError> {
-        // Counts replace the shader outputs of the lens, because images with counts are never shown.
+        // Counts replace the shader outputs of the lens: images with counts are never shown, so they need no blur.
         let texels: &[Texel] = match (counting, has_lens) {
             (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
             (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],
@@ -49,7 +49,7 @@ impl Targets {
         };
         let mut texels = texels.to_vec();
         if gl.info().software {
-            // This target holds the free length of the first samples' beams (shaders/sphere_tracing.glsl).
+            // It holds the distance up to which a pixel's beam meets no surface (shaders/sphere_tracing.glsl).
             texels.push(Texel::R32F);
         }
         Target::check_size(gl, size)?;
