@@ -1,5 +1,5 @@
 //! Maps the characters of a line to fixed-width columns. A tab takes four columns, a wide character two, and a
-//! combining mark takes no column. Bytes that are not UTF-8 are displayed as U+FFFD and never changed.
+//! combining mark takes no column. Bytes that are not UTF-8 are displayed as U+FFFD, but stay unchanged in the text.
 
 use mariana_field::lang::columns;
 

@@ -125,7 +125,7 @@ impl Editing {
         self.goal = goal;
     }
 
-    /// Replaces the selection with `text`. Converts the line ends of `text`.
+    /// Replaces the selection with `text`. Converts the line ends of `text` to those of the edited text.
     ///
     /// # Errors
     /// [`Refused`] if the result would be too long. The text then stays unchanged.
@@ -207,7 +207,7 @@ impl Editing {
         self.replace(range, new, Joins::Turning)
     }
 
-    /// Selects a turned number. Later turns still belong to the same undo step.
+    /// Selects a turned number without ending the undo step of the turn.
     pub fn select_turned(&mut self, range: Range<usize>) {
         let end = range.end.min(self.buffer.len());
         (self.anchor, self.cursor, self.goal) = (range.start.min(end), end, None);

@@ -23,7 +23,7 @@ pub(crate) struct Step {
     pub changes: Vec<Change>,
     pub before: Selection,
     pub after: Selection,
-    /// The kind of changes that may still be merged into this step.
+    /// Later changes of this kind are merged into this step.
     pub joins: Joins,
 }
 

@@ -11,7 +11,7 @@ pub struct Limits {
     pub undo_bytes_max: usize,
     /// Maximum number of changes in the log that maps ranges of earlier versions to the present text.
     pub followed_changes_max: usize,
-    /// Maximum number of completion candidates.
+    /// Maximum number of completion candidates. The list shows the best ones.
     pub proposals_max: usize,
 }
 

@@ -30,7 +30,7 @@ pub struct Number {
     whole: bool,
 }
 
-/// Change per point of pointer movement, for a number from 1 to 10. Other numbers change in proportion to their decade.
+/// Change per point of pointer movement for a number from 1 to 10. A number from 10 to 100 changes ten times as fast.
 const FRACTION_OF_POINT: f64 = 0.02;
 /// Points of pointer movement that change an integer by one.
 const POINTS_OF_STEP: f64 = 12.0;
@@ -138,7 +138,7 @@ impl Number {
     }
 }
 
-/// Returns the index, from 0 in the language's order, of the number whose digits begin at byte `digits`.
+/// Returns the index, from 0 among the text's numbers, of the number whose digits begin at byte `digits`.
 pub fn numbers_before(text: &[u8], digits: usize) -> Option<usize> {
     number_place(std::str::from_utf8(text).ok()?, digits)
 }

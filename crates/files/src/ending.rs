@@ -125,8 +125,8 @@ pub fn outlive_file_limits() {
 
 type Step = Box<dyn FnOnce() + Send>;
 
-/// The steps to run if the process ends now, by number. Code that ends the process never releases the lock, so that
-/// no job starts or finishes during the end.
+/// The steps to run if the process ends now. The keys are the numbers of the [`Undo`]s. Code that ends the process
+/// never releases the lock, so that no job starts or finishes during the end.
 static UNDO: Mutex<BTreeMap<u64, Step>> = Mutex::new(BTreeMap::new());
 
 fn undo_list() -> MutexGuard<'static, BTreeMap<u64, Step>> {

@@ -45,7 +45,7 @@ impl SceneBlend {
     /// Fails if the two scenes together exceed a limit.
     pub fn of(&self, from: ReadyScene, to: ReadyScene) -> Result<ReadyScene, SceneError> {
         let (from, to) = (self.from.seen(from)?, self.to.seen(to)?);
-        // Use the cameras' values in silence, so that a show gives the same worlds from any start position.
+        // Use the cameras' values in silence, because values in music depend on where playback began.
         let camera = |scene: &ReadyScene| {
             let params = scene.world.scene.params.iter().map(|param| param.default).collect();
             let time = self.aligned_at as f32 / 1000.0;

@@ -66,8 +66,8 @@ impl Drafts {
         self.change(|texts| Arc::make_mut(&mut texts.texts).remove(file))
     }
 
-    /// Sets which numbers of a file a controller is turning, with their ranges; `None` if it turns none. Returns the
-    /// new version.
+    /// Sets which numbers of a file the user is turning in the editor, with their ranges; `None` if no number is
+    /// turned. Returns the new version.
     pub fn turn(&self, turning: Option<(&Path, &[Turning])>) -> u64 {
         self.change(|texts| texts.turning = turning.map(|(file, turning)| (file.into(), turning.into())))
     }

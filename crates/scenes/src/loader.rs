@@ -194,7 +194,7 @@ where
                 Ok(Message::End) | Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => match asked.take() {
                     Some(Asked::Source(source)) => self.begin(source),
-                    // The set of watched files does not change.
+                    // The source is the same, so the same files stay watched.
                     Some(Asked::Again) => {
                         if let Some(current) = self.current.take() {
                             self.load(current);
@@ -247,7 +247,7 @@ where
         // Watch the files before reading them, so that a change in between is reported.
         self.watch.set(&current.files());
         if self.gone_since.is_some() {
-            // Postponed changes count as well.
+            // The last check postponed its changes because a file was missing. Check all files again.
             touched.extend(current.seen.keys().cloned());
         }
         let mut changed = BTreeMap::new();

@@ -18,8 +18,8 @@ pub struct NumberEdits {
 }
 
 impl NumberEdits {
-    /// Compares `text` with the previous version and returns the indices of the numbers being edited. An unchanged
-    /// text ends the edit, unless `is_turned` says that a controller is turning one of the numbers.
+    /// Compares `text` with the previous version and returns the indices of the numbers being edited. An unchanged text
+    /// ends the edit, unless `is_turned` says that the user is turning one of the numbers.
     pub(super) fn follow(&mut self, source: &SceneSource, text: &str, is_turned: bool) -> &BTreeSet<usize> {
         let before = self.last.take().filter(|(of, _)| of == source).map(|(_, text)| text);
         let is_as_it_was = before.as_deref() == Some(text);

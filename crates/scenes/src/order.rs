@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::folder::Folder;
 use super::{ENDING, SceneSource, shipped_names};
 
-/// The cycle around a start scene. The start scene and the files in its folder stay in the cycle.
+/// The cycle of scenes that contains a start scene, whichever scene is shown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneList {
     start: SceneSource,
@@ -51,7 +51,7 @@ impl SceneList {
         if let Some(file) = current.file().or(self.start.file()) {
             round.extend(scene_files(file).into_iter().map(SceneSource::File));
         }
-        // If the start scene has another extension, the folder listing lacks it.
+        // The folder listing lacks a start scene whose extension is not that of scene files.
         round.push(self.start.clone());
         if self.start.file().is_some_and(|file| !file.is_file()) {
             round.pop();

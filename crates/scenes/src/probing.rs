@@ -41,8 +41,7 @@ impl Scenery {
 
 /// Maximum time for an answer. A scene that needs more time is too large for probing.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Maximum pause between two grids. The pause equals the duration of the last grid, to leave the processors to the
-/// show.
+/// Maximum pause after ray statistics. The pause is as long as their computation, to leave the processors to the show.
 const REST_MAX: Duration = Duration::from_secs(1);
 const COLUMNS: usize = 160;
 /// Width of a probe's ray, as a fraction of a pixel.

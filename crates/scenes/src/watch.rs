@@ -19,7 +19,7 @@ use super::debounce::Kind;
 /// State shared with the thread that receives the events.
 #[derive(Debug, Default)]
 struct Wanted {
-    /// The files affected by an event, by the path in the event.
+    /// The key is a path that an event may contain. The value is the wanted files that this event affects.
     files: HashMap<PathBuf, BTreeSet<PathBuf>>,
     /// Paths that were deleted or moved. Their watches are gone even if the path now has a folder with the same
     /// identity, because the system reuses the inode numbers of deleted folders.

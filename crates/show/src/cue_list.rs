@@ -67,9 +67,9 @@ pub enum Anchor {
     Bar(u32),
     /// The start of a section, by the section's letter and its number among the sections with that letter, from 1 on.
     Section(String, u32),
-    /// A drop, counted from 1.
+    /// The drop with this number, counted from 1.
     Drop(u32),
-    /// The start of a build, counted from 1.
+    /// The start of the build with this number, counted from 1.
     Build(u32),
     /// A press of the cue key. Each press triggers the next entry with this anchor.
     Cue,

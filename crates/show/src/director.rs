@@ -59,13 +59,13 @@ const TURNS: [Turns; 4] = [
 
 /// Weights of a scene's score. Before the random bonus, a perfect scene scores 0.
 mod points {
-    /// Points per unit by which the music's energy is outside the scene's range.
+    /// Points for each unit of energy by which the music is outside the scene's range.
     pub(super) const OUTSIDE: f32 = -6.0;
-    /// Points per unit between the music's energy and the middle of the scene's range.
+    /// Points for each unit of energy between the music and the middle of the scene's range.
     pub(super) const OFF_MIDDLE: f32 = -1.0;
-    /// Points per mood in common with the previous scene.
+    /// Points for each mood that the scene shares with the previous scene.
     pub(super) const SAME_MOOD: f32 = -0.3;
-    /// Points for a scene that was shown before, divided by the number of changes since then.
+    /// Points for a scene that was shown before, divided by the number of scene changes since then.
     pub(super) const SEEN: f32 = -2.0;
     /// Points for a scene that belongs to another section.
     pub(super) const TAKEN: f32 = -1.0;

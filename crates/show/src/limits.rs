@@ -5,13 +5,13 @@
 pub struct Limits {
     /// Maximum size of a show's text, in bytes.
     pub bytes_max: usize,
-    /// Maximum number of entries in a show.
+    /// Maximum number of entries in a show. A file with more is refused, and a recording ends there.
     pub entries_max: usize,
     /// Maximum number of settings in an entry.
     pub settings_max: usize,
     /// Maximum number of steps in a setting.
     pub steps_max: usize,
-    /// Maximum number of frozen frames in one image.
+    /// Maximum number of frozen frames that are visible at once. Beyond it, the oldest are dropped.
     pub held_max: usize,
     /// Maximum time and length in a show file, in seconds: a day.
     pub seconds_max: f64,

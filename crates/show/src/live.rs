@@ -18,7 +18,7 @@ const CALM: f32 = 0.4;
 const LOUD: f32 = 0.65;
 /// Number of past clips that stay in the timeline.
 const KEPT: usize = 2;
-/// Start of the next scene in seconds, as long as the real start is unknown.
+/// Placeholder for the start of the next scene in seconds, until the real start is known.
 const SOME_DAY: f64 = 1e12;
 
 /// Features of the live input at a moment.

@@ -67,9 +67,9 @@ impl SceneFacts {
 /// The scenes that a cue list names.
 #[derive(Default)]
 pub(super) struct NamedScenes {
-    /// Facts by the name in the cue list.
+    /// The facts about each scene; the key is the name in the cue list.
     pub facts: BTreeMap<String, SceneFacts>,
-    /// Refused scenes, and missing cameras and parameters.
+    /// A diagnostic for each refused scene, missing camera and missing parameter.
     pub mistakes: Vec<Diagnostic>,
     /// Rendered mistakes in the texts of scenes.
     pub reports: Vec<String>,
@@ -102,7 +102,7 @@ impl NamedScenes {
         named
     }
 
-    /// Adds a diagnostic to `entry` with the reason why the scene is refused.
+    /// Reports why the scene of `entry` is refused, at the position of the scene's name.
     fn refuse(&mut self, entry: &Entry, refusal: Refusal) {
         let reported = Diagnostic::new(entry.scene_span, refusal.sentence);
         self.mistakes.push(match refusal.mistakes {

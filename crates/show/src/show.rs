@@ -160,6 +160,6 @@ pub fn seed_of(song: &SongStructure) -> u64 {
         section.letter.bytes().map(u64::from).chain([whole(section.start), whole(section.end)])
     });
     let all = [whole(song.seconds), key, song.beats.len() as u64 / 8].into_iter().chain(of_sections);
-    // FNV-1a, by words.
+    // FNV-1a, but over 64-bit words instead of bytes.
     all.fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0100_0000_01b3))
 }

@@ -12,7 +12,7 @@ const LAUNCHERS: [&str; 3] = [
     "/usr/lib/at-spi-bus-launcher",
     "/usr/lib/at-spi2-core/at-spi-bus-launcher",
 ];
-/// The parent of all programs.
+/// The accessibility object whose children are the running programs.
 const ROOT: &str = "/org/a11y/atspi/accessible/root";
 const ACCESSIBLE: &str = "org.a11y.atspi.Accessible";
 const VALUE: &str = "org.a11y.atspi.Value";

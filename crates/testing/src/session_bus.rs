@@ -1,4 +1,4 @@
-//! A private D-Bus session bus for a test, and calls of the methods of a player on this bus.
+//! A private D-Bus session bus, on which a test calls the methods of a player.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

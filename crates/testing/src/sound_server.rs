@@ -58,7 +58,7 @@ impl SoundServer {
         String::from_utf8_lossy(&said).trim().to_owned()
     }
 
-    /// Adds another null sink. Returns the id for [`Self::unplug`].
+    /// Adds a null sink with this name. Returns the id for [`Self::unplug`].
     pub fn plug(&self, name: &str, options: &[&str]) -> String {
         let name = format!("sink_name={name}");
         self.ask(&[&["load-module", "module-null-sink", &name, "norewinds=1"], options].concat())

@@ -3,9 +3,9 @@
 /// Limits on what the panels show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Maximum number of entries of a folder in the file list.
+    /// Maximum number of entries of a folder in the file list. Further entries of the folder are left out.
     pub folder_entries_max: usize,
-    /// Maximum number of distinct characters to search for in the system's fonts.
+    /// Maximum number of distinct characters to search for in the system's fonts. All other characters show a box.
     pub letters_looked_for_max: usize,
 }
 

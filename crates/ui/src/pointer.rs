@@ -79,7 +79,7 @@ impl Pointer {
             now.saturating_duration_since(then) <= DOUBLE_CLICK.0 && dx.hypot(dy) <= DOUBLE_CLICK.1
         });
         self.last_click = if double { None } else { Some((now, self.place)) };
-        // A double click starts no drag, because it changes the window's size under the pointer.
+        // A double click starts no drag, because a double click changes the window's size under the pointer.
         self.held = (!double).then_some((self.place, false));
         self.pressed_at = self.place;
         double.then_some(Gesture::DoubleClick)

@@ -85,7 +85,7 @@ fn a_change_by_another_program_is_not_overwritten() {
     let changed = FileEvent::Changed { file: file.clone(), holds: holds(b"theirs") };
     assert!(seen.contains(&refused) || seen.contains(&changed) && place.file_events() == refused, "{seen:?}");
     assert_eq!(fs::read(&file).unwrap(), b"theirs");
-    // `None` overwrites the change. A file that has the text already needs no confirmation.
+    // `None` overwrites any content. If the file has the text already, any expected content is accepted.
     place.file_thread.save(&file, bytes(b"mine, too"), None);
     assert!(matches!(place.file_events(), FileEvent::Saved { .. }));
     place.file_thread.save(&file, bytes(b"mine, too"), Some(holds(b"long ago")));

@@ -268,7 +268,7 @@ impl Worker {
         Ok(image)
     }
 
-    /// Draws a thumbnail into the cache. Any other request interrupts it.
+    /// Draws a thumbnail into the cache. Any other request interrupts the drawing.
     fn draw_ahead(&self, source: SceneSource) {
         let Ok(Some(path)) = self.path_of(&source) else { return };
         if path.exists() {
@@ -322,7 +322,7 @@ fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
     let compiled = source.compile().map_err(|error| error.to_string())?;
     let mut hasher = DefaultHasher::new();
     (VERSION, env!("CARGO_PKG_VERSION"), text).hash(&mut hasher);
-    // Names and bytes of includes and textures. Skip the scene's own file, which comes first.
+    // Hash the includes and textures. The first file is the scene itself, whose text is in the hash already.
     for path in source.files(Some(&compiled)).into_iter().skip(1) {
         let mut bytes = Vec::new();
         let read = fs::File::open(&path)

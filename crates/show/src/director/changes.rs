@@ -12,7 +12,7 @@ const SECONDS_USUAL: [f64; 2] = [40.0, 24.0];
 const BARS_STEP: f64 = 4.0;
 /// Number of bars at the end of a build in which scenes do not change.
 const BUILD_BARS: f64 = 8.0;
-/// A section that starts this close to a drop, in bars, counts as the drop.
+/// If a section starts at most this many bars from a drop, the scene changes at the drop only.
 const SAME_BARS: f64 = 1.0;
 
 /// Energy assumed for a song that has no sections, or whose sections differ in energy by less than [`RANGE_MIN`].
@@ -114,7 +114,7 @@ impl Spread {
             song.sections.iter().map(|section| (section.energy, section.end - section.start)).collect();
         sections.sort_by(|a, b| a.0.total_cmp(&b.0));
         let all: f64 = sections.iter().map(|(_, seconds)| seconds).sum();
-        // Weight by time, so that a short calm ending does not make the rest of the song count as loud.
+        // Weight sections by duration, so that a short calm ending does not make the rest of the song count as loud.
         let at = |fraction: f64| {
             let mut gone = 0.0;
             let found = sections.iter().find(|(_, seconds)| {

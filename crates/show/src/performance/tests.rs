@@ -227,7 +227,7 @@ fn a_frozen_frame_stays_across_scene_changes() {
     for frame in 121..=480 {
         performance.note_picture(f64::from(frame) / 60.0, &held);
     }
-    // Meanwhile the scene has changed; the frozen frame fades into it.
+    // The scene has changed during the freeze. The frozen frame fades into the new scene.
     for frame in 0..=4u8 {
         let fraction = 1.0 - f32::from(frame) / 4.0;
         note_orb(&mut performance, 8.0 + f64::from(frame) / 64.0, "city", [1.0, fraction]);
@@ -255,7 +255,7 @@ fn a_frame_frozen_during_a_fade_keeps_the_fraction_of_the_fading_frame() {
     for (time, fraction) in [(2.0, 1.0), (2.0625, 0.75), (2.125, 0.5)] {
         note_orb(&mut performance, time, "orb", [1.0, fraction]);
     }
-    // The first freeze starts while the song plays. The second starts in a frame recorded for another moment.
+    // The first frozen frame is still fading out when the second frame is frozen, at 2.125 s.
     performance.hold(&Finish { numbers: [1.0, 1.0], is_shown: false });
     note_orb(&mut performance, 3.0, "orb", [1.0, 1.0]);
     note_orb(&mut performance, 8.0, "orb", [1.0, 0.25]);

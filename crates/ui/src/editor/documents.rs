@@ -14,7 +14,7 @@ pub(super) struct Documents {
     /// Visible lines and columns.
     rows: usize,
     columns: usize,
-    /// Cursor and scroll position to restore when a copy of the visible text has been read.
+    /// Cursor and scroll position to set when the file of the visible text has been read.
     carried: Option<(usize, (f32, f32))>,
 }
 

@@ -22,7 +22,7 @@ pub(super) fn window(context: &Context) {
     let _ = context.accesskit_node_builder(accesskit_root_id(), |node| node.set_label("Mariana"));
 }
 
-/// Exposes text that has no widget, under a unique name. If `news` is true, screen readers announce changes.
+/// Exposes text without a widget to screen readers, under a unique name. If `news` is true, they announce its changes.
 pub(super) fn text(context: &Context, name: &str, words: &str, news: bool) {
     let _ = context.accesskit_node_builder(Id::unique(("text", name)), |node| {
         node.set_role(Role::Label);

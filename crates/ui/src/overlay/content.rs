@@ -84,7 +84,7 @@ pub struct Problem<'a> {
 pub struct Notice<'a> {
     /// The text, such as "compiled".
     pub text: &'a str,
-    /// A value below the text, 0..1: a position in the track, or the volume.
+    /// A value, 0..1, shown as a bar below the text: the position in the track, or the volume.
     pub fraction: Option<f32>,
     /// The time at which the message appeared.
     pub since: Instant,

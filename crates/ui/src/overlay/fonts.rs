@@ -1,6 +1,6 @@
 //! Fallback fonts: a thread searches the system's fonts for characters that the built-in fonts lack. egui requests each
-//! missing character once, during layout, and draws a box. The thread starts at the first missing character, and wakes
-//! the show when it has found fonts.
+//! missing character once, during layout, and draws a box in its place. The thread starts at the first missing
+//! character, and wakes the show when it has found fonts.
 
 use std::collections::BTreeSet;
 use std::mem;
