@@ -1,6 +1,6 @@
 //! Runs every fuzz target over all its seeds and many mutations of them. The mutations are the same in every run.
 //!
-//! `scripts/fuzz` uses libFuzzer to search further; see fuzz/README.md.
+//! `scripts/fuzz` uses libFuzzer to search for new inputs; see fuzz/README.md.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 

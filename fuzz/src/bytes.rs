@@ -3,7 +3,7 @@
 /// The unread rest of an input. After the end of the input, each read gives 0.
 pub(crate) struct Bytes<'a>(pub(crate) &'a [u8]);
 
-/// Special numbers for arithmetic, and ordinary numbers.
+/// Numbers that are special cases in arithmetic, and ordinary numbers.
 const NUMBERS: [f32; 32] = [
     0.0,
     -0.0,
@@ -66,7 +66,7 @@ impl Bytes<'_> {
     }
 }
 
-/// Hash of an input, as the seed of a random generator (FNV-1a).
+/// Returns the FNV-1a hash of an input, which seeds a random generator.
 pub(crate) fn hash(bytes: &[u8]) -> u64 {
     bytes
         .iter()

@@ -41,8 +41,8 @@ const INPUTS: [Input; 12] = [
 /// Operators that are frequent in shapes and that `Graph::fused` looks for.
 const COMMON: [Op; 8] = [Op::Add, Op::Sub, Op::Abs, Op::Max, Op::Square, Op::Sqrt, Op::Mul, Op::Min];
 
-/// Operators that only `Graph::fused` creates. GLSL is generated from unfused graphs. The first operand is never a
-/// constant, because naga would compute the square of a constant.
+/// Operators that only `Graph::fused` creates. Shapes here do not contain them: GLSL is generated from unfused graphs,
+/// and naga would compute the square of a constant operand.
 const FUSED: [Op; 7] = [
     Op::SquareDifference,
     Op::OutsideAdd,
@@ -111,7 +111,7 @@ fn build(mut bytes: Bytes, graph: &mut Graph, kind: Kind, simplify: bool) -> Vec
     built
 }
 
-/// The parameters at the start of an input.
+/// The settings of a test, which are read from the start of an input.
 #[derive(Clone)]
 struct Head {
     registers: usize,
@@ -246,7 +246,7 @@ pub(crate) fn differential(data: &[u8]) {
         let duals: Vec<f32> =
             GradientEvaluator::new(tape, frame).at(point).iter().map(|dual| dual.value).collect();
         assert_same(&duals, &wanted, "dual numbers");
-        // The intervals are boxes around the point.
+        // Widen each input to an interval around its value at the point.
         let wide = |value: f32, by: f32| Interval::new(value - by, value + by);
         for by in [0.0, 0.25, 1e10] {
             let [x, y, z, nx, ny, nz] = point.inputs().map(|value| wide(value, by));

@@ -26,7 +26,7 @@ pub(crate) struct Target {
     pub name: &'static str,
     pub run: fn(&[u8]),
     pub seeds: fn() -> Vec<Seed>,
-    /// True if inputs made of words of the scene language are useful.
+    /// True if words of the scene language make useful inputs.
     pub speaks: bool,
     /// Number of mutated seeds in the test suite, chosen so that a run takes a second or two.
     pub changes: usize,

@@ -18,7 +18,7 @@ pub(crate) fn phones(data: &[u8]) {
 fn head(bytes: &[u8]) {
     let Ok(Some(head)) = Head::parse(bytes, LIMITS.head_fields_max) else { return };
     assert!((1..=bytes.len()).contains(&head.length), "{head:?}");
-    // Bytes after the head have no effect, and a shorter head is incomplete.
+    // Bytes after the head must have no effect. A head without its last byte must be incomplete.
     let whole = Head::parse(&bytes[..head.length], LIMITS.head_fields_max);
     assert_eq!(whole, Ok(Some(head.clone())));
     assert_eq!(Head::parse(&bytes[..head.length - 1], LIMITS.head_fields_max), Ok(None));

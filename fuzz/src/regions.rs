@@ -13,7 +13,7 @@ use super::text;
 const POINTS: usize = 300;
 /// Maximum number of clauses. Trees of longer tapes take seconds, which is a known limitation.
 const CLAUSES_MAX: usize = 3_000;
-/// Maximum distance from a surface at which rays ask for the object.
+/// Rays look up the object only within this distance of a surface.
 const OBJECT_REACH: f32 = 0.2;
 
 /// Checks the region tree of a scene text.

@@ -37,8 +37,8 @@ fn check(diagnostics: &[Diagnostic], sources: &Sources) {
     assert_eq!(reported.is_empty(), diagnostics.is_empty());
 }
 
-/// Compiles a text to a world; `None` if the text is not a valid scene. The text can include a file with a function,
-/// and itself.
+/// Compiles a text to a world; `None` if the text is not a valid scene. The text can include itself, or a file with a
+/// function.
 pub(crate) fn world(data: &[u8]) -> Option<World> {
     let text = String::from_utf8_lossy(data);
     let compiled = lang::compile("fuzz", &text, &mut |path| match path {

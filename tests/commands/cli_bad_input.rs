@@ -1,4 +1,4 @@
-//! Input that the program refuses: the message and the exit code. The refusal must neither panic nor damage files.
+//! Input that the program refuses. Checks the message and the exit code, and that no refusal panics or damages files.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -60,7 +60,7 @@ fn files_without_audio_are_refused_by_name() {
     ] {
         place.run(&["analyze", song]).refused(&[song, what]);
         place.run(&[&["still", song, "-o", "frame.png"], &SIZE[..]].concat()).refused(&[song, what]);
-        // Without a command, a folder of songs is a playlist.
+        // Without a command, a folder of songs is a playlist, so it is not refused.
         if song != "music" {
             place.run(&[song]).refused(&[song, if song == "empty-folder" { "no tracks" } else { what }]);
         }

@@ -199,7 +199,7 @@ fn the_desktop_entry_lists_all_playable_types() {
     for extension in AUDIO_EXTENSIONS.iter().chain(&["m3u", "m3u8", "pls", "cue"]) {
         let types = types_of(extension);
         known += usize::from(!types.is_empty());
-        // Skip types of other files with the same extension, such as videos, or object files that end in mod.
+        // Check only audio types. Videos and object files (`.mod`) can have the same extensions as sounds.
         for of_sound in types.iter().filter(|name| name.starts_with("audio/")) {
             assert!(
                 named.contains(&of_sound.as_str()),

@@ -176,7 +176,7 @@ fn a_video_under_nohup_ignores_hangups() {
     ignoring.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let (process, _) = start_video(&place, &mut ignoring);
     send("HUP", process.id());
-    // Pending signals are handled in the order of their numbers. TERM has a higher number than HUP.
+    // Pending signals are handled in the order of their numbers, so HUP would come before TERM if it were not ignored.
     assert_ends_cleanly(&place, process, "TERM", 143);
 }
 
@@ -278,7 +278,7 @@ fn special_names_for_ffmpeg_are_plain_file_names() {
     ];
     for (index, name) in names.into_iter().enumerate() {
         let name = OsStr::from_bytes(name);
-        // First give the name to the video, then to the song.
+        // Use the name first for the video, then for the song.
         let folder = place.path(&format!("folder %d {index}"));
         std::fs::create_dir(&folder).unwrap();
         place.write_tone(&format!("folder %d {index}/song.wav"), 440.0, 0.5, [0.5, 0.5]);

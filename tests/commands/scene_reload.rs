@@ -226,7 +226,7 @@ fn the_last_of_two_hundred_saves_is_loaded() {
     let place = Place::new();
     place.begin(&at(0.0));
     for save in 1..=200_u8 {
-        // Half of the saves rename a file. All texts have the same length, so only their bytes differ.
+        // Every second save renames another file to this one. All texts have the same length.
         let text = format!("length(p) + {save:03}\n");
         if save % 2 == 0 {
             place.write("main.scene", text);
@@ -248,7 +248,7 @@ fn saves_without_changes_load_nothing() {
     place.write("main.scene~", at(5.0));
     fs::create_dir(place.path("sub")).unwrap();
     place.stays_still();
-    // Save the file without a change, change its time, and rename it and back.
+    // Save the same text again, change the file's time, and rename the file to another name and back.
     place.write("main.scene", at(1.0));
     let file = fs::File::options().append(true).open(place.path("main.scene")).unwrap();
     file.set_modified(SystemTime::UNIX_EPOCH).unwrap();

@@ -8,7 +8,7 @@ use mariana::srgb::linear;
 
 const LOOK: [&str; 2] = ["--size", "48x27"];
 
-/// The scene contains a ball above a floor, a parameter for the ball's size, and a second, nearer camera.
+/// Writes a scene with a ball above a floor, a parameter for the ball's size, and a second, nearer camera.
 fn write_ball(place: &Workplace, name: &str, colour: &str, energy: &str) {
     let text = format!(
         "about {{ energy = {energy} }}\nparam size = 1 in 0.2 .. 2\n\

@@ -31,7 +31,7 @@ fn srgb(light: f64) -> f64 {
 #[test]
 fn stills_videos_and_text_have_the_same_song_values() {
     let place = Workplace::new();
-    // The pitch class is computed at each point.
+    // The argument of `chroma` depends on the point, so the shader must compute the value at each point.
     write_wall(&place, "song.scene", "vec3(progress, build, chroma(7.5 + 0.02 * p.x))");
     let run = |arguments: &[&str]| place.run(&[arguments, &LOOK[..]].concat()).done();
     run(&["still", "song.scene", "--at", "20.5", "-o", "first.png"]);

@@ -294,7 +294,7 @@ fn images_go_to_standard_output_without_messages() {
     let header = b"YUV4MPEG2 W33 H17 F10:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
     assert!(stream.starts_with(header));
     assert_eq!(stream.len(), header.len() + 3 * ("FRAME\n".len() + 3 * 33 * 17));
-    // In BT.709, the blue difference of red is below the middle, and its red difference is above.
+    // In BT.709, red has a blue difference (plane 1) below the middle and a red difference (plane 2) above the middle.
     let plane = |index: usize| stream[header.len() + "FRAME\n".len() + index * 33 * 17 + 300];
     assert!(plane(1) < 120 && plane(2) > 170, "{} {}", plane(1), plane(2));
 }

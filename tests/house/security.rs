@@ -62,8 +62,8 @@ fn rows() -> String {
     rows
 }
 
-/// Counts the word `unsafe` outside of comments and lints. Also returns the numbers of the lines that contain the
-/// word but have no SAFETY comment above or at the end.
+/// Counts the word `unsafe` outside of comments and lints. Also returns the numbers of the lines that contain the word
+/// but have no SAFETY comment above them or at their end.
 fn places(text: &str) -> (usize, Vec<usize>) {
     let lines: Vec<&str> = text.lines().collect();
     let (mut count, mut unexplained) = (0, Vec::new());

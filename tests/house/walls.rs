@@ -122,7 +122,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// The row in [`ROOMS`] of a module that may use all other modules.
+/// The entry in [`ROOMS`] for a module that may use all other modules.
 pub(super) const EVERYTHING: &[&str] = &["*"];
 
 /// Each module of the program (a folder or a file under `src/`) and the other modules that it may use.
@@ -132,7 +132,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("cli", EVERYTHING),
     ("limits", &[]),
     ("demo_track", &[]),
-    // Crates and their modules, under their names in lib.rs.
+    // Crates, and modules of crates, by the names under which lib.rs re-exports them.
     ("atomic_file", &[]),
     ("clock", &[]),
     ("commands", &[]),

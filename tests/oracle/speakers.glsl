@@ -1,5 +1,5 @@
-// The speakers by hand: what assets/scenes/speakers.scene says, written in GLSL. The compiled scene has to look the same
-// and to cost about the same.
+// The scene assets/scenes/speakers.scene, written by hand in GLSL. The compiled scene must look the same as this code
+// and cost about the same.
 
 const vec3 SPEAKER_CENTRE = vec3(5.0, 3.2, 10.0);
 const vec3 CABINET_HALF = vec3(2.0, 3.0, 2.0);

@@ -108,7 +108,7 @@ impl PointReader {
         self.context.gl().check("drawing a probe").unwrap();
         let pixels = probe.read(0);
         let (pixels, _) = pixels.as_chunks::<4>();
-        // Probes return the top row first, but row 0 is the lowest.
+        // Probes return the top row first, but the first normal is in the bottom row.
         pixels.chunks(points.len()).rev().flatten().copied().collect()
     }
 }
@@ -333,7 +333,7 @@ fn every_compound_agrees() {
         for (row, compound) in Compound::ALL.iter().enumerate() {
             for (column, &[a, b, _]) in points.iter().enumerate() {
                 let right = flushed(compound.value(a, b, C, &frame()));
-                // The subtracted number may be as large as the square of an operand.
+                // A compound may subtract a number as large as an operand's square.
                 let rounding = 4e-7 * (1.0 + a * a * (1.0 + a.abs()) + b * b);
                 let mut kinds = 0;
                 for (kind, got) in found.at(row, column) {

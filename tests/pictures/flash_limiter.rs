@@ -227,8 +227,8 @@ fn a_flash_that_ends_before_it_is_shown_does_not_count() {
         for frame in 0..7 {
             bench.show(0.04, |_| colors[frame % 2]);
         }
-        // 0.2 s have passed since the first change. The fourth rise follows after 0.99 s, while frames are long. The
-        // rise ends 4 ms later, or it stays.
+        // Three flashes have taken 0.2 s. The fourth flash begins 0.99 s after the first, while frames are long. It
+        // ends 4 ms later, or it stays.
         for _ in 0..15 {
             bench.show(0.05, |_| colors[0]);
         }

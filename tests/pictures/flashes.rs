@@ -142,8 +142,8 @@ fn steady_parts_stay_steady_near_flashes_and_unchanged_far_away() {
     let mut strobe = Strobe::of(&format!("if p.x < 0 then 6 * {BLINKS} else 0.5 + 0.3 * sin(9 * p.y)"));
     let (mut limited, mut with) = (0, Analyser::default());
     let mut last: Option<(RgbaImage, RgbaImage)> = None;
-    // Columns from `near` on are right of the cells that contain both parts. Columns beyond `far` are out of the
-    // flashes' reach.
+    // Columns from `near` on are right of the cells that contain both parts. Columns beyond `far` are too far from the
+    // flashes to change.
     let (near, far) = (SIZE.0 / 2 + 2, SIZE.0 / 2 + 9 * SIZE.0 / COLUMNS as u32);
     strobe.show(2.0, 10.0, silence, |time, drawn, shown| {
         with.note(time, &Grid::of_picture(&shown, SIZE));
@@ -151,7 +151,7 @@ fn steady_parts_stay_steady_near_flashes_and_unchanged_far_away() {
         for (x, y, pixel) in shown.enumerate_pixels().filter(|(x, ..)| *x > far) {
             assert_eq!(pixel, drawn.get_pixel(x, y), "at {x}, {y}, {time} s");
         }
-        // Once the limiter dims flashes, the steady part changes no more than in the scene.
+        // Once the limiter dims flashes, the steady part changes no more than it does without the limiter.
         let Some((drawn_last, last)) = last.replace((drawn.clone(), shown.clone())).filter(|_| time > 1.3)
         else {
             return;

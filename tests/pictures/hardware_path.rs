@@ -27,7 +27,7 @@ fn run(place: &Workplace, hardware: bool, arguments: &[&str]) -> String {
     Outcome::of(&mut command, RUN_LIMIT).done()
 }
 
-/// Writes shaders without beams. Then a software renderer also starts further samples at the eye, as a GPU does.
+/// Writes shaders without beams. Then additional samples start at the eye on a software renderer too, as on a GPU.
 fn shaders_without_beams(place: &Workplace) -> String {
     let folder = place.path("shaders");
     std::fs::create_dir(&folder).unwrap();
@@ -59,7 +59,7 @@ fn the_gpu_path_draws_the_same_images() {
             let actual = still(true, mode, &[]);
             let expected = still(false, mode, &["--shaders", &without_beams]);
             assert_alike(&format!("hardware-{scene}-{mode}"), &actual, &expected, TIGHT);
-            // With beams, rays start elsewhere and end at another point within the last quarter of a pixel.
+            // With beams, rays start farther from the eye, so their hits differ by up to a quarter of a pixel.
             let with_beams = still(false, mode, &[]);
             assert_alike(&format!("hardware-{scene}-{mode}-beams"), &actual, &with_beams, LOOSE);
         }
@@ -67,7 +67,7 @@ fn the_gpu_path_draws_the_same_images() {
 }
 
 /// The first scene has rods of a fifth of a pixel in front of a ball. The second has a pin on a block that fills its
-/// bounds. Further samples miss the rods and the pin if the samples' rays start too far from the eye.
+/// bounds. Additional samples miss the rods and the pin if the samples' rays start too far from the eye.
 const THIN: [&str; 2] = [
     "material white { color = vec3(1) }\n\
      material red { color = vec3(0.8, 0.1, 0.1) }\n\
@@ -104,12 +104,12 @@ fn further_samples_find_details_thinner_than_a_pixel() {
     }
 }
 
-/// A scene with a lens, and with edges that need further samples.
+/// A scene with a lens, and with edges that need additional samples.
 const LENS: &str = "object ball { shape = sphere(p - vec3(0, 1, 0), 1) }\n\
                     object floor { shape = p.y }\n\
                     camera { position = vec3(0, 1, -4)  target = vec3(0, 1, 0)  aperture = 0.05 }";
 
-/// Maximum number of pixels in one draw call: 0.12 s at 0.1 ms each, and some room for the overhead.
+/// Maximum number of pixels in one draw call: 0.12 s at 0.1 ms per pixel, and some room for the overhead.
 const PART_PIXELS: u64 = 1_300;
 
 #[test]

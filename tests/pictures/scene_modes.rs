@@ -82,8 +82,8 @@ light sun { direction = vec3(0.4, -1, 0.7)  color = vec3(2, 1.8, 1.5)  radius = 
 camera { position = vec3(0.3 * sin(t), 4, -3)  target = vec3(0, 1, 7)  fov = 60 }
 "#;
 
-/// A forest by repetition. Each point computes the nearest trees in some 350 clauses that are not Lipschitz. Interval
-/// arithmetic gives the ellipsoids slopes of thousands.
+/// A forest by repetition. At each point, some 350 non-Lipschitz clauses compute the nearest trees. By interval
+/// arithmetic, the ellipsoids have slopes in the thousands.
 const FOREST: &str = r#"
 fn tree(p, height) = union(
   round_cone(p, 0.12, 0.05, height),
@@ -200,8 +200,8 @@ fn assert_modes_agree_at(
 #[test]
 fn both_modes_show_the_same_shipped_scenes() {
     let differs = |name: &String| {
-        // In these small images, many details are finer than a pixel, so rounding at the end of a ray can decide on
-        // which side of a line it is.
+        // In these small images, many details are finer than a pixel, so rounding can decide on which side of a
+        // detail's edge a ray ends.
         let scene = SceneSource::Shipped(name.clone());
         std::panic::catch_unwind(|| assert_modes_agree_at(name, &scene, &[40.0], ((160, 90), LOOSE))).is_err()
     };
@@ -224,7 +224,7 @@ fn both_modes_show_the_same_scene_with_every_sound_value() {
     let scene = SceneSource::Formula(HEARS_ALL.into());
     assert_modes_agree("hears-all", &scene, &[3.0]);
 
-    // Removing a table must change the image.
+    // Removing one of the sound tables must change the image.
     let mut test_renderer = TestRenderer::of(&scene, Mode::Compiled, Counting::Off);
     let whole = test_renderer.picture(3.0, loud_sound(), SIZE);
     let sounds: [fn(&mut Tables); 3] = [|t| t.spectrum = None, |t| t.waveform = None, |t| t.history = None];

@@ -133,7 +133,7 @@ fn normals_match_the_ball() {
         Some(met.map_or(scale::NOTHING, |(_, normal, _)| color(normal)))
     };
     assert_ball(View::Normals.into(), 3, exact);
-    // A short difference also gives the ball's normals. A long difference rounds the edges of a box.
+    // Finite differences with a short step also give the ball's normals. With a long step, a box's edges look rounded.
     assert_ball(ViewChoice { view: View::Normals, number: Some(0.02) }, 3, exact);
     let text = "object box { shape = box(p, vec3(1, 1, 1)) }
         camera { position = vec3(0, 0, -6)  target = vec3(0)  fov = 40 }";
@@ -166,8 +166,8 @@ fn materials_have_the_colours_of_their_objects() {
 
 #[test]
 fn unobstructed_surfaces_are_lit() {
-    // The lamp is above the ball. The ball shades only a disc around its foot, and its lower half faces away from the
-    // light.
+    // The lamp is above the ball. The ball shades only a disc around its foot, and the ball's lower half faces away
+    // from the light.
     for mode in [Mode::Compiled, Mode::Interpreted] {
         let mut viewer = Viewer::of(&written(BALL), mode);
         let (frame, picture) = (viewer.frame(SIZE), viewer.view(View::Shadow));

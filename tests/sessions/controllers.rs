@@ -385,7 +385,7 @@ fn a_controller_overrides_the_show_until_its_next_movement() {
     let place = Place::new();
     let osc = Sender::new();
     let show = place.inner.path("own.show");
-    // The show begins while the song already plays, so the test seeks to the show's movements.
+    // The show begins while the song already plays, so the test seeks to the times at which the show moves parameters.
     fs::write(&show, "at start wall.scene\n set red = 2\n set red = 1 after 30 s\n").unwrap();
     let port = osc.port.to_string();
     let app = place.open(&["--osc", &port, "--show", show.to_str().unwrap()]);

@@ -121,7 +121,7 @@ fn a_clean_window_shows_only_requested_panels() {
     app.quit();
 }
 
-/// Waits for the bar in real time, because the list of songs needs real time.
+/// Waits for the bar in real time, because reading the list of songs takes real time.
 fn wait_for_bar(app: &App) -> [u32; 4] {
     let bar = |picture: &RgbaImage| panel(picture).filter(|panel| panel[2] - panel[0] > 500);
     bar(&app.wait_for("the bar", |picture| bar(picture).is_some())).unwrap()

@@ -375,7 +375,7 @@ fn a_scene_of_a_show_shown_again_by_hand_is_rendered_again_bit_for_bit() {
     for time in [37.5, 45.0] {
         see(&app, time);
     }
-    // The show continues without changing this scene, until the show itself switches to the scene again.
+    // The show continues, but the chosen scene stays until the show itself switches to that scene.
     place.go_to(&app, 52.5);
     app.press(&["p"]);
     for time in [60.0, 82.5, 90.0] {

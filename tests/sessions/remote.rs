@@ -145,7 +145,7 @@ fn the_phone_follows_the_window_and_controls_scenes_and_song() {
         page.drag("[data-level=volume] .rail", 0.9, 0.25);
         page.wait_for_text("[data-level=volume] .value", "25 %");
     });
-    // The page shows the volume shortly before the touch ends.
+    // The page shows the new volume before the touch ends, so the session may not have it yet.
     app.wait_until("the volume", |app| app.state().volume == Some(0.25));
     assert!(app.state().paused);
     app.meanwhile(|| {
@@ -188,8 +188,8 @@ fn the_qr_code_is_the_address_and_an_outdated_page_asks_only_once() {
             "the page to report its outdated address",
             "document.getElementById('status').textContent.startsWith('This address is no longer valid')",
         );
-        // The outdated page sends a single request and then stops. Therefore the server soon answers requests to the
-        // new address.
+        // The outdated page sends a single request and then stops. Therefore it does not block requests to the new
+        // address for long.
         let mut later = Page::open(&newer);
         wait_until("the new page", || {
             later.wait_until("an answer", "document.readyState === 'complete' && document.body !== null");

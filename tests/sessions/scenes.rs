@@ -107,8 +107,8 @@ fn wait_for_mode(app: &App, mode: &str) {
 fn a_saved_scene_is_shown_without_restarting_the_song() {
     apart!();
     let place = Place::new();
-    // The blue channel is bright from the third second of the song on. If a new scene restarted the song, it would be
-    // dark again.
+    // The blue channel is bright from the third second of the song on. If a new scene restarted the song, the channel
+    // would be dark again.
     let with_time = |red: u8, green: u8| wall(&format!("vec3({red}, {green}, if t < 2 then 0 else 1)"));
     place.save("own.scene", &with_time(1, 0));
     let app = place.open("own.scene", &[]);
@@ -417,7 +417,7 @@ fn a_slider_changes_the_frame_and_survives_a_reload() {
     app.press(&["Tab"]);
     app.wait_until("the slider", |app| app.picture() != before);
     wait_for_mode(&app, "compiled");
-    // The drag ends beyond the rail's right end. The rail's row is found by trying.
+    // The drag ends beyond the rail's right end. The test tries rows until it finds the rail.
     let mut rows = (26..46).step_by(4).cycle();
     app.wait_until("the value of the dragged slider", |app| {
         let row = rows.next().unwrap();

@@ -29,7 +29,7 @@ fn hear(place: &Place, options: &[&str]) -> App {
     app
 }
 
-/// The session notices a change of the output after the server, so the test waits for both.
+/// The session notices a change of the output later than the server does, so the test waits for both.
 #[cfg(target_os = "linux")]
 fn wait_for_output(app: &App, server: &SoundServer, name: &str) {
     app.wait_until(name, |app| {

@@ -16,7 +16,7 @@ use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
-/// The number of positions in the song that keys reach. They are 5 s apart.
+/// The number of positions in the song to which keys can seek. The positions are 5 s apart.
 const MOMENTS: usize = 20;
 /// Duration of the song in most tests, in seconds.
 const SECONDS: usize = 100;
@@ -133,7 +133,7 @@ fn a_show_in_a_window_equals_its_stills_and_follows_saves() {
     apart!();
     let place = Place::new();
     let show = place.path("my.show");
-    // At each position that keys reach, a transition is in progress.
+    // At each position to which keys can seek, a transition is in progress.
     let mut text = "at start red.scene\n".to_owned();
     let ways = ["melt", "portal", "fade", "portal plane", "melt", "portal shape", "fade"];
     let scenes = ["green", "blue", "red", "blue"];

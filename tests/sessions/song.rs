@@ -98,7 +98,7 @@ fn the_list_of_keys_is_shown_and_leaves_no_trace() {
     app.wait_until("rest", |app| load_of(std::process::id(), || app.run_for(Duration::from_secs(1))) < 0.1);
     // A double click on the list must not switch to full screen.
     app.double_click_at(320, 180);
-    // Below the list, the session draws further frames.
+    // The session draws new frames behind the list.
     app.press(&["Right"]);
     app.wait_for("another picture", |picture| changed_box(&keys, picture).is_some());
     app.press(&["Left"]);

@@ -19,7 +19,7 @@ const SCENE: &str = "material paint { color = 0 roughness = 1 emission = vec3(2 
                      camera { position = vec3(0) target = vec3(0, 0, 5) }\n\
                      sky { color = 0 ambient = 0 }\n";
 
-/// The song is louder in its second half.
+/// Writes a song that is louder in its second half.
 fn write_song(path: &Path, seconds: usize, per_second: usize) {
     let samples = (0..seconds * 48_000).flat_map(|frame| {
         let since = frame % (48_000 / per_second);
@@ -40,7 +40,7 @@ fn a_session_knows_the_structure_of_this_song_and_of_the_next() {
     write_song(&music.join("2.wav"), 20, 3);
     let scene = place.save("own.scene", SCENE);
     let still = place.path("still.png");
-    // The still has a separate cache folder.
+    // The still has a separate cache folder, so that the session finds no cached structure.
     let mut command = command_in(PROGRAM, place.folder(), None);
     command.arg("still").arg(music.join("1.wav")).arg(&scene).arg("-o").arg(&still);
     output_of(command.args(["--at", "10", "--size", SIZE]), "mariana").unwrap();

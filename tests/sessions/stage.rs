@@ -179,7 +179,7 @@ fn the_preview_of_the_next_scene_uses_spare_time_only() {
     let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
     let first = app.wait_for("the next scene in the corner", |picture| is_blue(corner(picture)));
     assert!(is_red(at(&first, 0.3, 0.5)), "the frame itself shows another scene");
-    // The preview shows the current time of the song. A paused song leaves every machine spare time for the preview.
+    // The preview shows the song's current time. A pause gives slow machines time to draw the preview.
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let before = corner(&app.picture());

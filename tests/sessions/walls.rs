@@ -1,4 +1,4 @@
-//! Sessions with the scenes of the `walls` helpers.
+//! Helpers for sessions with the scenes of `tests/support/walls.rs`.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ impl Place {
         Self { inner }
     }
 
-    /// The scene has no overlay.
+    /// Opens the scene without an overlay.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App {
         let scene = self.path(scene);
         let own = ["--size", "320x180", "--quality", "best", "--scene", scene.to_str().unwrap()];

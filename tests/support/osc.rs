@@ -21,7 +21,7 @@ impl Sender {
     }
 
     pub(crate) fn send_bytes(&self, bytes: &[u8]) {
-        // The system refuses some packets while no program listens.
+        // Ignore errors: the system refuses some packets while no program listens.
         let _ = self.socket.send_to(bytes, ("127.0.0.1", self.port));
     }
 
@@ -47,7 +47,7 @@ pub(crate) fn message(address: &str, numbers: &[f32]) -> Vec<u8> {
     bytes
 }
 
-/// The sound value in the newest received bundle; `None` if the bundle does not contain it.
+/// Returns the sound value `address` from the newest received bundle; `None` if the bundle does not contain it.
 pub(crate) fn sent_number(lights: &UdpSocket, address: &str) -> Option<f32> {
     lights.set_nonblocking(true).unwrap();
     let (mut buffer, mut newest) = ([0; 2_048], None);

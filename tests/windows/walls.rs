@@ -1,4 +1,4 @@
-//! Windows with the scenes of the `walls` helpers.
+//! Helpers for windows with the scenes of `tests/support/walls.rs`.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -26,7 +26,7 @@ impl Place {
         Self { desktop }
     }
 
-    /// The scene has no overlay.
+    /// Opens the scene without an overlay.
     pub(crate) fn open(&self, scene: &str, options: &[&str]) -> App<'_> {
         self.open_with(&[], scene, options)
     }

@@ -54,11 +54,11 @@ fn is_dark(half: &RgbaImage) -> bool {
     half.pixels().all(|pixel| pixel.0[..3].iter().all(|value| *value < 80))
 }
 
-/// By dithering, a channel of a pixel may differ from the colour of its half by this number of steps.
+/// Dithering may change a channel by up to this number of steps.
 const GRAIN: u8 = 2;
 
-/// True if [`TWO_COLOURS`] fill an image without an overlay. Skips the middle columns with the edge between the
-/// colours, which later frames draw with more samples.
+/// True if [`TWO_COLOURS`] fill an image without an overlay. Skips the columns at the edge between the colours, because
+/// later frames draw the edge with more samples.
 fn fills_cleanly(picture: &RgbaImage) -> bool {
     let is_near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= GRAIN);
     let (red, blue) = (at(picture, 0.0, 0.0), at(picture, 1.0, 0.0));
@@ -70,7 +70,7 @@ fn fills_cleanly(picture: &RgbaImage) -> bool {
         })
 }
 
-/// Half of the edge's width, in pixels, in a first frame of reduced resolution.
+/// Half of the width, in pixels, of the edge between the colours in a first frame of reduced resolution.
 const EDGE: u32 = 8;
 
 #[test]

@@ -1,8 +1,8 @@
 //! Measures controllers: the latency from a MIDI or OSC message to the frame that shows the change, and the effect of
 //! message floods on frames and memory.
 //!
-//! The tool starts the program in a window of this desktop, with fake MIDI ports in a folder (feature `fake-midi`),
-//! sends messages, and reads the program's log after it ends.
+//! The tool starts the program in a window of this desktop, with simulated MIDI ports in a folder (feature
+//! `fake-midi`), sends messages, and reads the program's log after it ends.
 
 use std::fs;
 use std::net::UdpSocket;
@@ -97,7 +97,7 @@ fn measure(
     Command::new("kill").arg(child.id().to_string()).status()?;
     child.wait()?;
     let log = fs::read_to_string(&log)?;
-    // Find the last matching lines of the log: one about all frames, and one about messages.
+    // Find the last line of each kind in the log: about all frames, and about messages.
     let said = |of_messages: bool| {
         let is_meant =
             |line: &&str| line.contains(" frames") && line.contains("from message to frame") == of_messages;

@@ -1,4 +1,4 @@
-//! Measures typing in the editor: the time from a key press to the letter, and to the frame of the edited text.
+//! Measures typing in the editor: the time from a key press to the letter on screen, and to a frame of the edited text.
 //!
 //! The tool starts the program in a window of this desktop with a scene of 300 lines, opens the editor, edits a
 //! number again and again with `xdotool`, and reads the program's log after it ends.

@@ -1,4 +1,4 @@
-//! Compares the programs, compiled for AMD GPUs, with the accepted figures.
+//! Compiles the shader programs for AMD GPUs and compares the figures with the accepted figures.
 
 #![allow(clippy::unwrap_used)]
 

@@ -53,8 +53,7 @@ impl Walk<'_> {
 
     fn name(&mut self, path: &[String]) {
         let Some(target) = self.krate.resolve(self.module, path) else { return };
-        // A single word that equals a module's name is a variable, because a module alone is neither a value nor a
-        // type.
+        // A path of one word that equals a module's name is a variable: a module alone is neither a value nor a type.
         if path.len() == 1 && target.name.is_none() {
             return;
         }

@@ -47,7 +47,7 @@ pub struct Reverb {
 }
 
 impl Reverb {
-    /// Creates a reverb whose low frequencies fall by 60 dB in `t60` seconds.
+    /// Creates a reverb in which low frequencies decay by 60 dB in `t60` seconds.
     pub fn new(t60: f32) -> Self {
         // The lengths are mutually prime and take 30 to 58 ms.
         const LENGTHS: [usize; 8] = [1433, 1601, 1867, 2053, 2251, 2399, 2617, 2797];
@@ -145,8 +145,8 @@ pub fn limit(frames: &mut [Frame], ceiling: f32) {
             if peak > ceiling { ceiling / peak } else { 1.0 }
         })
         .collect();
-    // Find the lowest gain that the next `LOOK_AHEAD` samples need, with a slow recovery. The moving average of these
-    // gains reaches the needed gain exactly at the peak.
+    // `held` is the lowest gain that the next `LOOK_AHEAD` samples need. It drops at once and recovers slowly. Its
+    // moving average reaches the needed gain exactly at the peak.
     let mut least: VecDeque<usize> = VecDeque::new();
     let mut held = 1.0_f32;
     let mut recent: VecDeque<f32> = VecDeque::from(vec![1.0; LOOK_AHEAD]);
@@ -220,7 +220,7 @@ mod tests {
                     .sum()
             })
             .collect();
-        // 60 dB in 1.5 s are 40 dB per second. Damping makes the decay faster.
+        // A decay by 60 dB in 1.5 s is 40 dB per second. Damping makes the decay faster.
         assert!(
             energy[0] > 0.01 && energy[1] < energy[0] * 2e-4 && energy[3] < energy[0] * 1e-9,
             "{energy:?}"

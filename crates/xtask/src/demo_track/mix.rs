@@ -1,5 +1,4 @@
-//! The mix: instruments into buses, buses into the reverb and the delay, and everything into one stereo piece that
-//! can be looped.
+//! Mixes the instruments, adds reverb and delay, and returns one stereo piece that can be looped.
 
 use super::drums;
 use super::effects::{PingPong, Reverb, ducking, fade_edges, limit, remove_rumble};
@@ -7,7 +6,7 @@ use super::score::{self, BAR, BARS, Drum, Note};
 use super::synth::{self, Filter, Frame, Pass};
 use std::f32::consts::TAU;
 
-/// Bars that are rendered after the end, for reverb tails. The tails are added to the beginning, as in a loop.
+/// Number of bars to render after the end, for reverb tails. The tails are added to the beginning, as in a loop.
 const TAIL_BARS: usize = 4;
 const MASTER_GAIN: f32 = 0.5;
 /// Peak level: -2 dBFS leaves room for overshoots of lossy codecs.
@@ -62,7 +61,7 @@ const ARP_LEVEL: Curve = Curve(&[(8.0, 0.4), (12.0, 0.5), (36.0, 0.5), (39.0, 0.
 /// The reverb is muted for the silence before the second loud part.
 const RETURN_LEVEL: Curve = Curve(&[(23.0, 1.0), (23.45, 0.0), (23.85, 0.0), (23.9, 1.0)]);
 
-/// Level and sends of an instrument.
+/// The level of an instrument, and the fractions that go to the reverb and the delay.
 struct Channel {
     level: f32,
     /// Amount of ducking under the kick, 0..1.

@@ -136,7 +136,7 @@ const ANSWER: [Melodic; 14] = [
     (3, 4, 4, 71),
     (3, 8, 8, 74),
 ];
-/// The rising line of the build, over [`RISE`].
+/// The rising melody of the build, over the chords of [`RISE`].
 const CLIMB: [Melodic; 11] = [
     (0, 0, 4, 69),
     (0, 4, 4, 71),
@@ -150,7 +150,7 @@ const CLIMB: [Melodic; 11] = [
     (3, 0, 8, 79),
     (3, 8, 5, 78),
 ];
-/// The second theme, syncopated, over [`BRIDGE`]. It has the highest note of the piece.
+/// The second theme, syncopated, over the chords of [`BRIDGE`]. It has the highest note of the piece.
 const SECOND_THEME: [Melodic; 17] = [
     (0, 0, 3, 79),
     (0, 3, 3, 78),
@@ -170,7 +170,7 @@ const SECOND_THEME: [Melodic; 17] = [
     (3, 8, 4, 74),
     (3, 12, 4, 78),
 ];
-/// The closing phrase, over [`HOME`].
+/// The closing phrase, over the chords of [`HOME`].
 const FAREWELL: [Melodic; 7] = [
     (0, 0, 6, 71),
     (0, 6, 2, 74),
@@ -199,8 +199,8 @@ pub fn pads() -> Vec<Note> {
     let mut notes = Vec::new();
     for bar in 0..BARS {
         let halves: &[usize] = if bar == 11 { &[0, 8] } else { &[0] };
-        // The one-sided bars and the silence of the breakdown have no pads. In the last bar they end before the bar
-        // does, to leave time for the reverb.
+        // The one-sided bars and the silence of the breakdown have no pads. In the last bar, the pads end early, to
+        // leave time for the reverb.
         let steps = match bar {
             20 | 21 => continue,
             11 => 8,
@@ -245,7 +245,7 @@ pub fn bells() -> Vec<Note> {
     notes
 }
 
-/// The lead: the rising line of the build, and both loud parts.
+/// The lead: the rising melody of the build, and the themes of both loud parts.
 pub fn lead() -> Vec<Note> {
     let mut notes = Vec::new();
     phrase(&mut notes, 8, &CLIMB, 0.55, 0.0);

@@ -20,7 +20,7 @@ pub fn frequency(pitch: u8, cents: f32) -> f32 {
 /// Returns equal-power gains for a pan -1 (left) ..= 1 (right). In the middle, both gains are 0.707.
 pub fn pan_gains(pan: f32) -> Frame {
     let angle = (pan.clamp(-1.0, 1.0) + 1.0) * FRAC_PI_4;
-    // Use the sine for both sides, because it is exactly 0 when the sound is at the far side.
+    // Use the sine for both sides: unlike the cosine, it is exactly 0 if the sound is on the other side.
     [(2.0 * FRAC_PI_4 - angle).sin(), angle.sin()]
 }
 

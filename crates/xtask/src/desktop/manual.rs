@@ -41,7 +41,7 @@ fn page(command: Command) -> std::io::Result<(String, Vec<u8>)> {
     Ok((format!("man/{name}.1"), text))
 }
 
-/// Converts the help text that follows the options to sections. Examples keep their lines. Other text becomes notes.
+/// Converts the help text after the options: examples become a section that keeps its lines, other text becomes notes.
 fn further_sections(after: &str) -> Roff {
     let mut roff = Roff::new();
     let (examples, notes): (Vec<&str>, Vec<&str>) =

@@ -25,7 +25,7 @@ use mariana_music::Sound;
 
 /// Times in the demo track in seconds: the quiet start, the first rise, the loudest part and the ending.
 pub const MOMENTS: [f64; 4] = [3.0, 24.0, 62.0, 81.0];
-/// Index of the moment in the large image.
+/// Index of the moment that the large image shows.
 const LARGE: usize = 2;
 const LARGE_SIZE: (u32, u32) = (1280, 720);
 const STRIP_SIZE: (u32, u32) = (480, 270);

@@ -1,4 +1,4 @@
-//! The accepted figures: the file `gpu-budgets.txt`, written by `cargo xtask gpu --accept`.
+//! The accepted figures of compiled shaders: the file `gpu-budgets.txt`, written by `cargo xtask gpu --accept`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -25,7 +25,7 @@ use super::counts::Counts;
 /// A formula similar to the formulas that section 4.4 of the thesis measures (Abt 2022).
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 
-/// The tool also links the views of this scene.
+/// The tool also links the diagnostic views of this scene.
 const VIEWED: &str = "speakers";
 
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -3,8 +3,8 @@ use std::fmt::Write as _;
 
 use super::programs::Linked;
 
-/// Formats a Markdown table with a row per program. For each GPU, a row has registers/waves with any spills and
-/// scratch, the code size, and the CPU time of compiling.
+/// Formats a Markdown table with a row per program. For each GPU, a row has registers/waves, spills and scratch memory
+/// if there are any, the code size, and the CPU time of compiling.
 pub(super) fn table(all: &[(String, Vec<Linked>)]) -> String {
     let mut text = String::new();
     let drivers: BTreeSet<&str> =

@@ -77,7 +77,7 @@ pub fn draw(field: &mut Field<'_>) -> Option<Vec<u8>> {
 
     let floor = extent.floor;
     let mut colors = vec![BACKGROUND; rays.len()];
-    // A hit point is on the shape, or on the ground if the ray points down.
+    // Collect the points where rays first meet the shape (true) or the ground (false).
     let mut places: Vec<(usize, Vec3, bool)> = Vec::new();
     for (index, (ray, hit)) in rays.iter().zip(&hits).enumerate() {
         let down = (floor - camera.eye.y) / ray.y;

@@ -7,7 +7,7 @@ use mariana_field::tape::{Batch, Points, Tape, TapeOptions};
 
 /// Half the side of the cube in which the shape is searched. The cube's centre is the origin.
 const REACH: f32 = 2.2;
-/// Points along a side of the cube.
+/// Number of points along each side of the cube.
 const GRID: usize = 72;
 
 /// Compiles a formula to a tape.
@@ -66,7 +66,7 @@ impl<'a> Field<'a> {
         self.batch.run(Points { position, normal: None }).swap_remove(0)
     }
 
-    /// Returns gradients, measured at the corners of a tetrahedron with edges of about 3 `reach`.
+    /// Returns gradients, measured at the corners of a tetrahedron with edges of about `3 * reach`.
     pub fn gradients(&mut self, points: &[Vec3], reach: f32) -> Vec<Vec3> {
         let mut gradients = vec![Vec3::ZERO; points.len()];
         for corner in [[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]] {

@@ -72,7 +72,7 @@ fn described(entry: &Entry) -> String {
     format!("`{}`<br>{}{}", cell(&entry.signature), cell(&entry.doc), facts(entry))
 }
 
-/// Formats accuracy and source, if there are any.
+/// Formats the accuracy and the source of an entry, if the entry has any.
 fn facts(entry: &Entry) -> String {
     let accuracy = entry.accuracy.map(|accuracy| match accuracy {
         Accuracy::Exact => "**exact**",

@@ -101,7 +101,7 @@ pub struct Relief {
 }
 
 impl Relief {
-    /// Inflates a shape, given the shape's `coverage`. `radii` are the radii of the rounded edge, in units.
+    /// Inflates a shape, given the shape's `coverage`. Each of `radii` (in units) rounds the edge once more.
     pub fn new(coverage: &Grid, radii: &[f32]) -> Self {
         let mut height = vec![0.0; coverage.values.len()];
         for &radius in radii {
@@ -248,7 +248,7 @@ fn dilate(level: &[[f32; 4]], side: usize) -> Vec<[f32; 4]> {
     grown
 }
 
-/// Converts premultiplied pixels to straight colours. Transparent pixels get the mean colour of ever larger blocks.
+/// Converts premultiplied pixels to straight colours. A transparent pixel gets the mean colour of a block around it.
 fn bleed(level: &[[f32; 4]], side: usize) -> Vec<Color> {
     let coarse = if side > 1 && side.is_multiple_of(2) {
         let half = side / 2;

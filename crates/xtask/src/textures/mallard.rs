@@ -40,7 +40,7 @@ const PLAIN: Feather = Feather {
     seed: 0,
 };
 
-/// Paints a leg with its webbed foot, moved by `shift`. `light` darkens the far leg.
+/// Paints a leg with its webbed foot, moved by `shift`. The far leg has less `light`.
 fn leg(canvas: &mut Canvas, shift: Point, light: f32) {
     let at = |points: &[Point]| points.iter().map(|p| [p[0] + shift[0], p[1] + shift[1]]).collect::<Vec<_>>();
     let orange = scale(rgb(0xf08a1c), light);
