@@ -76,7 +76,7 @@ impl LightSwing {
         self.high - light >= counts.light_change && light < counts.light_darker
     }
 
-    /// Returns true if the last change may have become large enough to count only now, at luminance `light`.
+    /// Returns true if the last change counts at luminance `light`, but may have been too small before.
     pub(super) fn may_count_only_at(&self, light: f32, counts: &Thresholds) -> bool {
         let sure = self.high - self.low >= SURE_CHANGE && self.low < SURE_DARKER;
         let still = match self.last {

@@ -76,7 +76,7 @@ impl EdgeSamples {
     }
 
     /// Smallest contrasts, in perceived brightness 0..1, at which neighbouring pixels get further samples: between two
-    /// surfaces, and within a surface, as at a shadow's edge. Mip levels already smooth textures.
+    /// surfaces, and within a surface, as at a shadow's edge. The second is higher: mip levels smooth textures.
     pub fn contrasts(self) -> [f32; 2] {
         match self {
             EdgeSamples::Two | EdgeSamples::Four => [0.03, 0.20],

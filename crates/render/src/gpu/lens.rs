@@ -25,7 +25,7 @@ pub(super) struct LensTargets {
 }
 
 impl LensBlur {
-    /// Blurs light. Colour 1 of `samples` holds the spread of each point.
+    /// Blurs light. Colour texture 1 of `samples` holds the radius of each point's disc.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,

@@ -12,7 +12,7 @@ use crate::srgb;
 
 /// Texture anisotropy on a GPU: enough for floors at grazing angles and for cabinet sides, at little cost.
 const ANISOTROPY: f32 = 8.0;
-/// Texture anisotropy on a software renderer. Mesa's llvmpipe samples the whole footprint of a texel, even for pixels
+/// Texture anisotropy on a software renderer. Mesa's llvmpipe takes all samples of a pixel's footprint, even for pixels
 /// without a hit, and has been seen to hang while doing so.
 const ANISOTROPY_SOFTWARE: f32 = 1.0;
 

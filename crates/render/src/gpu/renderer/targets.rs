@@ -49,7 +49,7 @@ impl Targets {
         };
         let mut texels = texels.to_vec();
         if gl.info().software {
-            // It holds the distance up to which a pixel's beam meets no surface (shaders/sphere_tracing.glsl).
+            // The last target holds how far each pixel's beam is free of surfaces (shaders/sphere_tracing.glsl).
             texels.push(Texel::R32F);
         }
         Target::check_size(gl, size)?;
