@@ -40,7 +40,7 @@ pub(super) struct ShowPainter {
     models: VecDeque<(Drawn, Rc<Model>)>,
     /// Blends that failed. A fade replaces each of them.
     refused: Vec<Drawn>,
-    /// Moment and size of the frozen frame that was drawn last.
+    /// Moment and size of the last frame; `None` if that frame was not frozen.
     held: Option<(f64, (u32, u32))>,
 }
 

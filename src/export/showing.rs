@@ -54,7 +54,7 @@ impl Showing {
     }
 }
 
-/// Length of the decoded sound that is kept, in seconds.
+/// Decoded sound stays available for this time, in seconds.
 const KEPT: f64 = 1.0;
 
 pub(super) struct Holding {
@@ -82,7 +82,7 @@ impl Holding {
             let known = self.last.iter().find(|(known, _)| known.since == held.since);
             let sound = match known {
                 Some((_, sound)) => sound.clone(),
-                // Recent sound is still in the track.
+                // Recent sound is still available. For earlier sound, open the song again.
                 None if held.since >= self.opened && time - held.since <= KEPT => song.require(held.since)?,
                 None => song.beside(held.since, self.gain)?.require(held.since)?,
             };

@@ -89,7 +89,7 @@ impl SongFeatures {
         &self.name
     }
 
-    /// Returns the song's length in seconds, which the container states or decoding to the end has shown.
+    /// Returns the song's length in seconds, once it is known from the container or by decoding to the end.
     pub fn duration(&self) -> Option<f64> {
         if self.ended { Some(self.decoded()) } else { self.decoder.info().duration }
     }

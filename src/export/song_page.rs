@@ -24,7 +24,7 @@ const HEIGHT: f64 = 730.0;
 
 const COLUMNS_MAX: usize = 1400;
 
-/// Fills of sections and scenes, in the order in which sections and scenes first appear.
+/// Fill colours, assigned to sections and to scenes in the order in which they first appear.
 const FILLS: [&str; 8] =
     ["#7fb3d5", "#f0b27a", "#82e0aa", "#d7bde2", "#f7dc6f", "#f1948a", "#76d7c4", "#ccd1d1"];
 

@@ -2,8 +2,8 @@
 //! mark shows a crash to the next run.
 //!
 //! A live process holds a lock on its marks, so a mark that can be locked is from a dead process. A killed process
-//! leaves marks too, and a crash leaves the marks of all threads. A wrong guess costs only speed, and the message
-//! about the guess names the file.
+//! leaves marks too, and a crash leaves the marks of all threads. A wrongly assumed crash costs only speed, and the
+//! message about the crash names the file.
 
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};

@@ -57,7 +57,7 @@ fn accept(listener: &TcpListener, latest_frame: &Arc<LatestFrame>) {
             latest_frame.rest(AGAIN);
             continue;
         };
-        // Count the reader before its thread starts, so that the limit also holds for threads.
+        // Count the reader before its thread starts, so that the limit also bounds the number of threads.
         if readers.count.fetch_add(1, Ordering::AcqRel) >= LIMITS.send_readers_max {
             readers.count.fetch_sub(1, Ordering::AcqRel);
             let words = "too many programs read these frames already: close one of them";
@@ -139,7 +139,7 @@ fn answer(mut stream: TcpStream, latest_frame: &LatestFrame, readers: &Readers) 
         let head = format!("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.len());
         stream.write_all(head.as_bytes())?;
         stream.write_all(&jpeg)?;
-        // Browsers show a frame when they see its end.
+        // Send the boundary at once, because browsers show a frame only when they see its end.
         stream.write_all(format!("\r\n--{BOUNDARY}\r\n").as_bytes())?;
         stream.flush()?;
     }

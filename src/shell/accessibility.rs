@@ -1,5 +1,5 @@
-//! Support for screen readers and other assistive technology, by AccessKit. The window's thread owns the system's
-//! interface, and the show's thread draws the controls. Requests go to the show, control trees go to the window.
+//! Support for screen readers and the like, by AccessKit. The window's thread owns the system's interface and passes
+//! requests to the show. The show's thread draws the controls and sends their tree to the window.
 
 use accesskit_winit::{Adapter, Event, WindowEvent as Asked};
 use egui::accesskit::TreeUpdate;

@@ -53,6 +53,6 @@ pub(crate) enum WindowMessage {
     Controls(Box<TreeUpdate>),
     OpenOutput(Monitor),
     CloseOutput,
-    /// The show has called a window and may have queued events: see [`SharedWindow`].
+    /// The show has called a window, which may have left events in a queue: see [`SharedWindow`].
     CallsMade,
 }

@@ -83,7 +83,7 @@ impl Output {
                 None
             }
             (State::Asked(present) | State::On(present, _), Some(monitor)) => {
-                // Another position or size needs a new window.
+                // If the monitor has a new position or size, its window must be replaced.
                 if *present != monitor {
                     self.close(ui_state);
                     self.waker.wake();

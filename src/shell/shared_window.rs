@@ -3,7 +3,7 @@
 //! winit lets any thread call a window. On X11 such a call may wait for a reply, which reads the connection, and events
 //! that arrive with the reply are queued in Xlib. The event thread would notice these events only when the socket
 //! becomes readable again, so each call must wake the event thread. Therefore the window is reached only through a
-//! guard that wakes it.
+//! guard that wakes this thread.
 
 use std::ops::Deref;
 use std::sync::Arc;

@@ -71,7 +71,7 @@ pub(crate) fn run(
 struct Front {
     proxy: EventLoopProxy<WindowMessage>,
     messages: Sender<Message>,
-    /// Taken when the window opens.
+    /// `None` once the window has been opened.
     begins_with: Option<(WindowOptions, Play)>,
     running: Option<Running>,
     /// The time until which the thread waits for the show; set at the end.
@@ -218,7 +218,7 @@ impl ApplicationHandler<WindowMessage> for Front {
                     Err(error) => tracing::warn!("{error}"),
                 }
             }
-            // winit reads the queued events before it calls this.
+            // Nothing to do: winit has read the queued events before it passes on this message.
             WindowMessage::CallsMade => {}
             WindowMessage::CloseOutput => {
                 if let Some(running) = &mut self.running {
@@ -256,7 +256,7 @@ impl ApplicationHandler<WindowMessage> for Front {
             std::thread::sleep(Duration::from_millis(1));
         }
         if !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() >= until) {
-            // The show still draws through the connection that the event loop closes after this function.
+            // Exit here: after this function, the event loop closes the connection through which the show still draws.
             ending::begin_to_leave().leave(ending::asked_to_end().map_or(0, Signal::exit_code));
         }
         self.result = show.join().unwrap_or_else(|_| {

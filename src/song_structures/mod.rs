@@ -1,7 +1,7 @@
 //! Structures of whole songs ([`SongStructure`]), computed by decoding the songs, and cached on disk.
 //!
 //! A song with a decoding error has the structure of the part before the error. A song that cannot be opened has no
-//! structure, and scenes read 0. Errors are only logged, because the player reports them.
+//! structure: scenes read 0 for all its values. Errors are only logged, because the player reports them.
 
 mod cache;
 mod reader;

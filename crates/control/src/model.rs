@@ -84,7 +84,7 @@ pub struct Model {
 
 impl Model {
     /// Changes a parameter at `now`, in seconds. `directed` is the show's value at this moment, if any. The movement
-    /// starts at the visible value. A value that is not finite is ignored.
+    /// starts at the parameter's current value. A value that is not finite is ignored.
     pub fn turn(&mut self, scene: &str, param: &Param<'_>, turn: Turn, directed: Option<Directed>, now: f64) {
         if !turn.to.is_finite() {
             return;

@@ -62,7 +62,7 @@ impl PartialEq for OfPercent {
 }
 
 pub(super) trait Shown: Sized {
-    /// Returns the possible values. `setting` makes a setting of a value.
+    /// Returns the possible values. `setting` turns a value into a setting.
     fn values(&self, setting: fn(Self) -> Setting) -> Values;
 
     /// Returns the explanation of the row while this value is chosen.

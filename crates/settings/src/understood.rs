@@ -14,8 +14,8 @@ pub(super) fn understood<T: DeserializeOwned + Default>(table: &Table) -> (T, Ve
     (part.try_into().unwrap_or_default(), strange)
 }
 
-/// Returns the entries of `table` that fit. If an inner table does not fit, keeps those of its entries that fit.
-/// `path` is the key prefix of the table.
+/// Returns the entries of `table` that `fits` accepts. If `fits` rejects an inner table, keeps the accepted entries of
+/// that table. `path` is the key prefix of `table`.
 fn part_that(fits: &dyn Fn(Table) -> bool, path: &str, table: &Table, strange: &mut Vec<String>) -> Table {
     let mut part = Table::new();
     for (key, value) in table {

@@ -11,11 +11,11 @@ use std::time::{Duration, Instant, SystemTime};
 
 use crate::ending::{self, Undo};
 
-/// Number of bytes that are read from the end of the process's messages.
+/// Only this many bytes at the end of the process's messages are read.
 const COMPLAINT_BYTES: u64 = 4096;
-/// Interval of the checks for the end of the process.
+/// Time between two checks if the process has ended.
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
-/// Longest interval of the checks for the progress of the process.
+/// Longest time between two checks if the process makes progress.
 const WATCH_PERIOD: Duration = Duration::from_secs(1);
 /// Longest wait for the end of a killed process, which may be stuck in a system call.
 const KILL_LIMIT: Duration = Duration::from_secs(2);

@@ -67,7 +67,7 @@ struct Looks {
 impl Looks {
     fn new(output_surfaces: Option<OutputSurfaces>) -> Self {
         Self {
-            // The X server of a Wayland session knows only some of the windows.
+            // Do not ask the X server of a Wayland session: it knows only some of the windows.
             #[cfg(all(unix, not(target_os = "macos")))]
             windows: if output_surfaces.is_none() { windows::Windows::connect() } else { None },
             output_surfaces,

@@ -13,8 +13,8 @@ pub(super) struct PickUp {
 }
 
 impl PickUp {
-    /// Returns true if a knob that moved to `knob` sets a parameter whose value is `stands`. `way` has the extremes
-    /// of the movement.
+    /// Returns true if a knob that moved to `knob` sets a parameter whose value is `stands`. `way` has the smallest and
+    /// the largest value of the movement.
     pub(super) fn takes(&mut self, knob: f32, way: [f32; 2], stands: f32) -> bool {
         let has_hold = self.put.is_some_and(|put| (put - stands).abs() <= NEAR);
         let ends = || way.into_iter().chain([knob]).chain(self.last);
