@@ -1,6 +1,6 @@
-//! Measures the CPU time from a scene's text to the interpreter's words, as after an edit. Compares it with fidget, on
-//! one thread and without fidget's JIT. Fidget is by Keeter, on whose earlier work the tape is based. Run this with
-//! `cargo bench --features peer --bench language`; the feature is separate because the peer compiles slowly.
+//! Measures the CPU time from a scene's text to the interpreter's program, as after an edit. Compares this time with
+//! fidget's, on one thread and without JIT. Earlier work of Keeter, fidget's author, is the basis of the tape. Run this
+//! with `cargo bench --features peer --bench language`. The feature is off by default: fidget compiles slowly.
 //!
 //! Both sides begin with a text in memory and end with the program of their interpreter:
 //!
@@ -10,8 +10,8 @@
 //! - **fidget**: `Context::from_text` (one instruction per line: no precedence, types or functions; constants in f64;
 //!   common subexpressions merged), then `VmFunction::new`, a tape of 255 registers.
 //!
-//! Throughput counts lines of fidget's text in rows that have such a text, otherwise clauses of the tape. A formula is
-//! shorter than fidget's lines; the row `lets` repeats the lines word for word.
+//! Throughput counts the lines of fidget's text or, for scenes without such a text, the clauses of the tape. A formula
+//! has fewer lines than fidget's text; the row `lets` has one `let` for each of fidget's lines.
 
 #![allow(clippy::expect_used)]
 
@@ -31,7 +31,7 @@ fn tape(text: &str) -> Tape {
     Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).expect("it has a tape")
 }
 
-/// Returns the texels that the interpreter shader runs for the distance of `text`.
+/// Returns the program for the distance in the scene `text`, as the texels that the interpreter shader reads.
 fn words(text: &str) -> Vec<[u32; 4]> {
     let mut words = Vec::new();
     let (tape, mut numbers) = (tape(text), Vec::new());
@@ -45,7 +45,7 @@ fn fidget_tape(text: &str) -> VmFunction {
     VmFunction::new(&context, &[root]).expect("it has a tape")
 }
 
-/// An expression as instructions: a name, operands as indices of instructions, and the value if it is a constant.
+/// An expression as a list of instructions. Each has a name, the indices of its operands, and a value for constants.
 #[derive(Default)]
 struct Lines(Vec<(&'static str, Vec<usize>, f64)>);
 
@@ -180,7 +180,7 @@ fn text_to_words(criterion: &mut Criterion) {
     // new pages from the system.
     drop(black_box(vec![1_u8; 16 << 20]));
     let mut group = criterion.benchmark_group("text_to_words");
-    // About as many lines as fidget's largest model.
+    // The second expression has about as many lines as fidget's largest model.
     let both = [("plane and ball", plane_and_ball()), ("boxes and balls", boxes_and_balls(358))];
     for (name, (lines, formula)) in &both {
         let (instructions, lets) = (lines.instructions(), lines.lets());

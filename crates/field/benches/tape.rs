@@ -1,5 +1,5 @@
-//! Measures how fast the CPU builds graphs and tapes and runs tapes. Throughput counts clauses (times points, for
-//! runs).
+//! Measures how fast the CPU builds graphs, builds tapes and runs tapes. Throughput counts clauses; for runs, clauses
+//! times points.
 
 use std::hint::black_box;
 

@@ -1,4 +1,4 @@
-//! Draws the slice z = 0 of a formula with characters: `cargo run -p mariana-field --example slice -- "sphere(p, 1)"`.
+//! Prints the slice z = 0 of a formula as text: `cargo run -p mariana-field --example slice -- "sphere(p, 1)"`.
 
 use mariana_field::Field;
 use mariana_field::graph::FrameInputs;

@@ -1,4 +1,4 @@
-//! All limits of this crate. Errors name the number that they exceed, and tests pass smaller limits to reach them.
+//! All limits of this crate. Errors name the limit that was exceeded. Tests pass smaller limits to exceed them.
 
 /// Upper limits on the text of a scene and on everything built from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,9 +13,9 @@ pub struct Limits {
     pub tape_outputs_max: usize,
     /// Maximum number of memory slots to which the values of one tape are spilled.
     pub tape_memory_max: usize,
-    /// Maximum number of bytes in a scene's text and its included files.
+    /// Maximum number of bytes in a scene's text and its included files together.
     pub scene_bytes_max: usize,
-    /// Maximum number of tokens in a scene's text and its included files.
+    /// Maximum number of tokens in a scene's text and its included files together.
     pub scene_tokens_max: usize,
     /// Maximum nesting of expressions in a scene's text.
     pub scene_nesting_max: usize,

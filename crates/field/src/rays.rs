@@ -18,16 +18,16 @@ rays! {
     HIT_FRACTION: f32 = 0.25;
     /// Growth of the hit fraction per step beyond [`STEPS_MANY`], so that a ray that creeps along a surface hits it.
     HIT_FRACTION_GROWTH: f32 = 0.03;
-    /// Number of steps from which the hit fraction grows.
+    /// Number of steps after which the hit fraction grows.
     STEPS_MANY: u32 = 32;
     /// Length of rays in a scene without bounds.
     FAR: f32 = 1000.0;
-    /// Maximum number of evaluations along a ray through a formula that is not a distance field, even if it grazes.
+    /// Maximum number of evaluations along a ray through a formula that is not a distance field.
     NON_LIPSCHITZ_STEPS_MAX: u32 = 512;
     /// After this many evaluations, [`non_lipschitz_step`] makes steps long enough to reach the ray's end.
     NON_LIPSCHITZ_STEPS_MANY: u32 = 64;
-    /// Pixel cones are at least as wide as they are at this distance from the eye. With thinner cones, a ray would take
-    /// so small steps near the eye that it would run out of evaluations.
+    /// Nearer to the eye than this, pixel cones keep their radius at this distance. With thinner cones, a ray would
+    /// take so many small steps near the eye that it would run out of evaluations.
     NON_LIPSCHITZ_NEAR: f32 = 0.1;
     /// Maximum number of rounds that narrow down the point where a formula changes its sign.
     CLOSINGS_MAX: u32 = 6;
@@ -38,7 +38,7 @@ rays! {
     NON_LIPSCHITZ_STEP_GROWTH: f32 = 0.04;
     /// Precision with which a change of sign is located, as a fraction of the pixel cone's radius.
     CLOSE_ENOUGH: f32 = 0.05;
-    /// Cells of the tree's root along each axis.
+    /// Number of cells along each axis of the tree's root.
     ROOT_SIDE: f32 = 16.0;
     /// Number of texels that are read to find a cell: one in the root, one in a brick.
     REGION_LEVELS: u32 = 2;
@@ -50,7 +50,7 @@ rays! {
     PAST_FACE: f32 = 4e-7;
     /// Rays look up their cell this far ahead, in units of root cells, so that no ray gets stuck at a cell's face.
     AHEAD: f32 = 1e-5;
-    /// Added to [`AHEAD`], as a fraction of the largest coordinate of the ray's start.
+    /// This fraction of the largest coordinate of the ray's start is added to [`AHEAD`].
     AHEAD_OF_FAR: f32 = 5e-7;
 }
 
@@ -59,10 +59,10 @@ pub fn hit_fraction(step: u32) -> f32 {
     HIT_FRACTION + HIT_FRACTION_GROWTH * step.saturating_sub(STEPS_MANY) as f32
 }
 
-/// Returns the step at `t` of a ray through a formula that is not a distance field. The ray ends at `end`, and has
-/// taken `step` steps. `value`, the formula's value at `t`, falls by at most `slope` per unit of length until the ray
-/// leaves its cell at `t + leaves`. `radius` is the radius of the pixel's cone at `t`, or at [`NON_LIPSCHITZ_NEAR`] if
-/// `t` is less.
+/// Returns the length of a ray's step at `t` through a formula that is not a distance field. The ray ends at `end`, and
+/// has taken `step` steps. `value`, the formula's value at `t`, falls by at most `slope` per unit of length until the
+/// ray leaves its cell at `t + leaves`. `radius` is the radius of the pixel's cone at `t`, or at [`NON_LIPSCHITZ_NEAR`]
+/// if `t` is less.
 ///
 /// No step passes a surface, unless the smallest step is longer than the distance to the surface. From
 /// [`NON_LIPSCHITZ_STEPS_MANY`] steps on, the smallest step grows so that the remaining steps reach the end.

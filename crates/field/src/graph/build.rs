@@ -2,7 +2,7 @@
 
 use super::{Graph, Input, Node, NodeId, Op};
 
-/// Largest magnitude of a constant integer exponent that [`Graph::pow`] writes as a product.
+/// Up to this magnitude, [`Graph::pow`] turns a constant integer exponent into a product.
 pub const PRODUCT_EXPONENT_MAX: f32 = 64.0;
 
 impl Graph {

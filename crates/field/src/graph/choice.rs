@@ -23,8 +23,8 @@ impl Op {
         self.properties().has(Properties::CHOOSES)
     }
 
-    /// Returns the operand that the operator chooses for all values in `a` and `b`. A minimum or maximum keeps both
-    /// operands if one may be a NaN.
+    /// Returns the operand that the operator chooses for all values in `a` and `b`. Returns [`Choice::Both`] if the
+    /// choice depends on the values, or if an operand of a minimum or maximum may be a NaN.
     #[inline]
     pub fn choice(self, a: Interval, b: Interval) -> Choice {
         let (left, right) = match self {

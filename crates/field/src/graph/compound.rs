@@ -1,12 +1,12 @@
-//! Compounds: several operators in one clause. The interpreter's time grows with the number of clauses. A clause has
-//! two registers and a number, but most operators use only two of these three.
+//! Compounds: several operators in one clause, because the interpreter's time grows with the number of clauses. A
+//! clause has two registers and a number. Most operators use only two of these three; compounds use all three.
 //!
 //! A compound's value and GLSL follow from its parts, each of which is rounded separately. Compounds have no rules for
 //! bounds and slopes, because they are made when a tape is written for the interpreter, after pruning and all other
 //! analysis. A compound may therefore contain minima without hiding a choice from pruning.
 //!
-//! Compounds have the numbers 96..128, after the two-operand operators. The interpreter's code becomes at most 7.3 %
-//! longer on Vega and 5 % longer on Xe, and needs no additional registers there.
+//! Compounds have the numbers 96..128, after the two-operand operators. They make the interpreter's code at most 7.3 %
+//! longer on Vega GPUs and 5 % longer on Xe GPUs, without additional GPU registers.
 
 use std::fmt::Write as _;
 
@@ -16,14 +16,14 @@ use super::node::{Node, NodeId};
 use super::op::{Op, Properties};
 
 pub(crate) const PARTS_MAX: usize = 6;
-/// The first number of a compound.
+/// The lowest number of a compound.
 pub const FIRST_COMPOUND: u8 = 96;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Reads {
     A,
     B,
-    /// The clause's number.
+    /// The number that is stored in the clause.
     C,
     QuarterOverC,
     Always(f32),
@@ -69,7 +69,7 @@ macro_rules! compounds {
 
             const fn parts(self) -> &'static [Part] {
                 use Reads::{A, Always, B, C, Part as Earlier, QuarterOverC};
-                // Avoids a warning about an import that no row reads.
+                // Avoids a warning if no row uses one of these imports.
                 const _: [Reads; 6] = [A, B, C, QuarterOverC, Always(0.0), Earlier(0)];
                 match self { $( Compound::$id => const { &[$($part),+] }, )+ }
             }
@@ -78,7 +78,7 @@ macro_rules! compounds {
 }
 
 compounds! {
-    /// a * c + b. With -c as its number it computes b - a * c.
+    /// a * c + b; also b - a * c, if the clause stores -c instead of c.
     MulAdd = 96 "MUL_ADD" [two(Op::Mul, A, C), two(Op::Add, Earlier(0), B)];
     /// a * c - b.
     MulSub = 97 "MUL_SUB" [two(Op::Mul, A, C), two(Op::Sub, Earlier(0), B)];
@@ -106,7 +106,7 @@ compounds! {
     HypotenuseSub = 108 "HYPOTENUSE_SUB" [
         one(Op::Square, B), two(Op::SquareAdd, A, Earlier(0)), two(Op::SqrtSub, Earlier(1), C)
     ];
-    /// The smooth minimum of a and b over the radius c: `smooth_union`.
+    /// The smooth minimum of a and b with the blend radius c, as in `smooth_union`.
     SmoothMin = 109 "SMOOTH_MIN" [
         two(Op::AbsDifference, A, B), two(Op::Sub, C, Earlier(0)), two(Op::OutsideAdd, Earlier(1), Always(0.0)),
         two(Op::Mul, Earlier(2), QuarterOverC), two(Op::Min, A, B), two(Op::Sub, Earlier(4), Earlier(3))
@@ -241,11 +241,11 @@ impl Compounds {
         self.0 |= compound.bit();
     }
 
-    /// Returns the compounds that save at least one clause in forty. Compounds that save less are not worth their cost:
-    /// a renderer that does not skip branches computes every operator of a variant for every clause.
+    /// Returns the compounds that save at least one clause in forty. Other compounds cost more than they save: a
+    /// renderer that does not skip branches computes all operators of the shader for every clause.
     pub(crate) fn that_pay(count: impl Fn(Self) -> Uses) -> Self {
         let mut kept = Self::ALL;
-        // Repeat, because the clauses of a removed compound may become uses of another compound.
+        // Count twice: the operators of a compound that was removed may match another compound.
         for _ in 0..2 {
             let uses = count(kept);
             let mut paying = Self::NONE;
@@ -320,7 +320,7 @@ impl Found {
     }
 }
 
-/// The operands found so far while a compound is compared with a tape.
+/// The operands found so far while a compound is matched with a tape.
 #[derive(Debug, Clone, Copy, Default)]
 struct Bound {
     a: Option<u32>,
@@ -364,7 +364,7 @@ const BEFORE_LAST: [u32; 128] = {
 
 const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
     table[op.number() as usize] |= compound.bit();
-    // A tape may store a sum as a difference by changing the sign of a number or product, and a difference as a sum.
+    // A tape may store a sum as a difference, with the opposite sign of the number or product, and vice versa.
     if matches!(op, Op::Add | Op::Sub) {
         table[Op::Add.number() as usize] |= compound.bit();
         table[Op::Sub.number() as usize] |= compound.bit();
@@ -372,7 +372,7 @@ const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
 }
 
 impl Compounds {
-    /// Returns the compound with the most parts among those of this set that end with the operation `last`.
+    /// Returns the compound of this set that matches the operations up to `last` and has the most parts.
     #[inline]
     pub(crate) fn find(self, values: &impl Values, last: Operation) -> Option<Found> {
         let by_op = |table: &[u32; 128], op: Op| table.get(usize::from(op.number())).copied().unwrap_or(0);
@@ -420,8 +420,8 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
     best
 }
 
-/// Compares a part with an operation. Adds the operands that the part reads to the operands in `bound`. If `negated` is
-/// set, the part must equal the operation with the opposite number.
+/// Matches a part with an operation, and returns `bound` with the operands that the part reads; `None` if they do not
+/// match. If `negated` is set, the operation's number must have the opposite sign.
 fn fit(
     values: &impl Values,
     parts: &[Part],

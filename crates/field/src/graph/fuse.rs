@@ -12,12 +12,12 @@ use super::{Graph, GraphError};
 impl Graph {
     /// Returns a new graph with fused pairs of operators. The roots become nodes of the new graph.
     ///
-    /// # Errors
-    /// [`GraphError::TooManyNodes`] if a graph has reached its limit; the roots are then unchanged.
+    /// # Errors [`GraphError::TooManyNodes`] if this or the new graph has reached its limit; the roots are then
+    /// unchanged.
     pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph, GraphError> {
         let order = self.order(roots)?.nodes;
         let fusing = Fusing::new(self, &order, roots);
-        // From the roots down, find the nodes that are still read, and the operator that each node becomes.
+        // From the roots down, find the nodes that are still read after fusing, and the operator that each becomes.
         let mut tiles: Vec<Option<Node>> = vec![None; self.len()];
         let mut read = vec![false; self.len()];
         for root in roots.iter() {
@@ -63,7 +63,7 @@ impl Graph {
 
 struct Fusing<'a> {
     graph: &'a Graph,
-    /// The number of readers of each node: 0, 1, or 2 for several and for roots.
+    /// How many nodes read each node: 0, 1, or 2 for two or more. A root has 2.
     readers: Vec<u8>,
 }
 

@@ -23,7 +23,7 @@ pub struct GradientInterval {
 }
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
-/// A factor that exceeds the rounding errors of a sum of squares, its root and both slopes together.
+/// A factor greater than all rounding errors together: of a sum of squares, of its root and of both slopes.
 const LENGTH_ERROR: f32 = 1.0 + 1e-4;
 
 impl GradientInterval {
@@ -52,7 +52,7 @@ impl GradientInterval {
             Op::Sqrt => {
                 for (change, square) in gradient.iter_mut().zip(a.squares) {
                     let most = (square * LENGTH_ERROR).sqrt();
-                    // If the root's slope is unbounded and the operand's slope is a NaN, the change is unknown.
+                    // `change` may be a NaN where the root's slope is unbounded. Then `max` and `min` return `most`.
                     if most.is_finite() {
                         let (lo, hi) = (change.lo.max(-most), change.hi.min(most));
                         *change = Interval { lo: lo.min(most), hi: hi.max(-most) };
@@ -81,8 +81,8 @@ impl GradientInterval {
         Self { value, gradient: [0, 1, 2].map(each), squares }
     }
 
-    /// Like [`GradientInterval::binary`], but splits fused operators, because it recognizes sums of squares only in
-    /// separate operators.
+    /// Like [`GradientInterval::binary`], but splits fused operators: sums of squares are recognized only in separate
+    /// operators.
     pub fn in_parts(op: Op, a: &Self, b: &Self, frame: &FrameInputs) -> Self {
         let one = |op: Op, a: &Self| Self::unary(op, a, frame);
         let two = |op: Op, a: &Self, b: &Self| Self::binary(op, a, b, frame);
@@ -111,7 +111,7 @@ impl GradientInterval {
         Self { value, ..chosen }
     }
 
-    /// Returns the axis and the coordinate of the plane where a one-operand operator jumps, if the box has just one.
+    /// Returns the only plane in the box where a one-operand operator jumps: its axis and coordinate. Else `None`.
     pub fn jump(op: Op, a: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let offset = match op {
             Op::Floor | Op::Ceil | Op::Trunc | Op::Fract => 0.0,
@@ -165,9 +165,9 @@ pub struct Pieces {
     boxes: Vec<[Interval; 3]>,
 }
 
-/// Maximum number of pieces of a box. Further cuts are ignored.
+/// Maximum number of pieces of a box. Cuts that would make more pieces are ignored.
 const PIECES_MAX: usize = 32;
-/// The gap on each side of a jump, as a fraction of the coordinate. It is wider than the rounding errors.
+/// The gap on each side of a jump, as a fraction of its coordinate plus the box's side. Wider than rounding errors.
 const JUMP_WIDTH: f32 = 2e-6;
 
 impl Pieces {
@@ -212,8 +212,8 @@ fn is_factor(a: &GradientInterval) -> bool {
     a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
 }
 
-/// Returns the chain rule. If one slope is exactly 0 (a constant operand or a flat function), the product is 0, even if
-/// the other slope is infinite.
+/// Multiplies two slopes by the chain rule. If one slope is exactly 0 (a constant operand or a flat function), the
+/// product is 0, even if the other slope is infinite.
 #[inline(always)]
 fn along(slope: Interval, change: Interval) -> Interval {
     if rules::is_zero(slope) || rules::is_zero(change) {

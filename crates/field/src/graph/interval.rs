@@ -80,7 +80,7 @@ impl Interval {
         if self.is_any() {
             return self;
         }
-        // After an overflow the true value may be as small as the largest finite number.
+        // If an end overflowed to infinity, the true value may still be the largest finite number.
         let (lo, hi) = (self.lo.min(f32::MAX), self.hi.max(f32::MIN));
         let below = lo - (lo.abs() * LIBRARY_ERROR + f32::MIN_POSITIVE);
         let above = hi + (hi.abs() * LIBRARY_ERROR + f32::MIN_POSITIVE);

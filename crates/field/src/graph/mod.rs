@@ -67,7 +67,7 @@ pub enum GraphError {
 #[derive(Debug, Clone)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// A hash table (open addressing, at most half full, size a power of two). A slot holds 1 + a node's index, or 0.
+    /// A hash table (open addressing, at most half full, size a power of two). A slot is 1 + a node's index; 0 if free.
     places: Vec<u32>,
     nodes_max: usize,
     full: bool,
@@ -172,7 +172,7 @@ impl Graph {
         }
     }
 
-    // Inlined, because each caller knows the kind of node.
+    // Inlined, so that the compiler removes the code for the kinds of nodes that a caller does not build.
     #[inline(always)]
     fn intern(&mut self, node: Node) -> NodeId {
         let mask = self.places.len() - 1;

@@ -4,7 +4,7 @@
 /// Smallest operand of a logarithm, and smallest base of a power: the smallest normal f32. GPUs flush smaller numbers
 /// to 0.
 pub const SMALLEST: f32 = f32::MIN_POSITIVE;
-/// TANH clamps its operand to this magnitude, where tanh is 1 in f32. Drivers overflow for much larger operands.
+/// TANH clamps its operand to this magnitude, where tanh is 1 in f32. In some drivers, much larger operands overflow.
 pub const TANH_MAX: f32 = 10.0;
 /// Largest f32 below 2^31. Cell numbers are clamped to this limit before they become integers.
 pub const CELL_MAX: f32 = 2_147_483_520.0;

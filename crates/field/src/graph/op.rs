@@ -43,7 +43,7 @@ impl Properties {
     pub const WHOLE: Self = Self(4);
     /// The result depends on the frame's tables; it cannot be folded.
     pub const READS_FRAME: Self = Self(8);
-    /// The operator costs several times as much as an addition. Its clause is always the second one in a texel.
+    /// The operator costs several times as much as an addition. Its clause is always the second of the two in a texel.
     pub const EXPENSIVE: Self = Self(32);
     /// In some boxes the value always equals the same operand, so the other operand can be dropped ([`Op::choice`]).
     pub const CHOOSES: Self = Self(64);
@@ -60,7 +60,7 @@ impl Properties {
     }
 }
 
-/// A computation with an operator's function. It is compiled for each operator, so that its loop inlines the function.
+/// A loop that calls an operator's function. It is compiled once per operator, so that the function is inlined.
 pub trait Kernel {
     /// Runs with `meaning`, the operator's function of a, b and the frame. One-operand operators ignore b.
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
@@ -98,8 +98,8 @@ macro_rules! operators {
                 match self { $( Op::$id => $properties, )+ }
             }
 
-            /// Returns GLSL in which names or literals must replace `$a` and `$b`, because these may occur several
-            /// times.
+            /// Returns GLSL with `$a` and `$b` for the operands. Each may occur twice, so replace it by a name or
+            /// literal.
             pub const fn glsl(self) -> &'static str {
                 match self { $( Op::$id => $glsl, )+ }
             }
@@ -467,7 +467,7 @@ operators! {
         slopes |a, _, _, _| (if a > 0.0 { 0.5 / a.sqrt() } else { 0.0 }, -1.0),
         slope_bounds |a, _, _, _| (slopes::sqrt(rules::sqrt(a)).0, rules::neg(slopes::ONE)),
         glsl "(sqrt(max($a, 0.0)) - $b)";
-    /// The square root of a * a + b (0 where that is negative or a NaN): the last step of a length.
+    /// The square root of a * a + b (0 where this sum is negative or a NaN): the last step of a length.
     Length = 86 "LENGTH" NEVER_NEGATIVE,
         value |a, b, _| sqrt(a * a + b), bounds |a, b, _| rules::sqrt(rules::add(rules::square(a), b)),
         slopes |a, _, r, _| if r > 0.0 { length_slopes(a, r) } else { (0.0, 0.0) },

@@ -9,8 +9,8 @@ use super::{Graph, GraphError};
 /// Nodes in an order in which operands precede their users. Each node occurs once.
 ///
 /// The inputs of the point come first. Then the tree is walked from the first root to the last, operands before users.
-/// The operand that needs more values at once comes first (Sethi and Ullman 1970, treating the graph as if it were a
-/// tree). If both operands need the same number, the left one comes first.
+/// Of two operands, the one that keeps more values at once comes first (Sethi and Ullman 1970, treating the graph as if
+/// it were a tree). If both keep equally many, the left one comes first.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Order {
     /// The nodes.
@@ -28,7 +28,7 @@ pub struct InputsUsed {
     pub textures: BTreeSet<u16>,
 }
 
-/// Marks an entry of the stack whose operands are done.
+/// Marks a node on the stack whose operands are already in the order.
 const OPERANDS_DONE: u32 = 1 << 31;
 
 impl Graph {
@@ -100,7 +100,7 @@ impl Graph {
     }
 }
 
-/// Returns, for each node, how many values must be kept at once to compute it if no value is shared.
+/// Returns, for each node, how many values its computation keeps at the same time if no value is shared.
 fn needs(nodes: &[Node]) -> Vec<u8> {
     let mut needs: Vec<u8> = Vec::with_capacity(nodes.len());
     for node in nodes {

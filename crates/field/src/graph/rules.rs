@@ -11,9 +11,9 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use super::interval::{Interval, LIBRARY_ERROR};
 use super::numbers::{self, SMALLEST};
 
-/// Largest angle in radians for which f64 finds the position in the period. For larger angles the bounds are -1..1.
+/// Up to this angle in radians, f64 is precise enough to find the position in the period. Beyond it, bounds are -1..1.
 const ANGLE_MAX: f32 = 1e5;
-/// MOD may overflow if an operand or the quotient exceeds this magnitude.
+/// If an operand or the quotient exceeds this magnitude, MOD may overflow, and its bounds are infinite.
 const MODULO_MAX: f32 = 1e30;
 
 #[inline(always)]
@@ -103,7 +103,7 @@ pub(super) fn cos(a: Interval) -> Interval {
     wave(a, f32::cos, 0.0)
 }
 
-/// Bounds a sine `f` that has its maxima at `crest` + 2πk and its minima half a period after each maximum.
+/// Returns bounds of a sine or cosine `f` with maxima at `crest` + 2πk and minima half a period after each maximum.
 fn wave(a: Interval, f: fn(f32) -> f32, crest: f64) -> Interval {
     use std::f64::consts::{PI, TAU};
     if a.is_any() || a.is_unbounded() {
@@ -221,7 +221,7 @@ pub(super) fn hash(a: Interval, b: Interval) -> Interval {
     }
 }
 
-/// Returns the sum of infinities of opposite signs is a NaN.
+/// Returns bounds of a + b. The sum of infinities of opposite signs is a NaN.
 #[inline(always)]
 pub(super) fn add(a: Interval, b: Interval) -> Interval {
     if (a.lo == f32::NEG_INFINITY && b.hi == f32::INFINITY)
@@ -243,7 +243,7 @@ fn hull_of(values: [f32; 4]) -> Interval {
     Interval::new(a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
 }
 
-/// 0 times an infinity is a NaN.
+/// Returns bounds of a * b. The product of 0 and an infinity is a NaN.
 #[inline(always)]
 pub(super) fn mul(a: Interval, b: Interval) -> Interval {
     if (a.is_unbounded() && b.has_zero()) || (b.is_unbounded() && a.has_zero()) {
@@ -252,7 +252,7 @@ pub(super) fn mul(a: Interval, b: Interval) -> Interval {
     hull_of([a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi])
 }
 
-/// Returns a quotient by exactly 0 is 0. Near 0, quotients are unbounded.
+/// Returns bounds of a / b. Division by exactly 0 gives 0; near b = 0, quotients are unbounded.
 #[inline(always)]
 pub(super) fn div(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() || (a.is_unbounded() && b.is_unbounded()) {
@@ -270,7 +270,7 @@ pub(super) fn div(a: Interval, b: Interval) -> Interval {
     Interval { lo: if falls { f32::NEG_INFINITY } else { 0.0 }, hi: if grows { f32::INFINITY } else { 0.0 } }
 }
 
-/// Returns the minimum of a NaN and a number is the number.
+/// Returns bounds of min(a, b). The minimum of a NaN and a number is the number.
 #[inline(always)]
 pub(super) fn min(a: Interval, b: Interval) -> Interval {
     match (a.is_any(), b.is_any()) {
@@ -286,8 +286,8 @@ pub(super) fn max(a: Interval, b: Interval) -> Interval {
     neg(min(neg(a), neg(b)))
 }
 
-/// If both ends are in one period, the value increases with a. Otherwise the value is between 0 and b, up to the
-/// rounding of the quotient, the product and the difference, each relative to an operand.
+/// If both ends of a are in one period, the value increases with a. Otherwise the value is between 0 and b. Rounding
+/// may exceed this range by an error in proportion to the operands.
 pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
     if a.is_unbounded() || b.is_unbounded() {
         return Interval::ANY;
@@ -309,7 +309,7 @@ pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
     Interval { lo: b.lo.min(0.0) - error, hi: b.hi.max(0.0) + error }
 }
 
-/// For positive bases the extremes are at the corners.
+/// For positive bases, the extremes are where both operands are at an end of their intervals.
 pub(super) fn pow(a: Interval, b: Interval) -> Interval {
     if b.is_any() {
         return Interval::ANY;
@@ -335,7 +335,7 @@ pub(super) fn pow(a: Interval, b: Interval) -> Interval {
     hull.unwrap_or(Interval::ANY)
 }
 
-/// Bounds the angle whose sine is proportional to a and whose cosine to b. It jumps at a = 0, b < 0, where it is π.
+/// Returns bounds of the angle of the point (b, a). It is π where a = 0 and b < 0, and jumps to -π below.
 pub(super) fn atan2(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() {
         return Interval::ANY;

@@ -70,7 +70,7 @@ impl Graph {
         {
             return self.constant(folded);
         }
-        // Put the operands in a canonical order: constants last, other operands by age.
+        // Put the operands in a canonical order: constants last, older nodes before newer ones.
         if op.properties().has(Properties::COMMUTATIVE) && (first.is_some() || (second.is_none() && b < a)) {
             std::mem::swap(&mut a, &mut b);
             std::mem::swap(&mut first, &mut second);

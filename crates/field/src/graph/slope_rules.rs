@@ -67,7 +67,7 @@ pub(super) fn sqrt(r: Interval) -> (Interval, Interval) {
     })
 }
 
-/// Returns the slopes of a function of a - b.
+/// Returns the slopes by a and by b of a function of a - b, whose slope by a is given.
 #[inline(always)]
 pub(super) fn opposite(by_a: Interval) -> (Interval, Interval) {
     (by_a, rules::neg(by_a))
@@ -142,8 +142,8 @@ pub(super) fn modulo(a: Interval, b: Interval) -> (Interval, Interval) {
     (ONE, rules::neg(rules::div(a, b).map_rising(f32::floor)))
 }
 
-/// Returns the slopes of an operator that chooses an operand. They are unknown if either operand may be chosen or if
-/// the operands' intervals touch.
+/// Returns the slopes of an operator that chooses an operand. The slopes are unknown if either operand may be chosen or
+/// if the operands' intervals touch.
 #[inline(always)]
 pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
     match op.choice(a, b) {
@@ -156,10 +156,9 @@ pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
     }
 }
 
-/// Largest exponent for which slopes are computed in two ways: from a quotient of the power, and from a power with
-/// exponent b - 1.
+/// Up to this exponent b, the slope of a power is computed in two ways: as b * power / base, and as b * base^(b - 1).
 const OWN_POWER_MAX: f32 = 64.0;
-/// Values below this limit may come from denormal numbers, whose rounding is too coarse for the second bound.
+/// The second result is ignored below this limit: it may come from denormal numbers, which are rounded coarsely.
 const ROUNDED_BADLY: f32 = 1e-3;
 
 pub(super) fn pow(a: Interval, b: Interval, r: Interval) -> (Interval, Interval) {
@@ -172,7 +171,7 @@ pub(super) fn pow(a: Interval, b: Interval, r: Interval) -> (Interval, Interval)
     let base = Interval { lo: a.lo.max(SMALLEST), hi: a.hi };
     let mut by_a = rules::div(rules::mul(b, r), base);
     if b.lo >= 0.0 && b.hi <= OWN_POWER_MAX && r.hi < f32::INFINITY {
-        // The same slope computed without dividing by a value near 0; the two differ only by rounding.
+        // The second way, without a division by a value near 0. Both results differ only by rounding.
         let power = rules::mul(b, rules::pow(base, rules::sub(b, ONE)));
         if power.hi > ROUNDED_BADLY {
             by_a = meet(by_a, Interval { lo: 0.0, hi: power.hi * 1.001 });

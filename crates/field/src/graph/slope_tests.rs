@@ -91,7 +91,7 @@ fn bounds_hold_slopes_at_operands_that_are_no_numbers() {
     }
 }
 
-/// Checks every second one-operand operator, from `first` on, between neighbours of a dense sweep.
+/// Checks every second one-operand operator, from operator `first` on, in many short intervals.
 fn sweep(first: usize) {
     let sweep: Vec<f32> = (0..=u32::MAX).step_by(8_191).map(f32::from_bits).filter(|v| !v.is_nan()).collect();
     let frame = frame();

@@ -135,8 +135,8 @@ impl SoundInput {
         Self::ChromaB,
     ];
 
-    /// True for a number of the whole song. Such a number is 0 until the song is analysed. A scene may hide it by a
-    /// value of the same name.
+    /// True for a number of the whole song. Such a number is 0 until the song is analysed. A scene may declare a value
+    /// of the same name, which hides this number.
     pub const fn is_of_song(self) -> bool {
         self as usize >= Self::Bar as usize
     }
@@ -167,7 +167,7 @@ impl SoundInputs {
     /// Silence.
     pub const SILENCE: Self = Self([0.0; ROWS.len()]);
 
-    /// Returns the numbers that `value` gives for each input.
+    /// Returns a number for each input, computed by `value`.
     pub fn each(value: impl FnMut(SoundInput) -> f32) -> Self {
         Self(SoundInput::ALL.map(value))
     }

@@ -1,7 +1,7 @@
 //! Finds the least and the greatest number in any rectangle of a table without visiting every entry. A segment tree
 //! over the columns has a segment tree over the rows in each node. A search visits at most 4 log2(rows) log2(columns)
-//! nodes. Building a tree of cells asks for rectangles of thousands of entries, thousands of times per frame. Visiting
-//! every entry took 15 % of the build time of terrain's tree.
+//! nodes. Building a tree of cells asks for rectangles of thousands of entries, thousands of times per frame. In the
+//! scene terrain, visiting every entry took 15 % of the time to build the tree.
 
 use super::interval::Interval;
 
@@ -22,7 +22,7 @@ fn hull(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
 }
 
 impl TableExtremes {
-    /// `entries` are the bounds of the entries, row after row.
+    /// `entries` holds the least and the greatest number of each entry, row after row.
     pub(super) fn of(entries: impl ExactSizeIterator<Item = (f32, f32)>, columns: usize) -> Self {
         let rows = entries.len().checked_div(columns).unwrap_or(0);
         let height = 2 * rows;

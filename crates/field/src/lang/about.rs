@@ -63,8 +63,8 @@ pub struct About {
     pub enter: Option<TransitionStyle>,
     /// The preferred transition from this scene.
     pub leave: Option<TransitionStyle>,
-    /// The distance to the shape in which the scene may appear. The shape is seen from its front: x right, y up, z
-    /// towards the eye. Halfway through the transition, 1 is the distance from the eye to the camera's target.
+    /// The distance to the shape in which a portal shows the scene. The shape is seen from its front: x right, y up, z
+    /// towards the eye. Halfway through, a unit of the shape is the distance from the eye to the camera's target.
     pub portal: Option<NodeId>,
 }
 

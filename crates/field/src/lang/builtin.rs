@@ -24,7 +24,7 @@ pub(super) mod uses {
     pub(crate) const NOTHING: u8 = 0;
 }
 
-/// An input: its name, its meaning, its kind, and its description on the language's page.
+/// An input: its name, its value, its set in [`uses`], and its description on the language's page.
 #[derive(Clone, Copy)]
 pub(super) struct InputRow {
     pub name: &'static str,
@@ -40,7 +40,7 @@ const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str)
 use InputValue::{Constant, Many, One};
 use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, POINT};
 
-/// All inputs except numbers of the sound. The direction uses the normal's slots, because no expression reads both.
+/// All inputs except numbers of the sound. The direction is stored as the normal, because no expression reads both.
 const OTHERS: &[InputRow] = &[
     row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
     row("x", One(Input::X), POINT, "p.x, to the right"),
@@ -94,7 +94,7 @@ pub(super) const INPUTS: &[InputRow] = &{
     rows
 };
 
-/// True if scenes read the number as a component of a vector or by a function, not by a name.
+/// True if scenes read the number as a component of a vector or by a function, not by its own name.
 const fn is_component(input: SoundInput) -> bool {
     let name = input.name().as_bytes();
     name.len() > 2 && (name[name.len() - 2] == b'.' || name[name.len() - 1] == b')')
@@ -123,7 +123,7 @@ pub(super) enum Builtin {
     /// An operator on the components of two vectors.
     Pair(Op),
     Atan,
-    /// Rounding of a number or of a shape's edges.
+    /// Rounds a number, or the edges of a shape.
     Round,
     Pow,
     Three(Three),
@@ -269,7 +269,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     ),
 ];
 
-/// Functions of any number of values: the name, and the number of arguments at the end that are not values.
+/// Functions that combine any number of values: the name, and how many final arguments (a radius) are not values.
 pub(super) const FOLDS: &[(&str, usize)] = &[
     ("min", 0),
     ("max", 0),

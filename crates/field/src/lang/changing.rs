@@ -1,4 +1,4 @@
-//! Numbers of a text that are being edited. They become inputs of a frame, so that the program compiled for the text
+//! Numbers that are being edited in a text. They become inputs of a frame, so that the program compiled for the text
 //! can also draw the text with other numbers.
 //!
 //! A number is identified by its index among the numbers of the scene's own text. If two versions of a text differ
@@ -16,7 +16,7 @@ use super::token::{Kind, Token};
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Point};
 use crate::limits::LIMITS;
 
-/// A number of a text that the user drags, with its range. If the number leaves the range, the text is read again.
+/// A number that the user is dragging in a text, with its range. Outside the range, the text is compiled again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turning {
     /// The index among the numbers of the text, starting at 0.
@@ -70,15 +70,15 @@ fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
 
 #[derive(Debug, Default)]
 pub(super) struct ChangingNumbers {
-    /// Offsets of the numbers in the text, sorted.
+    /// Offsets of the edited numbers in the text, sorted.
     offsets: Vec<u32>,
-    /// The numbers that occurred in an expression, each with its offset and the index of its input.
+    /// The edited numbers found in expressions so far: each number's offset and the index of its input.
     inputs: Vec<(u32, u16)>,
     /// The first input that is a number of the text. The inputs before it are parameters.
     first: usize,
     values: Vec<f32>,
     turning: Vec<(u32, Turning)>,
-    /// Inputs whose values determine the scene's structure. If such an input changes, the text has to be read again.
+    /// Inputs whose values determine the scene's structure. If one changes, the text has to be compiled again.
     depended_on: RefCell<BTreeSet<u16>>,
 }
 
@@ -108,8 +108,8 @@ impl ChangingNumbers {
         this
     }
 
-    /// Returns the input for the number that begins at `offset`, if it is being edited. The first `declared` inputs
-    /// are parameters. There are at most `max` inputs; further numbers stay constants.
+    /// Returns the input for the number that begins at `offset`, if it is being edited. The first `declared` inputs are
+    /// parameters. There are at most `max` inputs; the remaining numbers stay constants.
     pub(super) fn input(&mut self, offset: u32, value: f32, declared: usize, max: usize) -> Option<Input> {
         self.offsets.binary_search(&offset).ok()?;
         if let Some((_, input)) = self.inputs.iter().find(|(known, _)| *known == offset) {

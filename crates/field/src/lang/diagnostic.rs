@@ -1,8 +1,8 @@
 //! Mistakes in a scene, and their rendering as text.
 //!
-//! A mistake looks like an error of a terminal compiler: message, location, source line, underline, hint. Tabs become
-//! four columns, wide characters take two columns, control characters are replaced by a placeholder, and a very long
-//! line is cut around its mistake.
+//! A mistake is printed like an error of a command-line compiler: message, location, source line, underline, hint. Tabs
+//! become four columns, wide characters take two columns, control characters are replaced by a placeholder, and a very
+//! long line is cut around its mistake.
 
 use std::fmt::Write;
 
@@ -115,7 +115,7 @@ pub fn render_all(diagnostics: &[Diagnostic], sources: &Sources, color: bool) ->
 
 /// Maximum width of a source line in columns. Longer lines are cut.
 const WIDTH_SHOWN: usize = 120;
-/// Columns that remain visible before the mistake in a line that is cut.
+/// Number of columns that a cut line shows before its mistake.
 const WIDTH_BEFORE: usize = 40;
 const TAB: &str = "    ";
 

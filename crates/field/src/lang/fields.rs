@@ -1,8 +1,7 @@
 //! The fields of a scene's sections, one row for each.
 //!
 //! `section!` defines a section from its rows: the documented struct, the block in the language with its diagnostics,
-//! the default values, and the order of the section's numbers on a tape. Code that computes with a value uses the
-//! struct's field.
+//! the default values, and the order of the section's numbers on a tape. Other code reads the values from the struct.
 
 use std::fmt;
 
@@ -17,7 +16,7 @@ pub struct Field {
     pub default: DefaultValue,
     /// The inputs that the value may use.
     pub(super) uses: u8,
-    /// The range of the values; only materials have ranges here.
+    /// The range of the values; `None` except in materials.
     pub range: Option<MaterialRange>,
     /// The description on the language's page.
     pub doc: &'static str,
@@ -38,7 +37,7 @@ pub enum Holds {
     Text,
     /// A range of two numbers, such as `0.2 .. 0.6`.
     Range,
-    /// The name of a transition between scenes, a [`TransitionStyle`](super::Way).
+    /// The name of a transition between scenes, a [`TransitionStyle`](super::TransitionStyle).
     TransitionStyle,
     /// The distance to a shape, a number at each point.
     Shape,
@@ -68,7 +67,7 @@ impl Holds {
     }
 }
 
-/// The Rust types of these values. `N` is the type of a number: a node in a scene, an f32 in a frame.
+/// The Rust types of the fields' values. `N` is the type of a number: a node in a scene, an f32 in a frame.
 pub(super) mod of {
     pub(crate) type Number<N> = N;
     pub(crate) type Vector<N> = [N; 3];
@@ -78,11 +77,11 @@ pub(super) mod of {
 /// The value of a field that a scene does not set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DefaultValue {
-    /// This number. A vector has it three times.
+    /// This number; for a vector, in all three components.
     Each(f32),
     /// This vector.
     Parts([f32; 3]),
-    /// The result of this library function for the direction.
+    /// The result of this library function for the ray's direction.
     Library(&'static str),
 }
 

@@ -345,11 +345,11 @@ const IN_WORD: [bool; 256] = {
 /// Every number with this many decimal digits fits into a u64.
 const DIGITS_MAX: usize = 19;
 
-/// Returns the f32 nearest to the number with these digits, `decimals` of which are after the point. `None` if a single
-/// division cannot compute it.
+/// Returns the f32 nearest to the number with these digits, `decimals` of which are after the point. `None` if one
+/// division may round it incorrectly.
 #[inline]
 fn exact_value(digits: u64, decimals: usize) -> Option<f32> {
-    // Both parts are exact in f32, so one division rounds correctly.
+    // The digits and the power of ten are exact in f32, so one division rounds correctly.
     const POWERS: [f32; 11] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10];
     let power = POWERS.get(decimals)?;
     (digits <= 1 << f32::MANTISSA_DIGITS).then(|| digits as f32 / power)

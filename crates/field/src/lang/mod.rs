@@ -104,7 +104,7 @@ pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
 
 /// Compiles a text in which some numbers are being edited. The numbers with the indices `changing`
 /// ([`changed_numbers`]) become inputs of a frame, numbered after the scene's parameters. The numbers in `turning` are
-/// being dragged: a frame may set such a number within its range, and the text is not read again.
+/// being dragged: a frame may set such a number within its range without compiling the text again.
 pub fn compile_while_changing(
     name: &str,
     text: &str,
@@ -151,7 +151,7 @@ fn compile_all(
     Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
 }
 
-/// Returns the mistakes in a text's tokens and grammar, and its sources. It reads no includes and resolves no names.
+/// Checks only a text's tokens and grammar: reads no includes, resolves no names. Returns mistakes and sources.
 pub fn check_syntax(name: &str, text: &str) -> (Vec<Diagnostic>, Sources) {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);

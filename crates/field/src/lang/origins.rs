@@ -1,8 +1,8 @@
 //! Maps the values of a scene's expressions back to its text.
 //!
 //! Lowering records the start of each expression in a list of notes, in the order in which it visits them. The origin
-//! of a value is the range of notes that were recorded while the value was computed. The use of a named value records
-//! a reference to that value's range. The library's texts record no notes, because their values belong to the call.
+//! of a value is the range of notes that were recorded while the value was computed. The use of a named value records a
+//! reference to that value's range. The library's texts record no notes, because the call counts as their origin.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -11,10 +11,10 @@ use std::sync::OnceLock;
 use super::source::{Sources, Span};
 use crate::graph::NodeId;
 
-/// Maximum number of notes and of values with a range (4 MiB in total). For further values only the object is known.
+/// Maximum number of notes, and of values (8 MiB in total). Of values beyond this limit, only the object is known.
 const NOTES_MAX: usize = 1 << 18;
 
-/// A location in the text: the number of the file among the scene's files, and the byte.
+/// A location in the text: the number of the file among the scene's files, and the byte offset in this file.
 pub type TextPlace = (usize, usize);
 
 /// A range of notes; `to` is exclusive.
@@ -39,8 +39,8 @@ struct Made {
     by: Stretch,
 }
 
-/// The values sorted by node. Values of the same node keep the order in which they were recorded. The index is built
-/// on first use, because few edits need it and building it takes a tenth of the time from a text to its tape.
+/// The values sorted by node. Values of the same node keep the order in which they were recorded. The index is built on
+/// first use, because few edits need it and building it takes a tenth of the time to compile a text to a tape.
 #[derive(Debug, Clone, Default)]
 struct ByNode(OnceLock<Vec<Made>>);
 
@@ -57,7 +57,7 @@ pub struct Origins {
     notes: Vec<Note>,
     made: Vec<Made>,
     by_node: ByNode,
-    /// For each block of each object: the text without the shape, and the whole text.
+    /// For each block of each object: the notes of its text without the shape, and of its whole text.
     objects: Vec<Vec<(Stretch, Stretch)>>,
     materials: Vec<Vec<Stretch>>,
     files: Vec<(u32, u32)>,

@@ -166,7 +166,7 @@ pub enum ToneMap {
     Agx,
     /// ACES, fitted (Stephen Hill). It has more contrast, and the hue shifts as colours get brighter.
     Aces,
-    /// Extended Reinhard on luminance (Abt 2022, section 3.2): hues stay the same until they are clipped.
+    /// Extended Reinhard on luminance (Abt 2022, section 3.2): hues stay the same until a component is clipped.
     Reinhard,
     /// No tone map: light of 0..1 is unchanged, brighter light is clipped to 1.
     None,

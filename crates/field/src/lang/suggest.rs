@@ -1,6 +1,6 @@
 //! Suggestions for misspelt names.
 
-/// Returns the name that `typed` turns into by the fewest edits (insert, delete, replace, swap neighbours). Returns
+/// Returns the name that differs from `typed` by the fewest edits (insert, delete, replace, swap neighbours). Returns
 /// `None` if every name needs too many edits.
 pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = typed.chars().count();

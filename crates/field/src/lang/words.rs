@@ -1,7 +1,7 @@
 //! Splits a line of a scene's text into words for syntax highlighting.
 //!
-//! The words come from the compiler's lexer. It processes single lines, so that an editor needs only the visible lines.
-//! Only a comment between `/*` and `*/` can continue on the next line.
+//! The words come from the compiler's lexer. Each line is split separately, so that an editor needs only the visible
+//! lines. Only a comment between `/*` and `*/` can continue on the next line.
 
 use super::diagnostic::Diagnostics;
 use super::lexer;
@@ -74,7 +74,7 @@ pub fn words(line: &str, in_comment: bool) -> (Vec<Word>, bool) {
     (found, open)
 }
 
-/// Adds the comments between two tokens, and returns true if the last comment is open.
+/// Adds the comments between two tokens, and returns true if the last comment is not closed.
 fn comments(text: &str, from: usize, to: usize, begin: usize, found: &mut Vec<Word>) -> bool {
     let mut at = from;
     while let Some(gap) = text.get(at..to) {

@@ -1,7 +1,7 @@
 //! The library: shapes, operators and the GLSL functions that are not built in. It is written in the scene language.
 //!
-//! The texts are parsed once, at the first use. Lines that begin with `##` document the function below them. The last
-//! of these lines ends with `[exact; source]`, `[bound; source]` or `[source]`. *Exact* functions return the
+//! The library's texts are parsed at the first use. Lines that begin with `##` document the function below them. The
+//! last of these lines ends with `[exact; source]`, `[bound; source]` or `[source]`. *Exact* functions return the
 //! distance to the surface. *Bound* functions return at most that distance, so rays may still step by the result.
 
 mod pictures;

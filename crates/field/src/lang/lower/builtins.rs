@@ -132,8 +132,8 @@ impl Lowering<'_> {
     }
 
     /// Reads a pitch class. A computed index is clamped and rounded down, as for bands, and compared with each class.
-    /// The terms of the other classes are 0. If several classes are possible, the maximum of the terms has tighter
-    /// bounds than their sum.
+    /// Each class adds a term, which is 0 if the index differs. The terms' maximum is their sum, with tighter bounds if
+    /// the index is not known.
     fn chroma(&mut self, index: Vector, span: Span) -> Value {
         let classes = SoundInput::CHROMA;
         let hint = "there are 12 pitch classes, 0 for C to 11 for B";

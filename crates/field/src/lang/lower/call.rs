@@ -125,7 +125,7 @@ impl Lowering<'_> {
         Some(value as i64)
     }
 
-    /// Combines the arguments from `mark` on in pairs, from the left. Each step also gets the last `tail` arguments.
+    /// Combines the values from `mark` on, two at a time from the left. Each call also gets the last `tail` arguments.
     fn fold(&mut self, callee: Callee, name: Symbol, mark: usize, tail: usize, span: Span) -> Value {
         let count = self.arguments.len() - mark;
         if self.arguments.iter().skip(mark).any(|value| *value == Value::Unknown) {
@@ -264,7 +264,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// Reports arguments whose count or types do not fit. Widens a number that is passed as a vector.
+    /// Reports arguments whose count or types do not fit. Widens a number where a vector is expected.
     fn arguments_fit(
         &mut self,
         function: &Function,

@@ -150,7 +150,7 @@ impl<'a> SceneBuilder<'a> {
         });
     }
 
-    /// Evaluates an expression that must be a constant number. `what` names it in messages.
+    /// Evaluates an expression that must be a constant number. `what` is the expression's name in messages.
     pub(super) fn fixed(&mut self, value: ExprId, what: &'static str) -> Option<f32> {
         let span = self.lowering.ast.span(value);
         let result = self.lowering.within(uses::NOTHING, what, |this| this.expr(value));

@@ -163,7 +163,7 @@ impl Lowering<'_> {
                 None
             }
         };
-        // For a constant condition only one side is lowered, so that the iterations of a loop can differ.
+        // For a constant condition only one side is lowered, so that each iteration of a loop may have its own.
         if let Some(value) = part.and_then(|part| self.graph.as_constant(part)) {
             return self.expr_below(if value != 0.0 { yes } else { no }, span);
         }
@@ -378,7 +378,7 @@ impl Lowering<'_> {
     }
 }
 
-/// Returns the set (`xyzw` or `rgba`) that contains a component's letter, and the letter's index in the set.
+/// Returns the set (`xyzw`, `rgba` or `stpq`) that contains a component's letter, and the letter's index in the set.
 fn component(letter: u8) -> Option<(u8, usize)> {
     Some(match letter {
         b'x' => (0, 0),

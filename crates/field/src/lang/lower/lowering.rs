@@ -103,7 +103,7 @@ impl<'a> Lowering<'a> {
         diagnostics: &'a mut Diagnostics,
     ) -> Self {
         let mut graph = Graph::with_limits(limits);
-        // Most expressions need one to two nodes.
+        // Most expressions need one or two nodes.
         graph.reserve(2 * ast.len());
         Self {
             graph,
@@ -141,8 +141,8 @@ impl<'a> Lowering<'a> {
     }
 
     pub(super) fn written_number(&mut self, value: f32, id: ExprId) -> Value {
-        // A number becomes an input only where inputs of a frame are allowed, and only in the scene's text. The
-        // library's texts have their own offsets.
+        // A number becomes an input only where inputs of a frame are allowed, and only in the scene's text: offsets in
+        // the library's texts may equal the offset of an edited number.
         let may_change = self.inputs.allowed & uses::FRAME != 0 && std::ptr::eq(self.ast, self.scene_ast);
         if self.reports.library_call.is_none() {
             self.origins.begins(self.ast.span(id));
@@ -159,7 +159,7 @@ impl<'a> Lowering<'a> {
         })
     }
 
-    /// The value of a constant expression; `None` for other expressions. Numbers that are being edited are constant.
+    /// The value of a constant expression; `None` for other expressions. Edited numbers count as constant.
     pub(super) fn known(&self, value: NodeId) -> Option<f32> {
         self.changing.known(&self.graph, value)
     }
@@ -179,7 +179,7 @@ impl<'a> Lowering<'a> {
         values.map(|value| self.graph.constant(value))
     }
 
-    /// The value of a name. It is searched among local names, then parameters and lets of the scene, then inputs.
+    /// Returns the value of a name: a local name, else a parameter or let of the scene, else an input.
     #[inline]
     pub(super) fn lookup(&mut self, symbol: Symbol, span: Span) -> Value {
         let is_noted = self.reports.library_call.is_none();

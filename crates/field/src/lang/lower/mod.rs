@@ -2,8 +2,8 @@
 //! functions where they are called and unrolls loops.
 //!
 //! [`Lowering`] handles expressions and [`SceneBuilder`] the items of a scene. Recursion follows the nesting of
-//! expressions and calls, up to `scene_depth_max`; a chain of operators is a loop. Each visited node counts towards
-//! the limit `scene_expansion_max`.
+//! expressions and calls, up to `scene_depth_max`; a chain of operators is followed in a loop. Each visited node counts
+//! towards the limit `scene_expansion_max`.
 
 mod builtins;
 mod call;

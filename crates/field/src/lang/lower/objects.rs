@@ -53,8 +53,8 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// Blends the shapes and mixes the materials within `radius`. Where both shapes are equally near, half of each
-    /// material is used.
+    /// Blends the shapes, and mixes the materials where the distances to both shapes differ by less than `radius`.
+    /// Where they are equal, half of each material is used.
     fn melted(&mut self, a: Object, b: Object, radius: NodeId) -> Option<Object> {
         let tiny = self.lowering.constant(1e-4);
         let radius = self.lowering.graph.max(radius, tiny);

@@ -42,7 +42,7 @@ impl Reports<'_> {
         value
     }
 
-    /// Reports that a name depends on itself, with the names in between.
+    /// Reports that a name depends on itself, and through which names it does.
     #[cold]
     pub(super) fn circle(&mut self, symbol: Symbol, span: Span) -> Value {
         let first = self.calls.iter().position(|call| call.0 == symbol).unwrap_or(0);

@@ -273,7 +273,7 @@ impl Parser<'_> {
             let wrong = self.expected("`then` after the condition");
             self.report(wrong.hint("write a choice as `if a then b else c`"));
             if self.kind() == Kind::OpenBrace {
-                // The choice is written with braces, as in GLSL. The code below parses the braces as a block.
+                // This `if` is written with braces, as in GLSL. The code below parses the braces as a block.
             } else if !self.token().is_word(word::ELSE) {
                 return self.ast.push(Expr::Error, start);
             }

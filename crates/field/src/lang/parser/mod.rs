@@ -177,8 +177,8 @@ impl Parser<'_> {
         found
     }
 
-    /// Skips tokens until `stop` returns true. Ignores tokens in brackets that open in the skipped text. Also stops
-    /// before an unmatched closing bracket, a `let`, a field or item on a new line, and the end of the text.
+    /// Skips tokens until `stop` returns true. Brackets that open in the skipped text are skipped as a whole. Also
+    /// stops before an unmatched closing bracket, a `let`, a field or item on a new line, and the end of the text.
     fn skip_until(&mut self, stop: impl Fn(&Self) -> bool) {
         let mut open = 0_usize;
         loop {

@@ -1,7 +1,7 @@
 use super::super::{Fault, compile, no_includes};
 use super::broken;
 
-/// Texts with mistakes. Each has the first message, the text that it underlines, and a part of its hint.
+/// Texts with mistakes, each with its first message, the text that the message underlines, and a part of the hint.
 const MISTAKES: &[(&str, &str, &str, &str)] = &[
     // Words and signs.
     ("1 @ 2", "the character `@` is not part of the language", "@", "leave it out"),
