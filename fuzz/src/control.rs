@@ -15,7 +15,7 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
     ActionRow { name: "scene", takes: ValueType::Choice, meaning: "" },
 ];
 
-/// Parses an OSC packet and matches its patterns with addresses.
+/// Parses an OSC packet and matches its address patterns with some addresses.
 pub(crate) fn osc(data: &[u8]) {
     let (found, _) = messages(data);
     assert!(found.len() <= LIMITS.osc_elements_max, "{} messages", found.len());

@@ -171,7 +171,7 @@ pub(crate) fn settings(data: &[u8]) {
     assert!(reported.is_none_or(|error| error.to_string().contains("settings.toml")));
     file.change(|settings| settings.microphone = Some("fuzz".into())).unwrap();
     let (again, reported) = SettingsFile::open(Some(path));
-    // Settings of a newer version stay in the file and are reported again.
+    // If the settings are from a newer version, the file keeps them, so opening the file reports them again.
     let readable = reported.as_ref().is_none_or(|error| matches!(error, SettingsError::Newer { .. }));
     assert!(readable, "the written settings cannot be read: {reported:?}");
     assert_eq!(again.settings(), file.settings());

@@ -11,7 +11,7 @@ use super::text;
 
 /// Number of points to compare in each frame.
 const POINTS: usize = 300;
-/// Maximum number of clauses. Trees of longer tapes take seconds, which is a known limitation.
+/// Maximum number of clauses. Longer tapes are skipped: their trees take seconds, which is a known limitation.
 const CLAUSES_MAX: usize = 3_000;
 /// Rays look up the object only within this distance of a surface.
 const OBJECT_REACH: f32 = 0.2;

@@ -106,7 +106,7 @@ fn check(prepared_show: &PreparedShow, timeline: &Timeline) {
     }
 }
 
-/// Computes a frame as far as possible without a driver.
+/// Computes everything about a frame that needs no driver.
 fn draw(prepared_show: &PreparedShow, clip: &Clip, time: f64) {
     let (folder, ready) = &*SCENES;
     let source = prepared_show.source(&clip.scene).unwrap();

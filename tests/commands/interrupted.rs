@@ -239,7 +239,7 @@ fn a_video_on_a_full_disk_is_refused() {
     let video = ["video", "--duration", "1.5", "--fps", "10", "--size", "64x36", "-o"];
     let of_the_song = [&video[..], &["good.mp4", "song.wav"]].concat();
     on_a_full_disk(&place, &of_the_song).refused(&["good.mp4", "enough space"]);
-    // ffmpeg reads the demo track from a temporary file, which does not fit into the temporary folder.
+    // ffmpeg reads the demo track from a temporary file, and the limit stops the program from writing this file.
     let reported = on_a_full_disk(&place, &[&video[..], &["good.mp4"]].concat()).refused(&["TMPDIR"]);
     assert!(!reported.contains("good.mp4"), "{reported}");
     on_a_full_disk(&place, &[&video[..], &["stills/", "song.wav"]].concat()).refused(&["frame-00000.png"]);

@@ -85,7 +85,7 @@ fn loudness_tags_of_every_kind_are_read() {
         let gain = Decoder::open(&place.path(file)).unwrap().info().scene_gain;
         assert!((20.0 * gain.log10() - db).abs() < 0.01, "{file}: {} dB", 20.0 * gain.log10());
     }
-    // The file's tag specifies the loudness, and the features follow that loudness.
+    // The file's tag specifies a loudness, and the features are scaled by it.
     let volume = |name: &str| {
         let song = Song::File(place.path(name));
         let sound = SongFeatures::open_with(&song, 0.0, Gain::Off).unwrap().require(0.3).unwrap();
@@ -231,7 +231,7 @@ fn playlists_are_refused_or_played() {
     place.run(&["a.flac", "b.flac", "--once"]).refused(&["do not exist", "a.flac, b.flac"]);
     place.run(&["a.flac", "--once", "--repeat", "all"]).refused_arguments("--once", &["--repeat"]);
     place.run(&["a.flac", "--repeat", "twice"]).refused_arguments("--repeat", &["twice"]);
-    // The files of a list may appear later, so the program tries to open a window.
+    // The missing files of a list may appear later, so the list is accepted, and the program tries to open a window.
     write("list.m3u", b"a.flac\nb.flac\n");
     place.run(&["list.m3u"]).refused(&["window"]);
 }

@@ -111,7 +111,7 @@ fn names_behind<'a>(line: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a 
     })
 }
 
-/// Returns the rules that `line` in `file` breaks. `deeper` counts the inline modules around the line.
+/// Returns the rules that `line` in `file` breaks. `deeper` is the number of inline modules around the line.
 fn broken_walls(file: &str, deeper: usize, line: &str) -> Vec<String> {
     let room = room_of(file);
     let mut wrong = Vec::new();

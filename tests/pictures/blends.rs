@@ -22,8 +22,8 @@ const SIZE: (u32, u32) = (96, 54);
 const TIME: f64 = 20.0;
 
 /// The pairs that are always drawn. In order, the melts test planes in both scenes, a non-Lipschitz scene with a
-/// distance, a closed space, a bounded scene with an unbounded one, many interpreter registers, and an endless wall
-/// with a single object. The other pairs are portals.
+/// distance field, a closed space, a bounded scene with an unbounded scene, many interpreter registers, and an endless
+/// wall with a single object. The other pairs are portals.
 const SLICE: [(&str, &str, BlendKind, f32); 9] = [
     ("speakers", "first_steps", BlendKind::Melt, 0.5),
     ("heart", "terrain", BlendKind::Melt, 0.25),

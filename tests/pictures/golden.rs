@@ -130,7 +130,7 @@ fn tone_mapping_is_monotonic_and_removes_invalid_light(test_renderer: &mut TestR
     let width = all.len() as u32;
     show(test_renderer, &body);
     let picture = drawn(test_renderer, (width, 8));
-    // The brightest channel of a column. Dithering changes it by half a step.
+    // The brightest channel of a column. Dithering changes a channel by up to half a step.
     let steps = |column: u32| {
         (0..8).map(|y| picture.get_pixel(column, y).0[..3].iter().max().copied()).max().flatten()
     };

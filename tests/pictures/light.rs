@@ -43,8 +43,8 @@ fn colour(picture: &RgbaImage, x: f64, y: f64) -> [i32; 3] {
 
 #[test]
 fn a_small_panel_lights_like_a_lamp_to_one_side() {
-    // In front of a small panel, the light is the same as from a lamp. The lamp's strength is the panel's area times
-    // its radiance.
+    // In front of a small panel, the light is the same as from a lamp whose strength is the panel's area times the
+    // panel's radiance.
     let lamp = on_floor("light a { position = vec3(0, 3, 0)  color = 4 }");
     let panel = "position = vec3(0, 3, 0)  right = vec3(0.05, 0, 0)  color = 400";
     let below = on_floor(&format!("light a {{ {panel}  up = vec3(0, 0, 0.05) }}"));

@@ -146,14 +146,14 @@ fn tone_maps_match_their_definitions_and_keep_hues() {
         for ((pixel, light), number) in picture.pixels().zip(&lights).zip(0..) {
             let expected = witness(map, *light).map(steps);
             let seen = [0, 1, 2].map(|channel| f64::from(pixel.0[channel]));
-            // The polynomial is within 0.003 of the curve. Saturation and matrices enlarge that error.
+            // The polynomial's error is at most 0.003. Saturation and matrices enlarge this error.
             let off = if map == ToneMap::Agx { 4.0 } else { 1.6 };
             assert!(
                 seen.iter().zip(expected).all(|(a, b)| (a - b).abs() <= off),
                 "{map:?} of {light:?} is {seen:?}, not {expected:?}"
             );
-            // The strongest channel stays the strongest, and grey stays grey. ACES shifts bright colours, so its limit
-            // is larger.
+            // The strongest channel stays the strongest, and grey stays grey. ACES shifts bright colours, so a larger
+            // error is allowed.
             let turned = if map == ToneMap::Aces { 8.0 } else { 1.0 };
             let strongest = (0..3).max_by(|&a, &b| light[a].total_cmp(&light[b])).unwrap();
             let most = seen.iter().fold(0.0_f64, |most, &part| most.max(part));

@@ -45,7 +45,7 @@ impl Hall {
         RgbaImage::from_raw(SIZE.0, SIZE.1, self.0.renderer.read()).unwrap()
     }
 
-    /// For the flash limiter, this frame follows the previous one after a sixtieth of a second.
+    /// Dims the frame by `gain` and limits flashes, a sixtieth of a second after the previous frame.
     fn dim(&mut self, gain: f32) {
         self.0.renderer.dim(gain).unwrap();
         self.0.renderer.limit_flashes(1.0 / 60.0).unwrap();

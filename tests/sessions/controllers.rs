@@ -145,7 +145,7 @@ fn messages_change_parameters_and_the_last_controller_wins() {
     let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
     let answer = ask(&app, &osc, "/param/red", |bytes| of_red(bytes) == Some(2.0));
     assert!(answer.ends_with(&padded("OSC")), "{answer:?}");
-    // Drag the slider beyond its right end. One of these rows is the rail of the first parameter, so try each.
+    // Drag the first parameter's slider beyond its right end. Try rows of pixels until one contains the slider's rail.
     osc.send("/param/red", &[0.5]);
     app.press(&["Tab"]);
     let mut rows = (26..46).step_by(4).cycle();
@@ -273,7 +273,7 @@ fn a_learned_knob_controls_its_parameter_and_is_remembered() {
     ] {
         assert!(text.contains(line), "{line} is missing in\n{text}");
     }
-    // The knob's position differs from the parameter's value. The knob has no effect until it passes that value.
+    // The knob's position differs from the parameter's value. The knob has no effect until it passes the value.
     place.play("desk", &turned(90));
     wait_for_colour(&app, "green as before", [false, true, false]);
     place.play("desk", &turned(0));

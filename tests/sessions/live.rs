@@ -95,7 +95,7 @@ fn a_key_changes_the_source_which_is_remembered_by_name() {
         app.wait_until(what, |_| place.saved_settings().contains(what));
     };
     wait_for_setting("system = \"pulseaudio:other.monitor\"");
-    // Delay the sound by two steps of 5 ms, then go one step back. The setting belongs to this device only.
+    // Increase the delay by two steps of 5 ms, then decrease it by one. The setting belongs to this device only.
     app.press(&["bracketright", "bracketright", "bracketleft"]);
     wait_for_setting("\"pulseaudio:other.monitor\" = 5.0");
     app.press(&["d"]);

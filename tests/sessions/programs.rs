@@ -126,7 +126,7 @@ fn without_a_cache_folder_programs_are_not_stored() {
     let app = place.open(&["--program-cache", "off"]);
     wait_for_channel(&app, 0);
     app.quit_content();
-    // The parent folder exists, because it also caches the song's structure.
+    // The parent folder exists, because the song's structure is also cached in it.
     assert!(!place.kept().exists());
 }
 
@@ -200,7 +200,7 @@ fn a_program_that_crashed_the_driver_is_not_compiled_again() {
     app.quit_content();
     assert_eq!((place.files("attempt").len(), place.files("given-up").len()), (0, 1));
     // A later session tries the universal interpreter once more and crashes again. Then the scene's own interpreter
-    // crashes. The next session compiles the scene instead.
+    // crashes. The next session compiles the scene instead of interpreting it.
     die(&place, &[]);
     place.save(1, "p.z - 5");
     for kept in place.files("program") {

@@ -96,7 +96,7 @@ impl Place {
         self.sender.send("/freeze", &[0.0]);
     }
 
-    /// `number` is the number of fades so far, including the fade that `act` starts.
+    /// Starts a fade with `act` while the song plays. `number` is the number of fades so far, including this fade.
     fn fade_while_it_runs(&self, app: &App, number: usize, act: impl FnOnce(&App)) {
         self.sender.send("/pause", &[0.0]);
         app.wait_for_title("runs", |title| !title.contains("paused"));

@@ -32,8 +32,8 @@ fn a_fifo_serves_changing_and_slow_readers() {
             );
             (0..count).map(|_| light_of_next(&mut stream, (160, 90))).collect::<Vec<_>>()
         });
-        // Wait for the disconnection. A reader that opens the FIFO before that would continue in the middle of the
-        // old stream.
+        // Wait for the disconnection. A reader that opens the FIFO before the disconnection would continue in the
+        // middle of the old stream.
         gone += 1;
         app.wait_until("the reader to disconnect", |app| {
             app.reported().matches("has disconnected: the next reader gets").count() == gone

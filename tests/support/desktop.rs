@@ -165,7 +165,7 @@ impl Desktop {
             height: SCREEN.1 as u16,
             width_in_millimeters: 100,
             height_in_millimeters: 100,
-            // The monitor that gets the only output replaces the monitor of the whole screen.
+            // The screen has one output. The monitor that gets it replaces the monitor of the whole screen.
             outputs: if left == 0 { outputs } else { Vec::new() },
         };
         server.randr_set_monitor(root, info).unwrap().check().unwrap();

@@ -19,7 +19,7 @@ fn desktop() -> Desktop {
 
 /// The number of attempts to deliver a ping together with the reply for the last frame.
 const STOPS: usize = 12;
-/// A paused show draws one more frame after 0.4 s, so this time is longer.
+/// A paused show draws its last frame after 0.4 s, so this time is longer.
 const LAST_FRAME: Duration = Duration::from_millis(700);
 
 #[test]
@@ -69,7 +69,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
     let desktop = desktop();
     let (song, scene) = (desktop.folder().join("quiet.wav"), desktop.folder().join("own.scene"));
     std::fs::write(&scene, wall("vec3(1, 0, 0)")).unwrap();
-    // A scene of twice the size would be rejected as too long.
+    // This scene is long, but a scene twice as long would be refused.
     let heavy = "object balls { shape = smooth_union(5 - p.z, union(for i in 0..600: \
                  sphere(p - vec3(sin(i), cos(1.7 * i), 9 + i), 0.3 + 0.1 * sin(t + i))), 0.1) }";
     std::fs::write(desktop.folder().join("own2.scene"), heavy).unwrap();

@@ -84,7 +84,7 @@ fn an_output_fills_its_monitor_and_survives_a_lost_context_and_a_lost_monitor() 
     app.wait_until_reported("the driver has lost its context");
     app.xdotool(&["windowmove", "--sync", app.window(), "20", "60"]);
     wait_for_half(&place, true, "the output without overlay", fills_cleanly);
-    // The control window shows only the output image, small and with the output's aspect ratio.
+    // The control window shows only a small copy of the output image, with the output's aspect ratio.
     let (width, height) = app.size();
     let desk = wait_for(&app, "the desk", |picture| small_picture(picture).is_some());
     let [left, top, right, bottom] = small_picture(&desk).unwrap();

@@ -230,7 +230,7 @@ pub fn lead(out: &mut [Frame], note: &Note) {
         }
         let sine = 0.45 * body.sine(middle * bend);
         let voices: [f32; 2] = std::array::from_fn(|i| saws[i].saw(base[i] * bend));
-        // Each side has more of one saw, which widens the sound slightly without moving it.
+        // Each side has more of one saw than of the other. This widens the sound slightly and does not move it.
         let left = filters[0].run(0.35 * voices[0] + 0.15 * voices[1]) + sine;
         let right = filters[1].run(0.15 * voices[0] + 0.35 * voices[1]) + sine;
         [left * gains[0], right * gains[1]]

@@ -45,7 +45,7 @@ fn pixel_at(x: usize, y: usize) -> [u8; 3] {
 
 /// Returns the colour at u, v: sRGB, 0..255.
 fn color_at(u: f32, v: f32) -> [f32; 3] {
-    // Fibres run along x with a drift of a few pixels, which rings, fibres and pores share.
+    // Fibres run along x and drift by a few pixels. Rings, fibres and pores drift together.
     let drift = 0.006 * turbulence(u * 2.0, v * 3.0, [2, 3], 3, 11);
     let v = v + drift;
 
