@@ -3,10 +3,10 @@
 //! a file `NAME.beats` with the time of one true beat in seconds on each line. Songs without such a file are skipped.
 //!
 //! The column `heard` is for live input, `played` for a file during playback, and `whole` for an analysis of the whole
-//! song. F allows ±70 ms. AMLt is the fraction of beats whose position and distance from the previous beat are right
-//! within 17.5 %, also at double or half tempo and off the beat (Davies, Degara and Plumbley 2009). The first 5 s do
-//! not count. `lock` is the time of the first of four consecutive right beats in live input. `jumps` counts tempo
-//! changes of more than 8 % per minute.
+//! song. F is the F-measure with a tolerance of ±70 ms. AMLt is the fraction of beats whose position and distance from
+//! the previous beat are right within 17.5 %; double tempo, half tempo and the off-beat also count as right (Davies,
+//! Degara and Plumbley 2009). The first 5 s do not count. `lock` is the time of the first of four consecutive right
+//! beats in live input. `jumps` counts how often per minute the tempo changes by more than 8 %.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -17,7 +17,7 @@ use super::spectrum::Spectrum;
 use super::volume::{Volumes, stretch_length};
 use crate::limits::LIMITS;
 
-/// The maximum position, 190 000 years at 768 kHz. It prevents overflows of the frame count.
+/// The maximum position, in frames (190 000 years at 768 kHz), so that the frame count never overflows.
 const POSITION_MAX: u64 = 1 << 62;
 
 /// Attack and release times of the volume, in seconds. The slow release lets a drawn woofer swing back softly.
@@ -31,7 +31,7 @@ const BAND_RELEASE: f64 = 0.200;
 /// Release time of the feature `beat`, in seconds.
 const BEAT_RELEASE: f64 = 0.15;
 
-/// Sound below this level, in decibels, is room noise and has no brightness.
+/// Sound below this level, in decibels, counts as room noise: its brightness is 0.
 const QUIET_DB: f32 = -80.0;
 
 /// Time constant of the leaky integral `bass_drive`, in seconds.
@@ -43,7 +43,7 @@ const BASS: std::ops::Range<usize> = 0..8;
 const MID: std::ops::Range<usize> = 8..21;
 const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 
-/// Delay of the onset strength relative to the onset, in hops: for centred and for trailing windows.
+/// The onset strength shows an onset this many hops late, with centred and with trailing windows.
 const FLUX_LATE: (f32, f32) = (1.1, 2.1);
 
 /// The long window is not used above this frequency, in hertz.
@@ -52,9 +52,9 @@ const SLOW_HIGHEST_HZ: f64 = 600.0;
 /// The position of the analysis windows relative to the moment that they describe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alignment {
-    /// The window is centred on the moment, for files. Later samples are known, so the image is not half a window late.
+    /// For files: the window is centred on the moment. Later samples are known, so the image need not be late.
     Centred,
-    /// The window ends at the moment, for live input. Features are emitted when the window's last sample frame arrives.
+    /// For live input: the window ends at the moment. The features are emitted once its last sample frame arrives.
     Trailing,
 }
 
@@ -71,10 +71,10 @@ fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
 
 /// Measures the features of a stream, once per hop.
 ///
-/// The hop is 512 sample frames at 44.1 and 48 kHz. At other rates it is scaled by the nearest power of two and lasts
-/// 7.5 to 15.1 ms. The windows are 16, 4 and 2 hops long: the long window is for the bass, the short window for the
-/// treble and for onsets. Moments are at whole multiples of the hop from frame 0 of the stream. [`Alignment`] places
-/// the windows around each moment. Samples before the first and after the last frame count as silence.
+/// The hop is 512 sample frames at 44.1 and 48 kHz. At other rates it is scaled by a power of two, so that it lasts 7.5
+/// to 15.1 ms. The windows are 16, 4 and 2 hops long: the long window is for the bass, the short window for the treble
+/// and for onsets. Moments are at whole multiples of the hop from frame 0 of the stream. [`Alignment`] places the
+/// windows around each moment. Samples before the first and after the last frame count as silence.
 ///
 /// The output depends, bit for bit, only on the samples. Only `new` allocates memory.
 pub struct Analyzer {
@@ -159,7 +159,7 @@ impl Analyzer {
             // Bins at or above `SLOW_HIGHEST_HZ` are not used.
             if hz < SLOW_HIGHEST_HZ { decimator.power_gain(hz, rate) } else { 1.0 }
         };
-        // A moment adds one hop to the waveform of four hops: earlier moments emitted the other three hops.
+        // A waveform has four hops, but a moment emits only the last one: earlier moments emitted the other three.
         let wave_end = place(4 * hop).end;
         let short = hop * Resolution::Short.hops();
         let mut analyzer = Self {
@@ -206,8 +206,9 @@ impl Analyzer {
         self.buffer.hop()
     }
 
-    /// The number of sample frames after a moment before its features are emitted. With centred windows the number is
-    /// half the long window (85 ms at 48 kHz) plus the delay of the decimating filter. With trailing windows it is 0.
+    /// The features of a moment are emitted this many sample frames after the moment. With centred windows the number
+    /// is half the long window (85 ms at 48 kHz) plus the delay of the decimating filter. With trailing windows it is
+    /// 0.
     pub fn lookahead(&self) -> usize {
         self.lookahead
     }
@@ -219,7 +220,7 @@ impl Analyzer {
         let position = position.min(POSITION_MAX);
         let moment = position.next_multiple_of(self.hop() as u64);
         self.progress = Progress { moment, position, ..Progress::default() };
-        // The next moment is less than a hop ahead, and its window reaches back by more than a hop.
+        // `ahead` never exceeds the buffer: the moment is less than a hop ahead, and its window reaches back further.
         let ahead = self.lookahead + (moment - position) as usize;
         self.buffer.restart(self.buffer.frames().len() - ahead);
         self.slow.restart();
@@ -243,7 +244,6 @@ impl Analyzer {
     /// Ends the stream. If frames were pushed, treats all later sound as silence and emits the remaining moments, up to
     /// the first moment at or after the end. Then resets the analyzer.
     pub fn finish(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
-        // The last moment is the first moment at or after the end of the stream.
         while self.progress.any && self.progress.moment < self.progress.position + self.hop() as u64 {
             self.buffer.end();
             self.emit_if_full(emit);

@@ -17,7 +17,7 @@ pub fn band_edge(index: usize) -> f64 {
 }
 
 /// The weights of the bins in each band. Bin k covers the range from k - ½ to k + ½. Its weight is the fraction of this
-/// range inside the band, so no power is lost or counted twice. [`Resolution::fraction`] weights the windows.
+/// range inside the band, so no power is lost or counted twice. [`Resolution::fraction`] weights the three windows.
 pub(super) struct Bands {
     bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
     weights: Vec<f32>,
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn bands_above_the_last_bin_are_silent() {
-        // At 8 kHz, the highest frequency is 4 kHz.
+        // At a sample rate of 8 kHz, the highest frequency is 4 kHz.
         let powers = Bands::new(64, 8_000.0).powers([&[1.0; 512], &[1.0; 128], &[1.0; 64]]);
         for (index, &power) in powers.iter().enumerate() {
             assert_eq!(power == 0.0, band_edge(index) > 4_000.0, "band {index}: {power}");

@@ -3,11 +3,11 @@
 //! The tracker is a causal hidden Markov model of the spectral flux. A state is a period and a phase within the period,
 //! both in whole hops (the bar pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer
 //! 2015). At each hop, every state advances by one hop. At the end of a beat, a state may change to a similar period.
-//! The model expects an onset at the start of a beat and perhaps at its half, but hardly at its quarters. The states of
-//! a period form a ring. They advance together, so that the ring is rotated and not copied.
+//! The model expects an onset at the start of a beat and perhaps halfway through it, but hardly at its quarters. The
+//! states of a period form a ring. They advance together, so that the ring is rotated and not copied.
 //!
 //! The reported tempo changes only to a much likelier tempo. The model keeps only windowed, held and leaky quantities,
-//! which forget the distant past. So the analysis of a seek starts only 13 s before the target.
+//! which forget the distant past. So after a seek, it is enough to analyse 13 s before the target.
 
 use std::f32::consts::TAU;
 use std::ops::Range;
@@ -15,14 +15,14 @@ use std::ops::Range;
 /// Range of tempos, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
 
-/// The time that counts as the start of a beat, of its half or of its quarter, in seconds.
+/// The start of a beat, of its half or of its quarter lasts this long, in seconds.
 const START_SECONDS: f64 = 0.021;
 /// The time for which an onset strength is held, in seconds.
 const HELD_SECONDS: f64 = 0.032;
 
 /// Likelihood of an onset strength at the start of a beat, its half or its quarters, relative to the rest of the beat:
-/// a factor, and an exponent for the odds of the strength. Halves have more onsets than quarters, which distinguishes a
-/// beat from half a beat.
+/// a factor, and an exponent for the odds of the strength. Music has more onsets at halves than at quarters, which
+/// distinguishes a beat from half a beat.
 const BEAT: (f32, f32) = (1.1, 0.5);
 const HALF: (f32, f32) = (1.05, 0.05);
 const QUARTER: (f32, f32) = (1.0, -0.05);
@@ -37,20 +37,20 @@ const LIKELY_EACH_BEAT: f64 = 0.7;
 /// alternate between both periods.
 const TEMPO_STIFFNESS: f32 = 90.0;
 const NEIGHBOUR: f32 = 1.2;
-/// The largest change of period between two beats, in hops.
+/// The largest change of the period from one beat to the next, in hops.
 const REACH: usize = 8;
 
-/// The fraction of the belief that is redistributed at each hop, so that a new tempo can be found.
+/// The fraction of the belief that is redistributed over all states at each hop, so that a new tempo can be found.
 const DOUBT: f32 = 1e-6;
 
-/// Thresholds of the belief in all states within a tenth of a beat and a twelfth of the tempo of the likeliest state. A
-/// tempo is reported once the belief reaches the first value, until the belief falls below the second value.
+/// Thresholds of the total belief in the states near the likeliest state: within a tenth of a beat and a twelfth of its
+/// tempo. A tempo is reported once this belief reaches the first value, until it falls below the second value.
 const REPORTED: (f32, f32) = (0.6, 0.25);
 
 /// Another tempo replaces the reported tempo only if it is likelier by this factor.
 const INERTIA: f32 = 3.0;
 
-/// The number of onsets before a tempo is reported.
+/// A tempo is reported only after this many onsets.
 const ONSETS_MIN: u32 = 2;
 
 /// The time without an onset after which the tracker restarts, in seconds.
@@ -71,7 +71,7 @@ struct Ring {
     /// The index of the first state in the belief.
     start: usize,
     period: usize,
-    /// The offset of the state at the start of the beat.
+    /// The offset within the ring of the state that is at the start of the beat.
     head: usize,
 }
 
@@ -89,7 +89,7 @@ pub(super) struct BeatTracker {
     moments_per_second: f32,
     rings: Vec<Ring>,
     belief: Vec<f32>,
-    /// The redistributed belief of each state, starting with the first state of each ring.
+    /// For each ring: the share of the redistributed belief that each of its states gets.
     doubt: Vec<f32>,
     /// `passing[to][REACH + from - to]` is the probability of a change from period `from` to period `to`.
     passing: Vec<[f32; 2 * REACH + 1]>,

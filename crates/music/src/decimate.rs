@@ -7,9 +7,9 @@ const KEPT_PER_HOP: usize = 64;
 
 const ORDER: usize = 4;
 
-/// A decimating low-pass filter. It averages `step` frames, four times in succession, and keeps one frame in `step`
-/// (Hogenauer 1981). The filter's zeros are at all multiples of the lower rate, so aliases below 500 Hz are attenuated
-/// by 80 dB.
+/// A decimating low-pass filter. It averages `step` frames, four times in succession, and keeps one of every `step`
+/// frames (Hogenauer 1981). The filter's zeros are at all multiples of the lower rate, so aliases below 500 Hz are
+/// attenuated by 80 dB.
 pub(super) struct Decimator {
     step: usize,
     taps: Vec<f32>,
@@ -33,7 +33,7 @@ impl Decimator {
         self.step
     }
 
-    /// The delay of an output frame after its last input frame, in input frames.
+    /// An output frame describes the moment this many input frames before its last input frame.
     pub(super) fn delay(&self) -> usize {
         self.taps.len() / 2
     }

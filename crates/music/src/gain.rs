@@ -15,10 +15,10 @@ pub enum Gain {
     Off,
 }
 
-/// The range of the loudest recent level, in decibels, in which the gain is 0. Published music is in this range.
+/// If the loudest recent level is in this range, in decibels, the gain is 0 dB. Published music is in this range.
 const KEPT_DB: (f32, f32) = (-20.0, -4.0);
 
-/// The range of levels, in decibels, over which the gain falls to 0. Sound below this range is room noise.
+/// From the first to the second level, in decibels, the gain falls to 0 dB. Sound below both levels is room noise.
 const GATE_DB: (f32, f32) = (-40.0, -50.0);
 
 /// The time for which the loudest moment counts, in seconds: longer than a beat, so that the gain does not pump.
@@ -33,11 +33,11 @@ const GAIN_FALL: f64 = 0.03;
 ///
 /// | level of the loudest moment | gain |
 /// |---|---|
-/// | above -4 dB | down to -4 dB |
-/// | -20..-4 dB | 0 |
-/// | -40..-20 dB | up to -20 dB |
-/// | -50..-40 dB | from 0 to 20 dB |
-/// | below -50 dB | 0 |
+/// | above -4 dB | lowers the sound to -4 dB |
+/// | -20..-4 dB | 0 dB |
+/// | -40..-20 dB | raises the sound to -20 dB |
+/// | -50..-40 dB | rises from 0 to 20 dB |
+/// | below -50 dB | 0 dB |
 fn gain_at(level_db: f32) -> f32 {
     let most = KEPT_DB.0 - GATE_DB.0;
     let open = ((level_db - GATE_DB.1) / (GATE_DB.0 - GATE_DB.1)).clamp(0.0, 1.0);

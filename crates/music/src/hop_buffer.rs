@@ -7,7 +7,7 @@ pub(super) const SAMPLE_MAX: f32 = 8.0;
 
 const REFERENCE_RATE: f64 = 48_000.0;
 
-/// The hop at the reference rate in sample frames: 10.7 ms.
+/// The hop in sample frames at the reference rate, at which it lasts 10.7 ms.
 const REFERENCE_HOP: f64 = 512.0;
 
 /// Returns the hop at `rate` hertz: the reference hop, scaled by the nearest power of two.
@@ -32,7 +32,7 @@ impl HopBuffer {
         self.filled = filled;
     }
 
-    /// Stores frames until the window is full, clamped to ±8 and finite. Returns the stored frames and the rest.
+    /// Stores frames, clamped to ±8 and finite, until the window is full. Returns the stored and the remaining frames.
     pub(super) fn take<'a>(&mut self, frames: &'a [StereoFrame]) -> (&[StereoFrame], &'a [StereoFrame]) {
         let free = &mut self.frames[self.filled..];
         let (now, later) = frames.split_at(frames.len().min(free.len()));

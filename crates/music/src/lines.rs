@@ -9,7 +9,7 @@ const HEIGHT_ZERO_DB: f32 = -84.0;
 /// The level that has height 1, in decibels. Single tones of music are 10 to 20 dB below the level of their band.
 const HEIGHT_ONE_DB: f32 = -12.0;
 
-/// Converts a tone's bin from Parseval's scale to Hann's coherent gain: the noise bandwidth of 1.5 bins.
+/// The factor from a bin's power on Parseval's scale to the power of a tone: Hann's noise bandwidth of 1.5 bins.
 const NOISE_BANDWIDTH: f32 = 1.5;
 
 pub(super) struct Lines {

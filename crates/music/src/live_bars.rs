@@ -11,14 +11,14 @@ use super::scale::{SPECTRUM_POINTS, spectrum_place};
 const METERS: [usize; 2] = [4, 3];
 const STATES: usize = 7;
 
-/// Onsets count for a beat from the first phase, in the previous beat, to the second phase, in the beat itself.
+/// An onset belongs to a beat if it is after the first phase in the previous beat, or before the second in the beat.
 const STRUCK: (f32, f32) = (0.85, 0.3);
 
 /// The time constant of the statistics, in beats.
 const USUAL_BEATS: f32 = 24.0;
 const FIRST_BEATS: u32 = 5;
 
-/// The weight of the evidence, in natural logarithms per standard deviation.
+/// One standard deviation of evidence adds this much to the natural logarithm of a position's likelihood.
 const EVIDENCE: f32 = 0.45;
 /// The probability that a bar ends early and the meter may change.
 const BREAK: f32 = 0.004;

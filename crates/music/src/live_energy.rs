@@ -1,12 +1,12 @@
 //! The energy of live input: its loudness relative to the loudest moment of the last minutes.
 
-/// The level with energy 0, in decibels below the loudest level. A song's structure uses the same range.
+/// Energy 0 is this many decibels below the loudest level. A song's structure uses the same range.
 const RANGE_DB: f32 = 36.0;
 /// Time constant of the level, in seconds.
 const FOLLOWS_IN: f64 = 0.7;
 /// The decay of the loudest level, in decibels a second: 6 dB in two minutes.
 const FORGOTTEN_DB: f64 = 0.05;
-/// The minimum of the loudest level, in decibels, so that noise does not count as music.
+/// The loudest level counts as at least this much, in decibels, so that noise does not count as music.
 const LOUDEST_MIN_DB: f32 = -50.0;
 
 /// Follows the level of a stream. The same levels at the same times give the same energy.

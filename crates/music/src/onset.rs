@@ -18,7 +18,7 @@ const WHITENING: f32 = 0.4;
 /// Time constant of the decay of the loudest amplitudes, in seconds.
 const LOUDEST_SECONDS: f64 = 4.0;
 
-/// The minimum of a group's loudest amplitude, relative to the total (-50 dB).
+/// A group's loudest amplitude counts as at least this fraction of the total amplitude (-50 dB).
 const GROUP_MIN: f32 = 3e-3;
 
 /// The distance between the two compared spectra, in hops. At this distance their windows do not overlap.
@@ -30,7 +30,7 @@ const WEIGHT_POWER: f64 = -0.2;
 /// Time constant of the mean rise of a group, in seconds.
 const USUAL_SECONDS: f64 = 2.0;
 
-/// The minimum of a group's mean rise.
+/// A group's mean rise counts as at least this much.
 const USUAL_MIN: f32 = 0.05;
 
 /// The initial mean rise. Noise has about this mean rise.
@@ -126,21 +126,21 @@ impl Flux {
     }
 }
 
-/// The history for the threshold of [`Rise::sudden`], in seconds.
+/// The threshold of [`Rise::sudden`] is computed from this many past seconds.
 const SUDDEN_SECONDS: f64 = 2.4;
 
-/// The history for the largest flux, in seconds.
+/// The largest recent flux is the largest of this many past seconds.
 const FLUX_SECONDS: f64 = 1.2;
 
-/// The minimum of the largest recent flux, so that weak flux counts as weak even in silence.
+/// The largest recent flux counts as at least this much, so that weak flux stays weak even after silence.
 pub(super) const FLUX_MIN: f32 = 0.05;
 
-/// The excess of an onset's [`Rise::sudden`] over the recent median, as a multiple of the distance from the median to
-/// the lower quartile. Noise does not reach this excess.
+/// At an onset, [`Rise::sudden`] exceeds the recent median by this multiple of the distance from the median to the
+/// lower quartile. Noise does not reach this excess.
 const SUDDEN_SPREADS: f32 = 11.0;
-/// The range to which the excess is clamped, because noise spreads less than dense music.
+/// The required excess is clamped to this range, because the values spread less in noise than in dense music.
 const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.45);
-/// The minimum excess, as a fraction of the distance from the median to the largest value.
+/// The required excess is at least this fraction of the distance from the median to the largest value.
 const SUDDEN_FRACTION: f32 = 0.25;
 
 /// The number of silent moments assumed before the first moment.

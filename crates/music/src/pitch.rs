@@ -5,7 +5,7 @@ use super::resolution::Resolution;
 /// Peaks below this power (-80 dB) are not tones.
 const POWER_MIN: f32 = 1e-8;
 
-/// Limits in hertz: the middle window is searched above the first, and the long window below the second.
+/// The middle window is searched above the first frequency, the long window below the second, in hertz.
 const BORDER_HZ: (f64, f64) = (400.0, 500.0);
 
 /// The largest loss of peak power if a tone is between two bins, as a factor (Hann: 1.42 dB).

@@ -1,4 +1,4 @@
-//! The rise of low and high frequencies: kicks and basses, hats and snares.
+//! The rise in loudness of low frequencies (kicks and basses) and of high frequencies (hats and snares).
 
 /// The upper end of the low band (kicks and basses), in hertz.
 const LOW_HZ: f64 = 150.0;

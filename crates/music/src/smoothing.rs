@@ -4,8 +4,8 @@
 const ARRIVED: f32 = 1e-6;
 
 /// A one-pole smoother with different time constants for rising and falling. The distance to a constant target shrinks
-/// by exp(-time / time constant). The result is exact for any step: many short steps and one long step give the same
-/// value.
+/// by the factor exp(-time / time constant). The result is exact for any step: many short steps and one long step give
+/// the same value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Follower {
     keep_rising: f32,

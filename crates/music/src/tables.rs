@@ -14,7 +14,7 @@ pub const HISTORY_POINTS: usize = SPECTRUM_POINTS / POINTS_PER_COLUMN;
 
 pub(super) const POINTS_PER_COLUMN: usize = 4;
 
-/// The interval of history rows in moments: 43 ms at 48 kHz.
+/// The history has one row every this many moments: every 43 ms at 48 kHz.
 pub(super) const MOMENTS_PER_ROW: u64 = 4;
 
 /// The time span of the history, in seconds.
@@ -31,7 +31,7 @@ pub struct Tables {
     /// Rows of [`HISTORY_POINTS`] heights, the newest first. The rows are at fixed moments of the stream, so that a
     /// scrolling history does not flicker.
     pub history: Option<Arc<[f32]>>,
-    /// The distance from the first row to the moment, in rows, 1..2, because a cubic needs two rows that are newer.
+    /// The distance from the first row to the moment, in rows, 1..2: cubic interpolation also needs newer rows.
     pub history_offset: f32,
     /// The number of rows in [`HISTORY_SECONDS`]. Age `a`, 0..1, is at row `history_offset + a · history_span`.
     pub history_span: f32,

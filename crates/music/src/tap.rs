@@ -8,7 +8,7 @@ const PAUSE: f64 = 2.5;
 /// The maximum number of taps in the fit.
 const TAPS_MAX: usize = 8;
 
-/// A tap that deviates by more than this fraction of a beat sets a new tempo, together with the previous tap.
+/// If a tap is off the beat by more than this fraction of a beat, this tap and the previous one set a new tempo.
 const OFF: f64 = 0.35;
 
 /// The shortest beat, in seconds. Two taps that are closer than this count as one tap.

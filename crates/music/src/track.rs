@@ -17,7 +17,7 @@ const DEFAULT_SECONDS: f64 = 20.0;
 /// The shortest hop of any analyzer, in seconds.
 const SHORTEST_HOP: f64 = 0.0075;
 
-/// Number of rows kept beyond the time span, for cubic interpolation at both ends and between two rows.
+/// Number of rows beyond the time span that cubic interpolation needs at both ends.
 const ROWS_BESIDES: usize = 4;
 
 const HISTORY_ROWS: usize =
@@ -120,7 +120,7 @@ impl FeatureTrack {
         }
     }
 
-    /// Returns the four hops of the waveform at moment `number` plus the fraction `amount` of a hop.
+    /// Returns the four hops of the waveform at the time `amount` hops after moment `number`.
     fn waveform(&self, number: u64, amount: f32, scale: f32) -> Arc<[f32]> {
         const HOPS: u64 = (WAVEFORM_POINTS / WAVE_PER_HOP) as u64;
         let skipped = (amount * WAVE_PER_HOP as f32).round() as usize;
@@ -155,7 +155,7 @@ impl FeatureTrack {
         let span = HISTORY_SECONDS / (hop * MOMENTS_PER_ROW as f64);
         let mut values = vec![0.0; (span.ceil() as usize + ROWS_BESIDES).min(HISTORY_ROWS) * HISTORY_POINTS];
         let (lines, _) = values.as_chunks_mut::<HISTORY_POINTS>();
-        // Use the newest heights for the next two rows until the next rows are known.
+        // Until the next two rows are known, use the newest heights in their place.
         if let Some(ahead) = lines.get_mut(..2) {
             ahead.fill(column_means(&self.moments.back().unwrap_or(moment).spectrum));
         }

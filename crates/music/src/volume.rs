@@ -2,9 +2,9 @@
 
 use super::StereoFrame;
 
-/// The duration of the stretch for the volume, in seconds. The thesis (Abt 2022, section 5, eq. 1) uses the samples
-/// since the last frame, about 1/60 s, which ties the volume to the frame rate and to the sound card's blocks. Here the
-/// duration is fixed, and the stretch is centred on the moment of the features.
+/// The volume is measured over a stretch of this duration, in seconds. The thesis (Abt 2022, section 5, eq. 1) uses the
+/// samples since the last video frame, about 1/60 s, which ties the volume to the frame rate and to the sound card's
+/// blocks. Here the duration is fixed, and the stretch is centred on the moment of the features.
 const SECONDS: f64 = 1.0 / 60.0;
 
 /// Returns the length of the stretch in sample frames: at least 2, and even, so that it has a centre.

@@ -44,11 +44,11 @@ impl Meter {
 
 /// The cost of leaving a bar before its end, in standard deviations of the evidence.
 const BREAK_COST: f32 = 12.0;
-/// A meter of three needs beats three apart to be more similar than beats four apart, by this margin.
+/// A song is in three if beats three apart are more similar than beats four apart by at least this much.
 const THREE_OVER_FOUR: f32 = 0.06;
 /// The onset of a beat is searched within this many hops before and after the beat.
 const AROUND: usize = 3;
-/// Minimum onset strength at both thirds of a beat in a ternary meter, relative to the beat and to the beat's half.
+/// In a ternary meter, the least onset strength at both thirds of a beat, relative to the beat and to its half.
 const TERNARY: (f32, f32) = (0.12, 1.5);
 
 struct Evidence {
@@ -84,7 +84,7 @@ fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> 
         let next = beats.get(index + 1).copied().unwrap_or(here);
         (here + next) / 2.0
     };
-    // Compare the two beats before with the two beats after, so that a passing note counts less than a chord.
+    // Compare the two beats before with the two beats after, so that a passing note counts less than a new chord.
     let mean = |from: usize, to: usize| {
         let mut sum = [0.0_f32; 12];
         for unit in units.get(from..to.min(units.len())).unwrap_or_default() {

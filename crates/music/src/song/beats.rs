@@ -23,17 +23,17 @@ const QUARTER: (f32, f32) = (0.0, -0.15);
 const TEMPO_STIFFNESS: f32 = 250.0;
 /// The cost of a change of period by one hop. The cost is small because most tempos are between two periods.
 const NEIGHBOUR: f32 = 0.25;
-/// The largest change of period between two beats, in hops.
+/// The largest change of the period from one beat to the next, in hops.
 const REACH: usize = 6;
 
 /// Onset strengths are relative to the largest flux within this many seconds before and after the moment.
 const LARGEST_SECONDS: f64 = 1.5;
-/// The delay of onsets in the flux, in hops.
+/// Onsets appear in the flux this many hops late.
 const FLUX_LATE: f64 = 0.6;
 
 /// The number of moments decoded at once: 10 minutes.
 const STRETCH: usize = 56_250;
-/// The overlap of the decoded stretches in moments: 20 seconds.
+/// Consecutive stretches overlap by this many moments: 20 seconds.
 const OVERLAP: usize = 1_875;
 
 /// The minimum fraction of beats with an onset. Noise and swelling chords have no onsets.
@@ -43,9 +43,9 @@ const STRUCK_MIN: f32 = 0.25;
 /// 0.2.
 const AGREE_MIN: f64 = 0.25;
 const PARTS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
-/// The minimum standard deviation of the level, in decibels, because a held note with vibrato has a steady level.
+/// The level of music with beats has at least this standard deviation, in decibels; a held note with vibrato less.
 const LEVEL_DEVIATION_MIN: f32 = 1.0;
-/// The range of levels that count, in decibels below the loudest level.
+/// Quieter levels count as this many decibels below the loudest level.
 const LEVEL_RANGE: f32 = 60.0;
 /// An onset within this many hops of a beat belongs to the beat.
 const AROUND: usize = 2;
@@ -141,11 +141,11 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
     // `costs[to][k]` is the cost of a change from the period `to - REACH + k` to the period `to`.
     let costs: Vec<[f32; 2 * REACH + 1]> =
         (0..count).map(|to| std::array::from_fn(|k| changing((to + k).saturating_sub(REACH), to))).collect();
-    // The values of the best paths with a beat at each of the last `longest` moments, by the period of the next beat.
+    // For a beat at each of the last `longest` moments and each period to the next beat: the value of the best path.
     let rows = longest + 1;
     let mut best = vec![0.0_f32; rows * count];
     let mut came_from = vec![0_u8; strengths.len() * count];
-    // The values of the paths that arrive at a moment, by the period that ends there, padded at both ends.
+    // For each period that ends at the moment: the value of the best path. Padded at both ends.
     let mut arriving = vec![f32::NEG_INFINITY; count + 2 * REACH];
     for moment in 0..strengths.len() {
         let reward = worth(BEAT, moment);
@@ -209,7 +209,7 @@ fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
     beats.get(from..to).unwrap_or_default()
 }
 
-/// True if onsets are at the beats and, between the beats, at whole parts of beats.
+/// True if enough beats have onsets, the level varies, and onsets between beats are at even parts of beats.
 fn is_steady(beats: &[usize], moments: &[Moment]) -> bool {
     let begins = |beat: usize| {
         let around = beat.saturating_sub(AROUND)..(beat + AROUND + 1).min(moments.len());

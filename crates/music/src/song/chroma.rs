@@ -3,12 +3,12 @@
 /// Thirds of semitones in an octave.
 pub(super) const FINE_BINS: usize = 36;
 
-/// The range in hertz. Below the range the window cannot separate semitones, above it partials outweigh fundamentals.
+/// The range in hertz. Below the range the window cannot separate semitones; above it, partials outweigh fundamentals.
 const RANGE_HZ: (f64, f64) = (58.0, 1_600.0);
 
 /// The minimum power of a peak relative to the mean power of the bins around the peak. Drums have no such peaks.
 const PEAK_OVER_MEAN: f32 = 3.0;
-/// The number of bins on each side of a peak that form this mean.
+/// The mean around a peak is taken over this many bins on each side of the peak.
 const SURROUNDINGS: usize = 9;
 
 /// Peaks below this power (-80 dB) are not pitches.
@@ -37,7 +37,7 @@ pub(super) struct FineChroma {
     bin_hz: f64,
     first: usize,
     end: usize,
-    /// The sum of amplitudes, each rotated by its pitch's distance from a semitone (Mauch 2010, section 3.2.3).
+    /// The vector sum of amplitudes, each rotated by its pitch's distance from a semitone (Mauch 2010, section 3.2.3).
     turned: (f64, f64),
 }
 

@@ -13,7 +13,7 @@ const BUILD_BARS: std::ops::RangeInclusive<usize> = 4..=16;
 const RISE_MIN: f32 = 7.0;
 /// The minimum correlation of tension and time in a build.
 const STRAIGHT_MIN: f32 = 0.8;
-/// The maximum step between two bars of a build, as a fraction of the rise. A larger step is an entry of instruments.
+/// The maximum step between two bars of a build, as a fraction of the rise. At a larger step, instruments enter.
 const STEP_FRACTION: f32 = 0.7;
 /// The minimum t statistic of the correlation of tension and time before a drop.
 const SURE_MIN: f32 = 5.0;
@@ -21,34 +21,34 @@ const SURE_MIN: f32 = 5.0;
 /// The eve of a bar is this part of the previous bar. It covers most of the previous bar's last beat.
 const EVE: (f64, f64) = (0.75, 0.9375);
 
-/// A drop's level is the mean of this many bars.
+/// A drop's level is the mean over this many bars, from its first bar on.
 const LOUD_BARS: usize = 4;
 /// The minimum level of a drop: quantile `LOUD.0` of the song's bar levels, minus `LOUD.1` decibels.
 const LOUD: (f32, f32) = (0.7, 1.0);
 /// The minimum difference between a drop's level and the level of the previous bars, in decibels.
 const JUMP_MIN: f32 = 3.0;
-/// A drop is compared with this many bars before it.
+/// The level of a drop is compared with the mean level of this many previous bars.
 const JUMP_BARS: usize = 8;
 /// The minimum onset density of a drop ([`Unit::onsets`]).
 const ONSETS_MIN: f32 = 0.033;
 /// The minimum difference between a drop's level and the level of its eve, in decibels.
 const LOUDER_THAN_EVE: f32 = 4.0;
-/// The minimum difference between the low bands of a drop and of its eve, in decibels.
+/// A drop's low band is at least this much louder than its eve's low band, in decibels.
 const LOW_OVER_EVE: f32 = 8.0;
-/// A drop's low band is the mean of this many bars.
+/// The level of a drop's low band is the mean over this many bars, from its first bar on.
 const LOW_BARS: usize = 2;
-/// The last bar before a drop is compared with this many earlier bars.
+/// A drop and its eve are compared with this many bars, and their eves, before the last bar.
 const BARS_BEFORE: usize = 4;
-/// The minimum lead of a drop's low band over earlier bars, or of earlier eves over the drop's eve, in decibels.
+/// A drop's low band is this much louder than in earlier bars, or its eve's this much quieter than in earlier eves.
 const LOW_AWAY: f32 = 4.0;
-/// The minimum lead over earlier bars after a pause, in decibels, because a pause of one bar alone makes no drop.
+/// After a pause, a drop's low band is this much louder than in earlier bars, in dB: a pause alone makes no drop.
 const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
-/// The minimum level differences between a pause and the bars after it, and between a pause and earlier eves, in dB.
+/// A pause is at least this much quieter than the bars after it, and than the eves of earlier bars, in decibels.
 const PAUSE: (f32, f32) = (8.0, 4.0);
 /// The minimum distance between two drops, in bars. If drops are closer, only the strongest drop is kept.
 const APART: usize = 8;
 
-/// Measures the eve of the bar after each bar. `bar_times` are the borders of the bars.
+/// Measures the eve within each bar, which is the eve of the next bar. `bar_times` are the borders of the bars.
 pub(super) fn eves(heard: &Heard, bar_times: &[f64]) -> Vec<Unit> {
     let eve = |bar: &[f64]| {
         let at = |fraction: f64| bar[0] + fraction * (bar[1] - bar[0]);
@@ -60,7 +60,7 @@ pub(super) fn eves(heard: &Heard, bar_times: &[f64]) -> Vec<Unit> {
 }
 
 /// Returns the bars of builds, and the first bars of drops. A build leads to a drop or into another section, whose
-/// first bar is in `borders`. `eves` contains the last beat of each bar.
+/// first bar is in `borders`. `eves` contains the eve within each bar.
 pub(super) fn builds_and_drops(
     bars: &[Unit],
     eves: &[Unit],
@@ -78,7 +78,7 @@ pub(super) fn builds_and_drops(
         let returns = returns(bars, eves, bar, loud, is_sure);
         if let Some(build) = build.filter(|_| returns.is_some() || borders.contains(&bar)) {
             match builds.last_mut() {
-                // This build overlaps the previous build, which continues to the drop.
+                // This build overlaps the previous build. If it leads to a drop, extend the previous build to the drop.
                 Some(last) if last.end > build.start => {
                     if returns.is_some() {
                         last.end = bar;

@@ -2,13 +2,13 @@
 
 use super::heard::{Heard, Moment};
 
-/// The interval of the energy curve, in seconds.
+/// The energy curve has one value every this many seconds.
 pub(super) const ENERGY_STEP: f64 = 0.25;
 
-/// The level with energy 0, in decibels below the loudest level.
+/// Energy 0 is this many decibels below the loudest level.
 const ENERGY_RANGE_DB: f32 = 36.0;
 
-/// Returns the mean power of each step, smoothed over a second, on a scale in decibels. The loudest step has 1.
+/// Returns the mean power of each step, smoothed over a second, on a logarithmic scale, 0..1. The loudest step has 1.
 pub(super) fn energy(heard: &Heard) -> Vec<f32> {
     let powers = steps(heard, |moments| {
         moments.iter().map(|moment| moment.power).sum::<f32>() / moments.len().max(1) as f32

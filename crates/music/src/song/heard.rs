@@ -7,7 +7,7 @@ use super::chroma::{FINE_BINS, Tuning};
 /// The number of timbre bands, in equal ratios from 30 Hz to 16 kHz.
 pub(super) const TIMBRE_BANDS: usize = 20;
 
-/// The interval of timbre and chroma, in hops.
+/// Timbre and chroma are measured once every this many hops.
 pub(super) const SLOW_HOPS: usize = 8;
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,9 +36,9 @@ pub(super) struct Heard {
     pub(super) cut_short: bool,
     /// The integrated loudness in LUFS; `None` if the song is too quiet.
     pub(super) loudness: Option<f32>,
-    /// The moments. Moment n is at n hops.
+    /// One moment for each hop. Moment n is n hops after the start.
     pub(super) moments: Vec<Moment>,
-    /// Slow moment n ends at (n + 1) · [`SLOW_HOPS`] hops. Its chroma is late by `chroma_late`.
+    /// Slow moment n ends at (n + 1) · [`SLOW_HOPS`] hops. Its chroma describes an earlier sound, by `chroma_late`.
     pub(super) slow: Vec<SlowMoment>,
     /// The delay of the chroma, in slow moments.
     pub(super) chroma_late: usize,

@@ -51,23 +51,23 @@ impl Tonality {
 const MAJOR: [f32; 12] = [6.35, 2.23, 3.48, 2.33, 4.38, 4.09, 2.52, 5.19, 2.39, 3.66, 2.29, 2.88];
 const MINOR: [f32; 12] = [6.33, 2.68, 3.52, 5.38, 2.60, 3.53, 2.54, 4.75, 3.98, 2.69, 3.34, 3.17];
 
-/// The bonus in correlation for a song that consists only of the tonic's triad.
+/// Added to a key's correlation if the song consists only of the tonic's triad; otherwise a fraction of this is added.
 const TONIC_FRACTION: f32 = 0.4;
-/// The bonus in correlation for a song in which every section begins with the tonic's triad.
+/// Added likewise if every section of the song begins with the tonic's triad.
 const FIRST_FRACTION: f32 = 0.3;
 
 const KEY_MIN: f32 = 0.55;
-/// The minimum fraction of beats with pitches in a song with a key.
+/// A song has a key only if at least this fraction of its beats has pitches.
 const PITCHED_MIN: f32 = 0.4;
 
 /// The minimum difference between the most and the least frequent pitch class, relative to the mean.
 const CONTRAST_MIN: f32 = 0.8;
 
-/// The minimum mean distance between a beat's and the song's pitch class fractions, because a held note is no harmony.
+/// In harmony, the pitch classes of beats have at least this mean distance from the song's. A held note has less.
 const CHANGE_MIN: f32 = 0.05;
 
 const CHORD_MIN: f32 = 0.35;
-/// The cost of a chord change, in correlation.
+/// The cost of a chord change, subtracted from the sum of correlations.
 const CHANGE_COST: f32 = 0.45;
 
 /// Returns the song's pitch class weights; `None` for sound without harmony, such as noise or a held note.

@@ -7,24 +7,25 @@
 use super::heard::TIMBRE_BANDS;
 use super::units::Unit;
 
-/// The cost of a section. One unit is the mean squared deviation of the song's bars.
+/// The cost of a section. A cost of 1 is the mean squared deviation of the song's bars from their mean.
 const SECTION_COST: f32 = 2.0;
 /// The cost of each bar of a repeating harmony.
 const LOOP_COST: f32 = 0.12;
 /// The periods of a repeating harmony, in bars.
 const LOOPS: [usize; 4] = [1, 2, 4, 8];
 const LONGEST: usize = 96;
-/// The cost of a section, indexed by its length in bars modulo four.
+/// The extra cost of a section whose length is no multiple of four bars, by its length in bars modulo four.
 const ODD_COST: [f32; 4] = [0.0, 1.2, 0.5, 1.2];
-/// If a section is shorter than four bars, the cost of each missing bar.
+/// If a section is shorter than four bars, the extra cost of each missing bar.
 const SHORT_COST: f32 = 1.0;
 
-/// The minimum timbre deviation for scaling: the root of the sum of squares over all bands, in decibels.
+/// Timbre is divided by its deviation, or at least by this: the root of the sum of squares over all bands, in decibels.
 const TIMBRE_LEAST: f32 = 8.0;
-/// The minimum chroma deviation for scaling: the root of the sum of squares over all pitch class fractions.
+/// Chroma is divided by its deviation, or at least by this: the root of the summed squares of all pitch class
+/// fractions.
 const CHROMA_LEAST: f32 = 0.09;
 
-/// The maximum distance of sections with the same letter, in the units of the costs.
+/// The maximum distance between sections with the same letter, in the units of the costs.
 const SAME: f32 = 0.2;
 
 /// The scaled timbre and chroma of the bars, each with a mean squared deviation of at most 1.
@@ -108,7 +109,7 @@ impl<const N: usize> Sums<N> {
         Self { step, sums, squares }
     }
 
-    /// Sums the squared distances of the rows `start..end` from the mean of the rows that are multiples of `step` away.
+    /// Sums the squared distances of the rows `start..end`, each from the mean of every `step`-th row.
     fn deviation(&self, start: usize, end: usize) -> f32 {
         let of_phase = |phase: usize| {
             let first = start + phase;

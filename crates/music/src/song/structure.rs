@@ -78,8 +78,8 @@ pub struct SongStructure {
     pub cut_short: bool,
     /// True if the song is silent.
     pub silent: bool,
-    /// The integrated loudness by EBU R128 in LUFS (-70 and more). Both channels are measured as played, so that mono
-    /// counts twice. The loudness is `None` if the song is shorter than 0.4 s or too quiet.
+    /// The integrated loudness by EBU R128 in LUFS (-70 and more). Mono is measured as it is played: as two equal
+    /// channels. The loudness is `None` if the song is shorter than 0.4 s or too quiet.
     pub loudness: Option<f32>,
     /// The median tempo in beats per minute; `None` without a steady beat.
     pub tempo: Option<f32>,
@@ -89,7 +89,7 @@ pub struct SongStructure {
     pub beats: Vec<SongBeat>,
     /// The sections. They cover the song unless the song is silent. If the song has bars, sections begin with bars.
     pub sections: Vec<Section>,
-    /// The interval of `energy` and `peaks`, in seconds.
+    /// `energy` and `peaks` have one value every this many seconds.
     pub energy_step: f64,
     /// The energy of each step: 1 in the song's loudest second, 0 at 36 dB or more below the loudest second.
     pub energy: Vec<f32>,

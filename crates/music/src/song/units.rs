@@ -5,7 +5,7 @@ use super::heard::{Heard, SLOW_HOPS, TIMBRE_BANDS};
 /// The approximate flux of noise.
 const FLUX_OF_NOISE: f32 = 0.1;
 
-/// The range of levels that count, in decibels below the loudest moment.
+/// Quieter levels count as this many decibels below the loudest moment.
 const RANGE_DB: f32 = 60.0;
 
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub(super) struct Unit {
     /// The levels of all bands and of the low band, in decibels above the floor.
     pub(super) level: f32,
     pub(super) low: f32,
-    /// The mean flux above the flux of noise, a measure of onset density.
+    /// How much the flux exceeds the flux of noise, on average: a measure of onset density.
     pub(super) onsets: f32,
 }
 

@@ -302,7 +302,7 @@ fn a_trailing_window_ends_at_its_moment() {
     let mut frames = vec![[0.0; 2]; 5 * 512];
     frames.extend([[0.5; 2]; 512]);
     analyzer.push(&frames, &mut |moment| moments.push(moment.clone()));
-    // There is one moment per hop, including a moment at 0. Only the last moment includes the sound, without delay.
+    // There is one moment per hop, including a moment at 0. Only the last moment includes the sound: there is no delay.
     let times: Vec<f64> = (0..=6).map(|n| f64::from(n * 512) / 48_000.0).collect();
     assert_eq!(moments.iter().map(|moment| moment.time).collect::<Vec<_>>(), times);
     assert_eq!(moments[5].features, Features::SILENCE);
@@ -359,7 +359,7 @@ fn analysis_after_a_seek_converges_to_the_uninterrupted_one() {
         let other = &whole[first + index];
         assert_eq!(moment.time, other.time);
         if index >= 9 {
-            // The long window is completely after the start, so the levels are equal, bit for bit.
+            // The long window is completely after the restart, so the levels are equal, bit for bit.
             assert_eq!(moment.features.band_levels_db, other.features.band_levels_db);
         }
         if moment.time - later[0].time > 1.0 {

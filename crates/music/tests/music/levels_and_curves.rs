@@ -106,7 +106,7 @@ fn the_spectrum_shows_the_tone_and_the_history_its_past() {
     // Before the song there is silence.
     let row = f64::from(history_offset) + 0.75 * f64::from(history_span);
     assert!(rows[row.round() as usize].iter().all(|height| *height == 0.0));
-    // At a row's moment, age 0 is at this row. A hop later, age 0 is a quarter of a row towards newer rows.
+    // At the moment of a row, age 0 is at this row. A hop later, age 0 is a quarter of a row towards newer rows.
     let moment = |number: f64| number * 512.0 / 48_000.0;
     let on_row = track.sound_at(moment(560.0)).tables;
     let (groups, _) = on_row.spectrum.as_deref().expect("a spectrum").as_chunks::<4>();

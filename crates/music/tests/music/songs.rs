@@ -228,7 +228,7 @@ pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
     vec![intro.clone(), build, drop.clone(), rest, drop.clone(), drop, intro]
 }
 
-/// Ballads that have one property of music with drops.
+/// Ballads without drops, each with one property of music with drops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Swell {
     None,
