@@ -81,7 +81,7 @@ impl Editing {
         self.changed_from.take().map(|at| self.buffer.line_of(at))
     }
 
-    /// Maps `range` of an earlier `version` to the present text. `None` if it was edited or the version is too old.
+    /// Maps `range` of an earlier `version` to the present text. `None` if `range` was edited or `version` is too old.
     pub fn place(&self, version: u64, range: Range<usize>) -> Option<Range<usize>> {
         self.followed.place(version, self.version, range)
     }

@@ -1,4 +1,4 @@
-//! Decides when changed files should be read: after writers have finished. Callers pass the time.
+//! Decides when changed files should be read: after writers have finished. Callers pass the present time.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;

@@ -141,8 +141,8 @@ enum Asked {
     Again,
 }
 
-/// The current source, and the state of its files before the load. The state is `None` if a file may have changed
-/// during the load.
+/// The current source, and for each of its files the state before the load; `None` if the file may have changed during
+/// the load.
 struct Current {
     source: SceneSource,
     seen: BTreeMap<PathBuf, Option<Look>>,
@@ -164,7 +164,7 @@ struct Worker<Load, Publish> {
     gone_since: Option<Instant>,
 }
 
-/// Maximum lag of file times behind the clock, because file systems use the time of the last kernel tick.
+/// Maximum lag of a file's modification time behind the clock. File systems use the time of the last kernel tick.
 const FILE_CLOCK_STEP: Duration = Duration::from_millis(12);
 
 impl<T, Load, Publish> Worker<Load, Publish>
@@ -276,7 +276,7 @@ where
         }
     }
 
-    /// Loads `current`. Its known files are watched and have been read.
+    /// Loads `current`. The caller has already watched and read the known files of `current`.
     fn load(&mut self, current: Current) {
         self.gone_since = None;
         let Current { source, mut seen } = current;

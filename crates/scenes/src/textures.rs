@@ -81,7 +81,7 @@ impl TextureCache {
                 Cow::Owned(bytes)
             }
             (None | Some(Err(Refusal::Missing)), Some(bytes)) => {
-                // Shipped images never change: the name is enough.
+                // Shipped images never change, so hash only the name.
                 texture.name.hash(&mut hasher);
                 Cow::Borrowed(bytes)
             }

@@ -172,7 +172,7 @@ fn kind(event: &EventKind) -> Option<Kind> {
     }
 }
 
-/// Returns the folders in which changes of `file` appear, each with the relevant entry. A link has several folders.
+/// Returns the folders in which changes of `file` appear, each with the entry that changes. A link has several folders.
 fn places(file: &Path) -> Vec<(PathBuf, OsString)> {
     let mut found = Vec::new();
     let Ok(mut path) = std::path::absolute(file) else { return found };

@@ -70,7 +70,7 @@ pub fn parse(name: &str, text: &str) -> Parsed {
         }
         let first = line.first().map_or("", |word| word.text);
         if first == "->" && was_wrong {
-            // These steps continue a `set` line with a mistake.
+            // These steps continue a `set` line that has a mistake.
             continue;
         }
         let is_entry = !["set", "->"].contains(&first);

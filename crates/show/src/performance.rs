@@ -296,7 +296,7 @@ impl Line {
             && *earlier == time
             && *latest == time
         {
-            // The song is paused, so keep the last value.
+            // The song is paused: replace the last value that was recorded at this time.
             *last = value;
             return;
         }

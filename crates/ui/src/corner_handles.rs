@@ -17,7 +17,7 @@ const LARGE_STEP: f64 = 0.01;
 pub struct CornerHandles {
     corners: Corners,
     selected: usize,
-    /// The part of the window that shows the screen, as fractions of the window.
+    /// The part of the window that shows the output's screen, as fractions of the window.
     area: Area,
 }
 
@@ -27,7 +27,7 @@ impl CornerHandles {
         Self { corners, selected: 0, area: [0.0, 0.0, 1.0, 1.0] }
     }
 
-    /// Sets the part of the window that shows the screen, as fractions of the window.
+    /// Sets the part of the window that shows the output's screen, as fractions of the window.
     pub fn set_area(&mut self, area: Area) {
         self.area = area;
     }

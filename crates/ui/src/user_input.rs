@@ -38,7 +38,7 @@ impl UserInput {
         }
     }
 
-    /// Returns the pressed key and its modifiers. Skips repeated letters: the held key may have opened the text field.
+    /// Returns the pressed key and its modifiers. Skips repeats of a held letter, which may have opened the text field.
     pub fn typed<'a>(&self, input: &'a Input) -> Option<(&'a Key, Modifiers)> {
         match input {
             Input::Key(press) => {

@@ -120,7 +120,7 @@ impl Requests {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the next request; `None` at the end.
+    /// Waits for the next request; `None` once the thread must end.
     fn next(&self) -> Option<Request> {
         let waiting = self.changed.wait_while(self.lock(), |waiting| waiting.is_empty() && !self.is_over());
         waiting.unwrap_or_else(PoisonError::into_inner).take().filter(|_| !self.is_over())

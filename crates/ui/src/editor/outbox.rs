@@ -10,7 +10,7 @@ use super::document::Document;
 
 pub(super) struct Outbox {
     drafts: Drafts,
-    /// True while turned numbers are frame inputs, so that the text need not be reloaded.
+    /// True while turned numbers are frame inputs, so that turning them does not reload the text.
     turns: bool,
     commands: Vec<Command>,
 }

@@ -28,7 +28,7 @@ const WORDS: f32 = 19.0;
 const GAP: f32 = 3.0;
 const SIGN: f32 = 15.0;
 const BAR_STEP: f32 = 3.0;
-/// Range of the volume slider's width. If there is less room, the slider is hidden.
+/// Minimum and maximum width of the volume slider. The slider is hidden if there is less room than the minimum.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
 const RIGHT_BUTTONS: f32 = 10.0;
 /// Height of the line that shows the song's sections. The next constant is the size of the sections' letters.

@@ -300,7 +300,7 @@ impl Overlay {
     fn take_input(&mut self, size: (u32, u32), interactive: bool, now: Instant) -> RawInput {
         let scale = self.scale;
         let zoom = style::zoom(points(size, scale));
-        // `set_zoom_factor` would take effect only in the next pass, and this pass would guess the size.
+        // Do not call `set_zoom_factor`: egui would then derive the window's size from the previous pass.
         self.panels.context().options_mut(|options| options.zoom_factor = zoom);
         let mut input = self.input.take(scale, now);
         input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));

@@ -91,7 +91,7 @@ fn rows(
         (top, bottom) = (bottom, bottom + row_height);
     }
     let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-    // A scroll bar that appears takes width and can move the selected row, so sizes may need more than one pass.
+    // A new scroll bar narrows the rows, which can move the selected row. Scrolling to the row may take several passes.
     let stands = last_seen.as_ref().filter(|seen| seen.selected == selected && seen.height == height);
     let offset = last_seen.as_ref().map_or(0.0, |seen| seen.offset);
     let is_seen = |offset: f32| top >= offset - 0.5 && bottom.min(top + height) <= offset + height + 0.5;
@@ -129,7 +129,7 @@ fn draw_row(
     let width = ui.available_width();
     let start = start_of_values(width);
     let height = ROW * lines_of(ui, row, width) as f32;
-    // A row that is one of several choices is a button. In all other rows, only the values can be clicked.
+    // Rows that are alternatives to each other are buttons. In all other rows, only the values can be clicked.
     let sense = match row.values {
         Values::OneOfRows { .. } => Sense::click(),
         Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => Sense::hover(),
@@ -170,7 +170,7 @@ fn draw_row(
     response
 }
 
-/// Draws the name at the left. Marks a row that is one of several choices, and a value from the command line.
+/// Draws the name at the left. Marks a row that is an alternative to other rows, and a value from the command line.
 fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: bool) {
     let painter = ui.painter();
     let (mark, color) = match (&row.values, is_selected) {

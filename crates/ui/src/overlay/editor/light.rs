@@ -92,7 +92,7 @@ fn mask(light: &Light) -> ColorImage {
     for (place, pixel) in image.pixels.iter_mut().enumerate() {
         let at = |place: usize| (place as f32 + 0.5) / FINER as f32 - 0.5;
         let (x, y) = (at(place % (FINER * columns)), at(place / (FINER * columns)));
-        // The mean of the neighbourhood turns the steps of the grid into slopes.
+        // The mean of four points around the pixel smooths the steps of the grid.
         let around = [(-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)];
         let lit = around.into_iter().map(|(dx, dy)| fraction(x + dx, y + dy)).sum::<f32>() / 4.0;
         let covers = match lit {
