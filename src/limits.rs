@@ -40,9 +40,9 @@ pub struct Limits {
     pub encoder_wait_seconds: f64,
     /// Maximum number of clients that receive frames over one port at the same time.
     pub send_readers_max: usize,
-    /// Maximum size of the request of a client for frames, in bytes.
+    /// Maximum size of a client's request for frames, in bytes.
     pub send_request_bytes_max: usize,
-    /// Maximum number of header fields in the request of a client for frames.
+    /// Maximum number of header fields in a client's request for frames.
     pub send_request_fields_max: usize,
     /// Maximum number of programs to which frames are sent.
     pub sends_max: usize,

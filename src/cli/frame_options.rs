@@ -1,4 +1,4 @@
-//! Flags for further outputs: a monitor, the desktop's wallpaper, other programs.
+//! Flags for outputs besides the window: a monitor, the desktop's wallpaper, other programs.
 
 use clap::Args;
 

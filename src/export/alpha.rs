@@ -30,7 +30,7 @@ pub(super) struct Coverage {
 
 impl Coverage {
     /// Draws the coverage of `frame` with a program of [`crate::gpu::scene_program::as_coverage`] and stores the
-    /// result. Turns off the frame's grain, which belongs to the composed image.
+    /// result. Turns off grain in `frame`, because grain should cover the whole composed image.
     pub(super) fn draw(
         &mut self,
         renderer: &mut Renderer,

@@ -90,7 +90,7 @@ impl HeadlessRenderer {
     }
 
     /// Uploads a scene and links its program. With `auto`, the scene is compiled unless it is very large; the image is
-    /// the same. A scene whose tape does not fit the driver is compiled, with a warning in the log.
+    /// the same either way. A scene whose tape does not fit the driver is compiled, with a warning in the log.
     ///
     /// # Errors
     /// Fails if the driver reports an error, or if a scene that should be transparent has its own sky.

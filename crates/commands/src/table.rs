@@ -378,7 +378,7 @@ commands! {
     }
     /// Moves a corner of the image.
     MoveCorner(MovedCorner) {}
-    /// Returns all corners of the image to the corners of the screen.
+    /// Moves all corners of the image back to the corners of the screen.
     ResetCorners {}
     /// Enters or leaves full screen.
     Fullscreen(Switch) {

@@ -7,9 +7,9 @@ use std::time::Duration;
 pub struct Limits {
     /// The maximum length of a parameter, scene or action name, in bytes.
     pub name_bytes_max: usize,
-    /// The maximum number of different parameters changed between two frames; more are rejected.
+    /// The maximum number of parameters changed between two frames; changes of other parameters are rejected.
     pub pending_params_max: usize,
-    /// The maximum number of actions between two frames; more are rejected.
+    /// The maximum number of actions between two frames; later actions are rejected.
     pub pending_actions_max: usize,
     /// The maximum number of bundles and messages in one OSC packet; the rest is ignored.
     pub osc_elements_max: usize,
@@ -23,7 +23,7 @@ pub struct Limits {
     pub osc_matches_max: usize,
     /// The maximum time that a bundle may be scheduled ahead, in seconds.
     pub osc_ahead_seconds_max: f64,
-    /// The maximum number of scheduled messages; more are rejected.
+    /// The maximum number of scheduled messages; later messages are rejected.
     pub osc_waiting_max: usize,
     /// The interval between two attempts to open a port.
     pub port_retry: Duration,
@@ -31,9 +31,9 @@ pub struct Limits {
     pub osc_rate_min: f64,
     /// The maximum rate at which OSC is sent, in packets a second.
     pub osc_rate_max: f64,
-    /// The maximum number of different knobs that move between two frames; more are rejected.
+    /// The maximum number of knobs moved between two frames; movements of other knobs are rejected.
     pub moved_knobs_max: usize,
-    /// The maximum number of presses of one key or button that count between two frames.
+    /// The maximum number of presses counted for one key or button between two frames.
     pub presses_max: u32,
     /// The maximum number of MIDI devices open at the same time.
     pub midi_devices_max: usize,

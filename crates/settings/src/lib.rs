@@ -1,8 +1,8 @@
 //! The user's settings, stored from run to run.
 //!
-//! One table (`setting_table`) defines the record [`Choices`], the enum [`Setting`] for commands, the rows of the settings
-//! panel and the command-line flags. [`SettingsFile`] stores the values that differ from the defaults and keeps unknown
-//! entries. Users may edit the file.
+//! One table (`setting_table`) defines the record [`Choices`], the enum [`Setting`] for commands, the rows of the
+//! settings panel and the command-line flags. [`SettingsFile`] stores the values that differ from the defaults and
+//! keeps unknown entries. Users may edit the file.
 //!
 //! ```
 //! use mariana_settings::{Choices, Setting};

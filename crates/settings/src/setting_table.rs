@@ -23,7 +23,7 @@ macro_rules! with_settings {
                     [ value_name = "HOW", value_parser = choice::<QualityChoice>();
                       "Quality of the image; auto lowers the resolution when frames take too long [default: the setting in the window, initially auto]" ];
 
-                /// True to dim more than three flashes a second.
+                /// True to dim flashes if there are more than three a second.
                 #[serde(with = "by_name", skip_serializing_if = "is_on")]
                 flash_limiter: bool = true, FlashLimiter
                     { "Limit flashes", "Dims the image if it flashes more than three times a second, because that can cause seizures (WCAG 2.3.1)" }

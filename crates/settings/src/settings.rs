@@ -64,9 +64,9 @@ fn is_untouched(choices: &Choices) -> bool {
     *choices == Choices::default()
 }
 
-/// The maximum number of keys in a message.
+/// The maximum number of keys that a message names.
 const NAMED_MAX: usize = 3;
-/// The maximum number of characters of a key in a message.
+/// The maximum number of characters that a message shows of a key.
 const NAME_LETTERS_MAX: usize = 40;
 
 /// The error when settings cannot be read or written completely. The show continues with the current settings.

@@ -68,7 +68,7 @@ pub struct ModeReport {
     pub regions: bool,
     /// Number of timed frames. Slow frames make this number lower than the requested number.
     pub frames: usize,
-    /// Median time of building the tree of regions, in ms. Interpreted: also shortening materials and light.
+    /// Median time to build the tree of regions, in ms; if interpreted, also to shorten materials and light.
     pub build_ms: f64,
     /// The same time for the next frames, each of which reuses the previous tree; 0 at the end of the song.
     pub next_build_ms: f64,

@@ -91,7 +91,7 @@ impl Looks {
 }
 
 #[cfg(any(test, all(unix, not(target_os = "macos"))))]
-/// True if each of the monitors is covered by one of the windows.
+/// True if every monitor is covered by a window.
 pub(super) fn are_covered(monitors: &[Rect], windows: &[Rect]) -> bool {
     let end = |from: i32, length: u32| i64::from(from) + i64::from(length);
     let covers = |(window, size): &Rect, (monitor, extent): &Rect| {
