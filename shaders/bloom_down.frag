@@ -1,5 +1,5 @@
 // Halves a bloom level with thirteen taps, which form five overlapping boxes of four taps (Jimenez 2014). With FIRST,
-// the boxes are weighted, so that a pixel much brighter than its surroundings does not cause a flickering glow.
+// bright boxes get less weight, so that a pixel much brighter than its surroundings does not cause a flickering glow.
 
 #include "post_block.glsl"
 #include "sample_light.glsl"

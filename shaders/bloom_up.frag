@@ -1,4 +1,5 @@
-// Doubles the size of a bloom level by a tent filter of nine taps (Jimenez 2014) and blends the result into the target.
+// Doubles the size of a bloom level with a tent filter of nine taps (Jimenez 2014) and blends the result into the
+// target.
 
 #include "post_block.glsl"
 

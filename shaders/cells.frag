@@ -1,5 +1,5 @@
-// Computes the mean colour of each cell of the finished frame in linear light, for the flash limiter. With
-// SHOWN, computes the colours after the limiter.
+// Computes the mean colour of each cell of the finished frame in linear light, for the flash limiter. With SHOWN, it
+// computes the colours that the limiter produces.
 
 #include "flash_rules.glsl"
 #ifdef SHOWN

@@ -1,4 +1,4 @@
-// Counts distance evaluations by kind of ray, for `mariana bench`; the macros are empty without COUNT_EVALUATIONS.
+// Counts distance evaluations by kind of ray, for `mariana bench`; without COUNT_EVALUATIONS its macros are empty.
 
 #ifdef COUNT_EVALUATIONS
 float count_primary = 0.0;

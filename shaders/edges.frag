@@ -1,5 +1,5 @@
-// Keeps only pixels that differ visibly from their neighbours. The stencil or the written mark selects these pixels for
-// more samples.
+// Keeps only pixels that differ visibly from their neighbours. These pixels get more samples: the stencil or the
+// written mark selects them.
 
 #include "picture_block.glsl"
 #include "encode.glsl"
@@ -8,10 +8,10 @@ uniform sampler2D picture;
 
 layout(location = 0) out float mark;
 
-// Keys of at least this value belong to rough mirrors (scene.frag). Noise is visible there from ROUGH_CONTRAST on.
+// Keys of at least this value belong to rough mirrors (scene.frag). Contrast from ROUGH_CONTRAST on is noise there.
 const float ROUGH_KEY = 1024.0;
 const float ROUGH_CONTRAST = 0.02;
-// The limit of contrast for distant neighbours, whose colours differ even without noise.
+// The same limit for farther neighbours. It is higher because their colours differ even without noise.
 const float FAR_ROUGH_CONTRAST = 0.06;
 
 const int NEAREST = 4;

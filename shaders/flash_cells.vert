@@ -1,11 +1,11 @@
-// Draws a rectangle for each group that contains a limited cell, as two triangles without a vertex buffer. Other
-// rectangles shrink to nothing. (A rectangle for each cell would be mostly edges.)
+// Draws a rectangle for each group that contains a limited cell, as two triangles without a vertex buffer. The
+// rectangles of other groups are empty. (A rectangle for each cell would be mostly edges.)
 
 #include "flash_ceiling.glsl"
 
 // Cells along each side of a group.
 const int SIDE = 4;
-// Margin of the rectangles in cells; limit_flashes.frag decides where a cell ends.
+// Margin of the rectangles, in cells. It may be generous: limit_flashes.frag decides where a cell ends.
 const float MARGIN = 0.01;
 
 void main() {

@@ -1,4 +1,4 @@
-// Gathers each row's marks of cells into bits, for the passes over fields of cells.
+// Packs the marks of each row's cells into bits, for the passes over fields of cells.
 
 #include "flash_swing.glsl"
 #include "flash_rows.glsl"

@@ -1,4 +1,4 @@
-// Rows of cells with a bit per cell: the lower half of the columns in x, the upper half in y.
+// A row of cells has one bit per cell: x holds the lower half of the columns, y the upper half.
 
 #include "flash_rules.glsl"
 

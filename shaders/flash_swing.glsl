@@ -3,7 +3,7 @@
 #include "flash_block.glsl"
 #include "flash_rules.glsl"
 
-// A value above all luminances and all ages in the memory.
+// A value above all luminances and ages that the limiter stores.
 const float NEVER = 1e9;
 
 // Returns the stored `texel`, or `at_first` if there is no earlier frame.
@@ -39,7 +39,8 @@ bool may_count_only_at(vec3 swing, float light) {
 }
 
 // x: 1 if the last change led to red, 0 if not, -1 before the first frame. UNSURE is added if an error of measurement
-// may have caused the change. yz: of the chromaticities since the last change, the one farthest from the next change.
+// may have caused the change. yz: the extreme chromaticity since then: after a change to red the nearest to red, else
+// the farthest.
 const vec3 NO_RED_SWING = vec3(-1.0, 0.0, 0.0);
 const float UNSURE = 0.25;
 
@@ -88,7 +89,7 @@ bool are_enough(Ages ages, float early) {
     return ages.oldest.y < 1.0 - early - ROUNDING;
 }
 
-// Seconds for which a rise marks a cell: HOLD if it makes too many flashes, EARLY if it only comes too early, else 0.
+// Seconds for which a rise marks a cell: HOLD if it would be one flash too many, EARLY if it is only too early, else 0.
 float hold_after(Ages ages) {
     return are_enough(ages, EARLY) ? HOLD : (are_enough(ages, 0.0) ? EARLY : 0.0);
 }

@@ -36,8 +36,8 @@ layout(std140) uniform PassBlock {
 
 #define frame_time frame_clock.x
 
-// The allowed cost of a frame apart from its number of pixels, 0..1. It is 1 in stills, videos and measurements; a
-// window changes it in small steps. Use it to reduce expensive work smoothly where the loss is hardly visible.
+// How much work a pixel may take, 0..1. It is 1 in stills, videos and measurements; a window changes it in small steps.
+// Use it to reduce expensive work smoothly where the loss is hardly visible.
 #define frame_quality frame_reach.y
 #define shadow_step_growth frame_reach.w
 
@@ -45,9 +45,9 @@ layout(std140) uniform PassBlock {
 #define PLANES PLANES_MAX   // compiled scenes define their number
 #endif
 
-// llvmpipe takes thirty instructions to fetch a number of a block for each pixel. A copy takes none. On llvmpipe,
-// values that rays read often are therefore copied once per sample; `scene_load` does this for a compiled scene's
-// inputs. GPUs read blocks for free, and copies would take registers there.
+// For each pixel, llvmpipe takes thirty instructions to read a number from a uniform block, but none to read a copy. On
+// llvmpipe, values that rays read often are therefore copied once per sample; `scene_load` does this for a compiled
+// scene's inputs. GPUs read blocks for free, and copies would take registers there.
 #ifdef SOFTWARE
 vec4 bounds_low;
 vec4 bounds_high;

@@ -80,7 +80,7 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
 // is compiled separately. Each round finds the next probe that needs an evaluation.
 //
 // Tried: one call of run_region for rays, probes and shadows. On Xe it saves 13 % of the code but no spills. On Vega
-// (ACO) it saves 29 % of the code, but takes 156 registers, which leaves one wave.
+// (ACO) it saves 29 % of the code, but takes 156 registers, so that only one wave fits.
 const int OBJECT_PROBE = 4;
 const int FIRST_OCCLUSION_PROBE = 5;
 const int PROBES_END = 9;
@@ -134,7 +134,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
     }
 }
 
-// The step of the loop over the programs: ambient light, glow if any object shines, and material.
+// The step of the loop over three programs: ambient light, glow, material. Without shining objects it skips glow.
 #ifdef GLOW
 const int LIGHT_STEP = 1;
 #else
@@ -185,8 +185,8 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     return s;
 }
 
-// Tried: one call of run_program for materials, light and sky. It saves 9 to 14 % of the code. But the sky is then
-// computed before the lights, and every compiled scene loses a wave on Vega.
+// Tried: one call of run_program for materials, light and sky. It saves 9 to 14 % of the code. But the sky must then be
+// computed before the lights, which costs every compiled scene a wave on Vega.
 vec3 sky_color(vec3 direction, vec3 dx, vec3 dy) {
     uvec4 head = run_program(program_at(SKY_PROGRAM, direction), Place(vec3(0.0), direction), Place(vec3(0.0), direction + dx),
                              Place(vec3(0.0), direction + dy));

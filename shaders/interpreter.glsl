@@ -24,8 +24,8 @@ float count_surface_clauses = 0.0;  // clauses of materials and light
 #define BYTE(word, place) ((word >> (8 * place)) & 255u)
 #define HAS(word, place, bit) ((word & (1u << (8 * place + bit))) != 0u)
 
-// True if an operand is the immediate. This follows from the clause's form or, with at most 128 registers, from the
-// operand's byte.
+// True if the operand at `place` is the immediate, according to the clause's form or, with at most 128 registers, to
+// the operand's byte.
 bool form_is_immediate(uint word, const int place) {
     // LOAD has the number 2.
     return place == 2 ? (word & 192u) == 192u || (word & 255u) == 2u : (word & 192u) == 128u;
@@ -37,8 +37,8 @@ int operator_number(uint word) {
     return int(opcode < 64u ? opcode : 64u | (opcode & 63u));
 }
 
-// The operators, and the macros READ(word, place) and WRITE(at, value) for registers. A small number of registers
-// are variables, selected by the bits of the register's number. A larger number is stored in an array.
+// The operators, and the macros READ(word, place) and WRITE(at, value) for registers. If there are few registers, they
+// are variables, selected by the bits of the register's number. Otherwise they are in an array.
 #include "operators.glsl"
 
 // `last` is true for the second clause of a texel. It is a constant with EVERY_CASE, else a variable.
@@ -48,7 +48,7 @@ int operator_number(uint word) {
 #define CLAUSE_PLACE bool
 #endif
 
-// Clears registers before a run, so that GPUs' compilers do not keep their values. On a CPU clearing would take time.
+// Clears registers before a run, so that compilers for GPUs drop the old values. On a CPU this would take time.
 #ifdef EVERY_CASE
 #define FORGET(file, first, count)
 #else
@@ -78,7 +78,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     float b;
 #ifdef EVERY_CASE
     // llvmpipe needs a second exit of the loop. Without a second exit, the lanes that end first lose the last texel
-    // that they read. Tried: a loop without a counter. Images were wrong for the same reason.
+    // that they read. Tried: a loop without a counter. The same lanes lost their last texel, so images were wrong.
     //
     // Tried on llvmpipe: two texels in each round. This takes 7 % fewer instructions, but gyroid takes 11 % longer
     // because its rare operators end rounds early. Tried: roots as rare operators. This saves 7 % in kaleidoscope and
@@ -97,7 +97,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
         REGION_WRITE(BYTE(words.z, 1), r);
     }
 #ifdef LIMITED_ROUNDS
-    // Add four for the rounds of the ray's own step.
+    // Add four: the ray's own step takes these rounds.
     rounds_of_last = texel - first + 4;
     rounds_run += rounds_of_last;
 #endif

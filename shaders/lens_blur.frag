@@ -1,6 +1,5 @@
 // Depth of field: adds up the light of all discs that reach a pixel. A disc's brightness is the light of its point,
-// divided by the disc's area. A sharp point is not covered by light from behind it. Alpha is the fraction of discs in
-// front.
+// divided by the disc's area. Discs behind a sharp point do not cover it. Alpha is the fraction of discs in front.
 
 #include "post_block.glsl"
 

@@ -12,7 +12,7 @@ layout(location = 0) out vec4 light;
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     vec2 place = post_place();
-    // Use a tent filter, so that taps and texels of the smaller image are invisible.
+    // Use a tent filter, so that the taps and the texels of the smaller image do not show.
     vec2 step = 0.5 / vec2(textureSize(blurred, 0));
     vec4 soft = vec4(0.0);
     for (int i = 0; i < 4; i++) soft += 0.25 * texture(blurred, place + step * vec2(2 * (i & 1) - 1, 2 * (i >> 1) - 1));

@@ -29,7 +29,7 @@ vec3 edge_of_panel(vec3 a, vec3 b) {
     vec3 across = cross(a, b);
     float sine = length(across);
     float angle = atan(sine, dot(a, b));
-    // On an edge's line there is no normal. For short edges, use the sine instead of the angle.
+    // At a point on the edge's line, the edge has no normal. There, and for short edges, use the sine as the angle.
     return sine > 1e-5 ? across * (angle / sine) : across;
 }
 
@@ -44,8 +44,7 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
     vec3 c = normalize(middle + right.xyz + up.xyz);
     vec3 d = normalize(middle - right.xyz + up.xyz);
     vec3 flux = edge_of_panel(a, b) + edge_of_panel(b, c) + edge_of_panel(c, d) + edge_of_panel(d, a);
-    // A panel's part below the horizon is not cut off, so panels that are partly below the horizon are slightly too
-    // dark.
+    // Panels that are partly below the horizon are slightly too dark, because that part is not cut off.
     float arriving = before > 0.0 ? max(-0.5 * dot(flux, normal), 0.0) : 0.0;
     float t = length(middle);
     // The intersection of the mirrored line of sight with the panel's plane, clamped to the panel.

@@ -1,5 +1,5 @@
-// Dims a finished frame where it would flash too often (`gpu::flash_pass`). The result is drawn over the frame in
-// the window or over a copy of it, so that all other pixels stay unchanged.
+// Dims those parts of a finished frame that would flash too often (`gpu::flash_pass`). The result is drawn over the
+// frame in the window or over a copy of it, so that all other pixels stay unchanged.
 
 #include "post_block.glsl"
 #include "encode.glsl"

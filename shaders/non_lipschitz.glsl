@@ -29,7 +29,7 @@ vec2 non_lipschitz_span(vec3 origin, vec3 direction) {
     return vec2(max(span.x, tree.x), min(span.y, tree.y));
 }
 
-// Returns the step at t with which a ray reaches `end` in `left` steps that grow with the distance.
+// Returns the length of the step at t if a ray reaches `end` in `left` steps that grow with the distance.
 float even_step(int left, float t, float end) {
     float from = max(t, NON_LIPSCHITZ_NEAR);
     return from * (pow(end / from, 1.0 / float(left)) - 1.0);
@@ -84,7 +84,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             bool close = inside - outside < CLOSE_ENOUGH * radius;
             if (!(above > 0.0) || close || closings == CLOSINGS_MAX) return Hit(inside, NOTHING, true);
             closings++;
-            // Use the secant, but stay away from both ends so that both close in.
+            // Use the secant's zero, but keep away from both ends, so that both ends move inwards.
             t = mix(outside, inside, clamp(above / (above - below), 0.1, 0.9));
         } else {
             // Compute the step in the same way as `non_lipschitz_step` in crates/field/src/rays.rs.
@@ -97,7 +97,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             t += cell.side > 0.0 ? max(min(safe, leaves), least) : past(least);
         }
     }
-    // The steps ended while the ray closed in on a surface.
+    // The ray used up its steps between the last point outside and a point inside.
     if (inside >= 0.0) return Hit(inside, NOTHING, true);
     return behind;
 }

@@ -1,6 +1,7 @@
-// Sharp shadows in the variant NON_LIPSCHITZ: a value that is not a distance does not show how closely a ray passes a
-// surface. When the penumbra of shadow.glsl and the gradient's bounds were in one loop, clockwork took 116 registers
-// and terrain 128 on Vega (ACO), which left two waves. Now both take 84 registers, which leaves three waves.
+// Sharp shadows in the variant NON_LIPSCHITZ: there is no penumbra, because a value that is not a distance does not
+// show how closely a ray passes a surface. When the penumbra of shadow.glsl and the gradient's bounds were in one loop,
+// clockwork took 116 registers and terrain 128 on Vega (ACO), which left two waves. Now both take 84 registers, which
+// leaves three waves.
 
 const int SHADOW_STEPS_MAX = 512;
 // Growth of the shortest step with each step, so that rays that graze a surface end.

@@ -18,8 +18,8 @@ vec3 sum_of_taps(vec4 d) {
     return vec3(dot(TAPS_X, d), dot(TAPS_Y, d), dot(TAPS_Z, d));
 }
 
-// Converts a value to a distance at the surface that is shaded. A value that is not a distance is divided by the
-// slope there. On a plane, only the sign is used, because the surroundings were not evaluated.
+// Converts a value near the shaded point to a distance. A value that is not a distance is divided by its slope at that
+// point. For a point on a plane the slope is unknown, so only the value's sign is used.
 #ifdef NON_LIPSCHITZ
 float slope_here = 1e-9;
 #define NOTE_SLOPE(sum, h) slope_here = max(length(sum) / (4.0 * (h)), 1e-9)

@@ -6,7 +6,7 @@ const vec4 PROBE_FRACTIONS = vec4(0.0625, 0.25, 0.5625, 1.0);
 const vec4 PROBE_WEIGHTS = vec4(1.0, 0.8, 0.64, 0.512) / (1.0 + 0.8 + 0.64 + 0.512);
 #define probes (frame_reach.x * PROBE_FRACTIONS)
 
-// True if surfaces other than planes can affect a probe. A probe of height h is unaffected by a distance above h.
+// True if surfaces other than planes can affect a probe. A probe at height h is affected only by distances below h.
 bool occluder_near(vec3 p) {
     if (bounds_low.w < 0.5) return false;
     vec3 outside = max(max(bounds_low.xyz - p, p - bounds_high.xyz), 0.0);

@@ -7,7 +7,7 @@
 
 layout(location = 0) out vec4 screen;
 
-// Maximum number of averaged pixels of the frame along each side of a pixel of the window.
+// A window pixel is the mean of at most this number of frame pixels along each side.
 const int TAPS_MAX = 8;
 
 // Returns the covered fraction of a pixel, given its distance to an edge in pixels.

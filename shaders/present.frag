@@ -24,8 +24,8 @@ float noise(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-// Returns the noise that is added to a colour: with a grain of 1, -1.5..1.5 steps of 1/255, but mostly less. Half a
-// step hides banding. The noise is constant in time, for stills.
+// Returns the noise that is added to a colour: -1.5..1.5 steps of 1/255 at a grain of 1, mostly near 0. Half a step
+// hides banding. The noise is constant in time, for stills.
 float grain(vec2 pixel) {
     float film = noise(pixel + vec2(57.0, 131.0)) + noise(pixel.yx + vec2(211.0, 17.0)) - 1.0;
     return noise(pixel) - 0.5 + picture_look.w * film;

@@ -23,7 +23,7 @@ struct Cell {
 };
 
 #ifdef NO_CELLS
-// The cell of a compiled scene that is drawn without a tree.
+// Stands for the cell in compiled scenes that are drawn without a tree.
 const Cell NO_CELL = Cell(0.0, 0, SEVERAL, 0.0);
 #else
 Cell cell_at(vec3 q) {
@@ -83,7 +83,7 @@ vec3 place_on(Walk walk, float t) {
 // Returns the distance at which the ray leaves the cell of q. q is the result of `place_on` for t.
 float exit_of(Cell cell, Walk walk, vec3 q, float t) {
     vec3 face = (floor(q / cell.side) + step(vec3(0.0), walk.direction)) * cell.side;
-    // Measure from the point at t, which is a nudge behind q.
+    // Measure from the point at t: q is ahead of it by `nudge` along each axis.
     vec3 left = (face - q) * walk.inverse + walk.nudge * abs(walk.inverse);
     return t + min(left.x, min(left.y, left.z));
 }

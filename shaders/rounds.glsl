@@ -6,8 +6,8 @@
 // steps are left. The remaining rounds are for surfaces.
 
 // Rounds of the pixel up to which rays of each kind are traced. A step takes as many rounds as the slowest pixel of the
-// group needs, and a pixel cannot count the rounds of other pixels. The limits therefore leave room. They were
-// measured, not proven.
+// group needs, and a pixel cannot count the rounds of other pixels. The limits therefore leave room for slower pixels.
+// They were measured, not proven.
 const int EYE_ROUNDS = 26000;
 const int MIRROR_ROUNDS = 30000;
 const int SHADOW_ROUNDS = 40000;

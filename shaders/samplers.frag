@@ -1,4 +1,4 @@
-// Reads the maximum number of textures that a program may read. The result is discarded.
+// Reads as many textures as a program may read, and discards the result.
 //
 // Mesa binds no sampler for a texture buffer, so the previous program's sampler stays in that slot. llvmpipe compiles
 // a scene's program once for each combination of samplers in the slots, even if the program does not read them. When

@@ -79,9 +79,9 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     return light;
 }
 
-// Identifies the surfaces of a path. If it differs between neighbours, an edge of the geometry is between them.
+// Identifies the surfaces of a path. Between pixels with different keys is an edge of the geometry.
 float surface_key = 0.0;
-// A prime. Keys are integers below 2048, which 16-bit floats hold exactly.
+// A prime. With ROUGH_KEY added, keys stay below 2048, where 16-bit floats hold integers exactly.
 const float KEYS = 1021.0;
 
 // Added to the key if the path meets a rough mirror, because noise needs more samples.
@@ -100,7 +100,7 @@ const int SURFACES_MAX = 5;
 #else
 const int SURFACES_MAX = 1;
 #endif
-// A path ends if less than this fraction of its light would reach the eye; the lowest quality uses the second value.
+// A path ends if less than this fraction of its light would reach the eye; at the lowest quality, FRACTION_MIN_LEAST.
 const float FRACTION_MIN = 0.004;
 const float FRACTION_MIN_LEAST = 0.06;
 // In a blend, mirrors with a lower reflectance at normal incidence also reflect less at grazing angles.
@@ -143,8 +143,8 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
-        // The movement of the ray's end to the pixel to the right and to the pixel above, before it is projected onto
-        // the surface.
+        // The offsets from the ray's end to the rays of the pixels to the right and above, not yet projected onto the
+        // surface.
         float reached = travelled + (hit.met ? hit.t : 1.0);
         float wide = reached * (1.0 + blurred / spread);
         vec3 dx = camera_right.xyz * (2.0 * viewport.z * wide);

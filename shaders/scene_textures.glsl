@@ -1,4 +1,4 @@
-// The scene's textures. Each texture has its own sampler, because OpenGL 3.3 allows no variable indices into arrays of
+// The scene's textures. Each texture has its own sampler, because in OpenGL 3.3 a variable cannot index an array of
 // samplers.
 
 #if TEXTURES > 0

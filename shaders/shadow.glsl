@@ -3,8 +3,8 @@
 const float SHADOW_STEP_MIN = 0.03;
 // Start of a shadow ray. It is not 0, so that the ray does not hit the surface that it leaves.
 const float SHADOW_START = 0.02;
-// Surfaces also dim shadow rays that pass outside the scene's bounds, up to the largest width of a penumbra. This width
-// is the light's distance divided by its sharpness, clamped to this range.
+// Surfaces also dim shadow rays outside the scene's bounds, as far away as a penumbra is wide. This width is the
+// light's distance divided by its sharpness, clamped to this range.
 const float SHADOW_MARGIN_MIN = 0.1;
 const float SHADOW_MARGIN_MAX = 3.0;
 // The sharpness of a penumbra, a light's distance divided by its radius, is clamped to this range.
@@ -28,7 +28,7 @@ vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
 #else
 const int SHADOW_STEPS_MAX = 96;
 const float SHADOW_STEP_GROWTH = 0.0;
-// Longest step near the scene. Longer steps would be visible in the penumbra. Farther away, a step may be half the
+// Longest step near surfaces. Longer steps would be visible in the penumbra. Far from surfaces, a step may be half the
 // distance.
 const float SHADOW_STEP_MAX = 0.6;
 
@@ -61,7 +61,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             float leaves = max(past(t), exit_of(cell, walk, q, t));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
             t = leaves;
-            // Prevent triangulation after a skip.
+            // After a skip there is no last sphere for the triangulation.
             stride = 1e4;
             previous = 1e4;
             if (t >= end) break;
@@ -74,8 +74,8 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
-        // The spheres of the last two points are empty. They meet at a point `behind` back along the ray and `closest`
-        // away from it. A stride that is longer than its sphere, next to a surface, allows no triangulation.
+        // Spheres around the last two points contain no surface. They meet in a circle around the ray: its radius is
+        // `closest`, its centre is `behind` before this point. `behind` is 0 after a stride beyond the last sphere.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));

@@ -44,11 +44,11 @@ Hit trace_planes(vec3 origin, vec3 direction, float start) {
 }
 
 // Beams: on llvmpipe, further samples of a pixel do not start at the eye. A beam contains all rays of the pixel: at a
-// distance t they are within a radius of the first ray. The first ray finds the free distance of the beam. If all
-// surfaces are farther away than twice the radius, the free ball around a step contains the beam and meets the previous
-// ball. On llvmpipe, beams and NO_CELLS make compiled scenes without a tree 23 % faster (median), and interpreted
-// scenes 2 %. On GPUs a beam would occupy one more register during shading, which costs waves, and fewer pixels are at
-// edges.
+// distance t they are within the beam's radius of the first ray. The first ray finds the free distance of the beam. If
+// all surfaces are farther away than twice the radius, the free ball around a step contains the beam and meets the
+// previous ball. On llvmpipe, beams and NO_CELLS make compiled scenes without a tree 23 % faster (median), and
+// interpreted scenes 2 %. On GPUs a beam would occupy one more register during shading, which costs waves, and beams
+// would save less, because fewer pixels are at edges.
 #ifdef SOFTWARE
 #define BEAMS
 #endif
@@ -57,15 +57,15 @@ Hit trace_planes(vec3 origin, vec3 direction, float start) {
 // evaluates the distance, which may be larger than the bound.
 const float BEAM_BOUND = 3.5;
 
-// The bits that hold the number of steps, in a number that also holds the free distance.
+// A single number holds the free distance and, in these bits, the number of steps.
 const uint STEPS_BITS = 127u;
 
-// The distance at which this sample's ray starts (no surface is nearer), and the number of steps up to there.
+// The distance at which this sample's ray starts (no surface is nearer), and the number of steps up to that distance.
 float ray_start = 0.0;
 int ray_steps = 0;
 // The radius of the beam at distance 1; 0 if no more samples follow.
 float beam_spread = 0.0;
-// The free distance of the beam, and the number of steps of this ray up to there.
+// The free distance of the beam, and the number of steps that this ray took up to that distance.
 float beam_free = 0.0;
 int beam_steps = 0;
 
@@ -87,7 +87,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     vec2 span = traced_span(origin, direction, 0.0);
     float end = min(span.y, behind.t);
 #ifdef BEAMS
-    // Other rays of a beam may enter the bounds earlier.
+    // Other rays of the beam may enter the bounds earlier than this one.
     if (!reflected) span.x = traced_span(origin, direction, beam_spread * max(span.x, 0.0)).x;
     start = reflected ? start : ray_start;
     float free = reflected ? -1.0 : 1e-6;

@@ -5,7 +5,7 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return scene_distance(p, penumbra);
 }
 
-// The order of the evaluated points: the point itself (for its object), the normal's taps, the occlusion's probes.
+// The points are evaluated in this order: the point itself (for its object), the normal's taps, the occlusion's probes.
 const int FIRST_TAP = 1;
 const int FIRST_PROBE = 5;
 const int LAST_PROBE = 8;

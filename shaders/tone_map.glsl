@@ -15,7 +15,7 @@ const mat3 AGX_OUTSET = mat3(
     -0.0990297440797205, -0.0989611768448433, 1.15107367264116);
 const float AGX_DARKEST = -12.47393;
 const float AGX_STOPS = 16.5;
-// Strengthens colours, which are weak in neutral AgX.
+// Raises the saturation, which is low in neutral AgX.
 const float AGX_SATURATION = 1.4;
 // The exponent that decodes the result. It gives a little more contrast than AgX's 2.2.
 const float AGX_POWER = 2.36;

@@ -48,7 +48,7 @@ vec3 view_slice(vec3 direction) {
     for (int i = 0; i < 2; i++) {
         float width = i == 0 ? spacing : 5.0 * spacing;
         float away = abs(d - width * floor(d / width + 0.5)) / slope;
-        // Lines that would merge fade out.
+        // Fade out lines where they are so dense that they would merge.
         float seen = clamp(width / slope / 5.0 - 0.5, 0.0, 1.0);
         color *= 1.0 - (i == 0 ? 0.35 : 0.5) * seen * line_cover(away, 0.2 + float(i) * 0.3);
     }

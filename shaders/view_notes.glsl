@@ -16,11 +16,11 @@ vec3 noted_p = vec3(0.0);
 vec3 noted_normal = vec3(0.0);
 float noted_open = 1.0;
 int noted_object = 0;
-// The light of the lamps without shadows, and the light that arrives.
+// The light of the lamps without shadows, and the light that arrives despite shadows.
 float noted_light = 0.0;
 float noted_arrives = 0.0;
 
-// Only the first surface is recorded, without haze and mirrors. Counts include the whole sample.
+// Only the first surface is recorded, without haze and mirrors. The counts of evaluations cover the whole sample.
 void note_surface(inout Surface s, float t, vec3 p) {
     if (noted) return;
     noted = true;

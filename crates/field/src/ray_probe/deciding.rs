@@ -32,7 +32,7 @@ impl<'a> Deciding<'a> {
         Ok(Self { graph, root, order, of_point })
     }
 
-    /// Number of clauses of the shape alone, without inputs and numbers.
+    /// Number of the shape's clauses. Inputs and numbers do not count.
     pub fn clauses(&self) -> usize {
         self.order.nodes.iter().filter(|id| self.graph.is_clause(**id)).count()
     }

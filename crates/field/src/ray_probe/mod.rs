@@ -28,9 +28,9 @@ use crate::world::World;
 const CAPPED_FRACTION: f32 = 8.0;
 /// Maximum length of the last step, as a multiple of the distance.
 const SLANT_MAX: f32 = 4.0;
-/// Offsets of the four samples for the normal: the corners of a tetrahedron.
+/// Directions in which the normal's four samples are offset: the corners of a tetrahedron.
 const TAPS: [[f32; 3]; 4] = [[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];
-/// Minimum distance of the samples from the point.
+/// Minimum distance of the normal's samples from the point.
 const TAP_MIN: f32 = 4e-4;
 
 /// A ray with the cone of its pixel.
@@ -318,7 +318,7 @@ fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|axis| a[axis] + b[axis])
 }
 
-/// Scales a vector to length 1. Returns the upward direction for a vector without a direction.
+/// Scales a vector to length 1. Returns the upward direction if the vector has no direction.
 fn unit(v: [f32; 3]) -> [f32; 3] {
     let size = v.iter().map(|part| part * part).sum::<f32>().sqrt();
     if size > 1e-12 && size < 1e12 { v.map(|part| part / size) } else { [0.0, 1.0, 0.0] }

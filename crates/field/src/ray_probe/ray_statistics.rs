@@ -95,7 +95,7 @@ impl RayStatistics {
     }
 
     /// Follows a ray for each cell of a grid, in rows from the upper left. `ray_at` returns the ray for fractions of
-    /// the image's width and height. Calls `is_wanted` between rows, and returns `None` once it is false.
+    /// the image's width and height. Calls `is_wanted` between rows, and returns `None` once it returns false.
     pub fn of(
         ray_probe: &RayProbe<'_>,
         options: RayStatisticsOptions,

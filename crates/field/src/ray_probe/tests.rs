@@ -142,7 +142,7 @@ proptest! {
         let wanted = marched(&world, &frame, &ray, 20.0);
         match (found, wanted) {
             (Some(found), Some(wanted)) if (found - wanted).abs() < 0.01 => {}
-            // If a ray grazes the surface, its cone may hit although its centre line misses, or may hit earlier.
+            // The cone of a grazing ray may hit although its centre line misses, or may hit before the line does.
             (Some(found), wanted) => {
                 prop_assert!(wanted.is_none_or(|wanted| found < wanted), "{found}, not {wanted:?}");
                 let [x, y, z] = ray.at(found);
@@ -245,7 +245,7 @@ fn parts_of_a_smooth_union_are_distinguished_by_the_nearer_one() {
         ([0.0, 1.5, 5.0], "sphere(p - vec3(0, 1.5, 5), 0.5)"),
         ([0.8, -4.0, 4.0], "box(p - vec3(0, -4, 5), vec3(1))"),
         ([0.0, -4.0, 4.5], "sphere(p - vec3(0, -4, 4), 0.6)"),
-        // A sum with a choice among numbers is not a union.
+        // This sum contains a minimum and maxima, but it is not a union.
         ([0.0, 4.0, 5.0], "length(max(q, vec3(0))) + min(max(q.x, q.y, q.z), 0)"),
     ] {
         assert_eq!(written(to), words, "{to:?}");

@@ -287,7 +287,7 @@ impl Encoder {
         }
     }
 
-    /// Appends a clause. `half` is true if the last texel has room for a second clause.
+    /// Appends a clause. `half` is true if the last texel so far has only one clause.
     #[inline(always)]
     fn write(&mut self, word: u32, immediate: f32, second: bool, half: &mut bool) {
         self.clauses += 1;
@@ -309,7 +309,7 @@ impl Encoder {
     }
 }
 
-/// A bit for each free register. Hardly any program needs more than the first 64.
+/// One bit per register: 1 if the register is free. Hardly any program needs more than the first 64 registers.
 #[derive(Debug)]
 struct FreeRegisters {
     first: u64,

@@ -15,7 +15,7 @@ use crate::graph::{FrameInputs, GradientInterval, Interval, Pieces};
 /// Smallest scale other than 0. It is far above the numbers that GPUs flush to 0, and far below the slopes that matter
 /// to a ray.
 const SCALE_MIN: f32 = 1e-30;
-/// The largest finite float whose lower half is 0. Steeper slopes are stored as unbounded.
+/// The largest finite float whose lower half is 0. Slopes above it are stored as unbounded.
 const SCALE_MAX: f32 = f32::from_bits(0x7F7F_0000);
 const FRACTIONS: f32 = 128.0;
 
@@ -80,7 +80,7 @@ pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
 }
 
 /// Bounds that exceed the steepest sampled slope by more than this factor are useless: interval arithmetic gives such
-/// bounds for quotients and roots even if the value is as gentle as a distance.
+/// bounds for quotients and roots even where the value changes as slowly as a distance.
 const USELESS: f32 = 32.0;
 
 /// Returns bounds for the steps of rays. Useless bounds are replaced by the steepest sampled slope.

@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use super::program::{Form, Program};
 use crate::graph::{BoundsKernel, FrameInputs, Interval};
 
-/// Number of cells in a pass: the children of a cell.
+/// Number of cells that are processed at once: all children of one cell.
 pub(super) const CELLS: usize = 64;
 
 /// An interval for each cell, stored as two arrays so that the CPU can process several cells at once.

@@ -5,9 +5,9 @@
 
 use crate::graph::{Node, NodeId};
 
-/// Maximum number of nodes between a value's computation and its use.
+/// A value is computed again if more than this many nodes lie between its last computation and its next use.
 const REACH: usize = 256;
-/// Maximum number of operations that are repeated for a value.
+/// A value that takes more operations than this is never computed again.
 const COST_MAX: u32 = 8;
 
 /// Nodes with their positions, operands first. Some nodes are repeated at new positions.

@@ -23,10 +23,10 @@ const FINE_FRACTION: f32 = 0.16;
 /// The value of [`FINE_FRACTION`] if gradients are needed.
 const NON_LIPSCHITZ_FINE_FRACTION: f32 = 0.3;
 /// If a brick has more programs than this, decisions that save little are dropped. In lattice a brick had 25 programs,
-/// mostly because of signs below ABS and operands of MAX. The limit costs lattice and city 3 % more clauses; dropping
-/// such decisions in all bricks would cost speakers 13 %.
+/// mostly because cells differed in the sign of an ABS's operand or in the larger operand of a MAX. The limit costs
+/// lattice and city 3 % more clauses; dropping such decisions in all bricks would cost speakers 13 %.
 const GROUPS_MANY: usize = 16;
-/// Rays look up the object only up to this distance from surfaces.
+/// Rays look up the object only within this distance of surfaces.
 const OBJECT_REACH: f32 = 0.25;
 
 /// The bits of a cell's second word that hold an address.
@@ -50,7 +50,7 @@ struct Written {
     /// Bricks and tapes. Their addresses are counted from the end of the trunk's texels.
     texels: Vec<Texel>,
     bricks: Vec<usize>,
-    /// The keys of bricks that a later tree may copy, and their positions.
+    /// For each brick that a later tree may copy, its key and its position.
     keys: Vec<(u64, usize)>,
     heads: Vec<usize>,
 }
@@ -176,7 +176,7 @@ impl<'a> Part<'a> {
         // A cell whose bound is NaN may contain a surface. A solid cell contains no surface.
         let outside = mask(|cell| bounds.lo[cell] > trunk.rounding.margin);
         let surface = !outside & !mask(|cell| -bounds.hi[cell] > trunk.rounding.margin);
-        // Away from surfaces few rays evaluate the distance, so cells there use the whole tape.
+        // Few rays evaluate the distance in cells far from surfaces, so these cells use the whole tape.
         let (near, own) = match depth {
             1 => (!mask(|cell| bounds.lo[cell] > OBJECT_REACH), !mask(|cell| bounds.lo[cell] > AROUND)),
             _ => (u64::MAX, u64::MAX),

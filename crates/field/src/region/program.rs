@@ -76,8 +76,8 @@ impl Default for Program {
 }
 
 impl Program {
-    /// Like [`Program::push`], but also simplifies 0 - (0 - x) to x. Because x is then in use for longer, the program
-    /// may need one more register.
+    /// Like [`Program::push`], but also simplifies 0 - (0 - x) to x. The program may then need one more register,
+    /// because x stays in its register for longer.
     #[inline]
     pub(super) fn push_shorter(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         if let (Op::Sub, Arg::Number(0.0), Arg::Value(value)) = (op, a, b)
@@ -167,8 +167,8 @@ impl Program {
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Structure {
-    /// For minima and maxima, the value whose bounds decide which operands are dropped. If the only reader is an outer
-    /// minimum, that minimum's value is used, so that nested minima are pruned like one with many operands.
+    /// For minima and maxima, the value whose bounds decide which operands are dropped. If only an outer minimum reads
+    /// it, the outer one's bounds decide, so that nested minima are pruned like a single one.
     pub(super) outermost: Vec<u32>,
     /// True if the step may become a constant or one of its arguments in some cell.
     pub(super) may_settle: Vec<bool>,
@@ -179,8 +179,8 @@ pub(super) struct Structure {
 }
 
 impl Structure {
-    /// True if little is saved when a step is replaced by one of its operands. `dropped` is the other operand. A sum of
-    /// outside distances is a chain, in which dropping a single part saves little.
+    /// True if little is saved when a step is replaced by one of its operands. `dropped` is the other operand. False
+    /// for sums of outside distances: many small savings add up along their chains.
     pub(super) fn saves_little(&self, step: &Step, dropped: Arg) -> bool {
         let most = match step.op {
             Op::OutsideAdd | Op::Mask => return false,
@@ -203,7 +203,7 @@ impl Structure {
             let at = program.inputs + index;
             let (a, b) = (step.a as usize, step.b as usize);
             self.may_settle[at] = settles(step.op) | self.may_settle[a] | self.may_settle[b];
-            // A step that reads a value twice is a single reader.
+            // A step that reads a value twice counts as one reader.
             self.uses[a] = self.uses[a].saturating_add(1);
             self.uses[b] = self.uses[b].saturating_add(u8::from(a != b));
             self.reader[a] = at as u32;

@@ -24,7 +24,7 @@ struct Decided {
 pub(super) struct ChoiceTrace {
     values: Vec<Decided>,
     inputs: usize,
-    /// True to drop decisions that save little unless all cells agree, because each decision costs a group of cells.
+    /// True to drop decisions that save little and differ between cells, because each decision costs a group of cells.
     /// Tried: dropping decisions that save less than 4, 6 or 8 % of the program. A scene of 11,000 clauses then runs a
     /// third more clauses.
     pub(super) coarse: bool,
@@ -92,8 +92,8 @@ fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u6
 }
 
 impl ChoiceTrace {
-    /// Decides which steps the distance needs in the cells `need`, and the object in the cells `need_object`. `rows`
-    /// are the bounds of the program's values. Decisions must hold in all cells of a mask in `together`.
+    /// Decides which steps are needed: by the distance in the cells `need`, by the object in the cells `need_object`.
+    /// `rows` are the bounds of the program's values. Decisions must hold in all cells of a mask in `together`.
     ///
     /// An operand of a minimum is dropped in cells where it is above the upper end of the outermost minimum. The
     /// operand is never the least one there, so the minimum keeps its bits.
@@ -171,7 +171,7 @@ impl ChoiceTrace {
             let step = &program.steps[*index as usize];
             places[at] = if (number | left | right) & bit == 0 {
                 match (places[step.a as usize], places[step.b as usize]) {
-                    // Most steps stay unchanged. A negation may become another kind of step.
+                    // Most steps stay unchanged. Only a negation (0 - x) may turn into something else.
                     (Arg::Value(a), Arg::Value(b)) if step.op != Op::Sub || step.form != Form::NumberLeft => {
                         short.push_step(Step { a, b, ..*step })
                     }
@@ -288,7 +288,7 @@ fn decide(
         let (left, right) = chosen(step, structure, rows, at);
         let (mut left, mut right) = (left & live, right & live);
         if coarse {
-            // A decision that all cells share adds no group.
+            // A decision that is the same in all cells adds no group, so keep it even if it saves little.
             if left != live && structure.saves_little(step, step.second()) {
                 left = 0;
             }
@@ -351,7 +351,7 @@ fn split_by_value(groups: &mut Vec<u64>, inside: u64, values: &[f32; 64]) {
         if group & inside != 0 {
             let first = values[(group.trailing_zeros() as usize).min(63)];
             let same = mask(|cell| values[cell] == first) & group;
-            // Append the cells with other values. The loop processes them later.
+            // Append the cells with other values as a new group, which this loop processes later.
             if same != group {
                 groups[index] = same;
                 groups.push(group & !same);

@@ -23,8 +23,8 @@ pub(crate) const SIDE: usize = 8;
 const OF_POINT: usize = Input::OF_POINT.len();
 /// Largest coordinate at which anything is drawn.
 const FARTHEST: f32 = 1e7;
-/// Overlap of cells, as a fraction of their size and their distance from the origin. It allows for the different
-/// rounding of shaders.
+/// Overlap of cells, as a fraction of their size and their distance from the origin. Shaders round differently, so they
+/// may find the neighbouring cell.
 const OVERLAP: f32 = 1e-5;
 /// Largest component of normals and directions, after rounding.
 const NORMAL_MAX: f32 = 1.001;
@@ -33,8 +33,8 @@ const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
 const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
 /// Programs with at most this many nodes or steps are not shortened.
 const WHOLE_MAX: usize = 24;
-/// Maximum number of nodes in all programs that are shortened in a frame: about 20 to 40 ms. Further programs stay
-/// whole.
+/// Maximum number of nodes in all programs that are shortened in a frame: about 20 to 40 ms. Programs beyond this limit
+/// stay whole.
 const NODES_MAX: usize = 4096;
 /// A cell has its own tape if that tape has at most this fraction of the block's clauses. Tried: an own tape for every
 /// cell that saves any clause. Other scenes then run up to 10 % fewer clauses, but in wave_tank the first programs fill
@@ -46,7 +46,7 @@ const SHORTER_FRACTION: f32 = 0.9;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Over {
     Points,
-    /// The directions in which the sky is visible; the point is the origin.
+    /// Directions towards the sky. The programs get the origin as their point.
     Directions,
 }
 
@@ -103,7 +103,7 @@ pub struct Surfaces<'a> {
     pub regions: &'a Regions,
     /// The planes: `[a, b, c, d]` of `a*x + b*y + c*z + d`.
     pub planes: &'a [[f32; 4]],
-    /// Distance from surfaces up to which programs may also run.
+    /// Programs may run up to this distance from surfaces.
     pub around: f32,
 }
 

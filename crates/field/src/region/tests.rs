@@ -115,7 +115,7 @@ fn cells_that_differ_in_little_share_a_tape() {
     let stats = RegionPlan::new(&world)
         .build(&inputs, &RegionOptions { texels_max: 1 << 22, ..Default::default() })
         .stats;
-    // If every cell had only the steps that it needs, there would be twice as many tapes.
+    // There would be twice as many tapes if cells did not share tapes that have a few steps more than they need.
     assert!(stats.cells > 100_000 && stats.tapes < 9_000, "{stats:?}");
 }
 
@@ -220,7 +220,7 @@ fn registers_of(tree: &Regions, tape: u32) -> usize {
 
 #[test]
 fn operands_of_history_reads_have_registers() {
-    // While one half of each sum is computed, the other half is kept. No other code takes as many registers.
+    // Each sum keeps one half in a register while it computes the other half, so the program needs many registers.
     fn sum(first: u32, count: u32) -> String {
         match count {
             1 => format!("length(p - vec3({first}, 0.5 * {first}, 2))"),
@@ -244,7 +244,7 @@ fn operands_of_history_reads_have_registers() {
 
 #[test]
 fn an_operator_in_a_branch_of_the_frame_is_in_the_variant() {
-    // More expressions than can be hoisted, so that the choice stays in the program.
+    // There are more expressions than can be hoisted, so that the `if` stays in the program.
     let text = "let ball = union(for i in 0..100: sphere(p - vec3(sin(t+i), sin(2*t+i), sin(3*t+i)), 0.1))\n\
                 min(ball, if sin(3.1*t+1000) > -0.99 then 0.5*(2.5 - exp(0.3*x)) else 9)";
     let world = world_of(text);
@@ -393,7 +393,7 @@ fn cells_hold_the_slopes_in_them() {
     }
 }
 
-/// Regression: shared values were kept until their last use, and the frame's numbers counted as values.
+/// Regression: shared values were kept until their last use, and the frame's numbers took registers like values.
 #[test]
 fn a_foam_of_many_parts_needed_more_than_256_registers() {
     let plan_of = |center: &str| {

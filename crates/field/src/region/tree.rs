@@ -23,7 +23,7 @@ pub struct RegionOptions {
     /// Centre of the tree if the scene has no bounds.
     pub center: [f32; 3],
     /// In a scene with bounds, the approximate position of the eye if it is within the bounds. Cells that look small
-    /// from there are not divided. A scene without bounds uses `center` instead.
+    /// from this position are not divided. A scene without bounds uses `center` instead.
     pub eye: Option<[f32; 3]>,
 }
 
@@ -75,13 +75,13 @@ pub struct Regions {
 const TIGHTENINGS_MAX: usize = 3;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
-/// Penumbras and occlusion evaluate distances up to this far from surfaces: slightly more than the highest probe.
+/// Penumbras and occlusion need distances within this range of surfaces. It slightly exceeds the highest probe.
 pub(super) const AROUND: f32 = 1.2;
 /// Bounds are reduced by this fraction of the box's size and its distance from the origin, because GPUs round
 /// differently. Two dozen roundings of numbers of that size add up to a fraction of 3e-6.
 const ROUNDING: f32 = 1e-5;
-/// Cells overlap by this fraction of the box's size and distance, because rays look up their cell a hundred-thousandth
-/// of a root cell ahead.
+/// Cells overlap by this fraction of the box's size and its distance from the origin, because rays look up their cell a
+/// hundred-thousandth of a root cell ahead.
 const OVERLAP: f32 = 4e-6;
 /// Largest penumbra: the distance from a light divided by its sharpness.
 const PENUMBRA_MAX: f32 = 1e9;
@@ -112,7 +112,7 @@ pub(super) struct Trunk<'a> {
 
 #[derive(Debug)]
 pub(super) struct Root {
-    /// The block whose cells are the blocks of the root.
+    /// The root as a single block: each of its 64 cells is a block of the root.
     pub(super) block: Block,
     pub(super) rows: Vec<Lanes>,
     pub(super) decisions: ChoiceTrace,
@@ -153,7 +153,7 @@ pub(super) fn build(
     let bounds = bounds.map(|bounds| if has_rest { tightened(&program, bounds, frame) } else { bounds });
     let (low, size) = extent(bounds, options.center);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
-    // If the value is not a distance, rays need cells.
+    // If the value is not a distance, rays need cells, even if the options ask for none.
     let cells =
         (options.cells || variant.non_lipschitz) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
     let mut trunk = Trunk {

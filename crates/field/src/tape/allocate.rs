@@ -68,7 +68,7 @@ fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses>
             Node::Constant(_) | Node::Input(_) => {}
             Node::Unary(_, a) => entry.a = std::mem::replace(&mut upcoming[a.index()], position_word),
             Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => {
-                // The node reads both operands before their next use, even if they are the same node.
+                // Look up both next uses before changing either: both operands may be the same node.
                 (entry.a, entry.b) = (upcoming[a.index()], upcoming[b.index()]);
                 upcoming[a.index()] = position_word;
                 upcoming[b.index()] = position_word;
@@ -99,7 +99,7 @@ struct Allocator<'a> {
     held: [Option<NodeId>; 256],
     next_use: [u32; 256],
     free: [u64; 4],
-    /// A bit for each register that must not be spilled now.
+    /// One bit per register: 1 if the register must not be spilled now.
     pinned: [u64; 4],
     free_memory: Vec<u16>,
     page_start: usize,
@@ -118,8 +118,8 @@ impl Allocator<'_> {
         }
     }
 
-    /// Returns the entry of the current page with the value. May begin a new page, so call this right before emitting
-    /// the clause.
+    /// Returns the entry of the current page that holds the value. May begin a new page, so call this right before
+    /// emitting the clause.
     fn entry(&mut self, id: NodeId) -> u8 {
         let known = self.places[id.index()].register_or_entry;
         if known != NONE && known as usize >= self.page_start {
@@ -254,7 +254,7 @@ impl Allocator<'_> {
         self.places[id.index()].register_or_entry = u32::from(register);
     }
 
-    /// Frees the register after its value's last use. A register that only holds an entry of the table is always freed.
+    /// Frees the register after its value's last use. Always frees a register that holds a table entry.
     fn used(&mut self, register: u8, next_use: u32) {
         self.next_use[usize::from(register)] = next_use;
         if next_use == NONE || self.held[usize::from(register)].is_none() {
@@ -321,7 +321,7 @@ impl Allocator<'_> {
             }
             (false, true) => (Some(self.fetch_value(a)?), None),
             (true, false) => (None, Some(self.fetch_value(b)?)),
-            // No clause takes two values of the table, so load the first value into a register.
+            // No clause can read two entries of the table, so load the first value into a register.
             (true, true) => (Some(self.fetch_entry(a)?), None),
         };
         if let Some(register) = left {

@@ -20,9 +20,9 @@ pub mod opcode {
     pub const TEXTURE: u8 = 6;
     /// The first of the six inputs of the point, X.
     pub const FIRST_INPUT: u8 = 8;
-    /// Added to the number of a two-operand operator whose operand b is an immediate.
+    /// The opcode of a two-operand operator is its number plus this if operand b is an immediate.
     pub const REGISTER_IMMEDIATE: u8 = 64;
-    /// Added to the number of a two-operand operator whose operand a is an immediate.
+    /// The opcode of a two-operand operator is its number plus this if operand a is an immediate.
     pub const IMMEDIATE_REGISTER: u8 = 128;
 }
 

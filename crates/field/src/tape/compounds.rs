@@ -5,10 +5,9 @@ use super::interpreter::{IMMEDIATE, is_second};
 use super::{Instruction, Operand, Tape};
 use crate::graph::{Arg, Compounds, Found, Operation, Values};
 
-/// Number of registers at the start of a tape. They are the values 0..256.
+/// Values 0..256 are the contents of the registers when a tape starts. The values of clauses follow.
 const INITIAL: usize = 256;
-/// Maximum distance in clauses from a compound to its first part. The limit keeps the search linear in the tape's
-/// length.
+/// Clauses farther apart than this do not form a compound. The limit keeps the search linear in the tape's length.
 const REACH: usize = 64;
 
 #[derive(Debug, Clone, Copy)]
@@ -131,8 +130,8 @@ impl RunClauses {
         }
     }
 
-    /// Returns the registers that a compound reads in place of the clause `last`, or `None` if these registers no
-    /// longer hold the operands of the compound's parts.
+    /// Returns the registers that a compound reads if it replaces the clause `last`; `None` if they no longer hold the
+    /// operands of the clauses that the compound combines.
     fn registers(&self, found: &Found, last: usize) -> Option<[u8; 2]> {
         let first = found.absorbed().iter().map(|value| *value as usize - INITIAL).min()?;
         if last - first > REACH {
@@ -147,7 +146,7 @@ impl RunClauses {
             for (index, clause) in self.clauses.iter().enumerate().take(last).skip(first) {
                 let at = (INITIAL + index) as u32;
                 let vanishes = clause.absorbed || found.absorbed().contains(&at);
-                // Only a clause after the operand overwrites it. The operand may be computed after the first part.
+                // Only clauses after the operand's own clause, which may come after `first`, overwrite it.
                 if clause.output == Some(*register) && at > value && !vanishes {
                     return None;
                 }

@@ -40,7 +40,7 @@ pub(super) const REGISTERS_WITHOUT_BIT: usize = IMMEDIATE as usize;
 /// A number to which no simplification applies.
 const TYPICAL: f32 = 0.618_034;
 
-/// Opcodes that are not operators. Their result is the first operand.
+/// Opcodes that are not operators. They give their first operand as the result.
 const KEPT: [u8; 2] = [opcode::END, opcode::LOAD];
 
 /// True if an operator costs several times an addition. Such operators are second in a texel.
@@ -71,12 +71,12 @@ impl Tape {
         texels.push([word, its, end_of([output(0), output(1)]), 0]);
     }
 
-    /// Returns the compounds that are worth their cost in `tapes`, whatever the inputs in the tables are.
+    /// Returns the compounds that save more than they cost in `tapes`, for any values of the inputs in the tables.
     pub fn compounds_that_pay<'a>(tapes: impl Iterator<Item = &'a Tape> + Clone) -> Compounds {
         Compounds::that_pay(|compounds| {
             let mut uses = Uses::default();
             for tape in tapes.clone() {
-                // Constants are known. Inputs are unknown.
+                // Only constants have known values here, inputs do not.
                 let table: Vec<f32> =
                     tape.table().iter().map(|entry| entry.constant().unwrap_or(TYPICAL)).collect();
                 let mut clauses = RunClauses::of(tape, &table);
@@ -113,7 +113,7 @@ pub(super) fn is_second(instruction: Instruction) -> bool {
     }
 }
 
-/// The capabilities of an interpreter, which select its text.
+/// The features of an interpreter. They determine its text.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Variant {
     /// Operators that the text contains.

@@ -6,15 +6,15 @@
 //! a branch per lane, which takes about sixty instructions. Selecting takes two instructions per register. Selections
 //! use `mix`, because Mesa turns nested `?:` into branches, and llvmpipe computes a mask of lanes for each branch.
 //!
-//! Tried: a single square root, whose operand is selected, for all operators with a square root. It saves 3 % in
-//! lattice, and no time in city and kaleidoscope.
+//! Tried: a single square root, whose operand is selected, for all operators with a square root. Lattice takes 3 % less
+//! time, city and kaleidoscope no less.
 
 use std::fmt::Write as _;
 
 use super::interpreter::{IMMEDIATE, REGISTERS_WITHOUT_BIT};
 use crate::graph::FIRST_BINARY;
 
-/// Maximum number of registers that are variables if every case is computed. More registers are stored in an array.
+/// Maximum number of registers that are variables if every case is computed. If there are more, all are in an array.
 /// Tried on llvmpipe: with 32, moonrise takes 15 % longer, city and wave_tank 5 %. With 20, letters takes 18 % less.
 const SELECTED_MAX: usize = 20;
 /// Maximum number of registers that are variables on GPUs.

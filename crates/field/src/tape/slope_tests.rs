@@ -169,7 +169,7 @@ proptest! {
             let (from, to) = (at(two[0]), at(two[1]));
             let (before, after) = (precise(&tape, &frame, from), precise(&tape, &frame, to));
             let (least, most) = bounds.change([0, 1, 2].map(|axis| to[axis] - from[axis]));
-            // The table holds 32-bit numbers only.
+            // Allow for rounding: the table holds 32-bit numbers.
             let slack = 1e-5 * (1.0 + before.abs() + after.abs());
             let change = after - before;
             // Bounds are 32-bit numbers, so values beyond their range are not checked.
@@ -203,7 +203,7 @@ fn lengths_have_bounds_through_their_centre() {
     let one = 1.001;
     assert_within(&ball, [(-1.0, 2.0); 3], [-one; 3], [one; 3]);
     assert_within(&ball, [(0.0, 0.0); 3], [-one; 3], [one; 3]);
-    // Away from the centre the direction is known.
+    // In a small box far from the centre, the gradient hardly varies.
     assert_within(&ball, [(10.0, 0.1), (0.0, 0.1), (0.0, 0.1)], [0.98, -0.02, -0.02], [1.02, 0.02, 0.02]);
     let rounded = shape(|g, p| {
         let (half, zero, small) = (g.constant(0.5), g.constant(0.0), g.constant(0.01));
@@ -218,7 +218,7 @@ fn lengths_have_bounds_through_their_centre() {
         g.unary(Op::Sqrt, sum)
     });
     assert_within(&rounded, [(-2.0, 4.0); 3], [-one; 3], [one; 3]);
-    // A factor under the root halves the length along one axis.
+    // The factor 0.25 under the root halves the slope.
     let squeezed = shape(|g, p| {
         let (factor, square) = (g.constant(0.25), g.unary(Op::Square, p[0]));
         let product = g.mul(factor, square);

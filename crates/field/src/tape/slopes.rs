@@ -77,7 +77,7 @@ impl<'a> GradientIntervals<'a> {
             machine.run(&mut Slopes { position, normal, frame, jumps: None });
             for (bounds, &register) in outputs.iter_mut().zip(&tape.outputs) {
                 let piece = machine.registers[usize::from(register)];
-                // Keep the value of the whole box, because no piece contains the jumps themselves.
+                // Keep the value's bounds in the whole box: the pieces leave out the jumps themselves.
                 let value = bounds.value;
                 *bounds = if number == 0 { piece } else { bounds.hull(&piece) };
                 bounds.value = value;

@@ -133,7 +133,7 @@ fn end_and_rare_operators_are_second_in_their_texels() {
         tape.append_texels(&[], Compounds::NONE, &mut texels);
         let (last, others) = texels.split_last().unwrap();
         assert_eq!(*last, [0, 0, u32::from(tape.outputs()[0]) << 16, 0]);
-        // X starts in its register. All other clauses are written.
+        // X starts in its register, so it has no texel. Each of the other clauses has a texel.
         assert_eq!(others.len(), length - 1);
         assert!(others.iter().all(|texel| texel[0] == 0 && texel[2] & 255 == u32::from(Op::Sin.number())));
         node = graph.unary(Op::Sin, node);

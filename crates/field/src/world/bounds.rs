@@ -1,14 +1,14 @@
 //! Finds a box around a scene's surfaces by interval arithmetic on its formula (Moore 1966).
 //!
-//! A cube that extends about 1024 from the origin is repeatedly divided into eight, and slices are cut off it. A
-//! part is dropped if it contains no surface at any sound, time and parameters. The search runs once per text and may
-//! take about 10 ms. An infinite scene has no bounds and is traced up to a distance of 1000.
+//! A cube that extends about 1024 from the origin is repeatedly divided into eight cubes, and slices are cut off it. A
+//! cube or slice is dropped if it contains no surface at any sound, time and parameters. The search runs once per text
+//! and may take about 10 ms. An infinite scene has no bounds and is traced up to a distance of 1000.
 //!
 //! A blend of exponentials is constant where all of the exponentials underflow in 32 bits: e^-11d underflows at d =
 //! 7.9. Without bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has this
-//! problem, because it has no bounds. An exponential that rounding removes from the sum could be dropped without a
-//! change, but this needs a distance of 17 / 11 = 1.6 between two parts of a blend by e^-11d, more than half the size
-//! of fidget's bear.
+//! problem, because it has no bounds. An exponential could be dropped without a change if rounding removes it from the
+//! sum. But in a blend by e^-11d, its part must then be 17 / 11 = 1.6 farther away than another part, more than half
+//! the size of fidget's bear.
 
 use crate::graph::{FrameInputs, Interval};
 use crate::tape::{IntervalEvaluator, Tape};
@@ -60,7 +60,7 @@ const SHELL_CLAUSES_MAX: usize = 1 << 19;
 const ASIDE: f32 = 0.017 * REACH;
 /// Maximum number of clauses for the search: about 10 ms.
 const CLAUSES_MAX: usize = 1 << 20;
-/// Largest size of the cells at a finished face, as a fraction of the box.
+/// Cells at a face of the box are divided until they are no larger than this fraction of the box.
 const PRECISION: f32 = 1.0 / 200.0;
 /// Enlargement of the box on each side, as a fraction of its size, because shaders round differently from the CPU.
 const MARGIN: f32 = 1.0 / 1000.0;
@@ -153,7 +153,7 @@ fn is_free_outside(cube: &Cell, evaluator: &mut IntervalEvaluator<'_>, clauses: 
     true
 }
 
-/// True if a cell contains no surface. It may be divided into eight `cuts` times.
+/// True if a cell contains no surface. To find out, the cell is divided up to `cuts` times, into eight parts each time.
 fn is_free(cell: &Cell, cuts: usize, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> bool {
     if !may_hold_a_surface(cell, evaluator, left) {
         return true;
@@ -181,7 +181,7 @@ fn eighths(cell: &Cell) -> impl Iterator<Item = Cell> + '_ {
     })
 }
 
-/// Cuts the largest slice without surfaces off a face. Returns `None` if even a slice of about `wanted` has surfaces.
+/// Cuts the largest slice without surfaces off a face. `None` if even one of the thickness `wanted` has surfaces.
 fn shaved(
     cell: &Cell,
     axis: usize,

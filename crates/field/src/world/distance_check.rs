@@ -15,30 +15,30 @@ use crate::tape::{Dual, GradientEvaluator, Tape};
 
 /// Largest slope of a distance: 1 and an allowance for rounding.
 const STEEPEST: f32 = 1.01;
-/// Maximum fraction of samples that may be steeper. Such samples are at seams of blends, which rays hardly ever meet.
+/// Up to this fraction of the samples may be steeper. Such samples are at seams of blends, which rays hardly ever meet.
 const NON_LIPSCHITZ_FRACTION: f32 = 0.01;
-/// Allowance for steeper slopes away from the samples.
+/// Allowance for slopes between the samples: they may be steeper by this factor.
 const STEEPEST_ROOM: f32 = 2.0;
-/// Minimum number of samples for finding the steepest slope.
+/// With fewer samples than this, the steepest slope counts as infinite.
 const STEEPEST_SAMPLES_MIN: usize = 64;
-/// A value is not a distance if it is flatter than this at half of its surface: steps by the value would be far too
-/// short, and the points that count as a hit would form a thick layer around the surface.
+/// A value is not a distance if its slope is below this at half of the sampled surface: steps by the value would be far
+/// too short, and the points that count as a hit would form a thick layer around the surface.
 const FLATTEST: f32 = 0.2;
 /// Ratio of successive scales for normalizing a value, and the number of scales: up to 1 / [`FLATTEST`].
 const SCALE_STEP: f32 = 1.1;
 const SCALES: i32 = 18;
-/// The largest power with which a scale grows from the middle of the bounds.
+/// The largest power with which a scale grows with the distance from the middle of the bounds.
 const POWER_MAX: i32 = 4;
 /// Reaches to try, as fractions of the largest reach. An infinite reach leaves the value unchanged.
 const REACHES: [f32; 5] = [f32::INFINITY, 1.0, 0.5, 0.25, 0.125];
-/// A stronger normalization is used only if it reduces the flat part of the surfaces by this factor.
+/// A stronger normalization is used only if it makes the value steeper at surfaces by this factor.
 const WORTH: f32 = 1.2;
 /// Distances from the camera's target at which the samples of a scene without bounds start, alternately. Samples spread
 /// over an infinite scene would hardly meet small objects.
 const AROUND: [f32; 4] = [30.0, 10.0, 3.0, 1.0];
 /// Number of sampled frames: silence at the start, then random frames.
 const FRAMES: usize = 4;
-/// Number of entries and rows of random tables. Real tables have more: in music, neighbouring entries differ less.
+/// Number of entries and rows of random tables: fewer than in music, where neighbouring entries differ less.
 const COLUMNS: usize = 106;
 const ROWS: usize = 6;
 /// Maximum number of points at which a frame's samples start.
@@ -118,7 +118,7 @@ pub struct Slopes {
 }
 
 impl Default for Slopes {
-    /// Returns the slopes of a distance.
+    /// Returns the value for a world whose formula is a distance.
     fn default() -> Self {
         Self { steepest: f32::INFINITY, distance_factor: None, tamed: None }
     }
@@ -263,7 +263,7 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
     })
 }
 
-/// Returns a value of the sound: `fraction` of the largest value that music reaches.
+/// Returns a value of the sound: `fraction` times the largest value that music reaches.
 fn tried(input: SoundInput, fraction: f32) -> f32 {
     match input {
         // Music is hardly louder than half a full-scale square wave.
@@ -337,7 +337,7 @@ mod tests {
             "y-0.5*sin(x)",
             "0.02*(length(p)-1)",
             "3*(length(p)-1)",
-            // A small object beside an infinite one, with a constant value away from both.
+            // A small object beside an infinite one. Far from both, the value is constant.
             "min(length(p.xy - vec2(0, 15)) - 0.2, -log(exp(-60*(length(p)-0.3)) + exp(-60*(length(p.xz)-0.2+abs(y))))/30)",
         ] {
             assert!(world_of(text).non_lipschitz, "{text}");

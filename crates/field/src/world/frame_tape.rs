@@ -37,7 +37,7 @@ pub struct FrameValues {
 
 impl FrameTape {
     pub(super) fn build(scene: &Scene, planes: &[Plane]) -> Result<Self, TapeError> {
-        // Shaders do not run these tapes, so they may have as many outputs as registers.
+        // The limit on outputs is for shaders, which do not run these tapes.
         let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };
         let options = TapeOptions { limits, ..TapeOptions::default() };
         let tape = |roots: &[NodeId]| Tape::build(&scene.graph, roots, &options);

@@ -337,7 +337,7 @@ mod tests {
         let mut texels = Vec::new();
         program.append(&FrameInputs::default(), Compounds::ALL, &mut texels);
         assert_eq!(texels[0][3], 2);
-        // The channels that the sum reads: green of the first texture, blue of the second.
+        // The sum reads green of the first texture and blue of the second.
         let read: Vec<u32> = texels[3..texels[1][1] as usize]
             .iter()
             .filter(|texel| texel[2] & 255 == u32::from(crate::tape::opcode::TEXTURE))

@@ -30,7 +30,7 @@ pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use scene_features::SceneFeatures;
 pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
-// Types of lights and images that describe a scene.
+// The kinds of lights, and the tone maps.
 pub use crate::lang::{LightKind, ToneMap};
 
 use std::sync::Arc;
@@ -138,14 +138,14 @@ pub struct World {
     pub has_rest: bool,
     /// Bounds of the surfaces that are not planes, for all sounds and times; `None` if unknown.
     pub bounds: Option<Bounds>,
-    /// True if the value of the surfaces that are not planes is not a distance: it changes faster than the position, or
-    /// is much flatter at surfaces. Rays then need bounds of the value's slopes.
+    /// True if the value of the surfaces that are not planes is not a distance: its slope is above 1, or far below 1 at
+    /// surfaces. Rays then need bounds of the value's slopes.
     pub non_lipschitz: bool,
     /// The slopes of a value that is not a distance.
     pub slopes: Slopes,
-    /// Growth of a shadow ray's shortest step with each step. It is 0 in a single scene, because shadow rays leave
-    /// surfaces there. In a blend, a lamp of one scene may be inside a surface of the other scene, and shadow rays
-    /// creep along that surface.
+    /// Growth of a shadow ray's shortest step with each step. It is 0 in a single scene, where shadow rays move away
+    /// from surfaces. In a blend, a lamp of one scene may be inside a surface of the other scene, and shadow rays creep
+    /// along that surface.
     pub shadow_step_growth: f32,
     /// The parts of the shaders that the scene needs.
     pub features: SceneFeatures,
@@ -199,8 +199,8 @@ impl World {
         Ok(world)
     }
 
-    /// Prepares a scene that is already split into planes and other surfaces. `traced` replaces the analysis of the
-    /// formula.
+    /// Prepares a scene that is already split into planes and other surfaces. `traced`, if given, replaces the analysis
+    /// of the formula.
     fn prepared(
         name: &str,
         mut scene: Scene,
@@ -246,7 +246,7 @@ struct Surfaces {
     glow: Option<[NodeId; 4]>,
 }
 
-/// The reach of a normalized value around its surfaces, as a fraction of half the size of the bounds.
+/// A normalized value stops growing at this distance from surfaces, as a fraction of half the size of the bounds.
 const NORMALIZED_FRACTION: f32 = 1.0;
 const TAMED_REACH: f32 = 8.0;
 

@@ -1,12 +1,12 @@
 //! The light that shining objects give to their surroundings. It is the counterpart of ambient occlusion: an object
 //! that hides a part of the sky from a surface sends its own light to the surface instead. Once per surface point, the
 //! shader probes a point above the surface and runs one program, which computes the emission and the distance of
-//! shining objects nearby. Only scenes with emission have this cost. Other light travels from surface to surface only
-//! by mirrors.
+//! shining objects nearby. Only scenes with emission have this cost. Apart from this light, only mirrors send light
+//! from surface to surface.
 //!
 //! Shining objects are mixed by the inverse squares of their distances, so that there are no visible seams. Such a
-//! weight is never 0, so a shortened tape cannot leave an object out. These objects cause most of the work that remains
-//! after shortening. Weights that become 0 at the reach of the light would change images.
+//! weight is never 0, so a shortened tape cannot leave out even distant objects, which cause most of its work. Weights
+//! that become 0 at the reach of the light would avoid that work, but would change images.
 //!
 //! Tried: skipping the program if no shining object is within reach. In most scenes nearly every surface has a
 //! shining object within reach (in speakers 19 % of the pixels have none, in clockwork 79 %).

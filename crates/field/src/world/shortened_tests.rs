@@ -168,7 +168,7 @@ fn programs_are_shortened_where_surfaces_are() {
     let whole = whole_texels(&buffers, &frame);
     let distance = Tape::build(&world.graph, &world.roots.distance, &TapeOptions::default()).unwrap();
     let mut distance = crate::tape::PointEvaluator::new(&distance, &frame);
-    // The numbers of shortened tapes near surfaces and away from surfaces, with and without known surfaces.
+    // How many tapes are shorter, near surfaces and away from them: first with known surfaces, then with unknown ones.
     let (mut near, mut away) = ([0; 2], [0; 2]);
     for number in 0..40_000 {
         let mut at = point(number, 6.0);
@@ -185,7 +185,7 @@ fn programs_are_shortened_where_surfaces_are() {
             }
         }
     }
-    // A block with fewer cells near surfaces may have a shorter tape.
+    // A block's tape only has to serve cells near known surfaces, so known surfaces may give more short tapes.
     assert!(near[1] > 1_000 && near[0] >= near[1], "near: {near:?}");
     assert!(away[0] < away[1], "away: {away:?}");
 }

@@ -121,7 +121,7 @@ float table_history(float u, float v) {
 }
 ";
 
-/// The largest error of drivers in an operator, as a function of the operator's first operand and result.
+/// The largest error that drivers make in an operator's result, given its first operand and its exact result.
 pub(crate) type Disturbance = fn(op: Op, a: f32, result: f32) -> f32;
 
 /// Returns the largest change of the last node of `order` at a point when the results of all operators are disturbed.
@@ -139,7 +139,7 @@ pub(crate) fn spread(
     let mut exact = None;
     let mut largest = 0.0f32;
     for attempt in 0..11 {
-        // A larger disturbance shows jumps nearby; smooth errors grow in proportion.
+        // Larger disturbances reach jumps farther away. Smooth errors are proportional, so divide by the size below.
         let size = if attempt % 2 == 0 { 1.0 } else { 4.0 };
         for &id in order {
             // Some drivers give an exact whole number where others give a number close to it, as at the ends of a TANH.

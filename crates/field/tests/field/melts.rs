@@ -1,4 +1,4 @@
-//! Melts of the shipped scenes, traced on the CPU: both scenes are visible at fractions from 0.2 to 0.8.
+//! Traces melts of the shipped scenes: at fractions from 0.2 to 0.8, both scenes must be visible.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 

@@ -48,7 +48,7 @@ struct Cell {
     side: f32,
 }
 
-/// Cells of a cube, divided where a surface may be, and computed when a ray first needs them.
+/// The cells of a cube. They are divided where a surface may be, and computed when a ray first needs them.
 struct Cells<'a> {
     bounds: GradientIntervals<'a>,
     half: f32,
@@ -147,7 +147,7 @@ fn trace(
                 return traced;
             }
             closings += 1;
-            // Use the secant, but stay away from both ends so that both close in.
+            // Use the secant's zero, but keep away from both ends, so that both ends move inwards.
             let fraction = (above / (above - below)).clamp(0.1, 0.9);
             t = before + fraction * (far - before);
             continue;

@@ -2,8 +2,8 @@
 //!
 //! The objects and cameras of two scenes may be far apart. The second scene is therefore moved, and turned around the
 //! vertical, until its eye and line of sight coincide with the first scene's. Then the visible object of the first
-//! scene turns into the visible object of the second scene, the camera hardly has to move, and lamps are as near as in
-//! their own scenes.
+//! scene turns into the visible object of the second scene, the camera hardly has to move, and lamps are as near to
+//! objects as in their own scenes.
 
 use crate::graph::{Graph, NodeId};
 use crate::lang::Camera;
@@ -11,10 +11,10 @@ use crate::world::Bounds;
 
 pub(super) type Vector = [NodeId; 3];
 
-/// A position of the second scene in the first: `second = turned(first) + offset`.
+/// The position of the second scene within the first: `second = turned(first) + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alignment {
-    /// Cosine and sine of the turn from the first line of sight to the second, around the vertical.
+    /// Cosine and sine of the angle around the vertical from the first line of sight to the second.
     turn: [f32; 2],
     offset: [f32; 3],
 }
@@ -23,7 +23,7 @@ impl Alignment {
     /// The alignment that leaves both scenes unchanged.
     pub const NONE: Self = Self { turn: [1.0, 0.0], offset: [0.0; 3] };
 
-    /// The alignment that gives two cameras the same eye and direction. Use the cameras of the middle of the blend.
+    /// The alignment that gives two cameras the same eye and direction. Pass the cameras at half of the blend.
     pub fn of(from: &Camera<f32>, to: &Camera<f32>) -> Self {
         let yaw = |camera: &Camera<f32>| {
             let [x, z] = [0, 2].map(|axis| camera.target[axis] - camera.position[axis]);

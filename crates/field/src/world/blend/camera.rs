@@ -1,8 +1,8 @@
 //! The camera of a blend, between the cameras of two scenes.
 //!
 //! The target moves in a straight line. The line of sight turns around the target by yaw and pitch, in the shorter
-//! direction, and its length is mixed. Between two cameras that look at an object from opposite sides, the camera
-//! therefore moves around the object and does not pass through its own target.
+//! direction, and its length is interpolated. Between two cameras that look at an object from opposite sides, the
+//! camera therefore moves around the object and does not pass through its own target.
 
 use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Camera;
@@ -67,8 +67,8 @@ fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
     graph.sub(turn, whole)
 }
 
-/// Returns the reciprocal of a camera's focus distance, because blur is proportional to the reciprocal. An infinite
-/// focus distance stands for the target's distance.
+/// Returns the reciprocal of a camera's focus distance, because blur is proportional to the reciprocal. If the focus
+/// distance is infinite, the camera focuses on its target.
 fn nearness(graph: &mut Graph, camera: &Camera, line: &LineOfSight) -> NodeId {
     let (one, largest) = (graph.constant(1.0), graph.constant(f32::MAX));
     let size = graph.abs(camera.focus);

@@ -14,7 +14,7 @@ const STEPS_IN: usize = 40;
 const STEP_IN: f32 = 0.04;
 /// Depths are clamped to this range. The upper end is the depth of a hollow shell.
 const RANGE: (f32, f32) = (0.05, 0.5 * HOLLOW);
-/// Quantile of the depths that represents the scene.
+/// The depth of a scene is this quantile of its rays' depths.
 const QUANTILE: f32 = 0.5;
 
 /// Returns the median depth of the solids that rays from the side's camera hit at time 0, in silence. If all rays miss,

@@ -6,7 +6,7 @@
 //! ([`yielding`]). The old scene shrinks onto the surfaces of the new scene, and the new scene grows out of the old
 //! one. q is proportional to the depth of the scene's solids ([`super::depth`]): at a fraction of 0.2 the solids have
 //! lost half of their depth. Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`],
-//! so that they vanish in time.
+//! so that they vanish before the melt ends.
 //!
 //! **Slopes.** f has a slope of at most 1 / [`REACH`], so (a + q*f(b)) / (1 + q/[`REACH`]) has a slope of at most 1.
 //! The maximum of this quotient and a has the same surfaces, and allows longer steps far from surfaces. Solids are at
@@ -82,10 +82,10 @@ pub(super) fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> Melt {
     Melt { planes, rest, owner, haze }
 }
 
-/// Returns the depth q that solids lose far from the other side. The arguments include the fractions of the other side
-/// and of the solids' own side.
+/// Returns the depth q that solids lose far from the other side. The last argument is the fraction of the other side,
+/// then the fraction of the solids' own side.
 fn lost(graph: &mut Graph, depth: f32, [other_fraction, own_fraction]: [NodeId; 2]) -> NodeId {
-    // At an own fraction of 0.2, q is half of the depth.
+    // If the solids' own fraction is 0.2, q is half of the depth.
     let [least, eighth] = [LEAST, 0.125 * depth].map(|number| graph.constant(number));
     let own_fraction = graph.max(own_fraction, least);
     let ratio = graph.div(other_fraction, own_fraction);
@@ -142,7 +142,7 @@ fn hollow(graph: &mut Graph, value: NodeId) -> NodeId {
     graph.max(value, farther_in)
 }
 
-/// Computes [`Melt::owner`] and [`Melt::haze`]. The arguments contain both values for the planes.
+/// Computes [`Melt::owner`] and [`Melt::haze`]. The tuple holds the planes, and the owner and haze of points on them.
 fn owner(
     graph: &mut Graph,
     (planes, owner_of_planes, haze): (&[NodeId], NodeId, NodeId),
@@ -165,7 +165,7 @@ fn owner(
         nearer = graph.select(is_plane, owner_of_planes, nearer);
         own_haze = graph.select(is_plane, haze, zero);
     }
-    // Fade materials in proportion to the fraction at both ends.
+    // Near the start and the end of the melt, limit the weight in proportion to the fraction.
     let begin = graph.constant(1.0 / BEGIN);
     let come = graph.mul(s, begin);
     let remaining = graph.sub(one, s);

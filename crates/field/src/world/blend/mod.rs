@@ -10,8 +10,8 @@
 //!
 //! **Mixed quantities.** The light of shining objects is weighted by the fraction of their scene. Lights change in the
 //! middle half of the transition, and the tone map changes at the middle. Sky, reach, image settings and camera are
-//! mixed. A surface has the material of the nearest object in its scene. A melt selects the scene by the nearer
-//! surface, a portal by the side.
+//! mixed. A surface has the material of the nearest object in its scene. In a melt the nearer surface decides which
+//! scene that is; in a portal, the side of the portal.
 
 mod alignment;
 mod camera;
@@ -219,8 +219,8 @@ fn whole(name: String, shape: NodeId) -> Object {
 }
 
 /// The value of [`World::shadow_step_growth`] in blends. A shadow ray that creeps along a surface then travels about 20
-/// units. Tried: the same growth for a ray's hits, so that rays along the last rock of a tunnel end. With twice this
-/// growth a speck appeared in the sky where there was no surface.
+/// units. Tried: the same growth for the distance at which a ray hits, so that rays along the last rock of a tunnel
+/// end. With twice this growth a speck appeared in the sky where there was no surface.
 const SHADOW_STEP_GROWTH: f32 = 0.004;
 
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
@@ -239,9 +239,9 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     Ok(())
 }
 
-/// Shrinks the solids until the eye is outside of them, because there may be solids between the two cameras. Each
-/// camera has a distance from its own scene's surfaces; the eye keeps at least half of the smaller distance. At the
-/// beginning and at the end the eye is already far enough away, so nothing changes.
+/// Shrinks the solids until the eye is outside of them, because the eye moves between two cameras, where there may be
+/// solids. Each camera has a distance from its own scene's surfaces; the eye keeps at least half of the smaller
+/// distance. At the beginning and at the end the eye is already far enough away, so nothing changes.
 fn clear_of_the_eye(
     graph: &mut Graph,
     rest: Steps,
@@ -321,7 +321,7 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
 }
 
 /// Returns the lights of both sides, weighted by the fractions. Lights change in the middle half of the transition,
-/// because shadow rays of both sides cost most near the ends, where the surfaces of one scene are nearly whole.
+/// because near the ends, where the surfaces of one scene are nearly whole, shadow rays of both sides cost most.
 fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
     let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
     let s = graph.sub(s, half);

@@ -1,8 +1,8 @@
 //! Portals: the second scene is inside a shape and the first scene is outside, by exact constructive solid geometry.
 //!
 //! **Sides.** Surfaces and their materials belong to a side. Lights, sky and glow are mixed by the fraction instead,
-//! because a light that shines on one side only would need the side at every step of its rays. A surface that the
-//! portal cuts has the material of the object on the nearer side.
+//! because a light that shines on one side only would need the side at every step of its shadow rays. Where the portal
+//! cuts through a solid, the cut has the material of the side whose surface is nearer.
 
 use super::alignment::Vector;
 use super::side::{self, Side, Steps};
@@ -141,11 +141,11 @@ fn portal(
     })
 }
 
-/// Planes, other surfaces, and the numbers of the material.
+/// Planes, other surfaces, and the values of the material.
 type Through = (Vec<NodeId>, Option<Steps>, Vec<NodeId>);
 
-/// Puts the first scene outside of the portal and the second one inside. `to` is the second scene, with the numbers of
-/// images and parameters that precede its own.
+/// Puts the first scene outside of the portal and the second one inside. `to` is the second scene, with how many images
+/// and parameters of the first scene precede its own.
 pub(super) fn through(
     graph: &mut Graph,
     (a, b): (&Side, &Side),

@@ -11,7 +11,7 @@ use crate::world::World;
 pub(super) struct Side {
     /// The planes, each with slope 1.
     pub(super) planes: Vec<NodeId>,
-    /// True if rays may not step by the values.
+    /// True if the values are not distances, so that rays must not step by them.
     pub(super) non_lipschitz: bool,
     pub(super) bounds: Option<Bounds>,
     pub(super) rest: Option<Steps>,
@@ -20,14 +20,14 @@ pub(super) struct Side {
     pub(super) glow: Option<[NodeId; 4]>,
     pub(super) lights: Vec<Light>,
     pub(super) camera: Camera,
-    /// The blend's parameters up to this side's own parameters, with the scenes' defaults.
+    /// Parameters in the blend's order: 0 for those before this side's own, then this scene's defaults.
     pub(super) params: Vec<f32>,
     pub(super) sky: Sky,
     pub(super) picture: Picture,
 }
 
 impl Side {
-    /// Copies a world into the graph. `before` are the numbers of images and parameters that precede the world's own.
+    /// Copies a world into the graph. `before`: how many images and parameters precede its own.
     pub(super) fn of(
         graph: &mut Graph,
         world: &World,

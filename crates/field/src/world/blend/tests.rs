@@ -306,12 +306,12 @@ fn parameters_of_both_scenes_are_independent() {
 
 #[test]
 fn far_from_a_scene_rays_are_as_fast_as_in_it_alone() {
-    // Upwards from the ground, through a tunnel's rock, both values change equally fast in opposite directions.
+    // Upwards from the ground, the ground's value rises as fast as the value in the tunnel's rock falls.
     let (ground, tunnel) = (world_of("p.y + 2 + 0*length(p)"), world_of("2 - length(p.xy)"));
     let melt = World::blend(&ground, &tunnel, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
     let at = |x: f32, y: f32| distance(&melt, [x, y, 0.0], &frame(&ground, &tunnel, 0.5));
     for height in [10.0, 100.0, 400.0] {
-        // The rock ends at a distance of 5 from the middle.
+        // The rock ends at a distance of 5 from the tunnel's axis.
         assert!(at(0.0, height) > 0.9 * (height - 5.0), "{} at {height}", at(0.0, height));
     }
     assert!(at(0.0, -3.5) >= -1.5, "solids may shrink only a little around the eye");
