@@ -1,4 +1,4 @@
-//! Notices about tracks, shown over the frame one after another.
+//! Notices, such as the names of tracks, shown over the frame one after another.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -65,13 +65,13 @@ impl Announcer {
         }
     }
 
-    /// Announces a change of track. Reports new track errors and missed audio, also on the terminal.
+    /// Announces a change of track. Reports new track errors and missed audio, over the frame and on the terminal.
     pub(crate) fn look(&mut self, status: &PlayerStatus) {
         self.look_at_track_errors(&status.track_errors);
         self.look_at_missed_audio(status.missed_audio);
         let track = (status.track.id, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
-            // Do not announce the first track: the first notice about the scene names the track.
+            // Do not announce the first track: the first notice, about the scene, names it too.
             if self.track.is_some() {
                 self.answer(described(&status.track));
             }

@@ -1,4 +1,4 @@
-//! Carries out the commands of all senders.
+//! Carries out commands, whoever sends them.
 
 use super::{Interface, Playback, Session};
 use crate::commands::{Command, Panel, SceneName, Sender, SetSetting, ShowState};

@@ -47,7 +47,7 @@ impl Session {
         if self.playback.scene.revision() != before {
             self.playback.controllers.note_turned(since, self.playback.scene.revision());
         } else if self.playback.scene.shown_parameters().are_turning() {
-            // The parameter still has its old value. The next frame shows its first step, with revision `before + 1`.
+            // The parameter moves gradually and still has its old value. The frame `before + 1` shows the first step.
             self.playback.controllers.note_turned(since, before + 1);
         }
         self.playback.answer(learned);

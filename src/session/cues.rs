@@ -10,7 +10,7 @@ use mariana_music::SongStructure;
 #[derive(Default)]
 pub(super) struct Cues {
     track: OfTrack,
-    /// The show without key presses, and the structure of its song.
+    /// The show before any key press, and the structure of its song.
     show: Option<(Arc<PreparedShow>, Arc<SongStructure>)>,
     /// Times of the key presses in seconds of the song, ascending.
     pressed: Vec<f64>,
@@ -49,7 +49,7 @@ impl Cues {
         Some(Arc::new(show.with_cues(song, &self.pressed)))
     }
 
-    /// Notes a key press at `time` seconds of the song. After a seek back, later presses are forgotten.
+    /// Notes a key press at `time` seconds of the song. Forgets presses at later times, as after a seek back.
     pub(super) fn press(&mut self, time: f64) -> Pressed {
         let Some((show, song)) = &self.show else { return Pressed::NoCues };
         let cues = show.cues();

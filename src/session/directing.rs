@@ -17,7 +17,7 @@ impl Session {
         let playing = self.playback.listening.playing();
         let (follow, words) = match (self.playback.direction.follows(playing), playing) {
             (true, _) => (FollowChoice::Off, "the scene stays: press A to let scenes follow the song"),
-            // Not `On`, because the next run must keep a scene that its command line names.
+            // Not `On`: with `On`, the next run would replace a scene that its command line names.
             (false, Playing::Song | Playing::Demo) => (FollowChoice::Songs, FOLLOWS),
             (false, Playing::Input) => (FollowChoice::On, FOLLOWS),
         };
@@ -31,7 +31,7 @@ impl Playback {
         let Some(moment) = moment else { return };
         self.controllers.note_sound(&moment.features, &moment.song, clock::now());
         let (track, playing) = (self.listening.track_of(moment), self.listening.playing());
-        // The structure of an input is unknown in advance.
+        // An input gets an empty structure, because its sections are unknown in advance.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
         let scene = &self.scene;
         match self.direction.update(track, playing, song.clone(), || scene.library().all_sources()) {

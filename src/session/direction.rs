@@ -45,7 +45,7 @@ pub(crate) struct Direction {
     asked: Arc<Mutex<Asked>>,
     named: Option<ShowSource>,
     follow: FollowChoice,
-    /// True if the command line names a scene. This scene stays.
+    /// True if the command line names a scene, which then stays.
     names_scene: bool,
     of: Option<(ShowSource, OfTrack)>,
 }
@@ -127,7 +127,7 @@ impl Direction {
                     self.of = Some((source, track));
                     self.loader.request(key);
                 } else if self.of.take().is_some() {
-                    // End the last track's show. The current scene stays until this track is analysed.
+                    // End the previous track's show. The current scene stays until the new track is analysed.
                     return Some(ShowNotice::PreparedShow(None));
                 }
             }
@@ -139,7 +139,7 @@ impl Direction {
         }
         match made.show {
             Ok((prepared_show, None)) => {
-                // The director has no reason to change scenes in a song without sections.
+                // Ignore a show with one clip: without sections in a song, the director has no reason to change scenes.
                 let is_live = made.track.is_none();
                 let says_something = is_live || self.named.is_some() || prepared_show.clips().len() > 1;
                 says_something.then(|| ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
@@ -148,7 +148,7 @@ impl Direction {
                 tracing::warn!("parts of the show do not fit the song:\n{text}");
                 Some(ShowNotice::PreparedShow(Some(Arc::new(prepared_show))))
             }
-            // Report nothing: the loader reports each broken scene.
+            // No scene can be used. Report nothing here: the loader reports each broken scene.
             Err(ShowError::NoScenes) => Some(ShowNotice::PreparedShow(None)),
             Err(error) => {
                 tracing::warn!("{error}");

@@ -23,7 +23,7 @@ impl Session {
     /// Draws the window, or a part of a slow frame. Returns `true` for the first frame, which starts the song.
     pub(super) fn draw(&mut self) -> Result<bool, SessionError> {
         if let Some(seconds) = self.playback.first_shown_after.take() {
-            // Compile the limiter's programs only now: the first frame is never dimmed.
+            // Compile the limiter's programs only after the first frame, which is never dimmed.
             self.playback.renderer.limit_flashes(seconds)?;
         }
         let begun = clock::now();
@@ -39,7 +39,7 @@ impl Session {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
         };
-        // Slow frames and late redraw requests must not make the show look idle: an idle show restarts its frame.
+        // Note this during slow frames too: the show must not look idle, because an idle show restarts its frame.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
         let level = self.playback.level(begun);
         let drawn = drawn_size(level, whole, self.playback.side_max(&*self.screen));
@@ -93,7 +93,7 @@ impl Session {
             return self.show_waiting(size).map(|()| false);
         };
         let handing_over = clock::now();
-        // Without a new frame, only the overlay or the window may have changed.
+        // While a new frame is in progress, paint only if the overlay or the window has changed.
         let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
         let has_words = self.interface.overlay.due(&content, begun).is_some_and(|due| due <= begun)
             && self.screen.shows_words();
@@ -165,7 +165,7 @@ struct Picture {
 }
 
 impl Playback {
-    /// Draws the wanted frame or a part of it; `whole` is the screen's size in pixels. Returns finished frames.
+    /// Draws the wanted frame or a part of it; `whole` is the full size in pixels. Returns the finished frame.
     fn draw_picture(
         &mut self,
         wanted: Shown,
@@ -178,7 +178,7 @@ impl Playback {
         if is_there || waits_for_text {
             return Ok(None);
         }
-        // The curves cost more than all other inputs of a frame, so they are computed only for scenes that read them.
+        // Curves of the sound cost more than all other inputs, so they are computed only for scenes that read them.
         let hears_curves = self.scene.scenes().hear_curves();
         let curves = if hears_curves { self.listening.curves() } else { Default::default() };
         let Shown { moment, size, .. } = wanted;
@@ -252,7 +252,7 @@ impl Playback {
         screen.gl().info().texture_side_max
     }
 
-    /// If the frame in progress is too slow, draws it with fewer pixels. If it stays too slow, removes the scene.
+    /// If the frame in progress is too slow, draws it with fewer pixels. If that does not help, removes the scene.
     fn weigh_picture(&mut self, level: Level, now: Instant) {
         let Some(seconds) = self.scene.composer().seconds_of_picture() else { return };
         match self.pace.weigh(level, seconds, now) {
@@ -264,7 +264,7 @@ impl Playback {
         }
     }
 
-    /// Returns the value in `made`. If the driver has no memory for the frame, skips it; the next frame is smaller.
+    /// Returns the value in `made`. If the driver has no memory for a frame, skips the frame and reduces the next.
     fn without_room_smaller<T>(&mut self, made: Result<T, GpuError>) -> Result<Option<T>, GpuError> {
         match made {
             Err(GpuError::Object { what, reason }) if self.pace.make_smaller() => {
@@ -279,8 +279,8 @@ impl Playback {
         }
     }
 
-    /// Returns the cost of a frame. `drawing` is the time until the hand-over, `showing` includes the hand-over. The
-    /// hand-over usually waits for the monitor, but a software renderer still draws then.
+    /// Returns the cost of a frame. `drawing` is the time until the frame is handed over to the window system,
+    /// `showing` includes the hand-over: usually a wait for the monitor, but with a software renderer still drawing.
     pub(super) fn cost(&mut self, screen: &mut dyn Screen, drawing: Duration, showing: Duration) -> Duration {
         match (screen.gl().info().software, self.renderer.gpu_time()) {
             (true, _) => showing,

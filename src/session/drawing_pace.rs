@@ -11,7 +11,7 @@ use crate::session::pacing::Pacing;
 use crate::session::scene::Shown;
 use mariana_player::Moment;
 
-/// An idle show gets the best quality after this time.
+/// A show that has not changed for this time is idle, and is drawn in the best quality.
 const STANDS_STILL: Duration = Duration::from_millis(400);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +58,7 @@ pub(crate) struct DrawingPace {
     pacing: Pacing,
     resolution: DynamicResolution,
     times: FrameTimes,
-    /// The last frame. An idle show is not drawn again.
+    /// The last shown frame. An equal frame is not drawn again.
     shown: Option<Shown>,
     window_size: Option<(u32, u32)>,
     moved: Instant,
@@ -119,7 +119,7 @@ impl DrawingPace {
         self.shown.filter(same).map_or(now, |shown| shown.moment)
     }
 
-    /// Notes the frame that would be shown at `now`. Returns `true` if it differs from the last one.
+    /// Notes the frame that would be shown at `now`. Returns `true` if it differs from the last shown frame.
     pub(crate) fn note_wanted(&mut self, moment: Option<Moment>, revision: u64, now: Instant) -> bool {
         let moves = self.shown.is_none_or(|shown| moment != Some(shown.moment) || shown.revision != revision);
         if moves {
@@ -132,7 +132,7 @@ impl DrawingPace {
         now.saturating_duration_since(self.moved) >= STANDS_STILL
     }
 
-    /// The level of the next frame: the best for an idle show, and for a view, whose legend must be readable.
+    /// The level of the next frame. An idle show gets the best, and so does a view: its legend must be readable.
     pub(crate) fn level(&self, now: Instant, is_view: bool) -> Level {
         if self.stands_still(now) || is_view {
             self.resolution.still_level()
@@ -146,7 +146,7 @@ impl DrawingPace {
         self.resolution.set_edited(edited);
     }
 
-    /// True if an idle show could be drawn at a better quality with textures of up to `side_max` texels.
+    /// True if the last frame lacks pixels or samples of the current level, with sides of at most `side_max`.
     pub(crate) fn could_be_better(&self, now: Instant, is_view: bool, side_max: u32) -> bool {
         let Some((shown, window)) = self.shown.zip(self.window_size) else { return false };
         let level = self.level(now, is_view);
@@ -171,7 +171,7 @@ impl DrawingPace {
         self.resolution.to_string()
     }
 
-    /// Judges a frame that will take `seconds`. A frame of an idle show may be slow.
+    /// Judges a frame that will take `seconds`. While the show is idle, a slow frame is accepted.
     pub(crate) fn weigh(&mut self, level: Level, seconds: f64, now: Instant) -> Verdict {
         if level != self.resolution.level() {
             Verdict::GoOn
@@ -193,7 +193,7 @@ impl DrawingPace {
         self.shown.replace(shown).is_none()
     }
 
-    /// Notes a new frame that was shown after `time`. `cost` excludes the wait for the monitor.
+    /// Notes that drawing and showing a new frame took `time`. `cost` excludes the wait for the monitor.
     pub(crate) fn note_times(&mut self, level: Level, time: Duration, cost: Duration) {
         self.times.note(time);
         if level == self.resolution.level() {
@@ -208,7 +208,7 @@ pub(crate) fn drawn_size(level: Level, window: (u32, u32), side_max: u32) -> (u3
     level.size_in(within_pixels(within, LIMITS.picture_pixels_max))
 }
 
-/// A size of at most `max` pixels with the same aspect ratio, up to rounding.
+/// A size of at most `max` pixels with the aspect ratio of `size`, up to rounding.
 fn within_pixels(size: (u32, u32), max: u64) -> (u32, u32) {
     let pixels = f64::from(size.0) * f64::from(size.1);
     let scale = (max as f64 / pixels.max(1.0)).sqrt().min(1.0);

@@ -1,13 +1,13 @@
-//! Keeps the window's frame rate: when frames are slow, they get fewer pixels and cheaper terms; when there is time,
-//! they get more.
+//! Keeps the window's frame rate: slow frames get fewer pixels and cheaper shading; when there is time left, both are
+//! restored.
 //!
 //! A pure controller: it takes frame times and costs, and returns a level. It reduces the level within a quarter of a
-//! second, by as many steps as needed, and raises it by one step after seconds without a slow frame. A level that was
-//! raised too early is retried after longer and longer waits, so that the level does not oscillate.
+//! second, by as many steps as needed, and raises it by one step after a few seconds without a slow frame. After a step
+//! that proved too early, it waits longer before the next, so that the level does not oscillate.
 //!
 //! **Only the window adapts.** Stills, videos, measurements and the frame of an idle show use the best level. A level
-//! sets the number of pixels, which `upscale.frag` enlarges, and the shaders' `frame_quality`, which makes costly,
-//! hardly visible terms cheaper. The cost of a frame is the time reported by the GPU's timer, or the wall time with a
+//! sets the number of pixels, which `upscale.frag` enlarges, and the shaders' `frame_quality`, which makes costly but
+//! hardly visible shading cheaper. The cost of a frame is the time reported by the GPU's timer, or the wall time with a
 //! software renderer.
 
 use std::collections::VecDeque;
@@ -58,9 +58,9 @@ const POOR: usize = 8;
 /// Below this many frames per second a show does not seem to move.
 const FPS_USABLE: f64 = 24.0;
 
-/// Before the level is reduced, all frames of this time span are examined, and at least this number of frames.
+/// Before the level is reduced, the frames of this time span are examined, and at least this many frames.
 const LOOK: (Duration, usize) = (Duration::from_millis(250), 3);
-/// Two frames in a row that exceed their time by this factor reduce the level at once.
+/// Two frames in a row that take this many times as long as allowed reduce the level at once.
 const FAR_TOO_LONG: f64 = 4.0;
 /// Initial and maximum time without slow frames before a better level is tried.
 const PATIENCE: (Duration, Duration) = (Duration::from_secs(2), Duration::from_secs(64));
@@ -70,12 +70,12 @@ const TOO_EARLY: Duration = Duration::from_secs(12);
 /// If a better level holds for this time, the initial [`PATIENCE`] applies again.
 const FORGOTTEN: Duration = Duration::from_secs(60);
 const FRAMES_MAX: usize = 4096;
-/// Frames that are ignored after a change of level, because targets are created and the GPU's times arrive late.
+/// Number of frames ignored after a change of level: they also create targets, and GPU times arrive late.
 const SETTLING: usize = 1;
 /// After a longer gap without frames, earlier costs are ignored.
 const PAUSE: Duration = Duration::from_secs(3);
-/// Fractions of the time for a frame. The controller reduces the level above `FULL`, aims at `AIM`, and raises the
-/// level if the cost would stay below `FREE`.
+/// Fractions of the time allowed for a frame. The controller reduces the level above `FULL`, aims at `AIM`, and raises
+/// the level if the cost would stay below `FREE`.
 const FULL: f64 = 0.97;
 const AIM: f64 = 0.8;
 const FREE: f64 = 0.72;
@@ -113,14 +113,14 @@ pub(crate) struct DynamicResolution {
     settling: usize,
     /// True if fewer samples are taken because the scene is being edited.
     edited: bool,
-    /// True if the next valid cost alone chooses the level.
+    /// True until the first valid cost, which alone chooses the level.
     begins: bool,
     /// True once the driver has had no memory for a frame.
     lacks_room: bool,
     last: Option<Instant>,
     patience: Duration,
     tried: Option<Instant>,
-    /// The level and the cost before a reduction, until its effect is known.
+    /// The level and the cost before the last reduction, until the effect of the reduction is known.
     gave_way: Option<(usize, f64)>,
     helpless_until: Option<Instant>,
     helpless: Duration,
@@ -152,8 +152,8 @@ impl DynamicResolution {
         }
     }
 
-    /// Creates the controller for a software renderer. The first frame has the fewest pixels, because at full size
-    /// its targets and unfinished parts took 0.1 s. The cost of the first frame then chooses the level.
+    /// Creates the controller for a software renderer. The first frame has the fewest pixels: at full size, its targets
+    /// and parts that were never finished took 0.1 s. The cost of the first frame then chooses the level.
     pub(crate) fn beginning_small(choice: QualityChoice, fps: f64) -> Self {
         let new = Self::new(choice, fps);
         if choice == QualityChoice::Auto {
@@ -226,7 +226,7 @@ impl DynamicResolution {
         }
     }
 
-    /// Notes a frame's expected time in seconds. Returns `true` if it should be restarted at another level.
+    /// Notes a frame's expected time in seconds. Returns `true` if the frame should be restarted at another level.
     pub(crate) fn expects(&mut self, now: Instant, seconds: f64) -> bool {
         let before = self.level;
         if self.choice == QualityChoice::Auto && seconds > FAR_TOO_LONG * self.time_at(self.level) {
@@ -235,10 +235,11 @@ impl DynamicResolution {
         self.level != before
     }
 
-    /// Draws fewer pixels, even if frames are fast. Returns `false` if no frame, moving or still, can get smaller.
+    /// Draws smaller frames, even if frames are fast. Returns `false` if neither moving nor still frames can get
+    /// smaller.
     pub(crate) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
-        // Until the first lack of memory, stills have all pixels.
+        // The first lack of memory reduces stills, which had all pixels until then.
         let shrinks_stills = !std::mem::replace(&mut self.lacks_room, true);
         if has_smaller {
             self.change(self.level + 1);
@@ -262,7 +263,7 @@ impl DynamicResolution {
         (self.frames.len() >= count).then(|| self.cost_of(count, 0.5))?
     }
 
-    /// Returns the cost that a fraction `part` of the last `count` frames does not exceed.
+    /// Returns the quantile `part`, 0..1, of the costs of the last `count` frames.
     fn cost_of(&self, count: usize, part: f64) -> Option<f64> {
         let mut costs: Vec<f64> = self.frames.iter().rev().take(count).map(|(_, cost)| *cost).collect();
         costs.sort_by(f64::total_cmp);
@@ -313,7 +314,7 @@ impl DynamicResolution {
         // Do not raise the level during edits: it might fit only because frames use fewer samples.
         let Some(better) = self.level.checked_sub(1).filter(|_| !self.edited) else { return };
         let since = self.frames.front().map(|(then, _)| now.saturating_duration_since(*then));
-        // The stored frames span slightly less time than the patience.
+        // Add `LOOK`, because the stored frames span slightly less time than the patience.
         let waited = since.is_some_and(|since| since + LOOK.0 >= self.patience);
         if !waited || self.frames.len() < PATIENCE_FRAMES {
             return;

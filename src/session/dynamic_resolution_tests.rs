@@ -210,7 +210,7 @@ fn an_edited_scene_saves_samples_and_recovers_when_the_text_rests() {
     window.show(1.0, cost);
     let edited = window.dynamic_resolution.level;
     assert!(edited > 0, "slow frames still reduce the level");
-    // There is time left, but the restored samples will need it.
+    // There is time left, but it is needed for the samples that are restored after the edit.
     window.show(30.0, |_, _| 0.001);
     assert_eq!(window.dynamic_resolution.level, edited);
     window.dynamic_resolution.set_edited(false);

@@ -38,7 +38,7 @@ impl Session {
         self.follow_editor();
     }
 
-    /// Takes input for the editor. Returns `true` if the text consumed it.
+    /// Takes input for the editor. Returns `true` if the text consumed the input.
     pub(super) fn take_for_editor(&mut self, input: &Input) -> bool {
         if !self.interface.is_edited() {
             return false;
@@ -90,7 +90,7 @@ impl Session {
     pub(super) fn follow_editor(&mut self) {
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
         let commands = editor.take_commands();
-        // Load the text once, regardless of the number of keys.
+        // Load the text only once for all these keys.
         let (reloads, others): (Vec<_>, Vec<_>) =
             commands.into_iter().partition(|command| *command == Command::ReloadScene);
         if !reloads.is_empty() {

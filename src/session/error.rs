@@ -21,13 +21,13 @@ pub enum SessionError {
         "the window is gone because its display ended or closed the connection: start Mariana in a running session"
     )]
     DisplayLost,
-    /// A wallpaper on Wayland without the required protocol.
+    /// The Wayland compositor lacks the protocol for wallpapers.
     #[error(
         "this Wayland compositor lacks the protocol zwlr_layer_shell_v1, which --wallpaper needs: start Mariana in \
          an X11 session, or in one of KDE Plasma, Sway, Hyprland or another compositor with that protocol"
     )]
     NoLayerShell,
-    /// A wallpaper without a monitor.
+    /// There is no monitor for the wallpaper.
     #[error("no monitor was found: connect a monitor")]
     NoMonitor,
     /// The system cannot start a thread.

@@ -41,7 +41,7 @@ pub(crate) struct FrameSenders {
     size: (u32, u32),
     period: Duration,
     due: Instant,
-    /// True if the shown frame has not been read.
+    /// True if the shown frame has not been read back.
     is_new: bool,
     was_wanted: bool,
 }
@@ -52,7 +52,7 @@ impl FrameSenders {
         Self { sends, reader: None, size, period, due: clock::now(), is_new: false, was_wanted: true }
     }
 
-    /// True if frames are sent, so that a hidden window is drawn too.
+    /// True if frames are sent. Then even a hidden window is drawn.
     pub(crate) fn are_any(&self) -> bool {
         !self.sends.is_empty()
     }
@@ -66,7 +66,7 @@ impl FrameSenders {
         self.is_new = !self.sends.is_empty();
     }
 
-    /// Starts to read the shown frame if it is due. Sends frames that have been read. Returns when to call this
+    /// Starts to read back the shown frame if one is due. Sends frames that have been read. Returns when to call this
     /// again.
     pub(crate) fn go_on(
         &mut self,

@@ -13,7 +13,7 @@ pub(crate) struct Probing {
     prober: Option<Prober>,
     /// Maps positions in the window to positions in the frame, both as fractions.
     map: Option<Map>,
-    /// The frame of the last ray statistics.
+    /// Number of the frame for which ray statistics were last requested.
     surveyed: Option<u64>,
 }
 

@@ -1,4 +1,4 @@
-//! The placement of a frame on its screen, and copies of the frame.
+//! Places a frame on its screen, and copies the frame there.
 
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
@@ -23,7 +23,7 @@ pub(crate) struct Panel {
 }
 
 impl Lay {
-    /// Copies the frame to the current window of `size` pixels. `area` is the part that shows the screen.
+    /// Copies the frame to the current window of `size` pixels; `area` of the window represents the screen.
     pub(crate) fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
         let inner = self.inner(renderer);
         if self.placement.is_plain() && inner == WHOLE && area == WHOLE {
@@ -60,12 +60,12 @@ impl Lay {
         renderer.show_in_part(size, area, &map, self.placement.part())
     }
 
-    /// Maps positions in a window to positions in the frame, as fractions. `area` is the part that shows the screen.
+    /// Maps positions in a window to positions in the frame, as fractions; `area` of the window represents the screen.
     pub(crate) fn map(&self, renderer: &Renderer, area: Area) -> Map {
         within(area, &within(self.inner(renderer), &self.placement.map()))
     }
 
-    /// The part of a window of `size` pixels that shows the whole screen.
+    /// The part of a window of `size` pixels that represents the whole screen.
     pub(crate) fn area_in(&self, size: (u32, u32)) -> Area {
         fitted(self.screen, size)
     }

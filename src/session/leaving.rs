@@ -50,7 +50,7 @@ impl Legacy {
         is_due
     }
 
-    /// Returns `true` if `left` must be written at `now`. `before` returns the state that the file had at the start.
+    /// Returns `true` if `left` must be written at `now`. `before` returns the state in the file at the start.
     fn takes(&mut self, left: &Left, before: impl FnOnce() -> Left, now: Instant) -> bool {
         let (written, at) = self.written.get_or_insert_with(|| (before(), now));
         let is_due = now.saturating_duration_since(*at) >= PLACE_PERIOD;
@@ -61,7 +61,7 @@ impl Legacy {
         is_new
     }
 
-    /// Returns `true` if the list of this `revision` must be written. `None` is for removing the saved list.
+    /// Returns `true` if the saved list must be changed to this `revision`; with `None`, if it must be removed.
     fn takes_tracks(&mut self, revision: Option<u64>) -> bool {
         self.tracks.replace(revision) != Some(revision)
     }
@@ -154,7 +154,7 @@ impl Playback {
     }
 }
 
-/// Returns the files of a list; `None` if an entry is built in or only part of a file: a saved list cannot name it.
+/// Returns the files of a list; `None` if an entry is built in or only part of a file: a saved list names whole files.
 fn files_of(list: &ListedTracks) -> Option<Vec<PathBuf>> {
     list.entries.iter().map(|track| track.file.clone().filter(|_| track.start.is_none())).collect()
 }

@@ -31,10 +31,10 @@ pub(crate) struct Listening {
     clock: Option<ClockReading>,
     /// The device's clock in seconds at the last update, and the time of that update.
     clock_now: (f64, Instant),
-    /// True if the user has paused the sound. The player waits for the first frame in any case.
+    /// True if the user has paused the sound. The initial wait for the first frame does not count.
     paused: bool,
     started: bool,
-    /// The volume at the last call of `now`, 0..1.
+    /// Volume of the sound at the last call of `now`, 0..1.
     level: f32,
     playing: Playing,
     track: u64,
@@ -67,7 +67,7 @@ impl Listening {
         self.started
     }
 
-    /// Returns `true` if a song is running. An input never counts, because its clock stops when it falls silent.
+    /// Returns `true` if a song is running. An input does not count: the clock of an input stops in silence.
     pub(crate) fn runs(&mut self) -> bool {
         !self.paused && self.with_song(|player| !player.status().ended).unwrap_or_default()
     }
@@ -116,7 +116,7 @@ impl Listening {
         }
     }
 
-    /// Takes this moment as a beat. Returns a message with the resulting tempo.
+    /// Notes a tapped beat at this moment. Returns a message with the resulting tempo.
     pub(crate) fn tap(&mut self) -> Option<String> {
         let Moment { song_time, .. } = self.sound.now()?;
         self.taps.tap(song_time);
@@ -194,8 +194,8 @@ impl Listening {
         self.sound.take_reported_problems()
     }
 
-    /// The current sound, with its position in the song and the tapped tempo. For a track that is not yet analysed,
-    /// the song data contain only the energy; for an input, the energy, and the bar if it is certain.
+    /// The current sound, with its position in the song and the tapped tempo. For a track that is not yet analysed, the
+    /// song data contain only the energy; for an input, the energy, and the bar if the bar is certain.
     pub(crate) fn now(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
         self.track = now.track;
@@ -205,7 +205,7 @@ impl Listening {
             None => {
                 let energy = self.energy.at(now.song_time, now.features.level_db);
                 let heard = SongMoment::of_live(energy, &now.features);
-                // A measured bar does not match a tapped beat.
+                // Drop the measured bar after taps: it does not match the tapped beats.
                 let is_tapped = self.taps.at(now.song_time).is_some();
                 if is_tapped { SongMoment { energy, ..SongMoment::UNKNOWN } } else { heard }
             }

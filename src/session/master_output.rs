@@ -11,7 +11,7 @@ pub(crate) struct MasterOutput {
     /// Duration of fades to and from black, and of the fade after a freeze.
     fade: Duration,
     is_black: bool,
-    /// Fraction of the light that the blackout leaves, 0..1, and the time of that value.
+    /// Light at the start of the last fade to or from black, 0..1, and the start time of that fade.
     light: (f32, Option<Instant>),
     is_frozen: bool,
     shown: Picture,
@@ -89,7 +89,7 @@ impl MasterOutput {
         !self.is_frozen && self.brightness >= 1.0 && self.light_at(now) >= 1.0
     }
 
-    /// Fraction of the light in a frame shown at `now`, 0..1. A fade is linear in light, not in encoded values.
+    /// Fraction of the light in a frame shown at `now`, 0..1. Fades are linear in light, not in encoded colours.
     pub(crate) fn gain(&self, now: Instant) -> f32 {
         self.brightness * self.light_at(now) * self.shown.brightness
     }

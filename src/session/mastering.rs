@@ -41,7 +41,7 @@ impl Session {
         self.screen.request_redraw();
     }
 
-    /// Moves a corner of the frame; saves it once `settled`. Ignores positions at which the frame could not be drawn.
+    /// Moves a corner of the frame; saves it if `settled`. Ignores positions at which the frame could not be drawn.
     pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
         // Steps finer than a pixel are of no use.
         let place = place.map(|fraction| (fraction * 1e4).round() / 1e4);
@@ -49,7 +49,7 @@ impl Session {
         self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);
     }
 
-    /// Sets all corners and the selected corner. Saves the corners once `settled`.
+    /// Sets all corners and the selected corner. Saves the corners if `settled`.
     pub(super) fn set_corners(&mut self, corners: Corners, selected: usize, settled: bool) {
         if let Some(handles) = &mut self.interface.ui_state.corners {
             handles.take(selected, corners);
@@ -98,7 +98,7 @@ impl Playback {
             self.scene.composer_mut().fading_mut().hold_anew();
         }
         match is {
-            // The show holds the whole frame, so abandon the frame in progress.
+            // A frame held by the show would hide the frame in progress, so abandon the frame in progress.
             Some(1.0..) => self.scene.composer_mut().give_picture_up(),
             fraction => self.scene.composer_mut().mix_held(fraction),
         }
@@ -130,8 +130,8 @@ impl Playback {
 }
 
 impl Interface {
-    /// Returns the part of a window of `size` pixels that shows the frame. The part is as large as possible. While an
-    /// output shows the frame, the part is small, beside the panels, unless corners are moved or panels hidden.
+    /// Returns the part of a window of `size` pixels that shows the frame. It is as large as possible, but small and
+    /// beside the panels while an output shows the frame and neither corners are moved nor panels hidden.
     pub(super) fn note_area(&mut self, screen: &mut dyn Screen, lay: &Lay, size: (u32, u32)) -> Area {
         let is_small = screen.has_output() && !self.ui_state.bare && self.ui_state.corners.is_none();
         self.ui_state.picture = is_small.then(|| small_in(size, lay.screen));

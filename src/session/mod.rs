@@ -117,7 +117,7 @@ pub(crate) struct Playback {
     shaders: ShaderLibrary,
     pace: DrawingPace,
     master_output: MasterOutput,
-    /// Seconds from black to the first frame; `None` once the flash limiter has used the time.
+    /// Seconds from the black window to the first frame; `None` once passed to the flash limiter.
     first_shown_after: Option<f64>,
     preview: Preview,
     frame_senders: FrameSenders,
@@ -136,7 +136,7 @@ pub(crate) struct Interface {
     probing: inspecting::Probing,
     typing_times: TypingTimes,
     thumbnails: Option<Thumbnails>,
-    /// Time at which to request thumbnails of the folder's scenes; `None` once requested.
+    /// Time at which to request thumbnails of the folder's scenes; `None` after the request.
     thumbnails_ahead: Option<Instant>,
     last_folder: Option<PathBuf>,
     folders: Folders,
@@ -233,7 +233,7 @@ impl Session {
         Ok(status.ended && settings.once)
     }
 
-    /// Takes the results of other threads and requests a frame if one is due. Returns the latest time of the next call.
+    /// Takes the results of other threads and requests a frame if one is due. Returns when to call again.
     pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
         let dropped = self.interface.input.take_dropped();
         if !dropped.is_empty() {
@@ -258,7 +258,7 @@ impl Session {
         }
         let to_send = self.playback.send(&mut *self.screen, now)?;
         let edited = self.playback.scene.saves_samples(now);
-        // When the edited text rests, first finish the frame in progress.
+        // After an edit, finish the frame in progress before restoring its samples.
         if edited || !self.playback.scene.composer().is_drawing() {
             self.playback.pace.set_edited(edited);
         }
@@ -360,7 +360,7 @@ impl Playback {
         }
     }
 
-    /// Shows the next or the previous view. Resets the flash limiter, because it would distort the numbers that a
+    /// Shows the next or the previous view. Resets the flash limiter, because limiting would distort the numbers that a
     /// view's colours encode. The key does not repeat, so that only single key presses bypass the limiter.
     pub(super) fn go_view(&mut self, forward: bool) {
         self.scene.go_view(forward);
@@ -390,7 +390,7 @@ impl Playback {
         }
     }
 
-    /// Returns how long an idle session sleeps: shorter while the sound is silent, to notice new sound.
+    /// Returns how long an idle session sleeps: shorter while unpaused in a visible window, to notice new sound.
     fn idle_interval(&self, seen: bool) -> Duration {
         if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
     }
@@ -420,7 +420,7 @@ impl Interface {
         }
         let taken = self.overlay.take_key(key, held.shift_key());
         if taken {
-            // Shows the bar. It stays while it has the focus.
+            // Show the bar, which stays while it has the focus.
             self.pointer_rest.wake(clock::now());
             screen.request_redraw();
         }

@@ -172,7 +172,7 @@ struct OffscreenWindow {
     shared: Rc<RefCell<Shared>>,
     woken: Receiver<()>,
     has_compiler: bool,
-    // The last field, because the target belongs to the context.
+    // The last field: the target belongs to the context and must be dropped first.
     context: Headless,
 }
 
@@ -308,7 +308,7 @@ impl Screen for OffscreenWindow {
     }
 
     fn request_redraw(&self) {
-        // Also called while the screen is showing a frame.
+        // `shared` is already borrowed if this is called while a frame is shown.
         if let Ok(mut shared) = self.shared.try_borrow_mut() {
             shared.is_due = true;
         }

@@ -1,8 +1,8 @@
 //! The start of a session: creates everything that lives as long as the window, on the session's thread.
 //!
-//! **A lost context is replaced.** When the driver reports a lost context, `renewed` drops the context's objects
-//! while the context is still current, and recreates them from the worlds, which are plain values. The song is not
-//! affected. Without memory for a frame, a smaller one is drawn. `faults` lets tests cause both failures.
+//! **A lost context is replaced.** When the driver reports a lost context, `renewed` drops the context's objects while
+//! the context is still current, and recreates them from the parsed scenes, which are plain values. The song is not
+//! affected. If memory is missing for a frame, a smaller frame is drawn. `faults` lets tests cause both failures.
 
 use std::sync::Arc;
 
@@ -226,7 +226,7 @@ fn start_song_reader(folders: &Folders, waker: &Waker) -> Option<SongReader> {
 
 fn output_of(settings: &PlaySettings) -> Target {
     match (settings.device.as_deref(), &settings.choices.output) {
-        // With an input, `device` names the input.
+        // While an input plays, `device` names the input, not an output.
         (Some(DEFAULT_DEVICE), _) => Target::Default,
         (Some(name), _) if settings.listen.is_none() => Target::Named(name.to_owned()),
         (_, Some(id)) => Target::Preferred(id.clone()),

@@ -16,7 +16,7 @@ impl Pacing {
         Self { interval, due: now }
     }
 
-    /// The time of the next frame. A frame that `answers` a controller may begin an interval early.
+    /// The time of the next frame. A frame that `answers` a controller may begin up to one interval early.
     pub fn due(&self, answers: bool) -> Instant {
         let early = if answers { self.interval } else { Duration::ZERO };
         self.due.checked_sub(early).unwrap_or(self.due)

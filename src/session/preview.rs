@@ -1,9 +1,9 @@
-//! A small preview of the next scene in the window. It is shown while there is an output, or if the settings ask for
-//! it.
+//! A small preview of the next scene in the window. It is shown while an output shows the frames, or if the settings
+//! ask for it.
 //!
 //! **The preview takes no time from the show.** It is drawn a few times a second, and only if the time until the next
-//! frame is longer than the last previews took. It is read back without waiting. Only the first preview of a scene is
-//! drawn in any case, because every scene is drawn once before it is shown.
+//! frame is longer than the last previews took. It is read back without waiting. The first preview of a scene is drawn
+//! in any case: every scene must be drawn once before it is shown.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,7 +20,7 @@ use crate::ui::overlay::NextScene;
 use mariana_music::Sound;
 
 const SIZE: (u32, u32) = (160, 90);
-/// Minimum interval between two previews, and between two updates of level and beat.
+/// Minimum interval between two previews, and between two updates of the displayed level and beat.
 const EVERY: Duration = Duration::from_millis(200);
 /// Assumed drawing time before the first measurement.
 const ASSUMED: Duration = Duration::from_millis(6);
@@ -81,7 +81,7 @@ impl Session {
         }
         let has_one = self.playback.preview.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == title);
         if has_one && self.playback.preview.took.mul_f64(RESERVE) > rest {
-            // A preview that was slow once may be faster later.
+            // Lower the last drawing time, so that a preview that was slow once is tried again.
             self.playback.preview.took = self.playback.preview.took.mul_f64(0.9);
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! Records a performance as a show, which repeats all changes of the song's frames, whoever made them.
+//! Records a performance as a show, with all changes to the song's frames, made by the user, a controller or a show.
 //!
 //! Each track has its own file. A change is written within a second, so that a crash loses at most one second.
 
@@ -152,7 +152,7 @@ impl Take {
             (None, Some(directed)) => directed,
             (Some(shown), Some(directed)) if directed.1 >= shown.start => directed,
             (None, None) => (TimedTransition::CUT, time),
-            // Keep the entry if the show no longer directs the scene, or starts to direct it in the middle.
+            // Continue the entry of a scene that stays when the show stops directing it, or joins it later.
             (Some(shown), _) if shown.goes_on_in(&seen, time) => (shown.transition, shown.start),
             (Some(shown), _) if shown.source == *seen.source => (TimedTransition::CUT, time),
             (Some(_), _) => changes,

@@ -81,8 +81,8 @@ impl Reports {
         self.announcer.notice()
     }
 
-    /// Reports once why the chosen output is not used. Unless `silence_asked`, also reports why there is no sound,
-    /// but only the first reason, because a dead sound server has no devices either.
+    /// Reports once why the chosen output is not used. Unless `silence_asked`, also reports why there is no sound, but
+    /// only the first reason: if the sound server dies, missing devices are a consequence.
     pub(crate) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
         if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.reported_silent) {
             tell(&format!("the song plays without sound: {reason}"));

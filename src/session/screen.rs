@@ -74,7 +74,7 @@ pub(crate) trait Screen {
     /// Reports the position of the text cursor, in pixels.
     fn set_place_of_letters(&mut self, place: Rect);
 
-    /// Sets whether keys are text. If they are, no letter ends the program.
+    /// Sets whether keys are typed into a text. Then no letter key ends the program.
     fn set_keys_are_text(&mut self, on: bool);
 
     fn show_controls(&mut self, controls: TreeUpdate);
@@ -91,8 +91,8 @@ pub(crate) trait Screen {
     fn is_stale(&self) -> bool;
 
     /// Shows the frame in the window or the wallpaper, and calls `paint` to draw over it. If `small` is given, the
-    /// frame fills only this part of the window. `is_new` is true for a changed frame. Returns the time until the
-    /// frame was handed over.
+    /// frame fills only this part of the window. `is_new` is true for a changed frame. Returns the time spent before
+    /// the frame is handed over to the window system.
     fn show(
         &mut self,
         renderer: &mut Renderer,

@@ -8,7 +8,7 @@ use crate::session::SessionError;
 use crate::session::screen::Screen;
 
 impl Playback {
-    /// Sends due frames. Returns when to look again, if that is before the next event.
+    /// Sends due frames. Returns when to call again, if no event comes first.
     pub(super) fn send(
         &mut self,
         screen: &mut dyn Screen,

@@ -41,7 +41,7 @@ pub(crate) struct Sound {
     device: Option<ListedDevice>,
     watch: Option<Arc<DeviceWatch>>,
     list: Option<(Vec<(Source, String)>, Instant)>,
-    /// A choice that is saved when the list has disappeared, so that intermediate choices are not saved.
+    /// The chosen source, saved only when the source list disappears: choices on the way are not saved.
     unremembered: Option<Target>,
     hints: Hints,
     reported_problems: ReportedProblems,
@@ -157,7 +157,7 @@ impl Sound {
         let shift = shift.clamp(least, PLAYER_LIMITS.latency_ms_max);
         self.asked_ms = Some(shift);
         if let Some(device) = self.device.clone().filter(|_| settled) {
-            // Use the saved value from now on, because another device has its own delay.
+            // From now on the saved value applies, so that another device gets its own delay.
             self.asked_ms = None;
             self.remember(move |settings| {
                 settings.latency_ms.insert(device.id.clone(), shift);
@@ -306,10 +306,10 @@ impl Sound {
         self.asked_ms = None;
         match source {
             Source::Song => {
-                // Closing waits for the sound system, and frames must not wait.
+                // Use a thread: closing waits for the sound system, and frames must not wait.
                 if let Some(live) = self.live.take() {
                     let closing = std::thread::Builder::new().name("closing".into());
-                    // Without a thread, close the input here: closing has a time limit.
+                    // Without a thread, the input is closed here, within a time limit.
                     if let Err(error) = closing.spawn(move || drop(live)) {
                         tracing::warn!("cannot start a thread to close the input ({error}): closed it on the show's thread");
                     }
@@ -425,7 +425,7 @@ fn outputs_of(
     let default = device_list.outputs.iter().find(|entry| Some(&entry.id) == default);
     let chosen = match target {
         Some(Target::Preferred(id)) => Some(id),
-        // A name on the command line may be incomplete.
+        // A name on the command line may be incomplete, so mark the open device.
         Some(Target::Named(_)) => open.map(|entry| &entry.id),
         _ => None,
     };

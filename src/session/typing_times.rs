@@ -6,11 +6,11 @@ const KEPT: usize = 4096;
 
 #[derive(Debug, Default)]
 pub(crate) struct TypingTimes {
-    /// Time of the first key that is not yet visible in the text.
+    /// Time of the first key press that the displayed text does not show yet.
     pressed: Option<Instant>,
-    /// Time of the first key that is not yet visible in the frame, and the scene shown then.
+    /// Time of the first key press whose effect no frame shows yet, and the id of the scene shown then.
     drafted: Option<(Instant, Option<u64>)>,
-    /// Processing time of the keys that are not yet visible.
+    /// Time spent so far on handling the key presses that the displayed text does not show yet.
     taken: Duration,
     work: Vec<f32>,
     text: Vec<f32>,
@@ -27,12 +27,12 @@ impl TypingTimes {
         self.drafted.get_or_insert((now, scene));
     }
 
-    /// Notes that the last keys lead to no frame, because the text has a mistake.
+    /// Notes that the last keys lead to no new frame, because the text has a mistake.
     pub(crate) fn note_mistake(&mut self) {
         self.drafted = None;
     }
 
-    /// Notes that the window was shown, with a new frame of this scene if `is_new`. The overlay took `painting`.
+    /// Notes that the window showed a frame of this scene, a new one if `is_new`. Its overlay took `painting` to draw.
     pub(crate) fn note_shown(&mut self, scene: Option<u64>, is_new: bool, painting: Duration, now: Instant) {
         let taken = std::mem::take(&mut self.taken);
         if let Some(pressed) = self.pressed.take() {

@@ -35,7 +35,7 @@ pub(crate) struct UiState {
     pub(super) picture: Option<Area>,
     /// Hide everything except requested panels and errors.
     pub(super) clean: bool,
-    /// Hide everything except panels that were opened later.
+    /// Hide everything except panels that are opened while this is set.
     pub(super) bare: bool,
 }
 

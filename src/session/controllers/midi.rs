@@ -17,12 +17,12 @@ pub(super) struct Midi {
     hub: Option<MidiHub>,
     memory: KnobMemory,
     learning: Option<Learning>,
-    /// The devices reported last; `None` before the first check.
+    /// The connected devices in the last report; `None` before the first check.
     reported: Option<Vec<String>>,
     /// Messages to report; `true` for bad news.
     news: Vec<(String, bool)>,
     zero: Instant,
-    /// Counts the changes of mappings and learning.
+    /// Counts the changes to the mappings, and the starts and ends of learning.
     revision: u64,
 }
 
@@ -87,7 +87,7 @@ impl Midi {
         self.memory.file().clock
     }
 
-    /// The reading of the followed clock, and the clock's current time in seconds.
+    /// The last reading of the MIDI clock, if it is followed, and that clock's current time in seconds.
     pub(super) fn clock(&self) -> Option<(ClockReading, f64)> {
         self.hub.as_ref().filter(|_| self.follows_clock())?.clock()
     }
@@ -117,7 +117,7 @@ impl Midi {
         self.revision += 1;
     }
 
-    /// Returns what the moved `knobs` change. They change nothing while a mapping is learned.
+    /// Returns the effects of the moved `knobs`. While a mapping is learned, knobs have no effect.
     pub(super) fn take(&mut self, knobs: &[KnobMove], scene: &SceneSession) -> Vec<Outcome> {
         let title = scene.scenes().name().unwrap_or_default();
         let stands = |name: &str| {

@@ -28,7 +28,7 @@ use mariana_music::{Features, SongMoment};
 
 /// Minimum interval between two input batches: a flood of messages must not keep the session from drawing.
 const INTERVAL: Duration = Duration::from_millis(4);
-/// Maximum time between two updates of the published state while the session is awake.
+/// Maximum time between two updates of the state that controllers can read, while the session is awake.
 const BOARD_AGE: Duration = Duration::from_millis(40);
 /// Maximum time between two updates of the controllers panel.
 const PANEL_AGE: Duration = Duration::from_millis(100);
@@ -39,9 +39,9 @@ pub(crate) struct Controllers {
     network: Network,
     phones: Phones,
     midi: Midi,
-    /// Time from which input may be taken again.
+    /// Earliest time of the next input batch.
     free: Instant,
-    /// Arrival of the first input that no frame shows yet, and the scene revision that shows it.
+    /// Arrival time of the first input that no frame shows yet, and the first scene revision with this input.
     unseen: Option<(Instant, u64)>,
     times: FrameTimes,
     board_due: Instant,
@@ -86,7 +86,7 @@ impl Controllers {
         self.network.note_sound(features, song, now);
     }
 
-    /// Returns `true` if the published state must be updated. `turned` is true after input.
+    /// Returns `true` if the state that controllers can read must be updated. `turned` is true after input.
     pub(crate) fn board_is_due(&mut self, turned: bool, now: Instant) -> bool {
         let is_asked = self.network.is_asked() || self.phones.is_asked();
         let is_due = is_asked && (turned || now >= self.board_due);
@@ -214,7 +214,7 @@ impl Controllers {
 
     pub(crate) fn due(&self) -> Option<Instant> {
         let input_queue = self.input_queue.has_any().then_some(self.free);
-        // Wake for phones too, so that they show the effects of their input.
+        // Wake also to update phones, so that they show the effects of their input.
         let board = self.phones.are_there().then_some(self.board_due);
         input_queue.into_iter().chain(board).chain(self.network.sample_due()).chain(self.midi.due()).min()
     }

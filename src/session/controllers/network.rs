@@ -96,7 +96,7 @@ pub(super) fn sent_addresses() -> impl Iterator<Item = String> {
     sample(&Features::SILENCE, &SongMoment::UNKNOWN).into_iter().map(|(address, _)| address)
 }
 
-/// Returns the sound values that scenes read, by address. Each list of numbers becomes one message.
+/// Returns the sound values that scenes read, each with its OSC address. A list of numbers is one message.
 fn sample(features: &Features, song: &SongMoment) -> Sample {
     let mut sample = vec![
         ("/sound/bands".to_owned(), features.bands.to_vec()),

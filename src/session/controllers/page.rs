@@ -30,7 +30,7 @@ pub fn action_table() -> String {
     text
 }
 
-/// The sent addresses in one line.
+/// The addresses of sent messages, in one line.
 pub fn sent_line() -> String {
     sent_addresses().map(|address| format!("`{address}`")).collect::<Vec<_>>().join(", ")
 }

@@ -1,9 +1,9 @@
-//! The neighbours: the next and the previous scene, prepared while the current one is shown, so that a change to them
+//! The neighbours: the next and the previous scene, prepared while the current one is shown, so that switching to them
 //! takes one frame.
 //!
-//! Neighbours have the lowest priority: they are prepared one after another, when the current scene is complete and
-//! the compilers are idle. Each neighbour has a loader, which reloads a changed text. When a neighbour is shown, it
-//! keeps its loader. The previously shown scene becomes the other neighbour and stays prepared.
+//! Neighbours have the lowest priority: they are prepared one after another, when the current scene is complete and the
+//! compilers are idle. Each neighbour has a loader, which reloads a changed text. When a neighbour is shown, it keeps
+//! its loader. The previously shown scene becomes the neighbour on the other side and stays prepared.
 
 use std::sync::Arc;
 
@@ -20,11 +20,11 @@ use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use mariana_field::world::World;
 use mariana_music::Features;
 
-/// Size of the hidden frame. It is no power of two, like most windows, and large enough to measure a pixel's cost.
+/// Size of the hidden trial frame: large enough to measure a pixel's cost and, like most windows, no power of two.
 const REHEARSAL_SIZE: (u32, u32) = (90, 54);
-/// Approximate bytes of a scene's program.
+/// Approximate size of a scene's program in bytes.
 const PROGRAM_BYTES: u64 = 20 << 20;
-/// Approximate bytes of an image's texel: decoded, and on the GPU with its mip levels.
+/// Approximate bytes per texel of an image: the decoded image, and the GPU's copy with mip levels.
 const TEXEL_BYTES: u64 = 15;
 
 #[derive(Default)]
@@ -51,7 +51,7 @@ pub(super) struct Lacking {
     pub id: u64,
     /// Mode of the missing program.
     pub program: Option<Mode>,
-    /// True if its first region tree is missing.
+    /// True if the neighbour's first region tree is missing.
     pub tree: bool,
 }
 
@@ -103,7 +103,7 @@ impl PreparedAhead {
         })
     }
 
-    /// Abandons the scenes that need the result of `task`: one for a program, maybe more for an interpreter.
+    /// Abandons the scenes that need the result of `task`: one scene for a program, maybe several for an interpreter.
     pub(super) fn leave(&mut self, task: &Task) {
         self.leave_where(|scene| match task {
             Task::Compiled { id, .. } => *id == scene.id,
@@ -249,7 +249,7 @@ impl PreparedAhead {
         loaded.collect()
     }
 
-    /// Stores a loaded scene at its index; `None` abandons it.
+    /// Stores the loaded scene of the neighbour `at`; `None` abandons this neighbour.
     pub(super) fn put(&mut self, at: usize, scene: Option<PreparedScene>) {
         if let Some(neighbour) = self.all_mut().nth(at) {
             neighbour.state = scene.map_or(State::Left, |scene| State::loaded(scene, false));

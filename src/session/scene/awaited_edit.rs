@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 /// Maximum delay of a frame. Most texts are read in half of this time.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// After a load slower than this, frames do not wait. The limit allows for drawing, which may double the load time.
+/// After a load slower than this, frames do not wait. The limit is generous, because drawing may double the load time.
 const SLOW: Duration = Duration::from_millis(60);
 
 #[derive(Debug, Default)]

@@ -29,7 +29,7 @@ use crate::view::legend::LegendPicture;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
-/// If a fade is joined after this fraction of its length, the outgoing scene is not drawn: the last frame fades out.
+/// If a fade is entered after this fraction of its length, the last frame fades out instead of the outgoing scene.
 const LATE_FRACTION: f32 = 0.35;
 
 pub(crate) struct WantedPicture {
@@ -72,7 +72,7 @@ struct Making {
 
 pub(crate) struct SceneComposer {
     making: Option<Making>,
-    /// True if the last frame was abandoned for a new version of its scene: keys can be faster than frames.
+    /// True if the last frame was abandoned for a new version of its scene, as when keys are faster than frames.
     has_interrupted: bool,
     pub(super) pictures: SeenPictures,
     pub(super) regions: SceneRegions,
@@ -102,9 +102,9 @@ impl SceneComposer {
         }
     }
 
-    /// Draws for about `go`: continues the frame in progress, or begins a frame at a moment for which the regions are
-    /// built. Returns `None` until the frame is finished. Requests missing resources. `revision` belongs to the whole
-    /// session. Scenes that are neither shown nor fading out are kept only as neighbours.
+    /// Draws for about the time in `way`, which also has the session's revision: continues the frame in progress, or
+    /// begins one at a moment for which the regions are built. Returns `None` until the frame is finished. Requests
+    /// missing resources. Keeps scenes that are neither shown nor fading out only as neighbours.
     pub(super) fn draw(
         &mut self,
         scenes: &mut PreparedScenes,
@@ -240,7 +240,7 @@ impl SceneComposer {
         let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, draw_options);
         let Some((frame, shown)) = drawable else { return Ok(None) };
         if outgoing.is_some() && shown != wanted {
-            // The only tree belongs to an older moment, but both scenes must be drawn at the same moment.
+            // The finished tree is for an older moment, but both scenes of a fade must be drawn at the same moment.
             return Ok(None);
         }
         let frame = frame.in_window(scene.resources.world(), aspect, quality);
@@ -310,7 +310,7 @@ impl SceneComposer {
         self.change.note_left(left, self.pictures.took(), self.camera.orbit(), show, parameters);
     }
 
-    /// Starts a fade from the outgoing to the incoming scene. Cuts while a view is shown: its colours encode numbers.
+    /// Starts a fade from the outgoing to the incoming scene. Cuts during a view, whose colours encode numbers.
     pub(super) fn fade_if_it_can(&mut self, of: Ingredients<'_>) {
         if self.fades_with_both(of) {
             self.fading.cut();
@@ -382,7 +382,7 @@ impl SceneComposer {
         self.making.is_some() && self.has_interrupted
     }
 
-    /// True while a frame of two scenes is in progress. Both scenes are drawn with the same values.
+    /// True while a frame of two scenes is in progress. Both are drawn with the values of one moment.
     pub(super) fn is_between_scenes(&self) -> bool {
         self.change.is_begun()
     }

@@ -1,5 +1,5 @@
-//! The change from one scene to another: a fade or a cut. [`super::scene_change`] draws the outgoing scene, and the
-//! fades of a show. If the outgoing scene cannot be drawn any more, its last frame is mixed into the frames of the
+//! The change from one scene to another: a fade or a cut. [`super::scene_change`] draws the moving outgoing scene, also
+//! in a show's fades. If the outgoing scene cannot be drawn any more, its last frame is mixed into the frames of the
 //! incoming scene ([`Renderer::keep_light`]). A frozen frame fades in the same way.
 //!
 //! **A fade follows the song's time,** as a show's fades do: a frame depends only on its moment of the song, and a
@@ -11,7 +11,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
 use mariana_player::Moment;
 
-/// Maximum progress of a fade in one frame, so that a slow frame does not turn the fade into a cut.
+/// Maximum progress in one frame of a fade by the clock, so that a slow frame does not turn the fade into a cut.
 const STEP_MAX: Duration = Duration::from_millis(125);
 
 pub(crate) struct Fading {
@@ -43,9 +43,9 @@ enum State {
     Wanted,
     /// A fade by the clock, and its elapsed time.
     Going(Duration),
-    /// A fade in song time: its start in seconds, and the track and lap.
+    /// A fade in song time: its start in seconds, and the track with the number of its repetition.
     WithSong(f64, (u64, u32)),
-    /// A fade whose fraction is set by a show; `true` if the light of the frozen frame is kept.
+    /// A fade whose fraction is set by a show; `true` once the light of the held frame is stored.
     Given(f32, bool),
 }
 
@@ -145,7 +145,7 @@ impl Fading {
         self.next = None;
     }
 
-    /// Ends the fade and cuts the next change.
+    /// Cuts: ends the fade in progress, and forgets the duration of the next fade.
     pub(super) fn cut(&mut self) {
         (self.state, self.next) = (State::None, None);
     }
@@ -225,7 +225,7 @@ impl Fading {
             State::Wanted => {
                 self.announce();
                 let time = begun.moment.song_time;
-                // Start a millisecond early, so that the first frame is mixed. Cue lists store whole milliseconds.
+                // Start a millisecond early, so that the first frame is mixed. Round as cue lists do.
                 let start = ((time * 1e3).floor() - 1.0) / 1e3;
                 self.state = match begun.runs && start >= 0.0 {
                     true => State::WithSong(start, of_what(begun.moment)),

@@ -1,11 +1,11 @@
-//! Programs that serve more than one scene, kept in a small cache.
+//! A small cache of programs that can draw more than one scene.
 
 use std::rc::Rc;
 
 use crate::gpu::program::Program;
 use crate::limits::LIMITS;
 
-/// Programs by key; the least recently used is dropped first. Each takes some 20 MiB with a software renderer.
+/// Programs by key; the least recently used is dropped first. A program takes about 20 MiB with a software renderer.
 pub(super) struct KeptPrograms<K> {
     /// In order of use, the most recently used last.
     programs: Vec<(K, Rc<Program>)>,

@@ -9,7 +9,7 @@ use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSour
 pub(crate) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
 const GO: Duration = Duration::from_millis(100);
-/// While a text is edited, input is read after this drawing time, so that keys are answered at once.
+/// While a text is edited, drawing pauses after this time to read input, so that keys are answered at once.
 const GO_OF_EDITOR: Duration = Duration::from_millis(10);
 
 pub(crate) struct SceneLibrary {
@@ -18,7 +18,7 @@ pub(crate) struct SceneLibrary {
     /// The last requested scene: shown, or being loaded.
     wanted: SceneSource,
     edit: AwaitedEdit,
-    /// True while the scene's text is being edited, when mistakes come and go.
+    /// True while the scene's text is being edited: mistakes in it are temporary.
     is_written: bool,
 }
 
@@ -91,7 +91,7 @@ impl SceneLibrary {
         }
     }
 
-    /// Returns the requested scene or its error, whenever the scene was loaded or reloaded.
+    /// Returns the requested scene or its error after each load or reload.
     pub(super) fn poll(&mut self) -> Option<Loaded<Result<ReadyScene, SceneError>>> {
         while let Some(loaded) = self.loader.poll() {
             if loaded.source == self.wanted {

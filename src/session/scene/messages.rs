@@ -1,4 +1,4 @@
-//! Messages about scenes over the frame: problems, notices that fade, and hints while the user waits.
+//! Messages about scenes, drawn over the frame: problems, notices that fade, and hints while the user waits.
 
 use std::time::Instant;
 

@@ -23,7 +23,7 @@ pub(crate) struct Parameters {
     revision: u64,
 }
 
-/// Values for numbers in a text, by the offset of their digits. Only inputs change: nothing is parsed or compiled.
+/// New values for numbers in a text, by their offsets in it. They become inputs: nothing is parsed or compiled.
 #[derive(Debug, Clone, PartialEq)]
 struct TurnedNumbers {
     file: PathBuf,
@@ -69,7 +69,7 @@ impl Parameters {
         let readings = self.read(scene, clips, self.song_time);
         let mut is_turned = false;
         for (slider, reading) in scene.knobs.sliders_mut().iter_mut().zip(readings) {
-            // Do not count parameters that the show moves, because their frames are drawn anyway.
+            // Ignore parameters that the show moves: a running show draws new frames anyway.
             is_turned |=
                 slider.value.to_bits() != reading.value.to_bits() && reading.changed_by != ChangedBy::Show;
             (slider.value, slider.changed_by) = (reading.value, reading.changed_by);
@@ -79,7 +79,7 @@ impl Parameters {
         }
     }
 
-    /// Sets the parameter `name`; in a blend, of the incoming scene. Returns `false` for an unknown name.
+    /// Applies `change` to a parameter; in a blend, of the incoming scene. Returns `false` for an unknown name.
     pub(super) fn turn(
         &mut self,
         scene: &mut PreparedScene,
@@ -124,7 +124,7 @@ impl Parameters {
         self.update_sliders(scene, clips);
     }
 
-    /// The target of a parameter of a scene, and the controller that set it.
+    /// The value to which a parameter moves, and the controller that set this value.
     pub(super) fn target(
         &self,
         scene: &PreparedScene,
@@ -187,7 +187,7 @@ impl Parameters {
         if world.blended.is_some() || scene.source.file() != Some(&turned.file) {
             return;
         }
-        // Skip numbers without a range: they are not dragged any more.
+        // Skip numbers without a range, which are no longer being dragged.
         for (digits, value) in &turned.values {
             let place = world.scene.params.iter().position(|param| {
                 param.is_number && param.span.start as usize == *digits && param.min < param.max

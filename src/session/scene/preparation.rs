@@ -36,8 +36,8 @@ use crate::scenes::{ReadyScene, SceneError, SceneSource};
 
 /// Time without changes until the numbers of a text become constants of a program again.
 const REST: Duration = Duration::from_secs(10);
-/// Maximum number of clauses of a distance that `auto` interprets with a software renderer while the scene is
-/// compiled. With more clauses, one frame takes many times the compile time.
+/// With a software renderer, `auto` interprets a scene during its compilation only if its distance has at most this
+/// many clauses. With more clauses, one frame takes many times the compile time.
 const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
 pub(super) enum TreeVerdict {
     /// The tree is built or not needed.
@@ -449,7 +449,7 @@ impl ScenePreparation {
 
     /// Requests a scene. Returns `true` if it is already prepared and needs no loader.
     pub(super) fn ask_for(&mut self, source: SceneSource, scenes: &mut PreparedScenes) -> bool {
-        // Only the shown scene can take the place of a neighbour.
+        // Only a scene that is already shown can take a neighbour's place.
         let from = scenes.shown_source().filter(|shown| *shown == self.library.wanted()).cloned();
         let prepared = from.and_then(|from| scenes.ahead.take(&source, from, self.library.loader_mut()));
         self.library.want(source);
@@ -517,7 +517,7 @@ impl ScenePreparation {
     pub(super) fn report_slow_programs(&self, scenes: &PreparedScenes, messages: &mut Messages) {
         for id in self.programs.slow() {
             let Some(task) = self.programs.task(id) else { continue };
-            // Nobody waits for scenes prepared ahead.
+            // Skip scenes prepared ahead: nobody waits for them.
             let is_theirs =
                 |scene: &PreparedScene| matches!(task, Task::Compiled { id, .. } if *id == scene.id);
             if scenes.ahead.scenes().any(is_theirs) {

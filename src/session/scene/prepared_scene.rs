@@ -173,10 +173,10 @@ impl PreparedScene {
         }
     }
 
-    /// True if numbers of its text are inputs instead of constants.
+    /// True if numbers in the scene's text are program inputs instead of constants.
     pub(super) fn is_changing(&self) -> bool {
         let world = self.resources.world();
-        // The fraction of a blend is not a number of a text.
+        // The fraction of a blend is an input too, but not a number in a text.
         world.blended.is_none() && world.scene.params.iter().any(|param| param.is_number)
     }
 

@@ -22,7 +22,7 @@ pub(crate) struct PreparedScenes {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
-    /// The outgoing scene is also the shown scene, in another state.
+    /// The outgoing scene is the shown scene itself, with another camera or other parameters.
     Shown,
     Before,
     FadingOut,

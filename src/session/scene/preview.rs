@@ -112,7 +112,7 @@ impl NextPicture {
                 return Next::First(first);
             }
         }
-        // Without a tree the frame is valid at any moment.
+        // Without a tree, a frame can be drawn at any moment.
         let uses_cells = needs_tree && (world.non_lipschitz || cells != CellUse::Never);
         scene.resources.set_cells(uses_cells, mode);
         let frame = Frame::with_params(world, time, sound, size, params);

@@ -56,7 +56,7 @@ impl ProgramLibrary {
         }
     }
 
-    /// The next finished program or its compile error, together with its purpose. The purpose is stored nowhere else.
+    /// The next finished program or its compile error, with its task, which is then no longer pending.
     pub(super) fn poll(&mut self) -> Option<(Task, Result<Program, GpuError>)> {
         while let Some(finished) = self.compiler.poll() {
             if let Some(task) = self.tasks.remove(&finished.id) {
@@ -93,8 +93,8 @@ impl ProgramLibrary {
         self.interpreters.add(variant, program);
     }
 
-    /// Takes a universal interpreter or its error. After an error, each scene gets its own interpreter, and a message
-    /// is returned.
+    /// Takes a universal interpreter or its error. After an error, returns a message; each scene then gets its own
+    /// interpreter.
     pub(super) fn take_universal(
         &mut self,
         non_lipschitz: bool,

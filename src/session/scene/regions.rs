@@ -1,5 +1,5 @@
-//! The regions of the shown scene: requests trees from the builder, and chooses to wait for a late tree or draw
-//! without. See [`super::region_builder`].
+//! The regions of the shown scene: requests trees from the builder, and decides whether to wait for a late tree. See
+//! [`super::region_builder`].
 
 use std::time::Duration;
 
@@ -94,8 +94,8 @@ impl SceneRegions {
         frame.seen_by(scene.world(), draw_options.camera);
         let frame = frame.by_hand(scene.world(), draw_options.orbit);
         let request = scene.region_request(&frame);
-        // Unchanged inputs need no new tree; a tape without cells costs almost nothing. The first
-        // frame of a scene waits for its tree, because the tree of another scene cannot be used.
+        // No new tree is needed without cells, or if its inputs are unchanged. The first frame of a scene waits for its
+        // tree, because the tree of another scene cannot be used.
         if !cells || scene.regions().is_some_and(|built| built.request == request) {
             self.waited = false;
             if self.asked.take().is_some() {
@@ -165,7 +165,7 @@ impl SceneRegions {
         self.builder.has_built()
     }
 
-    /// Notes the time of a frame drawn with `built`. Returns `true` if the choice about trees has changed.
+    /// Notes the time of a frame drawn with `built`. Returns `true` if the use of trees has changed.
     pub(super) fn note_frame_time(
         &mut self,
         drawn: (u64, Mode),

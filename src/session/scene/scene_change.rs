@@ -1,9 +1,9 @@
-//! The change from one scene to another, by a show or the user. Both scenes keep moving during the fade, as in a
-//! video of the show. The outgoing scene is drawn first, for the same moment of the song, and a fraction of its light
-//! is mixed into the incoming scene. If the outgoing scene is gone or slow, its last frame fades out
+//! The change from one scene to another, by a show or the user. Both scenes keep moving during the fade, as in a video
+//! of the show. The outgoing scene is drawn first, for the same moment of the song, and a fraction of its light is
+//! mixed into the incoming scene. If the outgoing scene is no longer loaded or too slow, its last frame fades out
 //! ([`super::fading`]).
 //!
-//! A scene that the user leaves keeps its parameter values: controllers act on the incoming scene.
+//! A scene that the user leaves keeps its parameter values, because controllers now act on the incoming scene.
 
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ use crate::show::Clip;
 use mariana_control::ChangedBy;
 use mariana_music::Sound;
 
-/// If a frame of the outgoing scene takes longer than this, the outgoing scene stops moving.
+/// If a frame of the outgoing scene takes longer than this, only its last frame fades out.
 const LIVE_MAX: Duration = Duration::from_millis(100);
 
 #[derive(Default)]
@@ -40,7 +40,7 @@ struct LeftScene {
 struct Begun {
     shown: Shown,
     sound: Sound,
-    /// Drawing time of the outgoing scene, once its light is kept.
+    /// Drawing time of the outgoing scene; `None` until the scene is drawn.
     lit: Option<Duration>,
 }
 
@@ -79,7 +79,7 @@ impl SceneChange {
         self.begun = None;
     }
 
-    /// The scene that the user left, if it keeps moving.
+    /// The scene that the user left, if the scene keeps moving while it fades out.
     pub(super) fn left(&self) -> Option<&SceneSource> {
         self.left.as_ref().map(|left| &left.source)
     }
@@ -104,7 +104,7 @@ impl SceneChange {
         let mut moved = Vec::new();
         for (slider, knob) in scene.knobs.iter() {
             if let Some(number) = numbers.get_mut(knob.place) {
-                // Use the value in the last frame of the scene.
+                // Keep the value that the parameter had in the last frame.
                 *number = slider.value;
             }
             if slider.changed_by == ChangedBy::Show {

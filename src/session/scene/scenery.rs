@@ -20,7 +20,7 @@ pub(crate) enum NoScenery {
     Between,
 }
 
-/// The inputs of a frame, however the frame was drawn. They may outlive the scene.
+/// The inputs of a frame, independent of its drawing mode. They may be kept longer than the scene.
 pub(super) struct Pictured {
     source: SceneSource,
     world: Arc<World>,

@@ -13,7 +13,7 @@ use crate::config::SdfChoice;
 use crate::scenes::SceneSource;
 use crate::show::{Clip, Picture, PreparedShow};
 
-/// A scene requested up to this many seconds late is still introduced as the show specifies.
+/// Up to this many seconds after a cut of the show, the scene is still cut; later, it fades in as the user chose.
 const LATE: f64 = 0.5;
 
 #[derive(Default)]
@@ -44,9 +44,9 @@ struct Course {
 }
 
 pub(super) struct Circumstances<'a> {
-    /// The last requested scene, by the user or the show.
+    /// The scene that the user or the show has requested last.
     pub wanted: &'a SceneSource,
-    /// True while its text is being edited.
+    /// True while the text of `wanted` is being edited.
     pub is_written: bool,
     pub is_awaited: bool,
     pub sdf: SdfChoice,
@@ -181,7 +181,7 @@ impl ShowFollower {
         }
     }
 
-    /// The show's request at `time` seconds, if it is new. A scene needed for a fade is taken from the prepared ones.
+    /// The show's request at `time` seconds, if it is new. Takes scenes for a fade from the prepared ones.
     pub(super) fn follow(
         &mut self,
         time: f64,
@@ -195,7 +195,7 @@ impl ShowFollower {
             return self.keep_scene(moment.leaving.is_some() && !is_new, now);
         }
         if std::mem::take(&mut self.course.was_written) {
-            // The user looks at the edited scene, so the show continues with its next scene.
+            // The user is looking at the edited scene, so it stays until the next scene of the show.
             self.course.overruled = Some(moment.index);
         }
         let clips = prepared_show.clips();
@@ -239,7 +239,7 @@ impl ShowFollower {
         let seconds = if mixes || (moment.leaving.is_none() && since < LATE) {
             Some(0.0)
         } else {
-            // Without a fade, the show was joined in the middle of a clip, or this is a seek.
+            // Without a fade, the show starts or continues in the middle of a clip, as after a seek.
             moment.leaving.map(|_| moment.clip.transition.seconds - since)
         };
         self.course.asked = Some(wanted.clone());
@@ -259,7 +259,7 @@ impl ShowFollower {
         }
     }
 
-    /// Prepares the outgoing scene if it is missing while the song is paused in its fade.
+    /// Prepares the outgoing scene of a fade in which the song is paused, if the scene is missing.
     fn need_leaving(
         &mut self,
         prepared_show: &PreparedShow,

@@ -8,8 +8,8 @@ use crate::faults::{self, Fault};
 
 /// If the last tree took longer than this, a new version gets a trial tree: an edit can make a slow tree too slow.
 const TREE_MAX: Duration = Duration::from_millis(50);
-/// A new version also gets a trial tree if it has more clauses than the last version's clauses, multiplied by this
-/// factor, plus [`CLAUSES_MORE`].
+/// A new version also gets a trial tree if it has more clauses than this factor times those of the last version, plus
+/// [`CLAUSES_MORE`].
 const CLAUSES_TIMES: usize = 2;
 /// Clauses that an edit may add in any case.
 const CLAUSES_MORE: usize = 64;
@@ -20,7 +20,7 @@ pub(super) fn only_settles(scenes: &PreparedScenes) -> bool {
     coming.settles && shown.source == coming.source && shown.programs.compiled.is_some()
 }
 
-/// Returns the shown version of `scene` if both should cost about the same. It is shown again if `scene` costs more.
+/// Returns the shown version of `scene` if both should cost about the same. It replaces a `scene` that is too slow.
 pub(super) fn last_version<'a>(
     scenes: &'a PreparedScenes,
     scene: &PreparedScene,
