@@ -42,7 +42,7 @@ impl Field {
         bounds.unwrap_or(Interval::ANY)
     }
 
-    /// Returns the clauses that compute the field. `Display` prints the tape as a table.
+    /// Returns the tape, the clauses that compute the field. `Display` prints it as a table.
     pub fn tape(&self) -> &Tape {
         &self.tape
     }

@@ -5,7 +5,7 @@
 //!                       └─► world: bounds, planes, programs, GLSL ─► region: a tree of bounds and short tapes
 //! ```
 //!
-//! [`Field`] is the shortest way in. It turns a formula into a graph in which equal expressions are stored once, and
+//! [`Field`] is the type to begin with. It turns a formula into a graph in which equal expressions are stored once, and
 //! from there into a tape of clauses, bounds over a box, GLSL, and a tree of cells:
 //!
 //! ```

@@ -34,7 +34,7 @@ rays! {
     /// The smallest step in [`non_lipschitz_step`], as a fraction of the pixel cone's radius: thinner details are
     /// invisible.
     NON_LIPSCHITZ_STEP_MIN: f32 = 0.5;
-    /// Growth of [`NON_LIPSCHITZ_STEP_MIN`] with each step, so that a ray that grazes a surface ends.
+    /// Growth of [`NON_LIPSCHITZ_STEP_MIN`] with each step, so that a ray that grazes a surface reaches its end.
     NON_LIPSCHITZ_STEP_GROWTH: f32 = 0.04;
     /// Precision with which a change of sign is located, as a fraction of the pixel cone's radius.
     CLOSE_ENOUGH: f32 = 0.05;

@@ -1,5 +1,5 @@
 //! Compounds: several operators in one clause, because the interpreter's time grows with the number of clauses. A
-//! clause has two registers and a number. Most operators use only two of these three; compounds use all three.
+//! clause has two registers and a number. Most operators use only two of these three; most compounds use all three.
 //!
 //! A compound's value and GLSL follow from its parts, each of which is rounded separately. Compounds have no rules for
 //! bounds and slopes, because they are made when a tape is written for the interpreter, after pruning and all other
@@ -181,7 +181,7 @@ impl Compound {
         nodes.last().copied().unwrap_or_default()
     }
 
-    /// Writes the declarations of the intermediate values, then the expression of the operands `a`, `b` and `c`.
+    /// Returns GLSL: declarations of the intermediate values, and the result as an expression of `a`, `b` and `c`.
     pub(crate) fn glsl(
         self,
         fill: impl Fn(&mut String, &str, &str, &str),

@@ -12,8 +12,8 @@ use super::{Graph, GraphError};
 impl Graph {
     /// Returns a new graph with fused pairs of operators. The roots become nodes of the new graph.
     ///
-    /// # Errors [`GraphError::TooManyNodes`] if this or the new graph has reached its limit; the roots are then
-    /// unchanged.
+    /// # Errors
+    /// [`GraphError::TooManyNodes`] if this or the new graph reaches its limit; the roots are then unchanged.
     pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph, GraphError> {
         let order = self.order(roots)?.nodes;
         let fusing = Fusing::new(self, &order, roots);

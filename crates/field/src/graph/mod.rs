@@ -126,8 +126,8 @@ impl Graph {
         self.nodes.iter().copied()
     }
 
-    /// True if any node, used or not, reads the time, a number of the song or a table of the sound. These inputs may
-    /// change even while the sound's features stay the same.
+    /// True if any node, used or not, reads the time, a number that describes the song, or a table of the sound. These
+    /// inputs may change even while the sound's features stay the same.
     pub fn moves_by_itself(&self) -> bool {
         self.nodes.iter().any(|node| match node {
             Node::Input(input) => *input == Input::T || input.is_of_song(),
@@ -136,7 +136,7 @@ impl Graph {
         })
     }
 
-    /// True if any node, used or not, reads a number of the whole song.
+    /// True if any node, used or not, reads a number that describes the whole song.
     pub fn reads_song(&self) -> bool {
         self.nodes.iter().any(|node| matches!(node, Node::Input(input) if input.is_of_song()))
     }

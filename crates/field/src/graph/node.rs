@@ -13,7 +13,7 @@ impl NodeId {
         self.0 as usize
     }
 
-    /// Returns the node at a position. Positions above 32 bits give the last possible node.
+    /// Returns the node at a position. A position that exceeds 32 bits gives the last possible node.
     pub(crate) fn at(position: usize) -> Self {
         Self(u32::try_from(position).unwrap_or(u32::MAX))
     }
@@ -39,7 +39,7 @@ pub enum Input {
     NZ,
     /// Time in seconds.
     T,
-    /// A number of the sound.
+    /// One of the numbers that describe the sound.
     Sound(SoundInput),
     /// One of the frequency bands.
     Band(u8),
@@ -72,7 +72,7 @@ impl Input {
         }
     }
 
-    /// True for a number of the whole song.
+    /// True for a number that describes the whole song.
     pub const fn is_of_song(self) -> bool {
         matches!(self, Input::Sound(input) if input.is_of_song())
     }

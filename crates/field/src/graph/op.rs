@@ -4,8 +4,8 @@
 //! the partial derivatives, their interval rule (`slope_rules.rs`) and the GLSL expression. CPU evaluators, the
 //! interpreter's switch and compiled source are all generated from the row, so they cannot differ.
 //!
-//! **Numbers.** One-operand operators have numbers 16..64, two-operand operators 64..128; the tape adds the form of
-//! the operands to the number. Encoded words depend on these numbers.
+//! **Numbers.** One-operand operators have numbers 16..64, two-operand operators 64..128; a tape's opcode is this
+//! number plus the form of the operands. Changing a number changes encoded tapes.
 //!
 //! **Total.** Every operator is defined for all operands, including those for which GLSL leaves the result undefined:
 //! square roots of negative numbers are 0, logarithms clamp their operand to at least [`SMALLEST`], operands of arcs

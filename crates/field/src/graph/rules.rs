@@ -1,10 +1,10 @@
 //! The interval rules of the operators: for all values in the operands' intervals, the result holds the value that
 //! the CPU computes.
 //!
-//! Rounding to nearest never reverses an order, so ends computed in f32 bound every value computed in f32. Library
-//! functions need not be monotonic everywhere where the true function is, so their ends are widened by more than
-//! their error ([`super::interval::LIBRARY_ERROR`]). Interval arithmetic: Moore, Kearfott and Cloud, Introduction to
-//! Interval Analysis (2009), chapters 2 and 5.
+//! Rounding to nearest is monotonic, so ends computed in f32 bound every value computed in f32. Library functions need
+//! not be monotonic everywhere where the true function is, so their ends are widened by more than their error
+//! ([`super::interval::LIBRARY_ERROR`]). Interval arithmetic: Moore, Kearfott and Cloud, Introduction to Interval
+//! Analysis (2009), chapters 2 and 5.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -287,7 +287,7 @@ pub(super) fn max(a: Interval, b: Interval) -> Interval {
 }
 
 /// If both ends of a are in one period, the value increases with a. Otherwise the value is between 0 and b. Rounding
-/// may exceed this range by an error in proportion to the operands.
+/// may move the value out of this range, by an error proportional to the operands.
 pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
     if a.is_unbounded() || b.is_unbounded() {
         return Interval::ANY;

@@ -7,7 +7,7 @@
 //! limited only between two jumps.
 //!
 //! **Rounding.** The ends of slopes are computed by the operations of [`super::Op::slopes`], in the same order.
-//! Rounding to nearest never reverses an order. Library functions are widened.
+//! Rounding to nearest is monotonic. Library functions are widened.
 
 use super::choice::Choice;
 use super::interval::Interval;

@@ -9,7 +9,7 @@ use std::ops::{Index, IndexMut};
 
 macro_rules! sound_inputs {
     ($($(#[doc = $doc:literal])+ $input:ident, $name:literal, $least:literal..$most:literal, $reported:literal;)+) => {
-        /// A number of the sound; constant over a frame.
+        /// A number that describes the sound; the same at all points of a frame.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum SoundInput {
@@ -135,8 +135,8 @@ impl SoundInput {
         Self::ChromaB,
     ];
 
-    /// True for a number of the whole song. Such a number is 0 until the song is analysed. A scene may declare a value
-    /// of the same name, which hides this number.
+    /// True for a number that describes the whole song. Such a number is 0 until the song is analysed. A scene may
+    /// declare a value of the same name, which hides this number.
     pub const fn is_of_song(self) -> bool {
         self as usize >= Self::Bar as usize
     }

@@ -276,7 +276,7 @@ impl TableData {
         Interval { lo, hi: bounds.hi + error }
     }
 
-    /// Returns the extremes, and the first and last column and row of the patches in u and v; `None` if it is empty.
+    /// Returns the extremes, and the first and last column and row of the patches in u and v; `None` without entries.
     fn touched(&self, u: Interval, v: Interval) -> Option<Touched<'_>> {
         let derived = self.derived.as_ref()?;
         let touched = |coordinate: Interval, count: usize, place: &dyn Fn(f32) -> (usize, f32)| {

@@ -282,7 +282,7 @@ fn table_slopes_match_differences() {
 #[test]
 fn tables_interpolate_and_clamp() {
     let table = TableData::rows(vec![0.0, 1.0, 2.0, 4.0, 5.0, 6.0, 99.0], 3);
-    // In the middle of both rows, whose splines are level at their ends.
+    // Halfway between the middle entries of the rows, 1 and 5: by symmetry the value is 3.
     assert_eq!([table.at(0.5, 0.5), table.at(f32::NAN, 0.5)], [3.0, table.at(0.0, 0.5)]);
     assert_eq!([table.at(-1.0, 0.0), table.at(9.0, 5.0)], [table.at(0.0, 0.0), table.at(1.0, 1.0)]);
     assert!(table.at(0.0, 0.0) < table.at(0.25, 0.0) && table.at(0.25, 0.0) < table.at(0.5, 0.0));

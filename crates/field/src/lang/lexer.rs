@@ -102,7 +102,7 @@ impl Lexer<'_> {
         Span::new(self.base + start as u32, self.base + self.at as u32)
     }
 
-    /// Returns the byte at `ahead` bytes from the current one; 0 after the end of the text.
+    /// Returns the byte that is `ahead` bytes after the current one; 0 after the end of the text.
     fn peek(&self, ahead: usize) -> u8 {
         self.bytes.get(self.at + ahead).copied().unwrap_or(0)
     }
@@ -220,7 +220,7 @@ impl Lexer<'_> {
         (Kind::Text, self.names.intern(text))
     }
 
-    /// Reads a sign that may have a second byte, such as `<=`.
+    /// Reads a sign of one or two bytes, such as `<` or `<=`.
     fn sign(&mut self, byte: u8) -> Option<Kind> {
         let (kind, length) = match (byte, self.peek(1)) {
             (b'.', b'.') => (Kind::Range, 2),

@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use super::source::{Sources, Span};
 use crate::graph::NodeId;
 
-/// Maximum number of notes, and of values (8 MiB in total). Of values beyond this limit, only the object is known.
+/// Maximum number of notes, and of values (8 MiB in total). For values beyond it, only the object is known.
 const NOTES_MAX: usize = 1 << 18;
 
 /// A location in the text: the number of the file among the scene's files, and the byte offset in this file.

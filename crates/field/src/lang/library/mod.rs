@@ -61,9 +61,9 @@ pub(super) struct Library {
     pub names: Interner,
     pub ast: Ast,
     pub functions: Vec<Function>,
-    /// By symbol: 1 + the function's index; 0 for other symbols.
+    /// For each symbol: 1 + the function's index; 0 if the symbol is no function.
     pub by_symbol: Vec<u32>,
-    /// By symbol: 1 + the number of final arguments that a fold passes to each step; 0 for functions that do not fold.
+    /// For each symbol: 1 + the number of final arguments that every step of a fold gets; 0 if it is no fold.
     pub folds: Vec<u8>,
 }
 

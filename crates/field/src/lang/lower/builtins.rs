@@ -132,8 +132,8 @@ impl Lowering<'_> {
     }
 
     /// Reads a pitch class. A computed index is clamped and rounded down, as for bands, and compared with each class.
-    /// Each class adds a term, which is 0 if the index differs. The terms' maximum is their sum, with tighter bounds if
-    /// the index is not known.
+    /// Each class has a term, which is 0 if the index differs. The result is the maximum of the terms: it equals their
+    /// sum, but has tighter bounds.
     fn chroma(&mut self, index: Vector, span: Span) -> Value {
         let classes = SoundInput::CHROMA;
         let hint = "there are 12 pitch classes, 0 for C to 11 for B";

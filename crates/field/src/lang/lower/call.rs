@@ -1,4 +1,4 @@
-//! Lowers calls of functions: built-in, from the library or from the scene. Folds take any number of arguments.
+//! Lowers calls of functions: built-in, from the library or from the scene. Folds combine any number of arguments.
 
 use super::super::ast::{Expr, ExprId, Function, Type};
 use super::super::builtin::{BUILTINS, uses};

@@ -163,7 +163,7 @@ impl Lowering<'_> {
                 None
             }
         };
-        // For a constant condition only one side is lowered, so that each iteration of a loop may have its own.
+        // For a constant condition only one side is lowered, so that iterations of a loop can use different sides.
         if let Some(value) = part.and_then(|part| self.graph.as_constant(part)) {
             return self.expr_below(if value != 0.0 { yes } else { no }, span);
         }

@@ -101,7 +101,7 @@ impl<'a> SceneBuilder<'a> {
         })
     }
 
-    /// Lowers all lets in the order of the text, so that a long chain of them needs no deep recursion.
+    /// Lowers all lets in the order of the text. A chain of lets that use each other then needs no deep recursion.
     fn lower_lets(&mut self) {
         self.lowering.within(u8::MAX, "", |this| {
             for index in 0..this.declared.lets.len() {

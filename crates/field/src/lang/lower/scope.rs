@@ -18,7 +18,7 @@ const NO_BINDING: u32 = u32::MAX;
 /// The current bindings, the innermost last.
 pub(super) struct Scope {
     pub bindings: Vec<Binding>,
-    /// By symbol: the index of its innermost binding, or [`NO_BINDING`].
+    /// For each symbol, the index of its innermost binding, or [`NO_BINDING`].
     innermost: Vec<u32>,
     /// Index of the current function's first binding.
     pub frame: usize,

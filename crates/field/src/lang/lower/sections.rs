@@ -286,7 +286,7 @@ impl SceneBuilder<'_> {
         self.lowering.reports.add(wrong);
     }
 
-    /// Evaluates an expression that must be one of the names in `known`. The result is the number of that name.
+    /// Evaluates an expression that must be one of the names in `known`, and returns the number of that name.
     fn one_of(&mut self, what: &str, known: &[(&'static str, f32)], value: ExprId) -> Value {
         let span = self.lowering.ast.span(value);
         let names = || known.iter().map(|(name, _)| *name);
