@@ -170,7 +170,7 @@ impl Editing {
         }
     }
 
-    /// Replaces `range` by `new` and puts the cursor behind `new`.
+    /// Replaces `range` by `new` and puts the cursor after `new`.
     ///
     /// # Errors
     /// [`Refused`] if the result would be too long.
@@ -178,7 +178,7 @@ impl Editing {
         self.replace(range, new, Joins::Nothing)
     }
 
-    /// Replaces several ranges, given in descending order, as one undo step. Puts the cursor behind the first range.
+    /// Replaces several ranges, given in descending order, as one undo step. Puts the cursor after the first range.
     ///
     /// # Errors
     /// [`Refused`] if the result would be too long. The text then stays unchanged.

@@ -1,9 +1,8 @@
 //! The model of the scene editor, without a window: the text and its undo history, syntax colours, completion, and
 //! numbers that can be turned like knobs. The editor's panel is in `mariana-ui`.
 //!
-//! **A text is bytes.** [`Buffer`] keeps one `Vec` with an index of line starts. Inserting a letter moves the bytes
-//! behind the letter, which takes some 20 µs in 400 kB. A position is a byte offset. Edits do not change bytes that
-//! are not UTF-8.
+//! **A text is bytes.** [`Buffer`] keeps one `Vec` with an index of line starts. Inserting a letter moves all later
+//! bytes, which takes some 20 µs in 400 kB. A position is a byte offset. Edits do not change bytes that are not UTF-8.
 //!
 //! **Drawing examines only the visible lines.** Only search and completion read the whole text.
 

@@ -21,7 +21,7 @@ pub enum TurnSpeed {
 pub struct Number {
     /// Byte range in the line.
     pub range: Range<usize>,
-    /// Start of the digits in the line, behind the sign.
+    /// Start of the digits in the line, after the sign.
     pub digits: usize,
     /// Value.
     pub value: f64,

@@ -110,7 +110,7 @@ fn numbers_of(text: &[u8], words: &[Word], rest: &[Word]) -> Option<([Number; 3]
     Some((numbers.try_into().ok()?, at + 1))
 }
 
-/// Returns the last field or name that has a `=` after it and precedes the word at `at`.
+/// Returns the last field or name before the word at `at` that is followed by `=`.
 fn field_before<'a>(text: &'a [u8], words: &[Word], at: usize) -> Option<&'a str> {
     let before = words.get(..at)?;
     let given = before.windows(2).rev().find_map(|pair| match pair {

@@ -28,7 +28,7 @@ pub(super) enum Reason {
     Start,
     Section,
     Drop,
-    /// A long section is split.
+    /// The scene changes within a long section.
     Long,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Change<'a> {
     pub(super) time: f64,
     pub(super) reason: Reason,
     pub(super) letter: Option<&'a str>,
-    /// Energy before the change and after the change, 0..1.
+    /// Energy before the change, 0..1. The next field is the energy after the change.
     pub(super) before: f32,
     pub(super) energy: f32,
 }

@@ -11,7 +11,7 @@ use super::document::Document;
 pub(super) struct Documents {
     all: Vec<Document>,
     shown: usize,
-    /// Visible lines and columns.
+    /// Number of visible lines. The next field is the number of visible columns.
     rows: usize,
     columns: usize,
     /// Cursor and scroll position to set when the file of the visible text has been read.

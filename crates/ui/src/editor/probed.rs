@@ -80,7 +80,7 @@ impl Picture {
         self.lights || self.profiles
     }
 
-    /// Returns the number of the text that drew the clicked point, and the byte range in the loaded text.
+    /// Returns the formula of the clicked point: the number of its text, and its byte range in the loaded text.
     pub(super) fn written(&self) -> Option<(usize, Range<usize>)> {
         self.probed.as_ref()?.surface.as_ref()?.written.clone()
     }

@@ -58,7 +58,7 @@ fn steps_by_keys(ui: &Ui, response: &Response) -> f64 {
     })
 }
 
-/// Exposes a slider that moves in steps of `step`. Returns the value that keys or a screen reader set, if any.
+/// Exposes a slider with steps of `step` to screen readers. Returns the value that keys or a screen reader set, if any.
 pub(super) fn rail(
     ui: &Ui,
     response: &Response,

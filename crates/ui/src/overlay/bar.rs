@@ -62,7 +62,7 @@ pub struct Bar<'a> {
     pub scene: &'a str,
     /// The open panel.
     pub open: Option<Panel>,
-    /// True if the keys are shown.
+    /// True if the table of keys is shown.
     pub help: bool,
     /// True if the sliders are shown.
     pub sliders: bool,

@@ -6,7 +6,7 @@ use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, 
 use super::style;
 use mariana_remote::{Code, PairingAddress};
 
-/// Maximum side of the code with its white margin: first in points, then as a fraction of the panel's width.
+/// Maximum side of the code with its margin, in points. The next constant is a fraction of the panel's width.
 const SIDE_MAX: f32 = 190.0;
 const FRACTION_MAX: f32 = 0.45;
 const LINES_HEIGHT: f32 = 90.0;

@@ -23,7 +23,7 @@ pub struct NextScene {
     pub revision: u64,
 }
 
-/// Maximum width of the image: first in points, then as a fraction of the window.
+/// Maximum width of the image in points. The next constant is the maximum as a fraction of the window.
 const WIDTH: f32 = 160.0;
 const FRACTION: f32 = 0.3;
 const LEVEL: f32 = 4.0;

@@ -17,7 +17,7 @@ const NAME: (f32, f32) = (170.0, 0.34);
 const RAIL_MS: f64 = 500.0;
 pub(super) struct Seen {
     selected: usize,
-    /// Height of the panel's list, and its scroll position.
+    /// Height of the panel's list. The next field is the list's scroll position.
     height: f32,
     offset: f32,
     /// True until the selected row is visible.

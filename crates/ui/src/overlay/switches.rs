@@ -12,7 +12,7 @@ pub struct PanelSwitches {
 }
 
 impl PanelSwitches {
-    /// Shows or hides the keys.
+    /// Shows or hides the table of keys.
     pub fn toggle_help(&mut self) {
         self.help = !self.help;
     }
@@ -43,7 +43,7 @@ impl PanelSwitches {
         self.open
     }
 
-    /// True if the keys are shown.
+    /// True if the table of keys is shown.
     pub fn help(self) -> bool {
         self.help
     }

@@ -33,7 +33,7 @@ impl Welcome<'_> {
         1.0 - (fading.as_secs_f32() / FADES.as_secs_f32()).min(1.0)
     }
 
-    /// The time at which the text looks different; `None` once the text is gone.
+    /// The next time at which the text looks different; `None` once the text is gone.
     pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
         (self.opacity(now) > 0.0).then(|| now.max(self.since + STANDS))
     }

@@ -7,7 +7,7 @@ use egui::{Color32, Context, Id, Order, Pos2, Rect, Rgba, pos2};
 use crate::editor::{Editor, EditorEvent};
 use crate::overlay::{icons, style};
 
-/// Width of the colour field, and approximate height of the whole picker.
+/// Width of the colour field. The next constant is the approximate height of the whole picker.
 const WIDTH: f32 = 190.0;
 const HEIGHT: f32 = 310.0;
 

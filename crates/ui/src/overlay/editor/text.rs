@@ -316,7 +316,7 @@ fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: boo
     }
 }
 
-/// Draws underlined text that an input method is composing. It covers the text behind the cursor.
+/// Draws underlined text that an input method is composing. This text covers the text after the cursor.
 fn draw_preedit(painter: &Painter, page: &Page, document: &Document, letters: &str, font: &FontId) {
     if letters.is_empty() {
         return;
