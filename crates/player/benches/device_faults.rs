@@ -9,7 +9,7 @@
 //! cargo bench --bench device_faults -- stop         the process stopped for 5 s
 //! ```
 //!
-//! A thread reads the position 60 times a second, as the window does, and compares each step with the time that passed.
+//! A thread reads the position 60 times a second, as the window does, and compares its change with the time passed.
 
 #![allow(clippy::expect_used, clippy::unwrap_used, missing_docs)]
 #![cfg(target_os = "linux")]
@@ -30,7 +30,7 @@ use tone::Tone;
 const FRAME: Duration = Duration::from_nanos(16_666_667);
 /// If the change of the position and the passed time differ by more than this, in seconds, the clock made a step.
 const STEP: f64 = 0.05;
-/// Each output of a flap plays for this long after the change was noticed.
+/// In `flaps`, each output plays for this long after the change to it was noticed.
 const HEARD: Duration = Duration::from_millis(250);
 
 #[derive(Default)]
@@ -187,7 +187,7 @@ fn flaps(count: usize) {
 
 fn only(count: usize) {
     let session = Session::with_server();
-    // The module's name unplugs all null sinks.
+    // Unloading the module by its name unplugs all null sinks at once.
     session.server().unplug("module-null-sink");
     let seen = during(|status| {
         for flap in 0..count {

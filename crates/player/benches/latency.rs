@@ -1,11 +1,11 @@
-//! Measures the delay of the image against the sound, on a separate PulseAudio server with a null sink. Needs
+//! Measures the delay of the image relative to the sound, on a separate PulseAudio server with a null sink. Needs
 //! `pulseaudio` and `pactl`.
 //!
 //! ```text
 //! cargo bench --bench latency              live and file
 //! cargo bench --bench latency -- live      from a sample at the monitor to the first frame that shows it
 //! cargo bench --bench latency -- file      the image's song time against the sound at the monitor
-//! cargo bench --bench latency -- xruns 600 seconds of playing and listening, with two busy threads per processor
+//! cargo bench --bench latency -- xruns 600 glitches in 600 s of playing and listening, with two busy threads per processor
 //! ```
 //!
 //! The times of the sound are the timestamps of separate streams, which are independent of Mariana. For `live`, a
@@ -46,7 +46,7 @@ fn config() -> cpal::StreamConfig {
     cpal::StreamConfig { channels: 1, sample_rate: RATE, buffer_size: cpal::BufferSize::Fixed(BUFFER) }
 }
 
-/// Returns the start of burst `n`. Distances vary, so that bursts begin in every phase of buffers, hops and frames.
+/// Returns the start of burst `n`. Distances vary, so that bursts begin anywhere in buffers, hops and frames.
 fn burst_start(n: u64) -> u64 {
     RATE as u64 + n * DISTANCE + n * 7919 % 4801
 }

@@ -62,7 +62,7 @@ pub struct SongPlace {
     pub features: Features,
 }
 
-/// The segments of a playback that may be audible.
+/// The segments of a playback that may still be audible or become audible.
 #[derive(Default)]
 pub struct AudibleSegments {
     segments: VecDeque<SegmentNotes>,

@@ -9,7 +9,7 @@
 //! without its second integrator; F. Adriaensen, "Using a DLL to filter time", 2005) and jumps only if the deviation
 //! is large.
 //!
-//! **The song continues through device faults.** A [`Clock`] computes its position:
+//! **The song continues through device faults.** A [`Clock`] computes the song's position:
 //! - While spans cover the moment, they determine the position.
 //! - If a device falls silent while frames are moving, the song continues at its normal pace until another output
 //!   sounds. The new output knows when its first frame is due ([`super::output::Segment::due_at`]) and drops late
@@ -47,7 +47,7 @@ const AWAY_MAX: f64 = 0.5;
 /// If the clock is ahead of the sound by more than this, in seconds, it waits, so that stalls do not add up.
 const AHEAD_MAX: f64 = 1.5;
 
-/// If the positions of two segments differ by more than this, in seconds, the clock jumps to the new position.
+/// If the positions of two segments differ by more than this, in seconds, the clock jumps to the newer segment.
 const APART_MAX: f64 = 3.0;
 
 const NEVER: u64 = u64::MAX;
@@ -93,7 +93,7 @@ struct Slot {
     start_ns: AtomicU64,
     segment: AtomicU64,
     frame: AtomicU64,
-    /// The number of frames. Bit 32 is set if the frames move.
+    /// The number of frames. Bit 32 is set if `Span::moving` is true.
     shape: AtomicU64,
 }
 

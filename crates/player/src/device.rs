@@ -24,17 +24,17 @@ pub(crate) const BUILD_LIMIT: Duration = Duration::from_secs(2);
 pub enum Target {
     /// The system's default for the direction. If the default changes, the new default is used.
     Default,
-    /// The input that records the default output. If the default changes, the input changes.
+    /// The input that records the default output. If the default output changes, the input changes too.
     Monitor,
     /// The device whose id or name equals or contains this text.
     Named(String),
-    /// The device with this id while it is connected, otherwise the system's default. Changes are followed.
+    /// The device with this id while it is connected, otherwise the system's default. Follows changes of both.
     Preferred(String),
     /// The input that records the named output.
     MonitorOf(String),
 }
 
-/// One direction of sound as the [`Supervisor`](super::supervisor::Supervisor) handles it.
+/// A direction of sound, output or input, as the [`Supervisor`](super::supervisor::Supervisor) handles it.
 pub(crate) trait Port: Sized + Send + 'static {
     /// The caller's end of a stream's callback.
     type Link: Send + 'static;
@@ -65,7 +65,7 @@ pub(crate) struct Opened<L> {
     pub(crate) connection: Option<ServerConnection>,
 }
 
-/// A stream, to be dropped on the thread that created it.
+/// A stream. It must be dropped on the thread that created it.
 pub(crate) struct Running {
     // The fields are dropped in this order: the connection is free once the stream is dropped.
     pub(crate) _stream: cpal::Stream,
@@ -129,7 +129,7 @@ pub(crate) fn refusal(
         ErrorKind::DeviceBusy => DeviceError::Busy { direction, device },
         ErrorKind::PermissionDenied => DeviceError::Denied { direction, device },
         ErrorKind::UnsupportedConfig => DeviceError::Format { direction, device, format: "unusual".into() },
-        // A default device may be a name without a device.
+        // The default device may be only a name, without a device.
         ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable
             if matches!(target, Target::Default | Target::Preferred(_)) =>
         {
@@ -211,7 +211,7 @@ pub(crate) fn converts(device: &cpal::Device) -> bool {
     device.id().is_ok_and(|id| is_server(id.host()))
 }
 
-/// Returns the rate to request from a device: `rate`, or the nearest rate within the limits if a server converts.
+/// Returns the rate to request from a device: `rate` within the limits, or the nearest limit if a server converts.
 pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
     let (min, max) = (MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max);
     if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }

@@ -36,7 +36,7 @@ pub(crate) fn is_watched(host: cpal::HostId) -> bool {
     is_server(host) || cfg!(not(target_os = "linux"))
 }
 
-/// Stops libasound from printing errors on this thread. Calls of libasound also return these errors.
+/// Stops libasound from printing errors on this thread. No error is lost: the calls of libasound return them too.
 pub(crate) fn hush_sound_library() {
     #[cfg(target_os = "linux")]
     if let Err(error) = alsa::Output::local_error_handler() {

@@ -276,7 +276,7 @@ impl Player {
     }
 
     /// Appends these files, or the contents of these folders and playlists, to the list. If the list had ended,
-    /// playback continues with them. A random order mixes them into the remaining tracks.
+    /// playback continues with these files. A random order mixes them into the remaining tracks.
     pub fn append_files(&self, files: Vec<PathBuf>) {
         self.threads.send(Command::Edit(Edit::Append(files)));
     }

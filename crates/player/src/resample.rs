@@ -142,7 +142,7 @@ impl Engine {
             to,
             message: e.to_string(),
         };
-        // The shortest block whose half is a whole number of frames on both sides has two periods of the ratio.
+        // The shortest block whose half is a whole number of frames at both rates has two periods of the ratio.
         let unit = 2 * (from / gcd(from, to)) as usize;
         let (inner, delay): (Box<dyn rubato::Resampler<f32>>, usize) = if unit <= BLOCK_FRAMES_MAX {
             let chunk = unit * BLOCK_FRAMES.div_ceil(unit);
@@ -190,7 +190,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Converts one block from `waiting[offset..]`; `partial` gives the number of frames before padding with silence.
+    /// Converts one block from `waiting[offset..]`; `partial` is the number of frames before a padding of silence.
     /// Drops the rest of the delay and all frames after `total`. Returns the number of input frames used.
     fn convert(
         &mut self,

@@ -10,7 +10,7 @@
 //! does not report device changes, and a sound server silently moves the stream of an unplugged device to another
 //! device. The open device continues until its successor is open. For each kind of cpal's errors, the supervisor waits
 //! a certain time before the next attempt. A change in the device list ends the wait. The default may change and change
-//! back between two polls, so the supervisor checks an opened device once more afterwards.
+//! back between two polls, so the supervisor checks an opened device again after the next polls.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -28,7 +28,7 @@ const OPEN_LIMIT: Duration = Duration::from_secs(3);
 
 const WATCH_PERIOD: Duration = Duration::from_millis(100);
 
-/// Number of consecutive checks without a callback. A time limit would blame the device if the machine was suspended.
+/// A device has stalled after this many checks without a callback. A time limit would expire in a suspended machine.
 const SILENT_LOOKS: u32 = 10;
 
 const CLOSE_LIMIT: Duration = Duration::from_millis(500);
@@ -281,8 +281,8 @@ impl<P: Port> Watch<P> {
             Event::Failed(Failure { reason, kind }) if is_current => {
                 self.lose(&DeviceError::Lost { direction: P::DIRECTION, reason }, kind);
             }
-            // Events of an abandoned device are ignored. If a device fails while it opens, it will stall, and a stall
-            // is handled.
+            // Events of an abandoned device are ignored. If a device fails while it opens, it stalls later, and that is
+            // handled.
             _ => {}
         }
     }
@@ -316,7 +316,7 @@ impl<P: Port> Watch<P> {
     /// Handles a failed device or a failed opening. A failed device is replaced by silence.
     fn lose(&mut self, error: &DeviceError, kind: cpal::ErrorKind) {
         let stands = match &self.current {
-            // The current device still plays. The default changed to a device that cannot be opened.
+            // Keep a current device that still plays: only the new default or the new choice cannot be opened.
             Current::Device { silent_looks, .. } => {
                 *silent_looks < SILENT_LOOKS
                     && !matches!(
@@ -359,7 +359,7 @@ impl<P: Port> Watch<P> {
         if self.retry_at.is_some_and(|at| at <= Instant::now()) {
             self.retry_at = None;
             match self.current {
-                // The current device plays, but it was the default. Check again which device is the default.
+                // The current device still plays; only its successor failed to open. Check again which device to use.
                 Current::Device { .. } => self.generation = 0,
                 _ => self.open(),
             }

@@ -256,11 +256,11 @@ pub trait TrackList: Send {
     /// Changes the repeat mode and the order. A new random order begins with the entry whose id is `current`.
     fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: u64);
 
-    /// Keeps `listing` up to date with the list from now on. By default the listing keeps showing only the first track.
+    /// Keeps `listing` up to date with the list from now on. The default implementation lists only the first track.
     fn fill_listing(&mut self, _listing: SharedListing) {}
 
-    /// Edits the list while the entry with id `playing` plays, and reports failures to `tell`. By default the list
-    /// stays unchanged.
+    /// Edits the list while the entry with id `playing` plays, and reports failures to `tell`. The default
+    /// implementation changes nothing.
     fn edit(&mut self, _edit: &Edit, _playing: u64, _tell: &mut dyn FnMut(String)) -> Edited {
         Edited::default()
     }

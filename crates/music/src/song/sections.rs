@@ -21,8 +21,7 @@ const SHORT_COST: f32 = 1.0;
 
 /// Timbre is divided by its deviation, or at least by this: the root of the sum of squares over all bands, in decibels.
 const TIMBRE_LEAST: f32 = 8.0;
-/// Chroma is divided by its deviation, or at least by this: the root of the summed squares of all pitch class
-/// fractions.
+/// Chroma is divided by its deviation, or at least by this: the root of the summed squares of the class fractions.
 const CHROMA_LEAST: f32 = 0.09;
 
 /// The maximum distance between sections with the same letter, in the units of the costs.

@@ -48,7 +48,7 @@ impl Clock {
         (self.numer > 0).then(|| frames as f64 / f64::from(self.denom))
     }
 
-    /// Returns a time stamp at or before frame `raw`; with a coarse clock, one grid packet and two ticks earlier.
+    /// Returns a time stamp at or before frame `raw`; with a coarse clock, a grid step and two ticks earlier.
     pub(super) fn ticks_before(&self, raw: i64, rate: u32) -> Option<i64> {
         let exact = self.is_exact(rate);
         let raw = if exact { raw } else { raw.checked_sub(i64::from(self.grid?))? };

@@ -1,4 +1,4 @@
-//! Codecs: their decoders and names, and their needs after a jump into the middle of a stream.
+//! Codecs: their decoders and names, and what they need after a jump into the middle of a stream.
 
 use std::sync::LazyLock;
 
@@ -98,7 +98,7 @@ pub(super) fn pre_roll(codec: AudioCodecId, rate: u32) -> i64 {
     if lossless { 0 } else { i64::from(rate / 2) }
 }
 
-/// Returns the known encoder delay within a tick of `about` (AAC: 1024, 2048, Apple 2112; LAME: 1105), or `about`.
+/// Returns the known encoder delay (AAC: 1024, 2048, Apple 2112; LAME: 1105) within a tick of `about`, or `about`.
 pub(super) fn known_delay(codec: AudioCodecId, about: u64, rate: u32) -> u64 {
     let known: &[u64] = match codec {
         id::CODEC_ID_AAC => &[1024, 2048, 2112],

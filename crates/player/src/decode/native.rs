@@ -19,7 +19,7 @@ use super::input::Input;
 use super::packets::{Block, PacketReader};
 use super::{Cover, DecodeError, StreamInfo, cover, sniff};
 
-/// Maximum total silence, in seconds, that fills gaps until the next seek. More gaps mean a broken clock.
+/// Gaps are filled with at most this many seconds of silence until the next seek. More would mean a broken clock.
 const HOLE_SECONDS_MAX: i64 = 10;
 
 const NEAR_SECONDS: i64 = 1;
@@ -41,7 +41,7 @@ pub(super) struct NativeDecoder {
     position: i64,
     /// A resampler for chained streams whose rate differs from the first stream's rate.
     resampler: Option<Resampler>,
-    /// True once the rate has changed or a chained stream has begun. The clock is meaningless from then on.
+    /// True once the rate has changed or a chained stream has begun. The container's clock is meaningless from then on.
     uneven: bool,
     ended: bool,
     skipped_before: u64,
@@ -230,7 +230,7 @@ impl NativeDecoder {
         if !self.raw.settled {
             self.settle(&block);
         } else if let (Some(start), true, false) = (block.start, block.exact, self.uneven) {
-            // Gaps that are shorter than the block are clock jitter.
+            // Gaps that are shorter than the block are jitter of the clock and are not filled.
             if start - self.raw.next >= self.scratch.len() as i64 {
                 self.fill_hole(start - self.raw.next);
             }

@@ -41,7 +41,7 @@ pub(super) struct Block {
     pub(super) exact: bool,
     /// Number of frames at the block's end that are the encoder's padding.
     pub(super) padding: usize,
-    /// In the first block of a further stream in the same file (chained Ogg): the delay of this stream.
+    /// In the first block of each stream that follows in the same file (chained Ogg): the delay of this stream.
     pub(super) new_link: Option<u64>,
 }
 
@@ -421,7 +421,7 @@ impl Stream {
                 Some(CodecParameters::Audio(params)) => {
                     codecs::make(name, params).map(|codec| (params, codec))
                 }
-                // A codec that the demuxer does not know may be an audio codec.
+                // A codec that the demuxer does not know may be an audio codec, so the track counts as audio.
                 None => {
                     Err(DecodeError::UnsupportedCodec { name: name.into(), codec: "an unknown codec".into() })
                 }

@@ -178,7 +178,7 @@ impl Listener {
             *last_time = time;
             *last_number = *first_number + moment.number;
             let heard = TimedFeatures { time, number: *last_number, ..moment.clone() };
-            // The ring is full only if no reader reads it. In this case the moment is not needed.
+            // If the ring is full, no reader reads it, and the moment is not needed.
             let _ = moments.push(Heard { stream: *stream, position, heard });
         });
     }

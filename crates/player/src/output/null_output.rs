@@ -12,7 +12,7 @@ use crate::worker::Worker;
 
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// After a gap longer than this (the process was suspended) the clock restarts, because the ring may hold too little.
+/// After a gap longer than this (the process was suspended) the clock restarts, because the ring may lack frames.
 const GAP_MAX: Duration = Duration::from_millis(250);
 
 pub(crate) struct NullOutput {

@@ -27,7 +27,7 @@ const FADE: f32 = 0.005;
 /// After an underrun the sound resumes when the ring holds this many seconds (or a quarter of its capacity, if less).
 const REFILL: f64 = 0.020;
 
-/// Frames that are late by more than this, in seconds, are still played, because the process was suspended.
+/// Late frames are dropped, unless they are later than this, in seconds: then the process was suspended.
 const LATE_MAX: f64 = 3.0;
 
 const LATENCY_MAX: Duration = Duration::from_secs(5);
@@ -472,7 +472,7 @@ impl OutputCallback {
     fn note(&mut self, start_ns: u64, offset: usize, taken: usize, frames: usize) {
         let Some(segment) = &self.segment else { return };
         let moving = taken > 0;
-        // The song continues on another output.
+        // The song continues on another output, so nothing is recorded.
         if !moving && self.retired.load(Ordering::Relaxed) {
             return;
         }

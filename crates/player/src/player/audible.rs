@@ -71,7 +71,7 @@ impl AudibleMoment {
         sound.unwrap_or_else(|| self.moment.features.into())
     }
 
-    /// Returns true if the (possibly delayed) image has shown the last frame, and the next track.
+    /// Returns two values: true if the (possibly delayed) image has shown the last frame; and the next track.
     pub(super) fn end_and_next(
         &mut self,
         history: Option<&Arc<SpanHistory>>,

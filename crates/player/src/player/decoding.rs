@@ -2,11 +2,11 @@
 //!
 //! - A seek makes a new segment. The old segment sounds until the new segment has `PREFILL` seconds in its ring. The
 //!   frames of the last [`PREROLL`] seconds before the target go only to the analysis. So features and their history
-//!   equal those of uninterrupted playback, except for effects with a longer memory.
+//!   equal those of uninterrupted playback, except for features with a longer memory.
 //! - A following track stays in the segment and, at the same sample rate, in the same resampler. The analysis restarts,
 //!   so that the features depend only on this track. A skip by the user makes a new segment.
 //! - A new output also makes a new segment, but the song does not wait for it. The segment is due at the moment at
-//!   which the output opened, so the song is missed up to the segment's first audible frame.
+//!   which the output opened, so the part of the song before the segment's first audible frame is missed.
 
 mod command;
 mod passages;
@@ -30,8 +30,8 @@ use place::{Goal, Place};
 use segment::{CurrentSegment, SegmentStart};
 use track_queue::{Following, TrackQueue};
 
-/// Seconds that the analysis processes before a seek's target. This is the length of the history. Only the beat and the
-/// bass drive have a longer memory. Near the song's start the time is shorter.
+/// Seconds that the analysis processes before a seek's target. They fill the history. Only the beat and the bass drive
+/// have a longer memory. Near the song's start there are fewer seconds.
 const PREROLL: f64 = 13.0;
 
 const CHUNK: usize = 4096;
@@ -41,7 +41,7 @@ const WAIT: Duration = Duration::from_millis(20);
 /// If a wait for [`WAIT`] takes longer than this, the process was suspended.
 const WAIT_MAX: Duration = Duration::from_millis(500);
 
-/// If the position is later than this, in seconds, a step back returns to the start of the same track.
+/// If the position is later than this, in seconds, a skip back returns to the start of the same track.
 const STEP_BACK_WITHIN: f64 = 3.0;
 
 pub(crate) struct Decoding {
@@ -124,7 +124,7 @@ impl Decoding {
                     goal = Some(Goal::seek((self.time_after(goal) + seconds).max(0.0)));
                 }
                 Command::Output { link, at } => {
-                    // The new output executes a pending seek, and a further output does not change the position.
+                    // If a seek is pending, the new output starts at its target. A second output changes nothing.
                     if goal.is_none() {
                         let (passage, on_course) = self.segment.course(at, self.queue.passages.earliest());
                         self.queue.go_back_to(passage);

@@ -26,7 +26,7 @@ struct Device {
     buffer: usize,
     latency: Duration,
     next_call: Instant,
-    /// The time at which the last buffer's first frame is audible, and the frame's song time unless the frame is faded.
+    /// The time at which the last buffer's first frame is audible, and its song time; `None` in a fade.
     heard: Option<(Instant, f64)>,
 }
 
@@ -85,7 +85,7 @@ impl TestPlayback {
         let answers = commands.clone();
         std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &track_errors));
         let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
-        // This time is later than any real time, so that no wait for a thread lasts until this time.
+        // The simulated time is an hour ahead, so that waits for threads never reach it in real time.
         let now = Instant::now() + Duration::from_secs(3600);
         let device = open(&commands, now, Duration::ZERO, RATE, 512, Duration::from_millis(20));
         Self {

@@ -59,7 +59,7 @@ pub(super) struct MissedAudioWatch {
 }
 
 impl MissedAudioWatch {
-    /// `carry` maps a frame of an earlier segment to a later segment, unless a seek or another track separates both.
+    /// `carry` maps a frame of an earlier segment to a later segment, unless a seek or another track separates the two.
     pub(super) fn look(
         &mut self,
         history: &Arc<SpanHistory>,

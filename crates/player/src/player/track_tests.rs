@@ -69,7 +69,7 @@ fn tracks_of_other_rates_are_resampled_into_the_same_stream() {
         heard.extend(stepped.play(480));
     }
     let count = |entry: usize| heard.iter().filter(|heard| heard.entry == entry).count() as f64;
-    // The first callbacks were heard before this loop; the last callback ends in silence.
+    // Part of the first track was heard before this loop, so it is not counted; the last callback ends in silence.
     for (entry, frames) in [(1, 24_000.0), (2, 48_000.0)] {
         assert!((count(entry) - frames).abs() <= 480.0, "track {entry} has {} frames", count(entry));
     }

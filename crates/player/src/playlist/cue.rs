@@ -86,7 +86,7 @@ fn disc_time(text: &[u8]) -> Option<u64> {
     let mut parts = text.split(':').map(|part| part.parse::<u64>().ok());
     let (minutes, seconds, frames) = (parts.next()??, parts.next()??, parts.next()??);
     let sound = parts.next().is_none() && minutes <= MINUTES_MAX && seconds < 60 && frames < DISC_FRAMES;
-    // Compute the sum only for valid times, because the numbers may be of any size.
+    // Compute the sum only for valid times, because other numbers may overflow.
     sound.then(|| (minutes * 60 + seconds) * DISC_FRAMES + frames)
 }
 

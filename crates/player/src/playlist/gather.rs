@@ -102,7 +102,7 @@ impl Gathered {
         };
         if let (Some((what, limit)), false) = (over, self.full) {
             self.full = true;
-            // Insert the error first, because some of many errors are left out.
+            // Insert the error at the front: if there are many errors, errors in the middle are not reported.
             self.track_errors.insert(0, PlaylistError::TooMany { what, limit });
         }
         self.looked_at += 1;

@@ -175,7 +175,7 @@ impl Playlist {
         Ok(track)
     }
 
-    /// Opens the first playable entry from `first` on (or back); stops at entry `open`. Wraps if the list repeats.
+    /// Opens the first playable entry from `first`, forward or back, up to entry `open`. Wraps if the list repeats.
     fn search(
         &mut self,
         first: u64,
@@ -215,7 +215,7 @@ impl Playlist {
     fn entry_after(&self, from: u64, steps: i32) -> Option<u64> {
         let around = self.order.repeat() != Repeat::Off;
         let forward = steps > 0;
-        // Skip whole rounds, but always make the first step away from a removed entry.
+        // Leave out whole rounds of the list, but always make the first step away from a removed entry.
         let away = u32::from(self.index(from).is_none());
         let round = u32::try_from(self.slots.len()).unwrap_or(u32::MAX).max(1);
         let steps = steps.unsigned_abs().saturating_sub(away) % round + away;

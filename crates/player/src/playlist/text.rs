@@ -72,7 +72,7 @@ fn path_of(bytes: &[u8]) -> PathBuf {
 #[cfg(not(unix))]
 fn path_of(bytes: &[u8]) -> PathBuf {
     let text = decode(bytes);
-    // "/C:/music" of an address is "C:/music".
+    // The path "/C:/music" of an address means "C:/music".
     let drive = text.strip_prefix('/').filter(|rest| rest.get(1..2) == Some(":"));
     PathBuf::from(drive.unwrap_or(&text))
 }

@@ -19,7 +19,7 @@ const REACH: isize = 5000;
 struct Case {
     file: &'static str,
     args: &'static [&'static str],
-    /// Maximum error of a sample; 0 for lossy codecs.
+    /// Maximum error of a sample in a lossless codec; 0 for lossy codecs, which are not checked for this.
     lossless: f32,
     /// Maximum shift of the sound, in frames. The shift comes from encoder delay that the container does not report,
     /// and from clock rounding after a seek.

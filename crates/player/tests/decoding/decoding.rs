@@ -50,7 +50,7 @@ struct Case {
     file: &'static str,
     args: &'static [&'static str],
     rate: u32,
-    /// Maximum error of a sample against the signal; 0 for lossy codecs.
+    /// Maximum error of a sample in a lossless codec; 0 for lossy codecs, which are not checked for this.
     lossless: f32,
     /// Maximum difference between a sample after a seek and the same sample of an uninterrupted run.
     seek: f32,

@@ -290,7 +290,7 @@ fn unplugging_the_only_output_leaks_no_threads_or_files() {
     let session = Session::with_server();
     let mut player = play(None);
     wait_for(&mut player, "the sound", plays_on("viz"));
-    // The module's name unplugs all null sinks.
+    // Unloading the module by its name unplugs all null sinks at once.
     session.server().unplug("module-null-sink");
     let mut after = Vec::new();
     for _ in 0..6 {

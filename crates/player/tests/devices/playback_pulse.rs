@@ -203,8 +203,8 @@ fn the_clock_follows_the_sound() {
     wait_for(&mut player, "the sound", |status| status.position > 1.0);
     let begin = Instant::now();
     let mut last = 0.0;
-    // Returns a lower and an upper bound of the song's lead over the passed time. There are two bounds because this
-    // thread may be interrupted between two clock reads.
+    // Returns a lower and an upper bound of how far the song is ahead of the passed time. There are two bounds because
+    // this thread may be interrupted between two clock reads.
     let mut ahead = || {
         let before = begin.elapsed().as_secs_f64();
         let now = player.now(0.0).song_time;

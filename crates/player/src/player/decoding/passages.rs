@@ -81,8 +81,8 @@ impl Passages {
         }
     }
 
-    /// Makes the track of `passage` current again if later tracks have begun ahead of time. Returns the next track,
-    /// which is no longer at its start. The caller must begin a new segment.
+    /// Makes the track of `passage` current again if the decoder has already begun later tracks. Returns the next
+    /// track, which is no longer at its start. The caller must begin a new segment.
     pub(super) fn go_back_to(&mut self, passage: u64) -> Option<Track> {
         self.forget_before(passage);
         let mut after = None;

@@ -19,7 +19,7 @@ const RING: f64 = 0.4;
 
 const RING_BUFFERS: usize = 4;
 
-/// A segment is played once this many seconds are ready. They exceed the look-ahead of the analysis.
+/// A segment is played once this many seconds are ready: more than the look-ahead of the analysis.
 const PREFILL: f64 = 0.15;
 
 pub(super) struct SegmentStart {
@@ -41,7 +41,7 @@ pub(super) struct CurrentSegment {
     /// A number that grows with each seek and each skip.
     run: u64,
     due: Option<Instant>,
-    /// The number of output calls when the process was last suspended.
+    /// The number of callback calls at the time when the process was last suspended.
     stood_still: Option<u64>,
     /// The track time at which the next segment starts once an output is open, in seconds.
     start: f64,
@@ -80,7 +80,7 @@ impl CurrentSegment {
         self.stood_still = self.link.as_ref().map(|link| link.history.calls());
     }
 
-    /// True if the process was suspended and the output has not called since. In this case the song has not moved.
+    /// True if the process was suspended and the callback was not called since. In this case the song has not moved.
     pub(super) fn stands_still(&self) -> bool {
         let calls = self.link.as_ref().map(|link| link.history.calls());
         calls.is_some() && self.stood_still == calls

@@ -33,7 +33,7 @@ pub(super) struct TrackQueue {
     next: Next,
     /// The id of the pending request for a skip.
     skipping: Option<u64>,
-    /// The number of further skips since this request.
+    /// The number of skips since this request, which are requested next; negative for skips back.
     steps: i32,
     empty_tracks: u32,
     list: Sender<Request>,
@@ -70,7 +70,7 @@ impl TrackQueue {
         self.steps += if forward { 1 } else { -1 };
     }
 
-    /// Requests the track of the pending skips, counted from passage `audible`, unless a search is running already.
+    /// Requests the track to which the pending skips lead from passage `audible`. Does nothing during such a request.
     pub(super) fn ask_for_skips(&mut self, audible: u64) {
         if self.steps != 0 && self.skipping.is_none() {
             let steps = std::mem::take(&mut self.steps);
@@ -108,7 +108,7 @@ impl TrackQueue {
             self.go_back_to(audible);
         }
         // The track opened ahead may no longer be next. A change of order does not restart a list that has ended. But
-        // the list continues if tracks were appended or an earlier edit is still being answered.
+        // the list continues if tracks were appended or a request for the next track is not answered yet.
         let goes_on = !ended || edited.appended || matches!(self.next, Next::Asked(_));
         self.next = Next::Unasked;
         if goes_on {
