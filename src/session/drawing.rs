@@ -57,7 +57,7 @@ impl Session {
         self.present(Picture { wanted, new, dims, level, begun }, &lay, size)
     }
 
-    /// Returns `true` once an idle show has its best frame. A frozen frame is always at rest.
+    /// Returns `true` once an idle show is drawn in its best quality. A frozen frame is always at rest.
     pub(super) fn is_at_rest(&self, now: Instant) -> bool {
         let playback = &self.playback;
         let is_drawn =
@@ -338,7 +338,7 @@ impl Interface {
         let (lists, shows_bar) =
             (self.ui_state.panels.open() == Some(Panel::Tracks), awake && !self.ui_state.is_quiet());
         let song = playback.listening.with_song(|player| {
-            // The loudness of the track is measured only when the bar shows it.
+            // Measure the loudness of the track only if the bar, which shows it, is visible.
             let shape = if shows_bar { player.shape() } else { None };
             (lists.then(|| player.playlist()), shape)
         });

@@ -1,4 +1,4 @@
-//! The pace and the quality of frames: due times, drawing times, and the detection of an idle show.
+//! Chooses when the next frame is due and at which quality, measures drawing times, and detects an idle show.
 
 use std::time::{Duration, Instant};
 
@@ -18,14 +18,14 @@ const STANDS_STILL: Duration = Duration::from_millis(400);
 pub(crate) enum Verdict {
     GoOn,
     DrawSmaller,
-    /// Give up the scene: fewer pixels would not be enough.
+    /// Remove the scene: even with fewer pixels it would be too slow.
     TakeBack,
 }
 
 /// The number of new frames per second, counted over a second or more so that it is readable.
 #[derive(Debug, Default)]
 struct PictureRate {
-    /// Start of the count, and the number of frames since then.
+    /// Start time of the count, and the number of frames since that time.
     counted: Option<(Instant, u32)>,
     last: Option<Instant>,
     per_second: Option<f64>,

@@ -235,8 +235,7 @@ impl DynamicResolution {
         self.level != before
     }
 
-    /// Draws smaller frames, even if frames are fast. Returns `false` if neither moving nor still frames can get
-    /// smaller.
+    /// Draws smaller frames, even if frames are fast. Returns `false` if all frames have their smallest size.
     pub(crate) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
         // The first lack of memory reduces stills, which had all pixels until then.

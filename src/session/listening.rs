@@ -27,7 +27,7 @@ pub(crate) struct Listening {
     songs: Option<SongReader>,
     energy: LiveEnergy,
     taps: TapTempo,
-    /// The clock of a device, which has priority over taps.
+    /// The last reading of a device's clock, which has priority over tapped beats.
     clock: Option<ClockReading>,
     /// The device's clock in seconds at the last update, and the time of that update.
     clock_now: (f64, Instant),

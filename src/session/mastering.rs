@@ -43,7 +43,7 @@ impl Session {
 
     /// Moves a corner of the frame; saves it if `settled`. Ignores positions at which the frame could not be drawn.
     pub(super) fn move_corner(&mut self, MovedCorner { corner, place, settled }: MovedCorner) {
-        // Steps finer than a pixel are of no use.
+        // Round, because steps finer than a pixel are of no use.
         let place = place.map(|fraction| (fraction * 1e4).round() / 1e4);
         let before = self.choices.stage.corners;
         self.set_corners(before.with(corner, place).unwrap_or(before), corner, settled);

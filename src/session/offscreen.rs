@@ -154,7 +154,7 @@ impl Offscreen {
         self.run.as_mut().map(|run| run.session.state()).unwrap_or_default()
     }
 
-    /// Returns `true` once an idle show has its best frame. A frozen frame is always at rest.
+    /// Returns `true` once an idle show is drawn in its best quality. A frozen frame is always at rest.
     pub fn is_at_rest(&self) -> bool {
         self.run.as_ref().is_none_or(|run| run.session.is_at_rest(clock::now()))
     }

@@ -26,8 +26,8 @@ pub(crate) enum Event {
 /// Paints over the frame in the current framebuffer of the given size in pixels.
 pub(crate) type Paint<'a> = &'a mut dyn FnMut((u32, u32)) -> Result<(), SessionError>;
 
-/// The surface that shows a session. The context of [`Screen::gl`] is current on the session's thread. Changes of the
-/// window are only requests: the window system may carry them out later or never, so query the result.
+/// The surface that shows a session. The context of [`Screen::gl`] is current on the session's thread. Changes to the
+/// window are only requests: the window system may carry them out later or never, so query the window's state.
 pub(crate) trait Screen {
     /// Waits for events, at most until the given time. Returns the events in order; several redraw requests become one.
     fn wait(&mut self, until: Instant) -> Vec<Event>;

@@ -177,7 +177,7 @@ impl Sound {
             player.choose_output(target.clone());
         }
         if self.live.is_none() {
-            // A delay from the command line belonged to the old device.
+            // A delay from the command line was meant for the previous device.
             self.asked_ms = None;
         }
         self.output = Some(target);
@@ -203,7 +203,7 @@ impl Sound {
         outputs_of(&device_list, self.output.as_ref(), open)
     }
 
-    /// The delay of the frames relative to the device's own latency, in milliseconds.
+    /// The delay of the frames in milliseconds, in addition to the device's own latency.
     pub(crate) fn shift_ms(&self) -> f64 {
         let remembered = || self.kept.settings().latency_ms.get(&self.device.as_ref()?.id).copied();
         self.asked_ms.or_else(remembered).unwrap_or(0.0)
@@ -302,7 +302,7 @@ impl Sound {
     fn choose(&mut self, source: Source) {
         self.hints.forget();
         self.device = None;
-        // The delay set before belonged to another device.
+        // The previous delay was meant for another device.
         self.asked_ms = None;
         match source {
             Source::Song => {

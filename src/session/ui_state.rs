@@ -40,7 +40,7 @@ pub(crate) struct UiState {
 }
 
 pub(super) struct Seen {
-    /// True if the pointer has moved recently or is used in a panel.
+    /// True if the pointer has moved recently or is in use in a panel.
     pub(super) awake: bool,
     pub(super) assisted: bool,
     pub(super) fullscreen: bool,

@@ -1,4 +1,4 @@
-//! The clips of a show that move a scene's parameters at one moment.
+//! The clips of a show that set the parameters of a scene at a moment of the song.
 
 use super::knobs::Knob;
 use crate::show::{Clip, Moved};

@@ -63,7 +63,7 @@ enum State {
         has_asked: bool,
         is_rehearsed: bool,
     },
-    /// Preparation failed or was abandoned; the scene is prepared when it is shown.
+    /// Preparation failed or was abandoned; the scene is prepared only when the user or the show requests it.
     Left,
 }
 
@@ -256,7 +256,7 @@ impl PreparedAhead {
         }
     }
 
-    /// Continues with the first neighbour that is not ready: requests its load, or returns its missing parts.
+    /// Continues with the first neighbour that is not ready: requests its scene, or returns what the scene lacks.
     pub(super) fn go_on(&mut self, sdf: SdfChoice) -> Option<Lacking> {
         for neighbour in self.all_mut() {
             match &mut neighbour.state {

@@ -81,7 +81,7 @@ pub(crate) struct SceneComposer {
     pub(super) views: Views,
     pub(super) camera: SceneCamera,
     pub(super) edits: Edits,
-    /// Counts the changes in the composer that make the same moment look different.
+    /// Counts the changes in the composer after which a frame of the same moment would look different.
     revision: u64,
 }
 

@@ -39,7 +39,7 @@ enum From {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum State {
     None,
-    /// The next frame is the first of another scene.
+    /// A fade begins with the next frame, the first one of another scene.
     Wanted,
     /// A fade by the clock, and its elapsed time.
     Going(Duration),
@@ -182,7 +182,7 @@ impl Fading {
         if self.from == From::HeldPicture && self.goes_on() { self.fraction } else { 0.0 }
     }
 
-    /// Duration and start of a running fade between scenes, in seconds of the song.
+    /// Duration and start, in seconds of the song, of a fade between scenes that is in progress.
     pub(super) fn of_scene_with_song(&self) -> Option<(f64, f64)> {
         match self.state {
             State::WithSong(start, _) if self.from == From::Scene => Some((self.going.as_secs_f64(), start)),

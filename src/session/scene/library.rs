@@ -74,7 +74,7 @@ impl SceneLibrary {
         if self.is_written { GO_OF_EDITOR } else { GO }
     }
 
-    /// Sets a requested scene that is already prepared and need not be loaded.
+    /// Notes that this scene was requested. Does not load it.
     pub(super) fn want(&mut self, source: SceneSource) {
         self.wanted = source;
     }

@@ -19,7 +19,7 @@ pub(crate) struct Parameters {
     /// The moment of the shown frame, in seconds of the song.
     song_time: f64,
     turned: Option<TurnedNumbers>,
-    /// Counts the changes that make the same moment look different.
+    /// Counts the changes after which a frame of the same moment would look different.
     revision: u64,
 }
 

@@ -27,7 +27,7 @@ pub(super) enum FirstTree {
     /// The tree is built together with the first frame, because the tree of the previous version was fast.
     Untried,
     There,
-    /// The build exceeds the limit for one frame.
+    /// Building the tree takes longer than a frame may take.
     TooLong,
 }
 

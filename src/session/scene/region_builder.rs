@@ -30,7 +30,7 @@ pub(super) struct BuiltTree<Tag> {
     pub regions: Option<Arc<BuiltRegions>>,
 }
 
-/// The longest wait for the thread at exit.
+/// Maximum time to wait for the thread at exit.
 const END_WAIT: Duration = Duration::from_millis(200);
 
 struct State<Tag> {

@@ -193,7 +193,7 @@ impl SceneRegions {
         no_sooner
     }
 
-    /// Returns the opposite of the current use of cells.
+    /// Returns the setting that turns cells off if they are in use now, and on otherwise.
     pub(super) fn toggle(
         &mut self,
         drawn: Option<((u64, Mode), &SceneResources)>,

@@ -327,7 +327,7 @@ fn blend_of(prepared_show: &PreparedShow, from: &Clip, to: &Clip) -> Option<Scen
         .map(|blend| SceneSource::Blend(Arc::new(blend)))
 }
 
-/// The next two sources after `wanted` in the clip at `index`. A cue's source comes first.
+/// The next two sources after `wanted` in the clip at `index`. The source of the next cue comes first.
 fn upcoming(
     prepared_show: &PreparedShow,
     index: usize,
@@ -351,7 +351,7 @@ fn upcoming(
     }
     found.truncate(2);
     if let Some(cue) = cue.filter(|cue| *cue != wanted && !found.contains(cue)) {
-        // The cue may come before all other scenes.
+        // The key for the cue may be pressed before any other scene is due.
         found.insert(0, cue.clone());
     }
     let mut found = found.into_iter();

@@ -173,7 +173,7 @@ fn a_scene_requested_by_the_user_is_kept_when_the_shows_next_scene_is_due() {
     let mut staged = Staged::new();
     let other = staged.source("other");
     staged.session.show_source(other.clone());
-    // The next scene of the show is due during the preparation.
+    // The next scene of the show is due while this scene is being prepared.
     staged.session.follow(LOUD);
     assert_eq!(*staged.session.library().wanted(), other);
     staged.wait_for("other");

@@ -1,4 +1,4 @@
-//! The first trees of new scenes. Their build times show whether a scene can be drawn in time.
+//! Builds the first trees of new scenes. The build time shows whether a scene is fast enough to be drawn.
 
 use std::sync::Arc;
 

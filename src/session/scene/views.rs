@@ -71,7 +71,7 @@ impl Views {
         Ok(legend)
     }
 
-    /// The next or the previous view. The normal frame comes between the last and the first view.
+    /// The next or the previous view; `None` for the normal frame, which comes between the last and the first view.
     pub(super) fn beside(&self, forward: bool) -> Option<ViewChoice> {
         View::beside(self.choice.map(|choice| choice.view), forward).map(ViewChoice::from)
     }
