@@ -60,7 +60,7 @@ const TIME_MAX: f32 = 86_400.0;
 
 impl FrameInputs {
     /// Returns the inputs of all frames at once: any sound, any time, parameters within their ranges. Bounds computed
-    /// with these inputs hold for every frame; values computed with them are the values in silence.
+    /// with these inputs hold for every frame; values computed with them are those of a silent frame.
     pub fn any(params: impl IntoIterator<Item = (f32, f32)>) -> Self {
         Self {
             spectrum: TableData::within(0.0, 1.0),

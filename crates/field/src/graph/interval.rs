@@ -94,7 +94,7 @@ impl Interval {
 }
 
 impl PartialEq for Interval {
-    /// Compares the ends. [`Interval::ANY`] equals itself.
+    /// True if both ends are equal. [`Interval::ANY`] equals itself.
     fn eq(&self, other: &Self) -> bool {
         (self.is_any() && other.is_any()) || (self.lo == other.lo && self.hi == other.hi)
     }

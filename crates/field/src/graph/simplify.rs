@@ -197,7 +197,7 @@ impl Graph {
         match condition {
             // mask(0, x) = 0
             Some(0.0) => return Some(self.constant(0.0)),
-            // mask(c, x) = x for every other constant c
+            // mask(c, x) = x for a constant c that is not 0
             Some(_) => return Some(a),
             None => {}
         }

@@ -79,7 +79,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// Reads a token whose first byte does not determine its kind; `None` for a comment.
+    /// Reads a token whose kind does not follow from its first byte; `None` for a comment.
     fn other(&mut self, byte: u8) -> Option<(Kind, Symbol)> {
         match (byte, self.peek(1)) {
             (b'#', _) | (b'/', b'/') => self.skip_line(),
@@ -147,7 +147,7 @@ impl Lexer<'_> {
         (Kind::Name, self.names.intern_with_key(&self.text[start..self.at], key))
     }
 
-    /// Reads digits and appends them to `number`, which may overflow.
+    /// Reads digits and appends them to `number`. On overflow, the result wraps around.
     #[inline]
     fn digits(&mut self, mut number: u64) -> u64 {
         while let Some(&byte) = self.bytes.get(self.at) {

@@ -3,8 +3,8 @@
 //! **Bounds and estimates.** A shape may leave out parts. For example, it may measure only the nearest two of 32 bars.
 //! An object's `bound` is then a lower bound of the distance to the parts that are left out, and rays step by the
 //! lesser of bound and shape. Penumbras and occlusion use only the shape (the estimate), because a bound would cast
-//! shadows of objects that do not exist (Abt 2022, figure 12). Beyond the bound, the estimate grows, so that no shadow
-//! is cast there.
+//! shadows of objects that do not exist (Abt 2022, figure 12). Where rays step by the bound, the estimate is larger, so
+//! that no shadow is cast there.
 
 use std::sync::Arc;
 
@@ -90,7 +90,7 @@ macro_rules! define_light_kinds {
 }
 
 // A new kind needs three changes: its row here (and its special fields in [`Light`]), the fields that select it in
-// `lower::lights`, and its rays in `shaders/light.glsl`, which compiles only if it knows the number of kinds.
+// `lower::lights`, and its rays in `shaders/light.glsl`, which does not compile until it handles all kinds.
 define_light_kinds! {
     /// A point or, with a radius, a ball. Its light falls off with the square of the distance.
     Lamp, "LAMP", position;

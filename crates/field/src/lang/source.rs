@@ -1,7 +1,7 @@
 //! Source texts and locations in them.
 //!
-//! All files of a scene share one sequence of byte offsets: a file begins one byte after the end of the previous
-//! file. Two numbers are therefore enough for a [`Span`] to identify its file.
+//! All files of a scene share one sequence of byte offsets: a file begins one byte after the end of the previous file.
+//! The two offsets of a [`Span`] therefore identify its file.
 
 /// A range of source text: byte offsets over all files of a [`Sources`], `start <= end`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]

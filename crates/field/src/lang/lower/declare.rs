@@ -55,8 +55,8 @@ impl<'a> SceneBuilder<'a> {
                     self.lowering.declared.globals[index].function =
                         self.lowering.declared.functions.len() as u32;
                 }
-                // Compare at most as many names as all limits together allow. If there are more names, a limit is
-                // exceeded, which is reported later.
+                // Compare at most as many names as all limits together allow. More names exceed one of the limits,
+                // which is reported later.
                 Item::Section { section, name: Some(name), .. } if taken.len() < named_max => {
                     let first = taken.iter().find(|(of, one)| of == section && one.symbol == name.symbol);
                     if let Some((_, first)) = first {
