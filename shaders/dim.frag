@@ -1,4 +1,4 @@
-// Scales a finished frame's light by a factor, for brightness and blackout (`gpu::renderer`).
+// Multiplies a finished frame's light by a factor, for brightness and blackout (`gpu::renderer`).
 
 #include "post_block.glsl"
 #include "encode.glsl"

@@ -18,7 +18,7 @@ vec2 ceiling_at(vec2 place) {
     return mix(low, high, fraction.y);
 }
 
-// True if a result of `ceiling_at` may change light, allowing for rounding in the interpolation.
+// True if a result of `ceiling_at` may change light, and not only by a rounding of the interpolation.
 bool limits(vec2 ceiling) {
     return ceiling.x < 0.9999 * OPEN || ceiling.y > 0.0;
 }

@@ -47,7 +47,7 @@ layout(std140) uniform PassBlock {
 
 // For each pixel, llvmpipe takes thirty instructions to read a number from a uniform block, but none to read a copy. On
 // llvmpipe, values that rays read often are therefore copied once per sample; `scene_load` does this for a compiled
-// scene's inputs. GPUs read blocks for free, and copies would take registers there.
+// scene's inputs. On GPUs reading blocks is free, and copies would take registers.
 #ifdef SOFTWARE
 vec4 bounds_low;
 vec4 bounds_high;

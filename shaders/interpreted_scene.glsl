@@ -76,8 +76,8 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return run_region(cell.tape, p, penumbra);
 }
 
-// Computes the normal, the object and the occluders' distances of a point with one call in a loop, because each call
-// is compiled separately. Each round finds the next probe that needs an evaluation.
+// Computes the normal, the object and the occluders' distances of a point with one call in a loop, because each call is
+// compiled separately. Each round evaluates the next probe that needs it.
 //
 // Tried: one call of run_region for rays, probes and shadows. On Xe it saves 13 % of the code but no spills. On Vega
 // (ACO) it saves 29 % of the code, but takes 156 registers, so that only one wave fits.

@@ -1,5 +1,5 @@
 // Halves the resolution for depth of field. The result is light, with the radius of its disc in alpha: in pixels of the
-// smaller image, negative in front of the sharp distance.
+// halved image, negative in front of the sharp distance.
 
 #include "post_block.glsl"
 

@@ -1,5 +1,5 @@
-// Draws a finished frame into a window. The frame is cropped, mirrored and warped to four corners. The rest of the
-// window is black.
+// Draws a finished frame into a window. The frame is cropped, mirrored, and warped so that its corners are at four
+// given points. The rest of the window is black.
 
 #include "post_block.glsl"
 #include "place_block.glsl"

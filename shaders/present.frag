@@ -19,7 +19,7 @@ layout(location = 0) out vec4 screen;
 const vec3 EXPOSED_MAX = vec3(65504.0);
 #endif
 
-// Interleaved gradient noise (Jimenez 2014), 0..1: less visible than random noise, and constant in time.
+// Interleaved gradient noise (Jimenez 2014), 0..1: less visible than random noise, and the same in each frame.
 float noise(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }

@@ -1,4 +1,4 @@
-// Computes the light of each pixel: the weighted mean of its samples.
+// Computes each pixel's light as the weighted mean of the pixel's samples.
 
 #include "post_block.glsl"
 #include "sample_light.glsl"

@@ -1,6 +1,6 @@
 // Limits the rounds of a pixel's loops in the variant LIMITED_ROUNDS, the interpreter on llvmpipe. When the loops of a
-// group of pixels have run 65,535 rounds together, llvmpipe ends all of these loops for good, and the image would show
-// old registers.
+// group of pixels have run 65,535 rounds together, llvmpipe ends all of these loops, and the image would show what was
+// left in the registers.
 //
 // Each texel of a tape is a round. Rays therefore take only the steps that they can afford, and longer steps when few
 // steps are left. The remaining rounds are for surfaces.

@@ -13,7 +13,7 @@ vec3 storable(vec3 light) {
 }
 
 // With this weight, the visible brightness of the samples' mean is nearly the mean of their visible brightness, so
-// edges of bright light stay smooth (Karis 2014). The bounds keep sums within 16-bit floats.
+// edges of bright light stay smooth (Karis 2014). The weight is bounded so that sums fit in 16-bit floats.
 float sample_weight(vec3 light) {
     float exposure = clamp(picture_look.x, 0.01, 1.0);
     return 1.0 / (1.0 + exposure * max(light.r, max(light.g, light.b)));

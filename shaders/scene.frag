@@ -48,7 +48,7 @@ layout(location = 2) out float sample_beam;
 layout(location = 1) out float sample_beam;
 #endif
 #endif
-// 1 / distance of the first surface, along the camera's axis.
+// 1 / distance of the first surface, measured along the camera's axis.
 float seen_nearness = 0.0;
 
 // Light from the surface at p towards the eye, without mirror images.
@@ -173,7 +173,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
             float most = max(1.0 - m.blur, m.reflect);
 #ifdef BLEND
-            // Reduce grazing reflections of faint mirrors. Otherwise a fading mirror would end in bright rims.
+            // Reduce grazing reflections of faint mirrors. Otherwise a fading mirror would leave bright rims.
             grazing *= min(m.reflect * (1.0 / FAINT), 1.0);
 #endif
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
@@ -191,7 +191,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             }
 #endif
             mirrored = reflect(direction, mirror);
-            // Keep the mirrored ray out of the surface.
+            // Keep the mirrored ray from entering the surface.
             mirrored = normalize(mirrored + s.normal * max(0.02 - dot(mirrored, s.normal), 0.0));
 #endif
         }

@@ -53,8 +53,8 @@ Hit trace_planes(vec3 origin, vec3 direction, float start) {
 #define BEAMS
 #endif
 #ifdef BEAMS
-// A ray that carries a beam skips a cell only if the bound is at least this many radii of the beam. In other cells it
-// evaluates the distance, which may be larger than the bound.
+// A ray that carries a beam skips a cell only if the bound is at least this many radii of the beam. In other cells the
+// ray evaluates the distance, which may be larger than the bound.
 const float BEAM_BOUND = 3.5;
 
 // A single number holds the free distance and, in these bits, the number of steps.

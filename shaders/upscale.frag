@@ -1,4 +1,4 @@
-// Enlarges a finished frame for a window with more pixels.
+// Enlarges a finished frame for a window that has more pixels than the frame.
 
 #include "post_block.glsl"
 #include "enlarge.glsl"

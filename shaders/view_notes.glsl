@@ -9,7 +9,7 @@ layout(std140) uniform ViewBlock {
     vec4 view_plane;    // the slice: unit normal into the frame, and the distance of the origin
 };
 
-// The first hit surface.
+// The surface that the ray hits first.
 bool noted = false;
 float noted_t = 0.0;
 vec3 noted_p = vec3(0.0);

@@ -81,7 +81,7 @@ pub struct RayProbe<'a> {
     regions: &'a Regions,
     frame: &'a FrameInputs,
     planes: &'a [[f32; 4]],
-    /// Lengths of the tapes that were run, by their first texels.
+    /// The length of each tape that was run, by the tape's first texel.
     lengths: RefCell<HashMap<u32, u64>>,
 }
 

@@ -46,7 +46,7 @@ pub struct Part {
 pub struct ObjectCost {
     /// The name.
     pub name: String,
-    /// The number of clauses of the shape alone, and of the material.
+    /// The number of clauses of the shape, and the number of clauses of the material.
     pub clauses: (usize, usize),
     /// The number of rays that end on the object.
     pub rays: u32,

@@ -155,7 +155,7 @@ proptest! {
     }
 }
 
-/// Regression: the cone of a pixel meets the surface a little before the ray does, depending on the angle.
+/// Regression: a pixel's cone meets the surface before its ray does; how long before depends on the angle.
 #[test]
 fn a_ray_that_grazed_a_surface_was_taken_for_one_that_missed_it() {
     let world = world_of(

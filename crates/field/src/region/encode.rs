@@ -5,11 +5,11 @@
 //! | 0, 2 | a clause, as in [`crate::tape`] |
 //! | 1, 3 | its immediate: the operand that is not a register, or a compound's third operand |
 //!
-//! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare
-//! operators ([`is_rare`]) are always the second clause of a texel. If no clause is available as the first, the first
-//! clause does nothing.
+//! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare operators
+//! ([`is_rare`]) are always the second clause of a texel. If no other clause can come first, the first clause of the
+//! texel is one that does nothing.
 //!
-//! Compounds ([`Compound`]) are formed after pruning, so that no choice is lost.
+//! Compounds ([`Compound`]) are formed after pruning, so that pruning still sees every minimum and maximum.
 
 use super::program::{Arg, Form, Program, Step, refill};
 use crate::graph::{Compound, Compounds, Operation, Uses, Values};
@@ -90,8 +90,8 @@ impl Values for Uncompounded<'_> {
 pub(super) struct TooManyRegisters;
 
 impl Encoder {
-    /// Creates an encoder with a limit on registers. Compounds read operands later than separate operators and may
-    /// need more registers. A program that exceeds the limit is encoded again without compounds.
+    /// Creates an encoder with a limit on registers. Compounds read operands later than separate operators do, so they
+    /// may need more registers. A program that exceeds the limit is encoded again without compounds.
     pub(super) fn new(compounds: Compounds, registers_max: usize) -> Self {
         Self {
             compounds,

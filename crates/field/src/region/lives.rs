@@ -10,11 +10,11 @@ const REACH: usize = 256;
 /// A value that takes more operations than this is never computed again.
 const COST_MAX: u32 = 8;
 
-/// Nodes with their positions, operands first. Some nodes are repeated at new positions.
+/// Nodes with their positions, operands first. Some nodes occur again at later positions.
 pub(super) struct ShortLives {
     pub(super) nodes: Vec<(usize, Node)>,
     pub(super) positions: usize,
-    /// For each old position, the newest position of its node, and the number of nodes before that position.
+    /// For each old position, the newest position of its node, and how many nodes are before the newest position.
     newest: Vec<(usize, usize)>,
     /// For each old position, the node and its number of operations; 0 operations if the node takes no register.
     sources: Vec<(Node, u32)>,

@@ -1,5 +1,5 @@
-//! Regions: a tree over space, built for each frame. Each cell holds a lower bound of the distance to the surfaces
-//! and a tape of the distance that is shortened for the cell.
+//! Regions: a tree over space, built for each frame. Each cell holds a lower bound of the distance to the surfaces and
+//! a tape that computes the distance and is shortened for the cell.
 //!
 //! Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020) shortens tapes by interval
 //! arithmetic for tiles of the screen. Here the cells divide the world, so that shadow, occlusion and reflection rays
@@ -29,12 +29,12 @@
 //!   and the cell may contain a surface, else 0.
 //!
 //! # Construction
-//! A frame's numbers are folded into the distance's program. Interval arithmetic then bounds its values in 64 cells
-//! at once, and masks of 64 bits record the decisions about each value (`prune.rs`). Cells with equal masks share a
-//! program, which is written once; programs with equal steps share a tape.
+//! A frame's numbers are folded into the distance's program. Interval arithmetic then bounds the program's values in 64
+//! cells at once, and masks of 64 bits record the decisions about each value (`prune.rs`). Cells with equal masks share
+//! a program, which is written once; programs with equal steps share a tape.
 //!
-//! The root has 16 cells along each axis. A cell with a surface and more than 16 clauses has 64 children. Away from
-//! surfaces only penumbras and occlusion read tapes, so groups of 2x2x2 cells share their decisions there. Several
+//! The root has 16 cells along each axis. A cell with a surface and more than 16 clauses has 64 children. Only
+//! penumbras and occlusion read tapes away from surfaces, so each 2x2x2 cells there share their decisions. Several
 //! threads can build blocks of the root: this module makes the [`Part`]s, `gpu::scene_resources` runs the threads.
 //!
 //! # Rounding
@@ -76,7 +76,7 @@ use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 pub const ROOT_SIDE: usize = crate::rays::ROOT_SIDE as usize;
 /// Cells of a brick along each axis.
 pub const BRICK_SIDE: usize = 4;
-/// Number of texels that the whole tapes need in addition to their clauses.
+/// The whole tapes need this number of texels in addition to those of their clauses.
 const WHOLE_BESIDE: usize = 8;
 /// The bound of a divided cell.
 pub const DIVIDED: u32 = u32::MAX;
@@ -147,9 +147,9 @@ impl Reads {
 }
 
 enum Numbers<'a> {
-    /// Unknown values, which allow no decision.
+    /// Numbers count as unknown, so that no decision depends on them.
     Unknown,
-    /// Numbers that allow no simplification, as in most frames.
+    /// All numbers are replaced by one that allows no simplification, as in most frames.
     Typical,
     Of(&'a FrameInputs),
 }

@@ -20,7 +20,7 @@ const UNDIVIDED_MAX: usize = 16;
 /// the tree takes a third less time in lattice and a quarter less in tunnel, but rays run 9 % more clauses in lattice
 /// and 4 % more in city.
 const FINE_FRACTION: f32 = 0.16;
-/// The value of [`FINE_FRACTION`] if gradients are needed.
+/// Replaces [`FINE_FRACTION`] if rays need gradients.
 const NON_LIPSCHITZ_FINE_FRACTION: f32 = 0.3;
 /// If a brick has more programs than this, decisions that save little are dropped. In lattice a brick had 25 programs,
 /// mostly because cells differed in the sign of an ABS's operand or in the larger operand of a MAX. The limit costs
@@ -173,7 +173,7 @@ impl<'a> Part<'a> {
             Arg::Value(value) => level.rows[value as usize],
             Arg::Number(number) => Lanes::splat(Interval::point(number)),
         };
-        // A cell whose bound is NaN may contain a surface. A solid cell contains no surface.
+        // A cell whose bound is NaN may contain a surface. A cell that is solid throughout contains no surface.
         let outside = mask(|cell| bounds.lo[cell] > trunk.rounding.margin);
         let surface = !outside & !mask(|cell| -bounds.hi[cell] > trunk.rounding.margin);
         // Few rays evaluate the distance in cells far from surfaces, so these cells use the whole tape.
@@ -184,7 +184,7 @@ impl<'a> Part<'a> {
         for cell in cells_of(!own) {
             cells[cell] = self.cell(bounds.lo[cell], trunk.whole.tape | OBJECT_UNKNOWN << 24, [0; 2]);
         }
-        // Away from surfaces only penumbras and occlusion read tapes, so neighbouring cells share a tape there.
+        // Only penumbras and occlusion read tapes away from surfaces, so neighbouring cells share a tape there.
         let away = own & !surface;
         let neighbours = if depth == 1 { &EIGHTHS[..] } else { &[u64::MAX] };
         let fractions = neighbours.iter().flat_map(|eighth| [away & near & eighth, away & !near & eighth]);

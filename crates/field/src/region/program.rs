@@ -88,8 +88,8 @@ impl Program {
         self.push(op, a, b, frame)
     }
 
-    /// Appends a step and returns its value. Applies simplifications that are exact in floating point. They
-    /// never increase the number of registers, because known numbers take no registers.
+    /// Appends a step and returns its value. Applies simplifications that are exact in floating point. Simplifications
+    /// never increase the number of registers, because known numbers take none.
     #[inline]
     pub(super) fn push(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         use Arg::Number;

@@ -1,6 +1,6 @@
 //! Reuse of parts of the previous frame's tree.
 //!
-//! Most of a frame's numbers affect few cells. A block's cells and tapes are copied from the previous tree if that tree
+//! Most numbers of a frame affect few cells. A block's cells and tapes are copied from the previous tree if that tree
 //! has a block with the same position and the same program, which contains the frame's numbers. Programs are compared
 //! by their hashes. Programs that read tables of the sound, whose values are not part of a program, are never reused.
 //!

@@ -169,7 +169,7 @@ pub(crate) struct ShortTapes {
     /// The tape of each cell; `None` for the whole tape. Empty if all cells use the whole tape.
     pub(crate) cells: Vec<Option<usize>>,
     pub(crate) tapes: Vec<ShortTape>,
-    /// The mean saving, as a fraction of the whole tape's texels; `None` if there was no time or room to shorten.
+    /// The mean fraction of the whole tape's texels that is saved; `None` if there was no time or room to shorten.
     pub(crate) saved: Option<f32>,
 }
 
@@ -225,7 +225,7 @@ impl SurfacePlan {
 pub(crate) struct Shortener<'a> {
     frame: &'a FrameInputs,
     grid: Grid,
-    /// For each cell of the grid, true if programs may run there.
+    /// For each cell of the grid, true if programs may run in it.
     asked: Vec<bool>,
     /// Remaining room in texels.
     room: usize,

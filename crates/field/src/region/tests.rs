@@ -345,7 +345,7 @@ proptest! {
             if let Some(cell) = tree.cell_at(at) {
                 let holds = cell.bound <= 0.0 || cell.bound <= wanted[0];
                 prop_assert!(holds, "{at:?}: {cell:?}, but {}", wanted[0]);
-                // The object is needed only near surfaces, and does not depend on the penumbra.
+                // Objects are looked up only near surfaces and without a penumbra.
                 if wanted[0] < 0.2 && penumbra == 0.0 {
                     prop_assert_eq!(tree.object(at, &frame), wanted[2] as u32);
                 }
@@ -374,7 +374,7 @@ fn cells_hold_the_slopes_in_them() {
             let at = point(&regions, number);
             let Some(cell) = regions.cell_at(at).filter(|cell| cell.bound <= 0.0) else { continue };
             let found = gradients.at(&Point::at(at[0], at[1], at[2]))[0];
-            // A solid cell has no surface and no slope.
+            // A cell that is solid throughout has no surface, so it stores no slopes.
             if cell.slopes == [crate::graph::Interval::point(0.0); 3] && found.value < 0.0 {
                 continue;
             }

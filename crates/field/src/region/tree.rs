@@ -121,9 +121,9 @@ pub(super) struct Root {
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rounding {
-    /// Subtracted from bounds.
+    /// Subtracted from lower bounds of the distance.
     pub(super) margin: f32,
-    /// Added to cells on all sides.
+    /// Cells are enlarged by this on all sides.
     pub(super) overlap: f32,
 }
 

@@ -80,7 +80,7 @@ fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses>
 
 #[derive(Debug, Clone, Copy)]
 struct Place {
-    /// The register; for values of the table, the entry.
+    /// The register, or the entry if the table holds the value.
     register_or_entry: u32,
     memory: u32,
 }

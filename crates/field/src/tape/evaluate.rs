@@ -1,4 +1,4 @@
-//! Evaluation of tapes on the CPU. One generic machine runs over numbers, batches of numbers, intervals or dual
+//! Evaluation of tapes on the CPU. The same generic code computes with numbers, batches of numbers, intervals or dual
 //! numbers.
 
 use super::Tape;
@@ -383,7 +383,7 @@ impl Domain for Duals<'_> {
     }
 }
 
-/// Applies the chain rule. A constant operand contributes nothing, even if the slope is infinite.
+/// Applies the chain rule. A constant operand contributes nothing, even if the operator's slope is infinite.
 #[inline(always)]
 fn along(slope: f32, change: f32) -> f32 {
     if change == 0.0 || slope == 0.0 { 0.0 } else { slope * change }

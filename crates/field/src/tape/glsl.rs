@@ -21,9 +21,9 @@ pub fn literal(value: f32) -> String {
 
 /// The name of an input in the generated code. `p` and `n` are arguments of the function; the other names are uniforms.
 ///
-/// `frame_time` is a float. `frame_heard` holds the sound's numbers, `frame_params` the parameters and
-/// `frame_hoisted` the values that are computed once per frame, four to a vec4. `frame_bands` is 32 vec4 with a band
-/// in x. `camera_position` is a vec4 with the eye in xyz.
+/// `frame_time` is a float. `frame_heard` holds the sound's numbers, `frame_params` the parameters and `frame_hoisted`
+/// the values that are computed once per frame, four to a vec4. `frame_bands` is 32 vec4 with one band each, in x.
+/// `camera_position` is a vec4 with the eye in xyz.
 pub fn input_name(input: Input) -> String {
     let packed =
         |name: &str, index: usize| format!("{name}[{}].{}", index / 4, ["x", "y", "z", "w"][index % 4]);

@@ -3,12 +3,12 @@
 //! **Texels.** [`Tape::append_texels`] writes two clauses into a texel, each followed by its immediate. If an operand
 //! is an entry of the tape's table, its byte is [`IMMEDIATE`] and the immediate holds its number as float bits. The
 //! shader therefore needs no pages and no table, and LOAD means register := immediate. A TEXTURE clause reads a sample
-//! that was taken before; its immediate is four times the texture's number plus the channel. Inputs of the point are
-//! left out if the interpreter starts with them in the right registers. A first clause that is 0 does nothing. The
-//! second clause of the last texel is END, with the registers of the first two outputs in bytes 2 and 3. Rare operators
-//! ([`is_rare`]) are always second in a texel; the shader computes them between runs of texels. A compound
-//! ([`Compound`]) replaces several clauses if the registers still hold their operands. A scene's set of compounds is
-//! chosen once, for all frames.
+//! that was taken before the tape runs; its immediate is four times the texture's number plus the channel. Inputs of
+//! the point are left out if the interpreter starts with them in the right registers. A first clause that is 0 does
+//! nothing. The second clause of the last texel is END, with the registers of the first two outputs in bytes 2 and 3.
+//! Rare operators ([`is_rare`]) are always second in a texel; the shader computes them between runs of texels. A
+//! compound ([`Compound`]) replaces several clauses if the registers still hold the clauses' operands. A scene's set of
+//! compounds is chosen once, for all frames.
 //!
 //! **Variants.** The text holds only the operators of a [`Variant`]. With `EVERY_CASE`, for renderers that never skip
 //! a branch (llvmpipe), all cases are computed and the bits of the operator's number select the result

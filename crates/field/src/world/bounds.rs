@@ -161,7 +161,7 @@ fn is_free(cell: &Cell, cuts: usize, evaluator: &mut IntervalEvaluator<'_>, left
     cuts > 0 && *left >= 8 && eighths(cell).all(|part| is_free(&part, cuts - 1, evaluator, left))
 }
 
-/// Returns the eighths of a cell that may contain a surface. Once the budget is spent, the cell stays whole.
+/// Returns the eighths of a cell that may contain a surface. Returns the whole cell if the budget is spent.
 fn divided(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> Vec<Cell> {
     if *left < 8 {
         *left = 0;
@@ -208,7 +208,7 @@ fn shaved(
     None
 }
 
-/// True if a cell may contain a surface or be solid, or if the budget is spent.
+/// True if a cell may contain a surface or be solid, or if the budget of clauses is spent.
 fn may_hold_a_surface(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> bool {
     if *left == 0 {
         return true;
@@ -216,7 +216,7 @@ fn may_hold_a_surface(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: 
     *left -= 1;
     let position = [0, 1, 2].map(|axis| Interval::new(cell.low[axis], cell.high[axis]));
     let value = evaluator.over(position, [Interval::point(0.0); 3]).first().copied();
-    // A NaN may be a surface.
+    // A NaN may stand for a surface.
     !value.is_some_and(|value| value.lo > 0.0)
 }
 

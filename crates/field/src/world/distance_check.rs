@@ -2,10 +2,10 @@
 //! loaded.
 //!
 //! If the formula's slope is above 1, steps by its value would miss surfaces. If the slope is far below 1 at surfaces,
-//! the surfaces would look too thick. Each cell of the tree then holds bounds of the gradient
+//! the surfaces would look too thick. In both cases each cell of the tree holds bounds of the gradient
 //! (`graph::GradientInterval`: forward accumulation in intervals, with a separate rule for lengths because a square
 //! root's slope is unbounded at 0). With these bounds a ray can choose steps that do not pass a surface. Boxes are cut
-//! where parts of a formula jump, so that noise has the bounds of its smooth parts.
+//! where parts of a formula jump, so that the bounds for noise are those of its smooth parts.
 
 use super::bounds::Bounds;
 use crate::graph::{FrameInputs, Point, TableData, cell_hash};
@@ -66,7 +66,7 @@ struct Samples {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NormalizedValue {
     pub(super) scale: f32,
-    /// The growth of the divisor from the middle of the bounds, as in polynomials.
+    /// The value is divided by this, because polynomials grow steeper away from the middle of the bounds.
     pub(super) growth: Growth,
     /// The unit of an arc tangent that flattens the value away from surfaces. May be infinite.
     pub(super) reach: f32,
@@ -106,7 +106,7 @@ fn length(v: [f32; 3]) -> f32 {
     v.iter().map(|part| part * part).sum::<f32>().sqrt()
 }
 
-/// The slopes of a world's value (without planes), if that value is not a distance.
+/// The slopes of a world's value (without planes). They matter only if that value is not a distance.
 #[derive(Debug, Clone, Copy)]
 pub struct Slopes {
     /// Approximately the steepest sampled slope; infinite if there are too few samples.

@@ -1,8 +1,8 @@
 //! Hoisting: expressions that are constant within a frame are computed once per frame on the CPU.
 //!
 //! An expression that reads only the frame's inputs (a sine of the time, a curve of the volume) becomes an input of the
-//! shaders, [`Input::Hoisted`]. It is a uniform of the compiled shader or an entry of the interpreter's table, so the
-//! expression is not computed again at each point. Up to 256 expressions are hoisted.
+//! shaders, [`Input::Hoisted`]. This input is a uniform of the compiled shader or an entry of the interpreter's table,
+//! so shaders do not compute it at each point. Up to 256 expressions are hoisted; further ones stay in the shaders.
 
 use super::Roots;
 use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Order, Point};
@@ -13,7 +13,7 @@ use crate::limits::LIMITS;
 pub struct Hoisted {
     graph: Graph,
     order: Order,
-    /// Root i is `Input::Hoisted(i)`.
+    /// Root i computes the value of `Input::Hoisted(i)`.
     roots: Vec<NodeId>,
 }
 

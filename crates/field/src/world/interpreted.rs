@@ -128,8 +128,8 @@ impl Program {
 
 type Sampled = (u16, [NodeId; 2]);
 
-/// Splits texture coordinates off the expressions. Returns the remaining graph and roots, and each texture's
-/// coordinates. Textures are numbered in an order in which they can be sampled.
+/// Separates the texture coordinates from the other expressions. Returns the remaining graph and roots, and each
+/// texture's coordinates. Textures are numbered in an order in which they can be sampled.
 fn without_coordinates(
     graph: &Graph,
     roots: &[NodeId],

@@ -1,8 +1,8 @@
 //! Splits a scene into planes, which rays hit exactly, and the rest, which is traced.
 //!
-//! A part of an object's union is taken out of the scene if it is `a*x + b*y + c*z + d` with numbers that are
-//! constant within a frame. Up to four parts are taken out. A ray then finds a floor by one division instead of many
-//! steps along the floor, and the rest of the scene often has bounds.
+//! A part of an object's union is taken out of the scene if it is `a*x + b*y + c*z + d` with numbers that are constant
+//! within a frame. Up to four parts are taken out. A ray then finds a floor by one division instead of many steps along
+//! it. Without the floor, the scene often has bounds.
 
 use std::collections::HashSet;
 
@@ -28,7 +28,7 @@ pub struct Rest {
     pub bound: NodeId,
     /// The distance to an actual surface, for penumbras and occlusion.
     pub estimate: NodeId,
-    /// The number of the object with that surface.
+    /// The number of the object that has this actual surface.
     pub object: NodeId,
 }
 

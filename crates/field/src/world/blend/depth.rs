@@ -17,8 +17,8 @@ const RANGE: (f32, f32) = (0.05, 0.5 * HOLLOW);
 /// The depth of a scene is this quantile of its rays' depths.
 const QUANTILE: f32 = 0.5;
 
-/// Returns the median depth of the solids that rays from the side's camera hit at time 0, in silence. If all rays miss,
-/// the result is the upper limit. Planes are ignored if the side has other surfaces.
+/// Casts rays from the side's camera at time 0, in silence. Returns the median depth of the solids that they hit. If
+/// all rays miss, the result is the upper limit. Planes are ignored if the side has other surfaces.
 pub(super) fn of(graph: &Graph, side: &Side) -> f32 {
     let mut depths = of_rays(graph, side).unwrap_or_default();
     depths.sort_by(f32::total_cmp);

@@ -1,17 +1,17 @@
 //! The melt: a union of two scenes in which the old solids shrink while the new ones grow.
 //!
 //! **Union.** A mixture (1-s)*a + s*b of two distances soon loses small objects, such as a heart in a tunnel. A melt
-//! therefore draws the union of both scenes with shrunken solids. The distance a becomes a + q*f(b), where f(b) rises
-//! from 0 at the surfaces of b to 1 far away, and q grows without limit while the fraction of a falls to 0
+//! therefore shrinks the solids of both scenes and draws their union. The distance a becomes a + q*f(b), where f(b)
+//! rises from 0 at the surfaces of b to 1 far away, and q grows without limit while the fraction of a falls to 0
 //! ([`yielding`]). The old scene shrinks onto the surfaces of the new scene, and the new scene grows out of the old
 //! one. q is proportional to the depth of the scene's solids ([`super::depth`]): at a fraction of 0.2 the solids have
-//! lost half of their depth. Endless solids, such as the rock around a tunnel, are hollow below the depth [`HOLLOW`],
-//! so that they vanish before the melt ends.
+//! lost half of their depth. Endless solids, such as the rock around a tunnel, become shells of the thickness
+//! [`HOLLOW`], so that they vanish before the melt ends.
 //!
 //! **Slopes.** f has a slope of at most 1 / [`REACH`], so (a + q*f(b)) / (1 + q/[`REACH`]) has a slope of at most 1.
 //! The maximum of this quotient and a has the same surfaces, and allows longer steps far from surfaces. Solids are at
 //! most half of [`HOLLOW`] deep, so the scene is empty beyond some distance x from b, where q*f(b) exceeds that depth.
-//! Because of the maximum with b - x, rays are as fast as in the new scene alone once the old scene has vanished.
+//! The distance is therefore at least b - x, so rays are as fast as in b alone once a has vanished.
 //!
 //! **Materials.** A point has the material of the nearer surface. Where surfaces meet, materials mix over [`SEAM`].
 //! Near the start and the end of the melt, one scene is a thin film on the other scene. Materials therefore fade during
@@ -41,7 +41,7 @@ pub(super) struct Melt {
     pub(super) rest: Option<Steps>,
     /// The weight of the second side's material.
     pub(super) owner: NodeId,
-    /// The minimum haze of the material: if only one side has planes, they fade into the sky.
+    /// The least haze that the material has. It makes planes of only one side fade into the sky.
     pub(super) haze: NodeId,
 }
 

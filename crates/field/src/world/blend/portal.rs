@@ -15,9 +15,9 @@ pub enum PortalShape {
     /// A ball around the camera's target that grows beyond the scene.
     #[default]
     Ball,
-    /// The half space to the left of a plane. The plane contains the line of sight and moves to the right.
+    /// The half space to the left of a plane. The plane is parallel to the line of sight and moves to the right.
     Plane,
-    /// The shape in the second scene's block `about`, which grows around the camera's target. Without a shape, a ball.
+    /// The shape in the second scene's block `about`, which grows around the camera's target. A ball if it has none.
     Own,
 }
 
@@ -40,7 +40,7 @@ impl Seen {
         let view = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
         let length = graph.length(&view);
         let level = graph.length(&[view[0], view[2]]);
-        // A camera that looks straight down has an arbitrary right side.
+        // If the camera looks straight down, its right side is arbitrary.
         let least = graph.constant(LEFT_MIN);
         let level = graph.max(level, least);
         let (zero, left) = (graph.constant(0.0), graph.neg(view[0]));
@@ -155,7 +155,7 @@ pub(super) fn through(
     s: NodeId,
 ) -> Result<Through, GraphError> {
     let portal = portal(graph, shape, to, camera, s)?;
-    // A plane of both scenes passes through the portal unchanged.
+    // Planes that both scenes have in common stay planes.
     let (planes, [a_rest, b_rest]) = if a.planes == b.planes {
         (a.planes.clone(), [a.rest, b.rest])
     } else {
