@@ -5,7 +5,7 @@
 //! cargo bench --bench latency              live and file
 //! cargo bench --bench latency -- live      from a sample at the monitor to the first frame that shows it
 //! cargo bench --bench latency -- file      the image's song time against the sound at the monitor
-//! cargo bench --bench latency -- xruns 600 glitches in 600 s of playing and listening, with two busy threads per processor
+//! cargo bench --bench latency -- xruns 600 glitches in 600 s of playing and listening, two busy threads per processor
 //! ```
 //!
 //! The times of the sound are the timestamps of separate streams, which are independent of Mariana. For `live`, a

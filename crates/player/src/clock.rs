@@ -76,7 +76,7 @@ pub struct Audible {
     pub frame: f64,
 }
 
-/// The song's position at a moment if the song continues in real time.
+/// The song's position at a moment, assuming that the song continues in real time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Course {
     /// The position.
@@ -192,8 +192,8 @@ impl SpanHistory {
         Some(Audible { segment: found.span.segment, frame: found.span.frame as f64 + moved })
     }
 
-    /// Returns the song's position at `moment` if the song continues in real time, even if the device has stopped.
-    /// Returns `None` before the first frame is audible.
+    /// Returns the song's position at `moment`, assuming that the song continues in real time even if the device
+    /// stopped. Returns `None` before the first frame is audible.
     pub fn course(&self, moment: Instant) -> Option<Course> {
         let Found { span, passed, first, newest } = self.find(moment)?;
         if passed < 0.0 && first {

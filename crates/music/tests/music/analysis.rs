@@ -101,7 +101,7 @@ fn white_noise_has_power_in_proportion_to_bandwidth() {
         let power: f64 =
             moments.iter().map(|m| 10_f64.powf(f64::from(m.features.band_levels_db[band]) / 10.0)).sum();
         let level = 10.0 * (power / moments.len() as f64).log10();
-        // The estimate of a narrow band scatters: 20 s contain 2·B·T = 260 independent values at 6.5 Hz, ±0.4 dB.
+        // The estimate of a narrow band scatters: 20 s contain 2·B·T = 260 independent values at 6.5 Hz, so ±0.4 dB.
         let tolerance = if band < 8 { 1.2 } else { 0.4 };
         assert!((level - expected).abs() < tolerance, "band {band}: {level:.2} dB instead of {expected:.2}");
     }

@@ -1,4 +1,4 @@
-//! Codecs: their decoders and names, and what they need after a jump into the middle of a stream.
+//! Codecs: their decoders, their names, and the pre-roll that they need after a jump.
 
 use std::sync::LazyLock;
 

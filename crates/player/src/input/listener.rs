@@ -29,7 +29,7 @@ pub(super) struct Heard {
     pub(super) stream: u64,
     #[cfg_attr(not(test), expect(dead_code, reason = "tests distinguish the moments by it"))]
     pub(super) position: u64,
-    /// The moment. Its time is the arrival of its sample in seconds since the epoch. Its number grows over all streams.
+    /// The moment. Its time is when its sample arrived, in seconds since the epoch. Its number grows over all streams.
     pub(super) heard: TimedFeatures,
 }
 

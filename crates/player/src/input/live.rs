@@ -76,7 +76,7 @@ pub struct Live {
     target: Target,
     ear: Arc<Ear>,
     watch: Arc<DeviceWatch>,
-    /// This field is dropped first.
+    /// Ends first when this value is dropped, and is `None` from then on.
     supervisor: Option<Supervisor<InputPort>>,
     listener: Worker,
     gain: GainSwitch,

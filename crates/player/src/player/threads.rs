@@ -12,7 +12,7 @@ const END_LIMIT: Duration = Duration::from_secs(1);
 /// The threads that [`Player::start`](super::Player::start) starts. Dropping this value ends them, within a time limit.
 pub(super) struct Threads {
     pub(super) commands: Sender<Command>,
-    /// This field is dropped first.
+    /// Ends first when this value is dropped, and is `None` from then on.
     pub(super) supervisor: Option<Supervisor>,
     pub(super) decoding: Worker,
     pub(super) analysis: Worker,

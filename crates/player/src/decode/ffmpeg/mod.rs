@@ -131,7 +131,7 @@ impl FfmpegDecoder {
 
     pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
         let rate = f64::from(self.info.sample_rate);
-        // NaN becomes the start. The file may have a little more sound after its claimed end.
+        // NaN becomes the start. A little sound may follow the claimed end, to which seeks are limited.
         let latest = self.info.duration.unwrap_or(LIMITS.claimed_duration_max);
         let target = (seconds.clamp(0.0, latest) * rate).round() as u64;
         let near = u64::from(self.info.sample_rate) * NEAR_SECONDS;

@@ -36,7 +36,7 @@ impl CurrentSegment {
         })
     }
 
-    /// Returns the passage and position at `at` in a continuing song. Before a frame is audible, returns `earliest`.
+    /// Returns the passage and position at `at` if the song continues. Before a frame is audible, returns `earliest`.
     pub(super) fn course(&self, at: Instant, earliest: u64) -> (u64, Goal) {
         let Place { passage, time } = self.place(earliest);
         let stands = Goal { time, same_run: true, due: None };

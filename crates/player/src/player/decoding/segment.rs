@@ -14,7 +14,7 @@ use crate::resample::{ResampleError, Resampler};
 use crate::track::TrackInfo;
 use mariana_music::StereoFrame;
 
-/// Depth of the ring, in seconds. The ring holds at least [`RING_BUFFERS`] device buffers.
+/// Depth of the ring, in seconds; [`RING_BUFFERS`] device buffers if they are longer than this.
 const RING: f64 = 0.4;
 
 const RING_BUFFERS: usize = 4;
