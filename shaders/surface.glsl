@@ -1,4 +1,4 @@
-// A point of a surface, from a compiled scene's functions.
+// Computes a point of a surface with the functions of a compiled scene.
 
 // Returns the distance for a ray. Compiled functions do not use the cell.
 vec2 scene_distance(Cell cell, vec3 p, float penumbra) {

@@ -71,7 +71,7 @@ impl OneScene {
     ) -> anyhow::Result<SceneChoice> {
         match (&self.scene, file) {
             (Some(scene), Some(file)) => {
-                bail!("two scenes are named, {} and {}: give one of them", scene.display(), file.display())
+                bail!("two scenes were given, {} and {}: give one of them", scene.display(), file.display())
             }
             (Some(scene), None) => common.scene(scene),
             (None, Some(file)) => common.scene(file.as_os_str()),

@@ -23,7 +23,7 @@ impl Files {
     pub(super) fn of(files: Vec<PathBuf>) -> anyhow::Result<Self> {
         let (scenes, songs): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         if let [first, second, ..] = &scenes[..] {
-            bail!("two scenes are named, {} and {}: give one of them", first.display(), second.display());
+            bail!("two scenes were given, {} and {}: give one of them", first.display(), second.display());
         }
         Ok(Self { songs, scene: scenes.into_iter().next() })
     }

@@ -140,7 +140,7 @@ fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Re
     }
     if let (Some(file), [(_, first), ..]) = (file, &scenes[..]) {
         bail!(
-            "two scenes are named, {} and {}: give each scene with --scene and a start time",
+            "two scenes were given, {} and {}: give each scene with --scene and a start time",
             first.display(),
             file.display()
         );

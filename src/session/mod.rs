@@ -97,7 +97,7 @@ pub(crate) struct Session {
     /// True if the command line names the audio output of songs.
     names_output: bool,
     chose_output: bool,
-    /// Time and window size of the last texts shown without a frame.
+    /// When text was last shown while no frame of a scene was ready, and the size of the window then.
     waited: Option<(Instant, (u32, u32))>,
     legacy: leaving::Legacy,
     // The last field, because the fields above hold OpenGL objects and must be dropped first.

@@ -311,7 +311,9 @@ impl Sound {
                     let closing = std::thread::Builder::new().name("closing".into());
                     // Without a thread, the input is closed here, within a time limit.
                     if let Err(error) = closing.spawn(move || drop(live)) {
-                        tracing::warn!("cannot start a thread to close the input ({error}): closed it on the show's thread");
+                        tracing::warn!(
+                            "cannot start a thread to close the input ({error}): closed it on the show's thread"
+                        );
                     }
                 }
                 self.unremembered = None;

@@ -51,9 +51,9 @@ high\t''
 best\t'Full resolution and all effects, at any frame rate'"
 complete -c mariana -n "__fish_mariana_needs_command" -l flash-limiter -d 'Dim more than three flashes a second, as WCAG 2.3.1 requires [default: the setting in the window, initially on]' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l brightness -d 'Brightness of the image in the window, in percent [default: the setting there, initially 100]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l brightness -d 'Brightness of the image in the window, in percent [default: the value in the settings, initially 100]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l blackout-fade -d 'Duration of a blackout fade (key X), and of the return from a frozen image (key Z), in seconds [default: the setting in the window, initially 0.5]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l flip -d 'Mirror the image in the window, for projectors [default: the setting there, initially off]' -r -f -a "off\t''
+complete -c mariana -n "__fish_mariana_needs_command" -l flip -d 'Mirror the image in the window, for projectors [default: the value in the settings, initially off]' -r -f -a "off\t''
 horizontal\t'For rear projection'
 vertical\t''
 both\t'For a projector mounted upside down'"

@@ -73,7 +73,7 @@ fn osc(criterion: &mut Criterion) {
 }
 
 fn model(criterion: &mut Criterion) {
-    criterion.bench_function("model/a turn and a reading", |bencher| {
+    criterion.bench_function("model/one turn of a parameter, then one read", |bencher| {
         let (mut model, mut now) = (Model::default(), 0.0);
         bencher.iter(|| {
             now += 0.016;

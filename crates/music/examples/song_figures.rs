@@ -77,7 +77,7 @@ fn live_bars() {
         }
         let (reported, right) = (sums[0] / f64::from(count), sums[1] / sums[0].max(1e-9));
         println!(
-            "{style:?}: {count} songs, bars known at {reported:.2} of the beats, {right:.2} of those bars right"
+            "{style:?}: {count} songs, a bar is reported for {reported:.2} of the beats, and right for {right:.2} of those"
         );
         all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
         songs += count;

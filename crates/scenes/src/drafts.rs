@@ -77,7 +77,7 @@ impl Drafts {
         self.lock().texts.clone()
     }
 
-    /// Returns the findings since the last call, the latest of each scene.
+    /// Takes the findings that arrived since the last call: only the latest for each scene.
     pub fn take_findings(&self) -> Vec<Findings> {
         std::mem::take(&mut self.lock().findings)
     }

@@ -38,7 +38,7 @@ macro_rules! with_settings {
                 /// The gain control, which makes quiet sound move the image as much as loud sound.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 gain: Gain = Gain::Auto, Gain
-                    { "Gain", "Auto makes quiet music move the image as much as loud; the sound does not change" };
+                    { "Gain", "Auto: quiet music moves the image as much as loud music does; the sound does not change" };
 
                 /// The sources for which scenes change automatically.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]

@@ -169,7 +169,7 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
     let Facts { choices: now, remembered, .. } = facts;
     let outputs = facts.outputs.iter().map(|output| SettingRow {
         name: output.name.clone(),
-        purpose: "Songs play here. A playing song moves at once, and back when a lost output reconnects"
+        purpose: "Songs play on this output. The current song switches at once, and returns if a lost output reconnects"
             .to_owned(),
         values: Values::OneOfRows { chosen: output.is_chosen, setting: Setting::Output(output.id.clone()) },
         for_this_run: output.is_chosen && facts.output_for_this_run,

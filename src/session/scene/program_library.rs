@@ -140,7 +140,7 @@ impl ProgramLibrary {
         })
     }
 
-    /// Redirects the pending program of one of the scenes `alike` to the scene `id`: their programs are identical.
+    /// Gives the pending program of a scene in `alike` to the scene `id`, which needs the same program.
     pub(super) fn make_for(&mut self, alike: &[u64], id: u64) {
         let is_theirs = |task: &&mut Task| matches!(task, Task::Compiled { id, .. } if alike.contains(id));
         if let Some(Task::Compiled { id: of, .. }) = self.tasks.values_mut().find(is_theirs) {

@@ -42,7 +42,9 @@ impl WallpaperPause {
             }
         };
         if let Err(error) = std::thread::Builder::new().name("wallpaper".into()).spawn(watch) {
-            tracing::warn!("the wallpaper never pauses: {error}");
+            tracing::warn!(
+                "cannot start the thread that watches for covering windows, so the wallpaper does not pause: {error}"
+            );
         }
         Self(is_on)
     }

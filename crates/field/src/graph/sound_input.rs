@@ -114,7 +114,7 @@ impl SoundInput {
         (ROWS[self as usize].1, ROWS[self as usize].2)
     }
 
-    /// Returns the description on the language's page.
+    /// Returns the input's description, as printed in docs/language.md.
     pub const fn doc(self) -> &'static str {
         ROWS[self as usize].3
     }

@@ -207,7 +207,7 @@ impl TapeBuffers {
         texels.len()
     }
 
-    /// Returns the grid over space, around `center` in a scene without bounds.
+    /// Returns the grid over the scene's bounds. If the scene has no bounds, the grid is centred on `center`.
     pub(super) fn grid(&self, center: [f32; 3]) -> Grid {
         let bounds = self.bounds.unwrap_or_else(|| Bounds::around(center, AROUND_CENTER));
         Grid::of_box(bounds.low, bounds.high)

@@ -84,7 +84,7 @@ pub(crate) fn frame() -> FrameInputs {
     }
 }
 
-/// Declarations for the shader around the generated code, with the numbers of [`frame`].
+/// GLSL declarations that the generated code needs, with the same values as in [`frame`].
 pub(crate) const TABLES_GLSL: &str = "\
 const float frame_time = 12.5;
 const vec4 frame_heard[1] = vec4[1](vec4(0.25, 0.75, 0.0, 0.0));

@@ -55,7 +55,7 @@ impl FrameTimer {
         Ok(Self { gl: gl.clone(), free, running: None, on_their_way: VecDeque::new() })
     }
 
-    /// Begins a frame. The frame is not timed if too many times are pending.
+    /// Begins a frame. The frame is not timed if too many results of earlier frames are pending.
     pub(super) fn begin(&mut self) {
         if self.running.is_some() {
             return;

@@ -11,7 +11,7 @@ use super::*;
 const WAIT_LIMIT: Duration = Duration::from_secs(10);
 /// Longer than any wait of the loader.
 const EVER: Duration = Duration::from_secs(600);
-/// A loader that does not wait reads the file within this time.
+/// Tests wait this long. A loader that wrongly reads the file at once would have read it by then.
 const PAUSE: Duration = Duration::from_millis(120);
 
 /// Disables the checks without events.

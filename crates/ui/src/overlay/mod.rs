@@ -191,7 +191,8 @@ impl Overlay {
         if relaid { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
     }
 
-    /// Paints `content` over a window of `size` pixels, with `scale` pixels per point. Empty content costs no OpenGL.
+    /// Paints `content` over a window of `size` pixels, with `scale` pixels per point. Makes no OpenGL calls if
+    /// there is no content.
     ///
     /// # Errors
     /// [`UiError::Painter`] or [`UiError::Gpu`] if the driver reports an error.

@@ -245,7 +245,9 @@ impl Lowering<'_> {
                 let zero = b.parts().iter().any(|&part| self.known(part) == Some(0.0));
                 if zero && self.reports.library_call.is_none() {
                     let wrong = Diagnostic::new(span, "this divides by zero");
-                    return self.reports.add(wrong.hint("in a loop, skip this iteration with `if`"));
+                    return self
+                        .reports
+                        .add(wrong.hint("in a loop, use `if` so that this iteration does not divide"));
                 }
                 if op == BinaryOp::Divide { Op::Div } else { Op::Mod }
             }

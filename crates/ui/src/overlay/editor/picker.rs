@@ -16,7 +16,7 @@ const HEIGHT: f32 = 310.0;
 struct Picked {
     at: usize,
     color: Hsva,
-    /// Factor by which the colour is brighter than 1.
+    /// Multiplier of `color` for colours with a component above 1; otherwise 1.
     bright: f64,
 }
 
