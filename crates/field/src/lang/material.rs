@@ -52,7 +52,7 @@ pub fn material_glsl() -> String {
         let _ = writeln!(members, "    {kind} {};    // {}", field.name, field.doc);
         let value = format!("m.{}", field.name);
         ranges.push(match field.range {
-            Some(MaterialRange::Fraction) => format!("share_of({value})"),
+            Some(MaterialRange::Fraction) => format!("fraction_of({value})"),
             Some(MaterialRange::Light) => format!("light_of({value})"),
             Some(MaterialRange::Reflectance) => format!("min(light_of({value}), vec3(1.0))"),
             None => value,
@@ -66,7 +66,7 @@ pub fn material_glsl() -> String {
     format!(
         "struct Material {{\n{members}}};\n\n\
          // Clamps a formula's values to their ranges; a NaN becomes 0.\n\
-         float share_of(float value) {{\n    return value > 0.0 ? min(value, 1.0) : 0.0;\n}}\n\
+         float fraction_of(float value) {{\n    return value > 0.0 ? min(value, 1.0) : 0.0;\n}}\n\
          vec3 light_of(vec3 value) {{\n    return vec3(value.r > 0.0 ? min(value.r, 1e6) : 0.0, \
          value.g > 0.0 ? min(value.g, 1e6) : 0.0,\n                value.b > 0.0 ? min(value.b, 1e6) : 0.0);\n}}\n\
          Material within_ranges(Material m) {{\n    return Material({});\n}}\n\n\
