@@ -102,7 +102,7 @@ fn measure(
         let is_meant =
             |line: &&str| line.contains(" frames") && line.contains("from message to frame") == of_messages;
         let line = log.lines().rfind(is_meant).unwrap_or("  ");
-        line.rsplit_once("shell::show: ").map_or(line, |(_, words)| words).to_owned()
+        line.rsplit_once("session::running: ").map_or(line, |(_, words)| words).to_owned()
     };
     println!(
         "{what}: memory {before:.1} to {after:.1} MiB, {:.0} % of a processor",

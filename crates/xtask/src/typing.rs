@@ -48,7 +48,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         println!("{mode}, {keys} keys");
         for part in [" frames; ", "work for a key"] {
             let line = said.lines().rfind(|line| line.contains(part)).unwrap_or("the log has no such line");
-            println!("  {}", line.rsplit_once("shell::show: ").map_or(line, |(_, words)| words));
+            println!("  {}", line.rsplit_once("session::running: ").map_or(line, |(_, words)| words));
         }
     }
     Ok(fs::remove_dir_all(&folder)?)

@@ -54,8 +54,8 @@ pub(crate) struct Controllers {
 
 impl Controllers {
     pub(crate) fn start(settings: &ControllerSettings, folders: &Folders, waker: &Waker) -> Self {
-        let of_input_queue = waker.clone();
-        let input_queue = InputQueue::new(move || of_input_queue.wake());
+        let input_waker = waker.clone();
+        let input_queue = InputQueue::new(move || input_waker.wake());
         let board = Board::default();
         let network = Network::start(settings, &input_queue, &board, waker);
         let phones = Phones::start(settings, &input_queue, &board, waker);
