@@ -36,7 +36,7 @@ pub use gradient_interval::{GradientInterval, Pieces};
 pub use interval::{Interval, LIBRARY_ERROR};
 pub use node::{BAND_COUNT, Input, Node, NodeId};
 pub use numbers::{CELL_HASH_GLSL, CELL_MAX, SMALLEST, TANH_MAX, cell_hash};
-pub use op::{BoundsKernel, FIRST_BINARY, Kernel, Op, Properties};
+pub use op::{BoundsKernel, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::{InputsUsed, Order};
 pub use sound_input::{SoundInput, SoundInputs};
 pub use table::TableData;

@@ -66,6 +66,16 @@ pub trait Kernel {
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
 }
 
+/// Like [`Kernel`], but with the operator's partial derivatives.
+pub trait DualKernel {
+    /// Runs with `meaning`, as [`Kernel::run`], and with `slopes`, the derivatives for a, b, the value and the frame.
+    fn run(
+        &mut self,
+        meaning: impl Fn(f32, f32, &FrameInputs) -> f32,
+        slopes: impl Fn(f32, f32, f32, &FrameInputs) -> (f32, f32),
+    );
+}
+
 /// Like [`Kernel`], but for interval rules.
 pub trait BoundsKernel {
     /// Runs with `rule`, the operator's interval rule for a, b and the frame. One-operand operators ignore b.
@@ -156,6 +166,12 @@ macro_rules! operators {
                     f(a, b, r, frame)
                 }
                 match self { $( Op::$id => call($slopes, a, b, r, frame), )+ }
+            }
+
+            /// Runs a kernel with the operator's function and with its partial derivatives ([`Op::slopes`]).
+            #[inline(always)]
+            pub fn with_slopes(self, kernel: &mut impl DualKernel) {
+                match self { $( Op::$id => kernel.run($value, $slopes), )+ }
             }
 
             /// Returns intervals that hold the partial derivatives by a and by b over the given intervals, where `r`

@@ -27,7 +27,7 @@ pub(super) struct Machine<V, E = f32> {
 }
 
 impl<V: Copy> Machine<V> {
-    fn new(tape: &Tape, frame: &FrameInputs, zero: V) -> Self {
+    pub(super) fn new(tape: &Tape, frame: &FrameInputs, zero: V) -> Self {
         let mut table = Vec::new();
         tape.table_values(frame, &mut table);
         Self::with_table(tape, table, zero)
@@ -339,81 +339,5 @@ impl<'a> IntervalEvaluator<'a> {
     /// For each MIN, MAX and MASK in the order of the tape, the operand that was chosen in the last box.
     pub fn choices(&self) -> &[Choice] {
         &self.choices
-    }
-}
-
-/// A value and its derivatives by x, y and z.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Dual {
-    /// The value.
-    pub value: f32,
-    /// The gradient.
-    pub gradient: [f32; 3],
-}
-
-struct Duals<'a> {
-    inputs: [f32; 6],
-    frame: &'a FrameInputs,
-}
-
-impl Domain for Duals<'_> {
-    type Value = Dual;
-    type Entry = f32;
-    fn constant(&self, value: f32) -> Dual {
-        Dual { value, gradient: [0.0; 3] }
-    }
-    fn input(&self, place: usize) -> Dual {
-        let gradient = std::array::from_fn(|axis| if axis == place { 1.0 } else { 0.0 });
-        Dual { value: self.inputs[place], gradient }
-    }
-    fn unary(&mut self, op: Op, a: &Dual) -> Dual {
-        let value = op.value(a.value, 0.0, self.frame);
-        let (slope, _) = op.slopes(a.value, 0.0, value, self.frame);
-        Dual { value, gradient: a.gradient.map(|d| along(slope, d)) }
-    }
-    fn binary(&mut self, op: Op, a: &Dual, b: &Dual) -> Dual {
-        let value = op.value(a.value, b.value, self.frame);
-        let (by_a, by_b) = op.slopes(a.value, b.value, value, self.frame);
-        let gradient =
-            std::array::from_fn(|axis| along(by_a, a.gradient[axis]) + along(by_b, b.gradient[axis]));
-        Dual { value, gradient }
-    }
-    fn texture(&mut self, texture: u16, channel: u8, u: &Dual, v: &Dual) -> Dual {
-        self.constant(self.frame.texture(texture, channel, u.value, v.value))
-    }
-}
-
-/// Applies the chain rule. A constant operand contributes nothing, even if the operator's slope is infinite.
-#[inline(always)]
-fn along(slope: f32, change: f32) -> f32 {
-    if change == 0.0 || slope == 0.0 { 0.0 } else { slope * change }
-}
-
-/// Evaluates a tape and its gradient by forward-mode dual numbers, within one frame. Textures are treated as
-/// constants.
-#[derive(Debug, Clone)]
-pub struct GradientEvaluator<'a> {
-    tape: &'a Tape,
-    frame: &'a FrameInputs,
-    machine: Machine<Dual>,
-    outputs: Vec<Dual>,
-}
-
-impl<'a> GradientEvaluator<'a> {
-    /// Creates an evaluator of the tape with a frame's inputs.
-    pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
-        let outputs = vec![Dual::default(); tape.outputs.len()];
-        Self { tape, frame, machine: Machine::new(tape, frame, Dual::default()), outputs }
-    }
-
-    /// Returns the outputs at `point`, with their derivatives by the position.
-    pub fn at(&mut self, point: &Point) -> &[Dual] {
-        let mut domain = Duals { inputs: point.inputs(), frame: self.frame };
-        self.machine.run(&mut domain);
-        for (dual, &register) in self.outputs.iter_mut().zip(&self.tape.outputs) {
-            *dual = self.machine.registers[usize::from(register)];
-            dual.value += 0.0;
-        }
-        &self.outputs
     }
 }

@@ -39,13 +39,15 @@ mod clause;
 mod compounds;
 mod evaluate;
 pub mod glsl;
+mod gradients;
 pub mod interpreter;
 mod print;
 mod select;
 mod slopes;
 
 pub use clause::{Clause, Instruction, Operand, opcode};
-pub use evaluate::{Batch, Dual, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points};
+pub use evaluate::{Batch, IntervalEvaluator, PointEvaluator, Points};
+pub use gradients::{Dual, GradientBatch, GradientEvaluator};
 pub use slopes::GradientIntervals;
 
 use std::collections::BTreeSet;

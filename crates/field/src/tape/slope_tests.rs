@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::graph::random::{Step, build, frame, steps};
+use crate::graph::random::{Step, build, frame, number, same, steps};
 use crate::graph::{GradientInterval, Point};
 
 fn config(cases: u32) -> ProptestConfig {
@@ -142,6 +142,25 @@ fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
 
 proptest! {
     #![proptest_config(config(2_000))]
+
+    #[test]
+    fn gradients_at_many_points_are_those_at_each_bit_for_bit(
+        steps in steps(30),
+        places in proptest::collection::vec(proptest::array::uniform3(number()), 1..20),
+    ) {
+        let (tape, frame) = (tape_of(&steps), frame());
+        let mut found = Vec::new();
+        GradientBatch::new(&tape, &frame).run(&places, &mut found);
+        prop_assert_eq!(found.len(), places.len());
+        let mut each = GradientEvaluator::new(&tape, &frame);
+        for ([x, y, z], found) in places.into_iter().zip(found) {
+            let wanted = each.at(&Point::at(x, y, z))[0];
+            prop_assert!(same(wanted.value, found.value), "{wanted:?} {found:?}");
+            for (wanted, found) in wanted.gradient.into_iter().zip(found.gradient) {
+                prop_assert!(same(wanted + 0.0, found + 0.0), "{wanted:?} {found:?}\n{tape}");
+            }
+        }
+    }
 
     #[test]
     fn bounds_hold_the_gradient(steps in steps(30), (sides, along) in places()) {

@@ -8,10 +8,10 @@
 //! where parts of a formula jump, so that the bounds for noise are those of its smooth parts.
 
 use super::bounds::Bounds;
-use crate::graph::{FrameInputs, Point, TableData, cell_hash};
+use crate::graph::{FrameInputs, TableData, cell_hash};
 use crate::graph::{SoundInput, SoundInputs};
 use crate::lang::Param;
-use crate::tape::{Dual, GradientEvaluator, Tape};
+use crate::tape::{Dual, GradientBatch, Tape};
 
 /// Largest slope of a distance: 1 and an allowance for rounding.
 const STEEPEST: f32 = 1.01;
@@ -48,6 +48,9 @@ const POINTS_MIN: usize = 8;
 const STEPS: usize = 4;
 /// Maximum number of clauses that are evaluated with their gradients: a few ms.
 const CLAUSES_MAX: usize = 1 << 18;
+
+/// Samples whose slopes are compared before the count of the steep ones is checked.
+const SAMPLES_AT_ONCE: usize = 128;
 
 #[derive(Debug, Clone, Copy)]
 struct Sample {
@@ -135,13 +138,9 @@ pub(super) fn tamed(
     reach: f32,
 ) -> Option<Slopes> {
     let Samples { outside, surface } = samples(tape, frames);
-    let non_lipschitz_many = NON_LIPSCHITZ_FRACTION * outside.len() as f32;
-    let is_no_distance = |slopes: &mut dyn Iterator<Item = f32>| {
-        slopes.filter(|slope| *slope > STEEPEST).count() as f32 > non_lipschitz_many
-    };
+    let slopes: Vec<f32> = outside.iter().map(|sample| length(sample.gradient)).collect();
     let flat = surface.iter().filter(|sample| length(sample.gradient) < FLATTEST).count();
-    if !is_no_distance(&mut outside.iter().map(|sample| length(sample.gradient))) && 2 * flat <= surface.len()
-    {
+    if !is_no_distance(&slopes, |slope| *slope) && 2 * flat <= surface.len() {
         return None;
     }
     let mut best: Option<(f32, NormalizedValue)> = None;
@@ -156,11 +155,10 @@ pub(super) fn tamed(
         for reach in REACHES.map(|fraction| fraction * reach) {
             let scales = (0..SCALES).map(|step| usual * SCALE_STEP.powi(step));
             let gentle = scales.take_while(|scale| usual / scale > FLATTEST).find(|scale| {
-                !is_no_distance(
-                    &mut divided
-                        .iter()
-                        .map(|(value, slope)| slope / scale / (1.0 + (value / scale / reach).powi(2))),
-                )
+                !is_no_distance(&divided, |(value, slope)| {
+                    let off = value / scale / reach;
+                    slope / scale / (1.0 + off * off)
+                })
             });
             let Some(scale) = gentle else { continue };
             if growth.power == 0 && reach.is_infinite() {
@@ -173,16 +171,25 @@ pub(super) fn tamed(
         }
     }
     let tamed = Some(best.map_or(plain, |(_, tamed)| tamed));
-    Some(Slopes { steepest: steepest(&outside), distance_factor: factor, tamed })
+    Some(Slopes { steepest: steepest(slopes), distance_factor: factor, tamed })
 }
 
-/// Approximately the steepest slope of the samples. Ignores the steepest samples, which are at seams of blends, and
+/// True if too many of the samples are steep. Stops counting as soon as this is known.
+fn is_no_distance<T>(samples: &[T], slope: impl Fn(&T) -> f32) -> bool {
+    let most = NON_LIPSCHITZ_FRACTION * samples.len() as f32;
+    let mut steep = 0;
+    samples.chunks(SAMPLES_AT_ONCE).any(|some| {
+        steep += some.iter().map(|sample| u32::from(slope(sample) > STEEPEST)).sum::<u32>();
+        steep as f32 > most
+    })
+}
+
+/// Approximately the steepest of the samples' slopes. Ignores the steepest samples, which are at seams of blends, and
 /// adds an allowance. Infinite if there are too few samples.
-fn steepest(samples: &[Sample]) -> f32 {
-    if samples.len() < STEEPEST_SAMPLES_MIN {
+fn steepest(mut slopes: Vec<f32>) -> f32 {
+    if slopes.len() < STEEPEST_SAMPLES_MIN {
         return f32::INFINITY;
     }
-    let mut slopes: Vec<f32> = samples.iter().map(|sample| length(sample.gradient)).collect();
     slopes.sort_by(f32::total_cmp);
     let usual = slopes.len() - 1 - (NON_LIPSCHITZ_FRACTION * slopes.len() as f32) as usize;
     slopes.get(usual).map_or(f32::INFINITY, |slope| STEEPEST_ROOM * slope)
@@ -201,41 +208,55 @@ pub(super) fn around(target: [f32; 3]) -> Vec<Bounds> {
 fn samples(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>) -> Samples {
     let mut found = Samples::default();
     let affordable = CLAUSES_MAX / (tape.clauses().len().max(1) * (STEPS + 1) * FRAMES);
-    let points = affordable.clamp(POINTS_MIN, POINTS_MAX);
+    let count = affordable.clamp(POINTS_MIN, POINTS_MAX);
+    let (mut places, mut duals) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (frame, (regions, inputs)) in frames.enumerate() {
-        let mut gradients = GradientEvaluator::new(tape, &inputs);
-        for (number, region) in regions.iter().cycle().take(points).enumerate() {
-            let size = (0..3).map(|axis| region.high[axis] - region.low[axis]).fold(0.0, f32::max);
-            let random = |axis: usize| cell_hash((number + frame * POINTS_MAX) as f32, axis as f32);
-            let mut at = [0, 1, 2]
-                .map(|axis| region.low[axis] + random(axis) * (region.high[axis] - region.low[axis]));
-            for step in 0..=STEPS {
-                let [x, y, z] = at;
-                let Some(&Dual { value, gradient }) = gradients.at(&Point::at(x, y, z)).first() else {
-                    return found;
-                };
-                let squared = gradient.iter().map(|part| part * part).sum::<f32>();
-                let slope = squared.sqrt();
-                if !value.is_finite() || !slope.is_finite() || slope == 0.0 {
-                    break;
-                }
-                let sample = Sample { place: at, value, gradient };
-                let away = value.abs() / slope;
-                if value >= 0.0 || away < 1e-2 * size {
-                    found.outside.push(sample);
-                }
-                if step == STEPS && away < 1e-3 * size {
-                    found.surface.push(sample);
-                }
-                // Take a step of Newton's method along the gradient.
-                at = [0, 1, 2].map(|axis| at[axis] - value * gradient[axis] / squared);
-                if (0..3).any(|axis| !(region.low[axis] <= at[axis] && at[axis] <= region.high[axis])) {
-                    break;
-                }
-            }
+        let mut gradients = GradientBatch::new(tape, &inputs);
+        let points = regions.iter().cycle().take(count).enumerate();
+        let mut points: Vec<(&Bounds, [f32; 3])> = points
+            .map(|(number, region)| {
+                let random = |axis: usize| cell_hash((number + frame * POINTS_MAX) as f32, axis as f32);
+                let side = |axis: usize| region.high[axis] - region.low[axis];
+                (region, [0, 1, 2].map(|axis| region.low[axis] + random(axis) * side(axis)))
+            })
+            .collect();
+        for step in 0..=STEPS {
+            places.clear();
+            places.extend(points.iter().map(|(_, at)| *at));
+            gradients.run(&places, &mut duals);
+            let mut duals = duals.iter();
+            points.retain_mut(|(region, at)| {
+                let next = duals.next().and_then(|dual| found.add(*at, dual, region, step == STEPS));
+                *at = next.unwrap_or_default();
+                next.is_some()
+            });
         }
     }
     found
+}
+
+impl Samples {
+    /// Adds a sample of a region, if its value has a slope. Returns the next place of Newton's method along the
+    /// gradient, if this place is in the region.
+    fn add(&mut self, place: [f32; 3], dual: &Dual, region: &Bounds, is_last: bool) -> Option<[f32; 3]> {
+        let Dual { value, gradient } = *dual;
+        let squared = gradient.iter().map(|part| part * part).sum::<f32>();
+        let slope = squared.sqrt();
+        if !value.is_finite() || !slope.is_finite() || slope == 0.0 {
+            return None;
+        }
+        let sample = Sample { place, value, gradient };
+        let away = value.abs() / slope;
+        let size = (0..3).map(|axis| region.high[axis] - region.low[axis]).fold(0.0, f32::max);
+        if value >= 0.0 || away < 1e-2 * size {
+            self.outside.push(sample);
+        }
+        if is_last && away < 1e-3 * size {
+            self.surface.push(sample);
+        }
+        let next = [0, 1, 2].map(|axis| place[axis] - value * gradient[axis] / squared);
+        region.hold(next).then_some(next)
+    }
 }
 
 /// Returns the frames to sample: silence at the start, then random times, sounds and parameters.
