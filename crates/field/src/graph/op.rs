@@ -104,6 +104,7 @@ macro_rules! operators {
             }
 
             /// Returns the operator's properties.
+            #[inline]
             pub const fn properties(self) -> Properties {
                 match self { $( Op::$id => $properties, )+ }
             }
@@ -115,6 +116,7 @@ macro_rules! operators {
             }
 
             /// Returns the operator with this number.
+            #[inline]
             pub const fn from_number(number: u8) -> Option<Op> {
                 match number { $( $number => Some(Op::$id), )+ _ => None }
             }

@@ -48,7 +48,12 @@ struct Lexer<'a> {
 
 impl Lexer<'_> {
     fn run(&mut self, tokens: &mut Vec<Token>, tokens_max: usize) {
-        while let Some(&byte) = self.bytes.get(self.at) {
+        loop {
+            // Most blanks are single spaces between tokens.
+            while self.peek(0) == b' ' {
+                self.at += 1;
+            }
+            let Some(&byte) = self.bytes.get(self.at) else { break };
             let start = self.at;
             let (kind, symbol) = match BEGINS[usize::from(byte)] {
                 Begins::Blank => {

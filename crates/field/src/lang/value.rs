@@ -4,31 +4,50 @@ use super::ast::Type;
 use super::symbol::Symbol;
 use crate::graph::NodeId;
 
+/// The order of the fields and the four bytes of `size` let a processor copy a vector with two loads right after it was
+/// written. With a smaller `size`, or with the tag of [`Value`] before the parts, each of these copies takes as long as
+/// an addition to the graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
 pub(super) struct Vector {
-    len: u8,
-    /// The parts from `len` on are copies of the first part.
+    /// The parts from `size` on are copies of the first part.
     parts: [NodeId; 4],
+    size: Size,
 }
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+enum Size {
+    One = 1,
+    Two,
+    Three,
+    Four,
+}
+
+const _: () = assert!(std::mem::size_of::<Value>() == 20);
 
 impl Vector {
     pub(super) fn scalar(part: NodeId) -> Self {
-        Self { len: 1, parts: [part; 4] }
+        Self { parts: [part; 4], size: Size::One }
     }
 
     pub(super) fn of<const N: usize>(parts: [NodeId; N]) -> Option<Self> {
         Self::from_slice(&parts)
     }
 
+    #[inline]
     pub(super) fn from_slice(parts: &[NodeId]) -> Option<Self> {
-        let first = *parts.first()?;
-        let mut all = [first; 4];
-        all.get_mut(..parts.len())?.copy_from_slice(parts);
-        Some(Self { len: parts.len() as u8, parts: all })
+        Some(match *parts {
+            [a] => Self::scalar(a),
+            [a, b] => Self { parts: [a, b, a, a], size: Size::Two },
+            [a, b, c] => Self { parts: [a, b, c, a], size: Size::Three },
+            [a, b, c, d] => Self { parts: [a, b, c, d], size: Size::Four },
+            _ => return None,
+        })
     }
 
     pub(super) fn len(self) -> usize {
-        usize::from(self.len)
+        self.size as usize
     }
 
     pub(super) fn parts(&self) -> &[NodeId] {
@@ -41,28 +60,52 @@ impl Vector {
 
     /// Returns the part at `index`; every part of a scalar is the scalar itself.
     pub(super) fn part(self, index: usize) -> NodeId {
-        match self.len {
-            1 => self.parts[0],
+        match self.size {
+            Size::One => self.parts[0],
             _ => self.parts.get(index).copied().unwrap_or(self.parts[0]),
         }
     }
 
     pub(super) fn map(self, mut change: impl FnMut(NodeId) -> NodeId) -> Self {
-        let mut parts = self.parts;
-        for part in parts.iter_mut().take(self.len()) {
-            *part = change(*part);
+        self.zip(self, |part, _| change(part)).unwrap_or(self)
+    }
+
+    /// Combines the parts of two vectors, the first parts first. A scalar combines with every part of a vector. `None`
+    /// if the sizes do not fit.
+    #[inline]
+    pub(super) fn zip(self, other: Self, mut f: impl FnMut(NodeId, NodeId) -> NodeId) -> Option<Self> {
+        let size = match (self.size, other.size) {
+            (Size::One, size) | (size, Size::One) => size,
+            (own, size) if own == size => size,
+            _ => return None,
+        };
+        let (a, b) = (self.parts, other.parts);
+        let first = f(a[0], b[0]);
+        let mut parts = [first; 4];
+        if size != Size::One {
+            parts[1] = f(a[1], b[1]);
         }
-        for index in self.len()..4 {
-            parts[index] = parts[0];
+        if matches!(size, Size::Three | Size::Four) {
+            parts[2] = f(a[2], b[2]);
         }
-        Self { len: self.len, parts }
+        if size == Size::Four {
+            parts[3] = f(a[3], b[3]);
+        }
+        Some(Self { parts, size })
     }
 
     /// Returns the vector with `len` parts. A scalar is repeated. `None` if the sizes do not fit.
     pub(super) fn widened(self, len: usize) -> Option<Self> {
-        match self.len() {
-            own if own == len => Some(self),
-            1 if len <= 4 => Some(Self { len: len as u8, parts: self.parts }),
+        let size = match len {
+            1 => Size::One,
+            2 => Size::Two,
+            3 => Size::Three,
+            4 => Size::Four,
+            _ => return None,
+        };
+        match self.size {
+            own if own == size => Some(self),
+            Size::One => Some(Self { size, ..self }),
             _ => None,
         }
     }

@@ -7,6 +7,8 @@ use crate::graph::{Graph, Node, NodeId, Op, Properties};
 /// Marks a missing register, memory slot, table entry or next use.
 const NONE: u32 = u32::MAX;
 pub(super) const PAGE: usize = 256;
+/// Registers whose next uses are compared at once.
+const REGISTERS_AT_ONCE: usize = 32;
 
 pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> Result<Tape, TapeError> {
     if !(2..=256).contains(&options.registers) {
@@ -179,17 +181,30 @@ impl Allocator<'_> {
     /// Frees the register whose value has the farthest next use.
     #[cold]
     fn spill(&mut self) -> Result<u8, TapeError> {
-        let mut farthest: Option<(u32, u8)> = None;
-        for register in 0..self.options.registers {
-            let pinned = self.pinned[register >> 6] >> (register & 63) & 1 == 1;
-            if !pinned && farthest.is_none_or(|(next, _)| self.next_use[register] > next) {
-                farthest = Some((self.next_use[register], register as u8));
+        // A tape with many shared values spills at every second clause. The largest next use of several registers is
+        // found without branches. Pinned registers count as used at once.
+        let mut next_use = self.next_use;
+        for (part, pinned) in self.pinned.into_iter().enumerate() {
+            let mut left = pinned;
+            while left != 0 {
+                next_use[part * 64 + left.trailing_zeros() as usize] = 0;
+                left &= left - 1;
+            }
+        }
+        let mut farthest = 0;
+        let mut first = 0;
+        for (number, some) in next_use[..self.options.registers].chunks(REGISTERS_AT_ONCE).enumerate() {
+            let most = some.iter().fold(0, |most, next| most.max(*next));
+            if most > farthest {
+                (farthest, first) = (most, number * REGISTERS_AT_ONCE);
             }
         }
         // At most two operands are pinned, or all outputs except the output that is being fetched.
-        let Some((_, register)) = farthest else {
+        if farthest == 0 {
             return Err(TapeError::RegisterCount { count: self.options.registers });
-        };
+        }
+        let register = (first..).zip(&next_use[first..]).find(|(_, next)| **next == farthest);
+        let register = register.map_or(first, |(register, _)| register) as u8;
         if let Some(id) = self.held[usize::from(register)].take() {
             let again = matches!(self.graph.node(id), Node::Input(_)) || self.in_table(id);
             if !again && self.places[id.index()].memory == NONE {

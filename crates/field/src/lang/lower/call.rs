@@ -142,24 +142,20 @@ impl Lowering<'_> {
                     .hint(format!("it is declared as `{}`", self.signature(callee, name))),
             );
         }
-        let values = self.arguments.split_off(mark);
-        let (values, rest) = values.split_at(count - tail);
-        let mut values = values.iter();
-        let mut result = values.next().copied().unwrap_or(Value::Unknown);
-        let mut one = None;
-        for value in values {
+        let values_end = mark + count - tail;
+        let mut result = self.arguments.get(mark).copied().unwrap_or(Value::Unknown);
+        for index in mark + 1..values_end {
+            let Some(&value) = self.arguments.get(index) else { break };
             let at = self.arguments.len();
-            self.arguments.push(result);
-            self.arguments.push(*value);
-            self.arguments.extend_from_slice(rest);
+            self.arguments.extend([result, value]);
+            self.arguments.extend_from_within(values_end..values_end + tail);
             result = self.apply(callee, name, at, u32::MAX, span);
             self.arguments.truncate(at);
-            one = Some(());
             if self.reports.stopped {
                 break;
             }
         }
-        if one.is_none() && !matches!(result, Value::Vector(_)) {
+        if count - tail == 1 && !matches!(result, Value::Vector(_)) {
             self.number(result, span, || format!("`{}`", self.names.name(name)));
             return Value::Unknown;
         }

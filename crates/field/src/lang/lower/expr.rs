@@ -406,13 +406,5 @@ pub(super) fn zip(
     b: Vector,
     mut f: impl FnMut(&mut Graph, NodeId, NodeId) -> NodeId,
 ) -> Value {
-    if a.len() == 1 && b.len() == 1 {
-        return Value::scalar(f(graph, a.first(), b.first()));
-    }
-    let len = a.len().max(b.len());
-    let mut parts = [a.first(); 4];
-    for (index, part) in parts.iter_mut().enumerate().take(len) {
-        *part = f(graph, a.part(index), b.part(index));
-    }
-    Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
+    a.zip(b, |a, b| f(graph, a, b)).map_or(Value::Unknown, Value::Vector)
 }
