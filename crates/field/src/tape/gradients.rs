@@ -82,17 +82,23 @@ impl<const N: usize> Domain for Lanes<'_, N> {
     }
     fn unary(&mut self, op: Op, a: &Duals<N>) -> Duals<N> {
         let Values { value, by_a, .. } = Values::of(op, &a.value, &[0.0; N], self.frame);
-        let part = |axis: usize| std::array::from_fn(|lane| along(by_a[lane], a.gradient[axis][lane]));
-        Duals { value, gradient: std::array::from_fn(part) }
+        let mut duals = Duals { value, ..Duals::ZERO };
+        for (part, of_a) in duals.gradient.iter_mut().zip(&a.gradient) {
+            for lane in 0..N {
+                part[lane] = along(by_a[lane], of_a[lane]);
+            }
+        }
+        duals
     }
     fn binary(&mut self, op: Op, a: &Duals<N>, b: &Duals<N>) -> Duals<N> {
         let Values { value, by_a, by_b, .. } = Values::of(op, &a.value, &b.value, self.frame);
-        let part = |axis: usize| {
-            std::array::from_fn(|lane| {
-                along(by_a[lane], a.gradient[axis][lane]) + along(by_b[lane], b.gradient[axis][lane])
-            })
-        };
-        Duals { value, gradient: std::array::from_fn(part) }
+        let mut duals = Duals { value, ..Duals::ZERO };
+        for ((part, of_a), of_b) in duals.gradient.iter_mut().zip(&a.gradient).zip(&b.gradient) {
+            for lane in 0..N {
+                part[lane] = along(by_a[lane], of_a[lane]) + along(by_b[lane], of_b[lane]);
+            }
+        }
+        duals
     }
     fn texture(&mut self, texture: u16, channel: u8, u: &Duals<N>, v: &Duals<N>) -> Duals<N> {
         let sample = |lane: usize| self.frame.texture(texture, channel, u.value[lane], v.value[lane]);
