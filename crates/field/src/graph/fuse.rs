@@ -34,6 +34,7 @@ impl Graph {
             tiles[id.index()] = Some(tile);
         }
         let mut fused = Graph { nodes_max: self.nodes_max, ..Graph::new() };
+        fused.reserve(order.len());
         let mut moved = vec![NodeId::default(); self.len()];
         for id in order {
             let at = |id: NodeId| moved[id.index()];

@@ -79,9 +79,23 @@ impl Graph {
     /// # Errors
     /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
     pub fn inputs_used(&self, roots: &[NodeId]) -> Result<InputsUsed, GraphError> {
+        self.check()?;
         let mut used = InputsUsed::default();
-        for id in self.order(roots)?.nodes {
-            match self.node(id) {
+        let count = roots.iter().max().map_or(0, |last| last.index() + 1);
+        let mut is_needed = vec![false; count];
+        for root in roots {
+            is_needed[root.index()] = true;
+        }
+        // Users follow their operands, so every user of a node has been visited before the node.
+        for index in (0..count).rev() {
+            if !is_needed[index] {
+                continue;
+            }
+            let node = self.nodes[index];
+            for operand in node.operands() {
+                is_needed[operand.index()] = true;
+            }
+            match node {
                 Node::Input(input) => {
                     used.inputs.insert(input);
                 }

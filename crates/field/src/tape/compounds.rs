@@ -22,7 +22,7 @@ pub(super) struct Clause {
     absorbed: bool,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct RunClauses {
     clauses: Vec<Clause>,
     /// Number of reads (at most 2) of each register at the start, then of each clause's value.
@@ -77,14 +77,15 @@ impl RunClauses {
                     Some(output)
                 }
                 Instruction::Binary { op, output, a, b } => {
-                    let [a, b] = [(2, a), (3, b)].map(|(place, operand)| match operand {
+                    let mut arg = |place: usize, operand: Operand| match operand {
                         Operand::Register(register) => Arg::Value(run.read(register)),
                         Operand::Immediate(entry) => {
                             immediate = number(entry).to_bits();
                             bytes[place] = IMMEDIATE;
                             Arg::Number(number(entry))
                         }
-                    });
+                    };
+                    let (a, b) = (arg(2, a), arg(3, b));
                     operation = Some(Operation { op, a, b });
                     Some(output)
                 }
@@ -99,6 +100,7 @@ impl RunClauses {
         run
     }
 
+    #[inline]
     fn read(&mut self, register: u8) -> u32 {
         let value = self.held[usize::from(register)];
         if let Some(uses) = self.uses.get_mut(value as usize) {

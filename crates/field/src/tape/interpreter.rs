@@ -72,14 +72,19 @@ impl Tape {
     }
 
     /// Returns the compounds that save more than they cost in `tapes`, for any values of the inputs in the tables.
-    pub fn compounds_that_pay<'a>(tapes: impl Iterator<Item = &'a Tape> + Clone) -> Compounds {
-        Compounds::that_pay(|compounds| {
-            let mut uses = Uses::default();
-            for tape in tapes.clone() {
+    pub fn compounds_that_pay<'a>(tapes: impl Iterator<Item = &'a Tape>) -> Compounds {
+        let runs: Vec<(&Tape, RunClauses)> = tapes
+            .map(|tape| {
                 // Only constants have known values here, inputs do not.
                 let table: Vec<f32> =
                     tape.table().iter().map(|entry| entry.constant().unwrap_or(TYPICAL)).collect();
-                let mut clauses = RunClauses::of(tape, &table);
+                (tape, RunClauses::of(tape, &table))
+            })
+            .collect();
+        Compounds::that_pay(|compounds| {
+            let mut uses = Uses::default();
+            for (tape, clauses) in &runs {
+                let mut clauses = clauses.clone();
                 clauses.compound(compounds, tape.outputs());
                 for clause in clauses.kept() {
                     uses.add(Compound::from_number(clause.word as u8));

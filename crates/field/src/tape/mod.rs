@@ -196,12 +196,13 @@ impl Tape {
 
     /// Returns the operators that occur.
     pub fn operators(&self) -> BTreeSet<Op> {
-        self.instructions()
-            .filter_map(|instruction| match instruction {
-                Instruction::Unary { op, .. } | Instruction::Binary { op, .. } => Some(op),
-                _ => None,
-            })
-            .collect()
+        let mut occurs = [false; 256];
+        for instruction in self.instructions() {
+            if let Instruction::Unary { op, .. } | Instruction::Binary { op, .. } = instruction {
+                occurs[usize::from(op.number())] = true;
+            }
+        }
+        Op::ALL.iter().copied().filter(|op| occurs[usize::from(op.number())]).collect()
     }
 }
 

@@ -68,9 +68,14 @@ pub struct Cost {
 
 impl Program {
     fn build(graph: &Graph, roots: &[NodeId], over: Over) -> Result<Self, TapeError> {
-        let (graph, roots, textures) = without_coordinates(graph, roots)?;
-        let mut read: Vec<NodeId> =
-            roots.iter().chain(textures.iter().flat_map(|(_, place)| place)).copied().collect();
+        // Few programs sample textures. The others need no copy of the graph.
+        let samples = !graph.inputs_used(roots)?.textures.is_empty();
+        let separated = samples.then(|| without_coordinates(graph, roots)).transpose()?;
+        let (graph, mut read, textures) = match &separated {
+            Some((own, roots, textures)) => (own, roots.clone(), &textures[..]),
+            None => (graph, roots.to_vec(), &[][..]),
+        };
+        read.extend(textures.iter().flat_map(|(_, place)| place));
         let graph = graph.fused(&mut read)?;
         let (roots, places) = read.split_at(roots.len());
         let tape = |roots: &[NodeId]| Tape::build(&graph, roots, &TapeOptions::default());
