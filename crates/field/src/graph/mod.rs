@@ -67,7 +67,8 @@ pub enum GraphError {
 #[derive(Debug, Clone)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// A hash table (open addressing, at most half full, size a power of two). A slot is 1 + a node's index; 0 if free.
+    /// A hash table (open addressing, at most half full, size a power of two; see [`Slots`]). A slot is 1 + a node's
+    /// index; 0 if free.
     places: Vec<u32>,
     nodes_max: usize,
     full: bool,
@@ -175,16 +176,15 @@ impl Graph {
     // Inlined, so that the compiler removes the code for the kinds of nodes that a caller does not build.
     #[inline(always)]
     fn intern(&mut self, node: Node) -> NodeId {
-        let mask = self.places.len() - 1;
-        let mut place = hash(node.key()) as usize & mask;
+        let mut slots = Slots::of(node, self.places.len());
         loop {
-            match self.places[place] {
+            match self.places[slots.slot] {
                 0 => break,
                 taken if self.nodes[taken as usize - 1].is(node) => return NodeId(taken - 1),
-                _ => place = (place + 1) & mask,
+                _ => slots.advance(),
             }
         }
-        self.push(node, place)
+        self.push(node, slots.slot)
     }
 
     fn push(&mut self, node: Node, place: usize) -> NodeId {
@@ -203,16 +203,50 @@ impl Graph {
     /// Rebuilds the hash table with `count` slots, a power of two.
     #[cold]
     fn grow(&mut self, count: usize) {
-        let mask = count - 1;
         let mut places = vec![0; count];
         for (index, node) in self.nodes.iter().enumerate() {
-            let mut place = hash(node.key()) as usize & mask;
-            while places[place] != 0 {
-                place = (place + 1) & mask;
+            let mut slots = Slots::of(*node, count);
+            while places[slots.slot] != 0 {
+                slots.advance();
             }
-            places[place] = index as u32 + 1;
+            places[slots.slot] = index as u32 + 1;
         }
         self.places = places;
+    }
+}
+
+/// The slots of the hash table in which a node may be, in the order in which they are tried.
+///
+/// First come a few slots near twice the position of the node's newest operand. Most nodes are built soon after their
+/// operands, so these slots are in the processor's cache even if the table is not. The others follow a hash, so that
+/// many nodes with the same newest operand do not fill one part of the table.
+struct Slots {
+    slot: usize,
+    hash: usize,
+    near: usize,
+    mask: usize,
+}
+
+impl Slots {
+    /// Number of slots near the newest operand.
+    const NEAR: usize = 8;
+
+    #[inline(always)]
+    fn of(node: Node, count: usize) -> Self {
+        let (hash, mask) = (hash(node.key()) as usize, count - 1);
+        let newest = match node {
+            Node::Constant(_) | Node::Input(_) => return Self { slot: hash & mask, hash, near: 0, mask },
+            Node::Unary(_, a) => a,
+            Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => a.max(b),
+        };
+        Self { slot: (2 * newest.index()) & mask, hash, near: Self::NEAR, mask }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self) {
+        let next = if self.near == 1 { self.hash } else { self.slot + 1 };
+        self.near = self.near.saturating_sub(1);
+        self.slot = next & self.mask;
     }
 }
 

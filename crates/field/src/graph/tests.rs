@@ -295,6 +295,23 @@ fn tables_interpolate_and_clamp() {
 }
 
 #[test]
+fn many_nodes_with_the_same_newest_operand_are_stored_once() {
+    let mut g = Graph::new();
+    let numbers: Vec<NodeId> = (0..3_000).map(|number| g.constant(number as f32 + 2.0)).collect();
+    let x = g.input(Input::X);
+    let mut all = || {
+        let sums: Vec<NodeId> =
+            numbers.iter().map(|number| g.raw(Node::Binary(Op::Add, *number, x))).collect();
+        let roots: Vec<NodeId> = sums.iter().map(|sum| g.sqrt(*sum)).collect();
+        ([sums, roots].concat(), g.len())
+    };
+    let (built, again) = (all(), all());
+    assert_eq!(built, again);
+    let distinct: std::collections::BTreeSet<NodeId> = built.0.iter().copied().collect();
+    assert_eq!(distinct.len(), 6_000);
+}
+
+#[test]
 fn equal_expressions_are_one_node() {
     let mut graph = Graph::new();
     let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
