@@ -401,9 +401,10 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
             continue;
         }
         let parts = compound.parts();
-        let Some(bound) = fit(values, parts, parts.len() - 1, last, false, Bound::default()) else {
+        let mut bound = Bound::default();
+        if !fit(values, parts, parts.len() - 1, last, false, &mut bound) {
             continue;
-        };
+        }
         let c = bound.c.unwrap_or(0.0);
         let (Some(a), quarter) = (bound.a, bound.quarter) else { continue };
         if quarter.is_some_and(|quarter| quarter != 0.25 / c) {
@@ -420,73 +421,75 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
     best
 }
 
-/// Matches a part with an operation, and returns `bound` with the operands that the part reads; `None` if they do not
-/// match. If `negated` is set, the operation's number must have the opposite sign.
+/// Matches a part with an operation, and adds the operands that the part reads to `bound`. Returns false if they do not
+/// match; `bound` is then meaningless. If `negated` is set, the operation's number must have the opposite sign.
 fn fit(
     values: &impl Values,
     parts: &[Part],
     place: usize,
     Operation { op, a, b }: Operation,
     negated: bool,
-    bound: Bound,
-) -> Option<Bound> {
-    let part = *parts.get(place)?;
-    let one_way = |first: (Reads, Arg), second: (Reads, Arg), negated: bool| {
-        let bound = fit_operand(values, parts, first, negated, bound)?;
-        fit_operand(values, parts, second, negated, bound)
+    bound: &mut Bound,
+) -> bool {
+    let Some(&part) = parts.get(place) else { return false };
+    let both = |first: (Reads, Arg), second: (Reads, Arg), bound: &mut Bound| {
+        fit_operand(values, parts, first, negated, bound)
+            && fit_operand(values, parts, second, negated, bound)
     };
-    match (part.op, op) {
-        _ if part.op == op && op.arity() == 1 => fit_operand(values, parts, (part.a, a), negated, bound),
-        _ if part.op == op => one_way((part.a, a), (part.b, b), negated).or_else(|| {
-            if op.properties().has(Properties::COMMUTATIVE) {
-                one_way((part.a, b), (part.b, a), negated)
-            } else {
-                None
-            }
-        }),
-        (Op::Add, Op::Sub) | (Op::Sub, Op::Add) => match (a, b) {
-            (_, Arg::Number(number)) => one_way((part.a, a), (part.b, Arg::Number(-number)), negated),
-            // b - a * c is b + a * -c.
-            (Arg::Value(_), Arg::Value(product)) if part.op == Op::Add => {
-                let Reads::Part(earlier) = part.a else { return None };
-                let times_number = *parts.get(earlier)? == two(Op::Mul, Reads::A, Reads::C);
-                if !times_number {
-                    return None;
-                }
-                let bound = fit_operand(values, parts, (part.b, a), negated, bound)?;
-                fit_operand(values, parts, (part.a, Arg::Value(product)), true, bound)
-            }
-            _ => None,
-        },
-        _ => None,
+    if part.op == op {
+        if op.arity() == 1 {
+            return fit_operand(values, parts, (part.a, a), negated, bound);
+        }
+        let before = *bound;
+        if both((part.a, a), (part.b, b), bound) {
+            return true;
+        }
+        *bound = before;
+        return op.properties().has(Properties::COMMUTATIVE) && both((part.a, b), (part.b, a), bound);
+    }
+    match (part.op, op, a, b) {
+        (Op::Add, Op::Sub, _, Arg::Number(number)) | (Op::Sub, Op::Add, _, Arg::Number(number)) => {
+            both((part.a, a), (part.b, Arg::Number(-number)), bound)
+        }
+        // b - a * c is b + a * -c.
+        (Op::Add, Op::Sub, Arg::Value(_), Arg::Value(product)) => {
+            let times_number = two(Op::Mul, Reads::A, Reads::C);
+            matches!(part.a, Reads::Part(earlier) if parts.get(earlier) == Some(&times_number))
+                && fit_operand(values, parts, (part.b, a), negated, bound)
+                && fit_operand(values, parts, (part.a, Arg::Value(product)), true, bound)
+        }
+        _ => false,
     }
 }
 
+/// As [`fit`], for one operand.
 fn fit_operand(
     values: &impl Values,
     parts: &[Part],
     (reads, arg): (Reads, Arg),
     negated: bool,
-    mut bound: Bound,
-) -> Option<Bound> {
+    bound: &mut Bound,
+) -> bool {
     match (reads, arg) {
-        (Reads::A, Arg::Value(value)) => (*bound.a.get_or_insert(value) == value).then_some(bound),
-        (Reads::B, Arg::Value(value)) => (*bound.b.get_or_insert(value) == value).then_some(bound),
+        (Reads::A, Arg::Value(value)) => *bound.a.get_or_insert(value) == value,
+        (Reads::B, Arg::Value(value)) => *bound.b.get_or_insert(value) == value,
         (Reads::C, Arg::Number(number)) => {
             let number = if negated { -number } else { number };
-            (*bound.c.get_or_insert(number) == number).then_some(bound)
+            *bound.c.get_or_insert(number) == number
         }
         (Reads::QuarterOverC, Arg::Number(number)) => {
             bound.quarter = Some(number);
-            Some(bound)
+            true
         }
-        (Reads::Always(always), Arg::Number(number)) => (always == number).then_some(bound),
+        (Reads::Always(always), Arg::Number(number)) => always == number,
         (Reads::Part(earlier), Arg::Value(value)) if values.is_own(value) => {
-            *bound.absorbed.get_mut(bound.absorbed_count)? = value;
+            let Some(absorbed) = bound.absorbed.get_mut(bound.absorbed_count) else { return false };
+            *absorbed = value;
             bound.absorbed_count += 1;
-            fit(values, parts, earlier, values.operation(value)?, negated, bound)
+            let operation = values.operation(value);
+            operation.is_some_and(|operation| fit(values, parts, earlier, operation, negated, bound))
         }
-        _ => None,
+        _ => false,
     }
 }
 
