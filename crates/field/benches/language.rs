@@ -197,7 +197,14 @@ fn text_to_words(criterion: &mut Criterion) {
         });
     }
     let speakers = include_str!("../../../assets/scenes/speakers.scene").to_owned();
-    for (name, text) in [("speakers", speakers), ("786 balls", balls(786))] {
+    let [thousand, ten_thousand] = [1_000, 10_000].map(|count| boxes_and_balls(count).1);
+    let texts = [
+        ("speakers", speakers),
+        ("786 balls", balls(786)),
+        ("1,000 boxes and balls", thousand),
+        ("10,000 boxes and balls", ten_thousand),
+    ];
+    for (name, text) in texts {
         group.throughput(Throughput::Elements(tape(&text).clauses().len() as u64));
         group.bench_function(BenchmarkId::new("mariana", name), |bencher| {
             bencher.iter(|| words(black_box(&text)));
