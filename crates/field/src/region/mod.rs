@@ -43,8 +43,10 @@
 //! hundred-thousandth of a root cell ahead, so that no ray gets stuck at a face.
 
 mod encode;
+pub(crate) mod every_frame;
 pub mod gradient;
 mod lanes;
+mod linear;
 mod lives;
 mod part;
 mod program;

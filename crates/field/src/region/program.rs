@@ -96,6 +96,12 @@ impl Program {
         let b = if op.arity() == 1 { Number(0.0) } else { b };
         match (op, a, b) {
             (_, Arg::Value(_), _) if op.arity() == 1 => {}
+            // In all frames at once, the result is not a number. Its bounds do not depend on the operands.
+            (_, Number(_), Number(_))
+                if frame.ranges.is_some() && op.properties().has(Properties::READS_FRAME) =>
+            {
+                return self.push_step(Step { op, form: Form::Values, a: 0, b: 0, number: 0.0 });
+            }
             (_, Number(a), Number(b)) => {
                 let value = op.value(a, b, frame);
                 return Number(if value.is_nan() { f32::NAN } else { value + 0.0 });

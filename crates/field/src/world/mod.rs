@@ -262,7 +262,7 @@ impl Traced {
     fn of(scene: &Scene, roots: &Roots, frame_tape: &FrameTape) -> Result<Self, TapeError> {
         let tape = Tape::build(&scene.graph, &roots.distance[..1], &TapeOptions::default())?;
         let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
-        let bounds = bounds::find(&tape, &any);
+        let bounds = bounds::find(&scene.graph, roots.distance[0], &any)?;
         let around = |inputs: &FrameInputs| match bounds {
             Some(bounds) => vec![bounds],
             None => distance_check::around(frame_tape.values(inputs).camera.target),
