@@ -40,8 +40,8 @@ rays! {
     CLOSE_ENOUGH: f32 = 0.05;
     /// Number of cells along each axis of the tree's root.
     ROOT_SIDE: f32 = 16.0;
-    /// Number of texels that are read to find a cell: one in the root, one in a brick.
-    REGION_LEVELS: u32 = 2;
+    /// Maximum number of texels that are read to find a cell: one in the root, one in a brick, one in a brick of a brick.
+    REGION_LEVELS: u32 = 3;
     /// The object number of a cell that holds several objects.
     SEVERAL: u32 = 255;
     /// Maximum number of cells that a ray passes through without an evaluation.

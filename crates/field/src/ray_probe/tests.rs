@@ -267,6 +267,27 @@ fn unwanted_statistics_are_cancelled() {
     });
 }
 
+/// Regression: a box that was too large, and cells without grandchildren, left hundreds of clauses in each cell.
+#[test]
+fn a_union_of_a_thousand_things_runs_few_clauses() {
+    let world = world_of(include_str!("../../benches/things.scene"));
+    let frame = frame_of(&world, 0.0);
+    let options = RegionOptions { texels_max: 1 << 22, ..RegionOptions::default() };
+    let regions = RegionPlan::new(&world).build(&frame, &options);
+    assert!(regions.stats.whole_clauses > 10_000, "{:?}", regions.stats);
+    let ray_probe = RayProbe::new(&world, &regions, &frame, &[]);
+    let (mut evaluations, mut clauses) = (0, 0);
+    for place in 0..40 * 40 {
+        let [x, y] = [place % 40, place / 40].map(|along| 0.35 * (along as f32 - 19.5));
+        let traced = ray_probe.trace(&ray(frame.eye, [x, y, 0.0]));
+        evaluations += u64::from(traced.evaluations);
+        clauses += traced.clauses;
+    }
+    assert!(evaluations > 1_600, "{evaluations}");
+    assert!(clauses < 64 * evaluations, "{} clauses an evaluation", clauses / evaluations);
+    assert!(regions.stats.passes < 4_000, "{:?}", regions.stats);
+}
+
 #[test]
 fn clauses_are_counted_where_they_are_run() {
     let world = world_of("object a { shape = sphere(p - vec3(0, 0, 5), 1) }");
