@@ -167,3 +167,112 @@ fn frame_bounds(graph: &Graph, nodes: &[NodeId], any: &FrameInputs) -> Vec<Optio
     }
     bounds
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::graph::{Point, TableData, random};
+
+    const SIDE: usize = 4;
+
+    /// Divides a box into 4x4x4 boxes.
+    fn parts(sides: &Box3) -> Vec<Box3> {
+        let part = |lane: usize| {
+            let place = [lane % SIDE, lane / SIDE % SIDE, lane / (SIDE * SIDE)];
+            std::array::from_fn(|axis| {
+                let at = |place: usize| {
+                    sides[axis].lo + (sides[axis].hi - sides[axis].lo) * (place as f32 / SIDE as f32)
+                };
+                Interval::new(at(place[axis]), at(place[axis] + 1))
+            })
+        };
+        (0..CELLS).map(part).collect()
+    }
+
+    /// Returns the lower corner, the middle and the upper corner.
+    fn points(sides: &Box3) -> [Point; 3] {
+        [0.0, 0.5, 1.0].map(|along| {
+            let [x, y, z] = sides.map(|side| (side.lo + along * (side.hi - side.lo)).clamp(side.lo, side.hi));
+            Point::at(x, y, z)
+        })
+    }
+
+    /// Returns a frame whose values are all in the ranges of [`FrameInputs::any`].
+    fn frame() -> FrameInputs {
+        let frame = random::frame();
+        let spectrum: Vec<f32> = frame.spectrum.values().iter().map(|value| value.abs()).collect();
+        FrameInputs {
+            bands: frame.bands.map(f32::abs),
+            spectrum: TableData::row(spectrum),
+            history: TableData::EMPTY,
+            ..frame
+        }
+    }
+
+    fn assert_open_boxes_are_kept(graph: &Graph, root: NodeId, sides: &Box3) {
+        let frame = frame();
+        let any = FrameInputs::any([(0.0, 2.0), (-3.0, 0.0)]);
+        let (mut search, whole) = EveryFrame::new(graph, root, &any).unwrap();
+        let is_kept = |open: u64, boxes: &[Box3]| {
+            for (lane, sides) in boxes.iter().enumerate() {
+                for point in points(sides) {
+                    let value = graph.evaluate(&[root], &point, &frame).unwrap()[0];
+                    let is_open = open >> lane & 1 == 1;
+                    assert!(is_open || value > 0.0, "{value} in a box without a surface, {sides:?}");
+                }
+            }
+        };
+        let boxes = parts(sides);
+        let open = search.open(&whole, &boxes);
+        is_kept(open, &boxes);
+        let shared = search.shortened(&whole, open);
+        let own = search.shortened_each(&whole, open);
+        for (lane, own) in cells_of(open).zip(own).step_by(7) {
+            let boxes = parts(&boxes[lane]);
+            for program in [&own, &shared] {
+                let open = search.open(program, &boxes);
+                is_kept(open, &boxes);
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(192))]
+        #[test]
+        fn no_box_with_a_surface_is_dropped(
+            steps in random::steps(60),
+            corner in prop::array::uniform3(-8.0f32..8.0),
+            side in 0.01f32..12.0,
+        ) {
+            let mut graph = Graph::new();
+            let root = random::build(&mut graph, &steps, true).last().copied().unwrap();
+            assert_open_boxes_are_kept(&graph, root, &corner.map(|low| Interval::new(low, low + side)));
+        }
+
+        #[test]
+        fn linear_forms_bound_the_sums_that_they_replace(
+            terms in prop::collection::vec((0usize..3, -3.0f32..3.0, -3.0f32..3.0), 2..12),
+            corner in prop::array::uniform3(-1e4f32..1e4),
+            side in 1e-4f32..1.0,
+        ) {
+            let mut graph = Graph::new();
+            let mut sum = graph.constant(0.0);
+            for (axis, offset, factor) in &terms {
+                let coordinate = graph.input(crate::graph::Input::OF_POINT[*axis]);
+                let (offset, factor) = (graph.constant(*offset), graph.constant(*factor));
+                let term = graph.sub(coordinate, offset);
+                let term = graph.mul(term, factor);
+                sum = graph.add(sum, term);
+            }
+            // The value is 0 at the corner, as computed, and near 0 in the whole box.
+            let [x, y, z] = corner;
+            let at_corner = graph.evaluate(&[sum], &Point::at(x, y, z), &frame()).unwrap()[0];
+            let at_corner = graph.constant(at_corner);
+            let difference = graph.sub(sum, at_corner);
+            let root = graph.unary(Op::Abs, difference);
+            assert_open_boxes_are_kept(&graph, root, &corner.map(|low| Interval::new(low, low + side)));
+        }
+    }
+}

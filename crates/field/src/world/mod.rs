@@ -16,6 +16,7 @@ mod distance_check;
 mod hoist;
 mod interpreted;
 mod nearby_light;
+mod outermost;
 mod planes;
 mod scene_features;
 mod shortening;
