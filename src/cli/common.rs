@@ -17,6 +17,7 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::frame::held_inputs::Setting;
 use crate::gpu::cell_use::CellUse;
+use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::shader_source::ShaderLibrary;
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
@@ -146,6 +147,7 @@ impl CommonArguments {
             },
             view: None,
             alpha: false,
+            edges: EdgeSamples::Sixteen,
             tone_map: self.tone_map.flatten(),
             verbose: self.verbose > 0,
         })

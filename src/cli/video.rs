@@ -19,6 +19,7 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
 use crate::export::showing::Showing;
 use crate::export::video::{VideoRequest, write_video};
+use crate::gpu::edge_samples::EdgeSamples;
 
 #[derive(Args)]
 pub(super) struct VideoArguments {
@@ -47,6 +48,9 @@ pub(super) struct VideoArguments {
     /// Quality of the encoding
     #[arg(long, value_name = "HOW", default_value = "high")]
     quality: EncodingChoice,
+    /// Draw faster, with coarser edges, for a first look
+    #[arg(long)]
+    draft: bool,
     /// Show the song's title and artist during the first five seconds
     #[arg(long)]
     title_card: bool,
@@ -111,6 +115,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         scene: SceneChoice {
             view: arguments.view.view,
             alpha: arguments.alpha,
+            edges: if arguments.draft { EdgeSamples::Two } else { EdgeSamples::Sixteen },
             ..common.scene(OsStr::new(DEFAULT_SCENE))?
         },
         set: arguments.set.set,

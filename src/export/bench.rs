@@ -283,7 +283,11 @@ fn first_draw(
     Ok([made, milliseconds(start.elapsed())])
 }
 
-/// Compares a frame drawn with each number of edge samples to a reference with 64 samples in every pixel.
+/// Fractions of a window's width and height in which frames are compared: the whole window, and sizes that the window
+/// chooses when frames are late.
+const EDGE_SCALES: [f64; 5] = [1.0, 0.92, 0.84, 0.77, 0.64];
+
+/// Compares frames with each number of edge samples, at several sizes, with a reference of 64 samples in every pixel.
 fn measure_edges(
     renderer: &mut Renderer,
     resources: &SceneResources,
@@ -296,15 +300,48 @@ fn measure_edges(
     frame.picture.grain = 0.0;
     renderer.draw_reference(&frame, resources, &run.program)?;
     let reference = renderer.read();
-    let pixels = f64::from(frame.size.0) * f64::from(frame.size.1);
-    let report = |samples: EdgeSamples| {
+    let (gl, (width, height)) = (renderer.gl().clone(), frame.size);
+    let mut reports = Vec::new();
+    let ways = EDGE_SCALES.into_iter().flat_map(|scale| EdgeSamples::ALL.map(|samples| (scale, samples)));
+    for (scale, samples) in ways {
+        let scaled = |side: u32| (f64::from(side) * scale).round() as u32;
+        let size = (scaled(width), scaled(height));
+        // As in a window, the rounded size does not change the aspect.
+        let aspect = f64::from(width) / f64::from(height);
+        let world = resources.world();
+        let frame = frame.clone().resized(world, size).in_window(world, aspect, 1.0);
         renderer.set_edge_samples(samples);
-        renderer.draw(&frame, resources, &run.program)?;
-        let decibels = peak_signal_over_noise(&renderer.read(), &reference);
-        Ok(EdgeReport { samples: samples.count(), fraction: renderer.edge_pixels() / pixels, decibels })
-    };
-    EdgeSamples::ALL.into_iter().map(report).collect()
+        let mut cpu = Vec::with_capacity(EDGE_FRAMES);
+        for _ in 0..EDGE_FRAMES {
+            gl.finish();
+            let start = ProcessTime::now();
+            renderer.draw(&frame, resources, &run.program)?;
+            gl.finish();
+            cpu.push(milliseconds(start.elapsed()));
+        }
+        let pixels = f64::from(frame.size.0) * f64::from(frame.size.1);
+        let fraction = renderer.edge_pixels() / pixels;
+        let enlarged = enlarged(renderer.read(), frame.size, (width, height));
+        let decibels = peak_signal_over_noise(&enlarged, &reference);
+        reports.push(EdgeReport {
+            samples: samples.count(),
+            scale,
+            fraction,
+            cpu_ms: percentile(&mut cpu, 0.5),
+            decibels,
+        });
+    }
+    Ok(reports)
 }
+
+/// Enlarges an RGBA image as a window does (`upscale.frag`).
+fn enlarged(rgba: Vec<u8>, size: (u32, u32), window: (u32, u32)) -> Vec<u8> {
+    let Some(image) = image::RgbaImage::from_raw(size.0, size.1, rgba) else { return Vec::new() };
+    image::imageops::resize(&image, window.0, window.1, image::imageops::FilterType::CatmullRom).into_raw()
+}
+
+/// Number of frames for the median of the CPU time of each number of samples.
+const EDGE_FRAMES: usize = 3;
 
 /// Returns the peak signal-to-noise ratio of two RGBA images, in dB; infinite if the images are equal.
 pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {

@@ -41,6 +41,8 @@ pub struct SceneChoice {
     pub view: Option<ViewChoice>,
     /// True to leave the sky transparent.
     pub alpha: bool,
+    /// The number of further samples at edges.
+    pub edges: EdgeSamples,
     /// Tone map; `None` uses the scene's own.
     pub tone_map: Option<ToneMap>,
     /// True to log the driver's debug messages.
@@ -56,6 +58,7 @@ impl From<SceneSource> for SceneChoice {
             cells: CellUse::default(),
             view: None,
             alpha: false,
+            edges: EdgeSamples::Sixteen,
             tone_map: None,
             verbose: false,
         }
@@ -82,7 +85,7 @@ impl HeadlessRenderer {
         let context = Headless::new(choice.verbose)?;
         let mut renderer = Renderer::new(context.gl(), &choice.shaders, Counting::Off)?;
         renderer.set_tone_map(choice.tone_map);
-        renderer.set_edge_samples(EdgeSamples::Sixteen);
+        renderer.set_edge_samples(choice.edges);
         renderer.time_pictures()?;
         let view = choice.view.map(|view| (view, LegendPainter::default()));
         let coverage = choice.alpha.then(Coverage::default);

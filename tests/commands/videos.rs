@@ -6,7 +6,7 @@
 use std::process::Command;
 
 use crate::support::program::Workplace;
-use image::{RgbImage, RgbaImage};
+use image::{Rgb, RgbImage, RgbaImage};
 use mariana_testing::process::output_of;
 use serde_json::Value;
 
@@ -60,6 +60,24 @@ fn scenes_follow_each_other_at_their_times() {
     run(&["--scene", "red.scene@0.5"]).refused(&["0.5 s", "earlier time"]);
     run(&["--scene", "red.scene", "--scene", "blue.scene"]).refused(&["red.scene", "blue.scene", "@1:20"]);
     run(&["--scene", "red.scene", "--scene", "none.scene@0.5"]).refused(&["none.scene"]);
+}
+
+#[test]
+fn a_draft_differs_from_the_video_only_at_edges() {
+    let place = Workplace::new();
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    let frame = |folder: &str, draft: &[&str]| {
+        let part =
+            ["--size", "96x54", "--duration", "0.1", "--fps", "10", "--scene", "first_steps", "-o", folder];
+        place.run(&[&["video", "one.wav"], &part[..], draft].concat()).done();
+        still(&place, &format!("{folder}frame-00000.png"))
+    };
+    let (video, draft) = (frame("video/", &[]), frame("draft/", &["--draft"]));
+    // Bloom spreads the differences at edges over the frame, by less than a few steps.
+    let far = |(one, other): &(&Rgb<u8>, &Rgb<u8>)| (0..3).any(|i| one[i].abs_diff(other[i]) > 4);
+    let differ = video.pixels().zip(draft.pixels()).filter(far).count();
+    let pixels = 96 * 54;
+    assert!((pixels / 100..pixels / 3).contains(&differ), "{differ} of {pixels} pixels");
 }
 
 #[test]

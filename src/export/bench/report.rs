@@ -53,6 +53,10 @@ pub struct EditReport {
 pub struct EdgeReport {
     /// Number of additional samples in each pixel at an edge.
     pub samples: usize,
+    /// Fraction of the window's width and height that was drawn, 0..1; the image was then enlarged.
+    pub scale: f64,
+    /// Time of a frame on all processor cores together, median, in ms.
+    pub cpu_ms: f64,
     /// Fraction of the pixels that got these samples, 0..1.
     pub fraction: f64,
     /// Peak signal-to-noise ratio of the final image without grain, in dB.
@@ -177,11 +181,12 @@ impl std::fmt::Display for BenchReport {
         if let Some(edit) = &self.edit {
             write!(f, "\nedited scene: {edit}")?;
         }
-        for EdgeReport { samples, fraction, decibels } in &self.edges {
+        for EdgeReport { samples, scale, cpu_ms, fraction, decibels } in &self.edges {
             let percent = 100.0 * fraction;
             write!(
                 f,
-                "\n{samples} samples at edges, {percent:.2} % of the pixels: {decibels:.2} dB against 64 in all pixels"
+                "\nscale {scale:.2}, {samples:>2} samples at edges, {percent:.2} % of the pixels, {cpu_ms:.1} ms CPU: \
+                 {decibels:.2} dB against 64 in all pixels"
             )?;
         }
         for (what, ratio) in self.ratios() {

@@ -18,8 +18,6 @@ use mariana::config::SdfChoice;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::painter::{Painter, SceneChoice};
 use mariana::export::song_features::SongFeatures;
-use mariana::gpu::cell_use::CellUse;
-use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::Sound;
 
@@ -88,16 +86,8 @@ columns `black` and `white` give the largest percentages of black and white pixe
 ";
 
 fn draw(name: &str, sounds: &[Sound], folder: &Path) -> anyhow::Result<()> {
-    let mut painter = Painter::open(&SceneChoice {
-        source: SceneSource::Shipped(name.to_owned()),
-        sdf: SdfChoice::Compiled,
-        shaders: ShaderLibrary::embedded(),
-        cells: CellUse::default(),
-        tone_map: None,
-        view: None,
-        alpha: false,
-        verbose: false,
-    })?;
+    let source = SceneSource::Shipped(name.to_owned());
+    let mut painter = Painter::open(&SceneChoice { sdf: SdfChoice::Compiled, ..SceneChoice::from(source) })?;
     let mut picture = |moment: usize, size: (u32, u32)| -> anyhow::Result<RgbaImage> {
         painter.draw(MOMENTS[moment], sounds[moment].clone(), size)?;
         RgbaImage::from_raw(size.0, size.1, painter.read()).context("an image has four bytes per pixel")
