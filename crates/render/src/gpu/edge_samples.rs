@@ -86,7 +86,9 @@ impl EdgeSamples {
     /// surfaces, and within a surface, as at a shadow's edge. The second is higher: mip levels smooth textures.
     pub fn contrasts(self) -> [f32; 2] {
         match self {
-            EdgeSamples::Two | EdgeSamples::Four => [0.03, 0.20],
+            // Below these contrasts, fewer pixels save more at the same loss.
+            EdgeSamples::Two => [0.08, 0.25],
+            EdgeSamples::Four => [0.03, 0.20],
             EdgeSamples::Eight => [0.025, 0.12],
             EdgeSamples::Sixteen => [0.02, 0.06],
         }
