@@ -32,7 +32,7 @@ pub(super) struct BenchArguments {
     /// With --all: measure only scenes whose names contain this text; can be given more than once
     #[arg(long, value_name = "PART", requires = "all")]
     only: Vec<String>,
-    /// Also compare the frame's edges with a frame of 64 samples per pixel, which is slow
+    /// Also measure time and quality for each number of samples at edges, at several sizes, which is slow
     #[arg(long)]
     edges: bool,
     /// Print JSON instead of text

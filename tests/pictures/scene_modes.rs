@@ -12,6 +12,7 @@ use image::RgbaImage;
 use mariana::config::SdfChoice;
 use mariana::export::painter::{Painter, SceneChoice, mode_on};
 use mariana::gpu::cell_use::CellUse;
+use mariana::gpu::edge_samples::EdgeSamples;
 use mariana::gpu::error::DoesNotFit;
 use mariana::gpu::gl::GlInfo;
 use mariana::gpu::program::Program;
@@ -328,6 +329,7 @@ fn a_painter_uses_the_requested_mode() {
             cells: CellUse::Always,
             view: None,
             alpha: false,
+            edges: EdgeSamples::Sixteen,
             tone_map: None,
             verbose: false,
         };

@@ -164,6 +164,7 @@ none\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l gain -d 'Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed [default: auto, or in a window the last choice there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l draft -d 'Draw faster, with coarser edges, for a first look'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l title-card -d 'Show the song\'s title and artist during the first five seconds'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leave out the sky, so that the video can be laid over another video: in webm, mov, mkv, webp and PNGs, for scenes whose sky has no color'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s q -l quiet -d 'Print only errors'
@@ -198,7 +199,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand bench" -l gain -d 'Autom
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l all -d 'Measure all shipped scenes'
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -l edges -d 'Also compare the frame\'s edges with a frame of 64 samples per pixel, which is slow'
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -l edges -d 'Also measure time and quality for each number of samples at edges, at several sizes, which is slow'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l json -d 'Print JSON instead of text'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -s h -l help -d 'Print help (see more with \'--help\')'
