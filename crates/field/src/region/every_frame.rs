@@ -10,17 +10,17 @@ use super::lanes::{CELLS, Lanes, bound, mask};
 use super::linear::Linear;
 use super::program::{Arg, BOUND, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
-use super::tree::cells_of;
+pub(crate) use super::tree::cells_of;
 use crate::graph::{FrameInputs, Graph, GraphError, Interval, Node, NodeId, Op};
+use crate::world::Bounds;
 
 /// Programs with at most this many steps are not shortened, because that would take longer than it saves.
 const SHORT_ENOUGH: usize = 16;
+/// A program that has more than this fraction of the steps is hardly shorter.
+const HARDLY_SHORTER: f32 = 0.9;
 const COORDINATES: usize = 3;
 /// Values of textures.
 const SAMPLED: Interval = Interval::UNIT;
-
-/// A box: its extent along each axis.
-pub(crate) type Box3 = [Interval; 3];
 
 /// A program that gives the distance in some boxes.
 #[derive(Debug)]
@@ -42,6 +42,8 @@ pub(crate) struct EveryFrame<'a> {
     structure: Structure,
     decisions: ChoiceTrace,
     scratch: Scratch,
+    /// The distance in the boxes that have just been bounded.
+    root: Arg,
 }
 
 impl<'a> EveryFrame<'a> {
@@ -104,51 +106,67 @@ impl<'a> EveryFrame<'a> {
         let root = places[distance.index()].unwrap_or(Arg::Number(f32::NAN));
         program.roots = vec![root, root, Arg::Number(0.0)];
         let (structure, decisions, scratch) = Default::default();
-        Ok((Self { any, rows, structure, decisions, scratch }, Rc::new(BoxProgram(program))))
+        Ok((Self { any, rows, structure, decisions, scratch, root }, Rc::new(BoxProgram(program))))
     }
 
     /// Returns the boxes that may contain a surface or a solid, as a mask. If there are fewer than 64 boxes, the last
     /// one is repeated.
-    pub(crate) fn open(&mut self, BoxProgram(program): &BoxProgram, boxes: &[Box3]) -> u64 {
+    pub(crate) fn open(&mut self, BoxProgram(program): &BoxProgram, boxes: &[Bounds]) -> u64 {
         let Some(last) = boxes.len().checked_sub(1) else { return 0 };
         for (axis, row) in self.rows.iter_mut().take(COORDINATES).enumerate() {
             for lane in 0..CELLS {
-                let side = boxes[lane.min(last)][axis];
-                (row.lo[lane], row.hi[lane]) = (side.lo, side.hi);
+                let sides = &boxes[lane.min(last)];
+                (row.lo[lane], row.hi[lane]) = (sides.low[axis], sides.high[axis]);
             }
         }
         bound(program, &mut self.rows, self.any);
+        self.root = program.roots[BOUND];
         // A NaN may stand for a surface.
-        !match program.roots[BOUND] {
+        !match self.root {
             Arg::Value(value) => mask(|lane| self.rows[value as usize].lo[lane] > 0.0),
             Arg::Number(number) => mask(|_| number > 0.0),
         }
     }
 
+    /// Returns the lower bound of the distance in a box that has just been bounded.
+    pub(crate) fn low(&self, lane: usize) -> f32 {
+        match self.root {
+            Arg::Value(value) => self.rows[value as usize].lo[lane],
+            Arg::Number(number) => number,
+        }
+    }
+
     /// Returns a common program for some of the boxes that [`EveryFrame::open`] has just bounded.
-    pub(crate) fn shortened(&mut self, program: &Rc<BoxProgram>, boxes: u64) -> Rc<BoxProgram> {
+    pub(crate) fn shortened_together(&mut self, program: &Rc<BoxProgram>, boxes: u64) -> Rc<BoxProgram> {
         if boxes == 0 || program.len() <= SHORT_ENOUGH {
             return program.clone();
         }
         self.decide(program, boxes, &[boxes]);
-        self.program_of(program, boxes)
+        self.shortened(program, boxes)
     }
 
-    /// Like [`EveryFrame::shortened`], but returns a program for each box.
-    pub(crate) fn shortened_each(&mut self, program: &BoxProgram, boxes: u64) -> Vec<Rc<BoxProgram>> {
-        self.decide(program, boxes, &[]);
-        cells_of(boxes).map(|lane| self.program_of(program, 1 << lane)).collect()
+    /// Decides which steps each group of boxes that [`EveryFrame::open`] has just bounded needs.
+    pub(crate) fn decide(&mut self, BoxProgram(program): &BoxProgram, boxes: u64, groups: &[u64]) {
+        if program.steps.len() > SHORT_ENOUGH {
+            self.structure.look_at(program);
+            self.decisions.decide(program, &self.structure, &self.rows, [boxes, 0], groups);
+        }
     }
 
-    fn decide(&mut self, BoxProgram(program): &BoxProgram, boxes: u64, together: &[u64]) {
-        self.structure.look_at(program);
-        self.decisions.decide(program, &self.structure, &self.rows, [boxes, 0], together);
-    }
-
-    fn program_of(&mut self, BoxProgram(program): &BoxProgram, boxes: u64) -> Rc<BoxProgram> {
+    /// Returns a program for a group of boxes that [`EveryFrame::decide`] has decided for; the whole program if the other
+    /// one is hardly shorter.
+    pub(crate) fn shortened(&mut self, whole: &Rc<BoxProgram>, boxes: u64) -> Rc<BoxProgram> {
+        let program = &whole.0;
+        if program.steps.len() <= SHORT_ENOUGH {
+            return whole.clone();
+        }
         let mut short = Program::default();
         self.decisions.shortened(program, &self.rows, (boxes, true), self.any, &mut self.scratch, &mut short);
-        Rc::new(BoxProgram(short))
+        if short.steps.len() as f32 > HARDLY_SHORTER * program.steps.len() as f32 {
+            whole.clone()
+        } else {
+            Rc::new(BoxProgram(short))
+        }
     }
 }
 
@@ -178,23 +196,25 @@ mod tests {
     const SIDE: usize = 4;
 
     /// Divides a box into 4x4x4 boxes.
-    fn parts(sides: &Box3) -> Vec<Box3> {
+    fn parts(sides: &Bounds) -> Vec<Bounds> {
         let part = |lane: usize| {
             let place = [lane % SIDE, lane / SIDE % SIDE, lane / (SIDE * SIDE)];
-            std::array::from_fn(|axis| {
-                let at = |place: usize| {
-                    sides[axis].lo + (sides[axis].hi - sides[axis].lo) * (place as f32 / SIDE as f32)
-                };
-                Interval::new(at(place[axis]), at(place[axis] + 1))
-            })
+            let at = |axis: usize, place: usize| {
+                sides.low[axis] + (sides.high[axis] - sides.low[axis]) * (place as f32 / SIDE as f32)
+            };
+            let corner = |upper: usize| std::array::from_fn(|axis| at(axis, place[axis] + upper));
+            Bounds { low: corner(0), high: corner(1) }
         };
         (0..CELLS).map(part).collect()
     }
 
     /// Returns the lower corner, the middle and the upper corner.
-    fn points(sides: &Box3) -> [Point; 3] {
+    fn points(sides: &Bounds) -> [Point; 3] {
         [0.0, 0.5, 1.0].map(|along| {
-            let [x, y, z] = sides.map(|side| (side.lo + along * (side.hi - side.lo)).clamp(side.lo, side.hi));
+            let [x, y, z] = [0, 1, 2].map(|axis| {
+                let (low, high) = (sides.low[axis], sides.high[axis]);
+                (low + along * (high - low)).clamp(low, high)
+            });
             Point::at(x, y, z)
         })
     }
@@ -211,11 +231,11 @@ mod tests {
         }
     }
 
-    fn assert_open_boxes_are_kept(graph: &Graph, root: NodeId, sides: &Box3) {
+    fn assert_open_boxes_are_kept(graph: &Graph, root: NodeId, sides: &Bounds) {
         let frame = frame();
         let any = FrameInputs::any([(0.0, 2.0), (-3.0, 0.0)]);
         let (mut search, whole) = EveryFrame::new(graph, root, &any).unwrap();
-        let is_kept = |open: u64, boxes: &[Box3]| {
+        let is_kept = |open: u64, boxes: &[Bounds]| {
             for (lane, sides) in boxes.iter().enumerate() {
                 for point in points(sides) {
                     let value = graph.evaluate(&[root], &point, &frame).unwrap()[0];
@@ -227,8 +247,9 @@ mod tests {
         let boxes = parts(sides);
         let open = search.open(&whole, &boxes);
         is_kept(open, &boxes);
-        let shared = search.shortened(&whole, open);
-        let own = search.shortened_each(&whole, open);
+        let shared = search.shortened_together(&whole, open);
+        search.decide(&whole, open, &[]);
+        let own: Vec<_> = cells_of(open).map(|lane| search.shortened(&whole, 1 << lane)).collect();
         for (lane, own) in cells_of(open).zip(own).step_by(7) {
             let boxes = parts(&boxes[lane]);
             for program in [&own, &shared] {
@@ -248,7 +269,7 @@ mod tests {
         ) {
             let mut graph = Graph::new();
             let root = random::build(&mut graph, &steps, true).last().copied().unwrap();
-            assert_open_boxes_are_kept(&graph, root, &corner.map(|low| Interval::new(low, low + side)));
+            assert_open_boxes_are_kept(&graph, root, &Bounds { low: corner, high: corner.map(|low| low + side) });
         }
 
         #[test]
@@ -272,7 +293,7 @@ mod tests {
             let at_corner = graph.constant(at_corner);
             let difference = graph.sub(sum, at_corner);
             let root = graph.unary(Op::Abs, difference);
-            assert_open_boxes_are_kept(&graph, root, &corner.map(|low| Interval::new(low, low + side)));
+            assert_open_boxes_are_kept(&graph, root, &Bounds { low: corner, high: corner.map(|low| low + side) });
         }
     }
 }

@@ -326,7 +326,7 @@ pub(super) const fn place_in(cell: usize) -> [usize; 3] {
     [cell % BRICK_SIDE, cell / BRICK_SIDE % BRICK_SIDE, cell / (BRICK_SIDE * BRICK_SIDE)]
 }
 
-pub(super) fn cells_of(mut mask: u64) -> impl Iterator<Item = usize> {
+pub(crate) fn cells_of(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let cell = (mask != 0).then(|| mask.trailing_zeros() as usize)?;
         mask &= mask - 1;

@@ -1,11 +1,11 @@
 //! Finds a box around a scene's surfaces by interval arithmetic on its formula (Moore 1966).
 //!
-//! Cubes of halving sizes are divided into 64 cells each, from 1e7 inwards, until a cell outside of the next cube may
-//! contain a surface. From then on, the outermost cell at each face of the box is divided again and again. A cell is
-//! dropped if it contains no surface at any sound, time and parameters. The formula is shortened for the parts of each
-//! divided cell, so that a union of many things is searched almost as fast as the few things in a cell. The search
-//! runs once per text. It takes 10 to 40 ms, or as long as 60 evaluations of the whole formula in 64 cells. An infinite
-//! scene has no bounds and is traced up to a distance of 1000.
+//! Cubes of shrinking sizes are divided into 64 cells each, from 1e7 inwards, until a cell outside of the next cube may
+//! contain a surface. From then on, the outermost cells at each face of the box are cut and divided again and again, 16
+//! cells at once. A cell or a slice of a cell is dropped if it contains no surface at any sound, time and parameters. A
+//! long formula is shortened for the parts of each divided cell, so that a union of many things is searched almost as
+//! fast as the few things in a cell. The search runs once per text. It takes 0.5 to 8 ms, or as long as 45 evaluations
+//! of the whole formula in 64 cells. An infinite scene has no bounds and is traced up to a distance of 1000.
 //!
 //! A blend of exponentials is constant where all of the exponentials underflow in 32 bits: e^-11d underflows at d =
 //! 7.9. Without bounds, rays step by that constant and end in false hits. A model beside an infinite rod still has this
@@ -13,11 +13,13 @@
 //! sum. But in a blend by e^-11d, its part must then be 17 / 11 = 1.6 farther away than another part, more than half
 //! the size of fidget's bear.
 
+use std::collections::BinaryHeap;
 use std::rc::Rc;
 
-use super::outermost::{Part, Parts, end};
-use crate::graph::{FrameInputs, Graph, GraphError, Interval, NodeId};
-use crate::region::every_frame::{BoxProgram, EveryFrame};
+use super::cells::{NESTED, PIECES, below, nested, pieces, sixty_fourths};
+use super::outermost::{Outer, Part, end};
+use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
+use crate::region::every_frame::{BoxProgram, EveryFrame, cells_of};
 
 /// A box that contains all surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +46,16 @@ impl Bounds {
         (0..3).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f32::max)
     }
 
+    /// The sum of the extents along the axes.
+    fn extents(&self) -> f32 {
+        (0..3).map(|axis| self.side(axis)).sum()
+    }
+
+    /// The extent along an axis.
+    pub(super) fn side(&self, axis: usize) -> f32 {
+        self.high[axis] - self.low[axis]
+    }
+
     /// Returns the smallest box around both boxes, enlarged by `margin` on each side.
     pub fn hull(&self, other: &Self, margin: f32) -> Self {
         Self {
@@ -59,33 +71,40 @@ impl Bounds {
 }
 
 /// Surfaces farther than about this from the origin leave a scene without bounds.
-const REACH: f32 = 1024.0;
-/// Half the side of the searched cube as a multiple of [`REACH`]: about 1e7.
-const FARTHEST: f32 = 8192.0;
+pub(super) const REACH: f32 = 1024.0;
+/// Half the side of the searched cube as a multiple of [`REACH`]: about 1e7. A power of [`NESTED`].
+const FARTHEST: f32 = 16384.0;
 /// Half the side of the smallest cube that is searched as a shell.
 const SHELL_MIN: f32 = 1.0 / 64.0;
 /// Maximum number of divisions of a part of a shell beyond [`REACH`]. A part that is still undecided may contain a
 /// surface.
 const SHELL_CUTS: usize = 2;
-/// Offset of the cube's centre from the origin, so that the first cuts do not pass through objects at the origin.
-const ASIDE: f32 = 0.017 * REACH;
 /// Maximum number of steps for the search, each of which takes about 50 ns for 64 cells.
-const STEPS_MAX: usize = 3 << 18;
+const STEPS_MAX: usize = 1 << 18;
 /// A long program may take as many steps as this many runs of the whole program.
-const WHOLE_RUNS_MAX: usize = 40;
-/// Dividing a cell takes about as long as this number of steps, in addition to the steps of its program.
-const STEPS_BESIDE: usize = 128;
-/// Cells at a face of the box are divided until they are no thicker than this fraction of the box.
-const PRECISION: f32 = 1.0 / 400.0;
+const WHOLE_RUNS_MAX: usize = 45;
+/// Cutting cells takes about as long as this number of steps, in addition to the steps of their program.
+const STEPS_BESIDE: usize = 64;
+/// Cells at a face of the box are cut and divided until they are no thicker than this fraction of the box.
+const PRECISION: f32 = 1.0 / 280.0;
+/// The same for a first round, which finds the size of the box.
+const COARSE: f32 = 1.0 / 10.0;
 /// Largest width of such a cell, as a multiple of its greatest thickness.
 const WIDTHS: f32 = 4.0;
-/// If a program has more steps than this, each part of its cell gets a program of its own, because running a shared
-/// program would take longer than shortening it again.
+/// A box that shrinks at most to this fraction hardly shrinks.
+const HARDLY: f32 = 0.8;
+/// If a program has more steps than this, its cell is divided, and each part gets a program of its own.
 const OWN_MIN: usize = 256;
-/// With longer programs, cells are divided without cutting slices off them.
-const TRIMMED_MAX: usize = 512;
-/// Number of slices of a cell across each axis. Points are tested in the remaining lanes.
-const SLICES: usize = 16;
+/// Cells whose programs have stayed long after this many divisions are no longer divided in order to shorten programs.
+const VAIN_DIVISIONS: u8 = 2;
+/// After this many parts whose programs stay long, the other parts keep the whole program too.
+const VAIN_PARTS: usize = 3;
+/// Number of cells that are cut at once.
+const BATCH: usize = 16;
+/// Number of outer cells with other programs that are passed over to fill a batch.
+const PASSED_MAX: usize = 8;
+/// Number of slices of a cut cell. In addition, a point in the cell is tested.
+const SLICES: usize = 3;
 /// Enlargement of the box on each side, as a fraction of its size, because shaders round differently from the CPU.
 const MARGIN: f32 = 1.0 / 1000.0;
 
@@ -109,187 +128,227 @@ pub(super) fn find(graph: &Graph, distance: NodeId, any: &FrameInputs) -> Result
     let (distance, whole) = EveryFrame::new(graph, distance, any)?;
     let steps = STEPS_MAX.max(WHOLE_RUNS_MAX * whole.len());
     let mut search = Search { distance, left: steps };
-    let Some(parts) = search.outer_parts(&whole) else { return Ok(None) };
+    let Some(around) = search.outermost(&whole) else { return Ok(None) };
     search.left = steps;
-    Ok(search.box_around(parts))
+    Ok(search.box_around(&whole, around))
 }
 
 impl Search<'_> {
-    /// Divides the outermost of the given cells until the faces of the box around them are known.
-    fn box_around(mut self, parts: Vec<Part>) -> Option<Bounds> {
-        let mut parts = Parts::of(parts);
+    /// Divides the outermost cells in a box until the faces of the box around them are known.
+    fn box_around(mut self, whole: &Rc<BoxProgram>, around: Bounds) -> Option<Bounds> {
+        let mut parts = self.first_parts(whole, around)?;
         // How far out a point of a surface or a solid is known at each face.
         let mut reached = [f32::NEG_INFINITY; 6];
-        let (mut faces_done, mut face) = (0, 0);
-        while faces_done < 6 && self.left > 0 {
-            let axis = face % 3;
-            let around = parts.hull()?;
-            let wanted = PRECISION * (around.high[axis] - around.low[axis]);
-            let mut part = parts.take_outermost(face)?;
-            let (before, size) = (end(&part.cell, face), part.cell.size());
-            let thickness = part.cell.high[axis] - part.cell.low[axis];
-            let is_small = thickness <= wanted && size <= WIDTHS * wanted;
-            if is_small || before - reached[face] <= wanted {
-                parts.put(part);
-                faces_done += 1;
-                face = (face + 1) % 6;
-                continue;
+        for precision in [COARSE, PRECISION, PRECISION] {
+            let before = hull(&parts)?.size();
+            let mut is_known = precision == PRECISION;
+            for (face, reached) in reached.iter_mut().enumerate() {
+                let around = hull(&parts)?;
+                let wanted = precision * (around.high[face % 3] - around.low[face % 3]);
+                is_known &= self.find_face(&mut parts, face, wanted, reached);
             }
-            faces_done = 0;
-            if !part.is_trimmed && part.program.len() <= TRIMMED_MAX {
-                let Some((cell, out)) = self.trimmed(&part, face, 0.5 * wanted) else { continue };
-                (part.cell, part.is_trimmed) = (cell, true);
-                reached[face] = reached[face].max(out);
+            if is_known && hull(&parts)?.size() > HARDLY * before {
+                break;
             }
-            if end(&part.cell, face) < before {
-                parts.put(part);
-            } else {
-                self.divided(&part).into_iter().for_each(|part| parts.put(part));
-            }
-            face = (face + 1) % 6;
         }
-        let found = parts.hull()?;
+        let found = hull(&parts)?;
         let margin = found.size() * MARGIN;
         Some(found.hull(&found, margin))
     }
 
-    fn spend(&mut self, steps: usize) {
-        self.left = self.left.saturating_sub(steps);
+    /// Divides a box into 64 cells, then the box around those that may contain a surface, until it hardly shrinks.
+    fn first_parts(&mut self, whole: &Rc<BoxProgram>, mut around: Bounds) -> Option<Vec<Part>> {
+        loop {
+            let cells = sixty_fourths(&around);
+            let open = self.open(whole, &cells);
+            let found = hull_of(&cells, open)?;
+            if found.extents() > HARDLY * around.extents() || self.left == 0 {
+                return Some(self.parts_of(whole, &cells, open, 0));
+            }
+            around = found;
+        }
+    }
+
+    /// Cuts and divides the outermost cells at a face until the face is known up to `wanted`. Returns false if that
+    /// takes more than half of the steps that are left.
+    fn find_face(&mut self, parts: &mut Vec<Part>, face: usize, wanted: f32, reached: &mut f32) -> bool {
+        let least = self.left / 2;
+        let fresh =
+            std::mem::take(parts).into_iter().map(|part| Outer::new(Part { is_tight: false, ..part }, face));
+        let mut outer: BinaryHeap<Outer> = fresh.collect();
+        let (mut batch, mut passed) = (Vec::new(), Vec::new());
+        let mut is_known = false;
+        while self.left > least {
+            let Some(first) = outer.pop() else { break };
+            let thickness = first.part.cell.side(face % 3);
+            let is_thin = first.part.is_tight || thickness <= wanted;
+            if is_thin && first.width <= WIDTHS * wanted || first.end - *reached <= wanted {
+                outer.push(first);
+                is_known = true;
+                break;
+            }
+            if first.part.program.len() > OWN_MIN && first.part.vain < VAIN_DIVISIONS {
+                self.divided(&first.part).into_iter().for_each(|part| outer.push(Outer::new(part, face)));
+                continue;
+            }
+            let program = first.part.program.clone();
+            batch.push(first.part);
+            while batch.len() < BATCH && passed.len() < PASSED_MAX {
+                match outer.pop() {
+                    Some(next) if next.end > *reached && Rc::ptr_eq(&next.part.program, &program) => {
+                        batch.push(next.part);
+                    }
+                    Some(next) => passed.push(next),
+                    None => break,
+                }
+            }
+            passed.drain(..).for_each(|part| outer.push(part));
+            while batch.len() * PIECES <= BATCH {
+                batch = batch.iter().flat_map(|part| pieces(part, face)).collect();
+            }
+            self.cut(&program, &mut batch, (face, wanted), reached, |part| {
+                outer.push(Outer::new(part, face))
+            });
+        }
+        parts.extend(outer.into_iter().map(|outer| outer.part));
+        is_known
     }
 
     /// Returns the cells that may contain a surface or be solid, as a mask.
-    fn open(&mut self, program: &BoxProgram, cells: &[Cell]) -> u64 {
-        self.spend(STEPS_BESIDE + program.len());
-        let sides = |cell: &Cell| [0, 1, 2].map(|axis| Interval::new(cell.low[axis], cell.high[axis]));
-        self.distance.open(program, &cells.iter().map(sides).collect::<Vec<_>>())
+    fn open(&mut self, program: &BoxProgram, cells: &[Cell; 64]) -> u64 {
+        self.left = self.left.saturating_sub(STEPS_BESIDE + program.len());
+        self.distance.open(program, cells)
     }
 
-    /// Returns the cells of a mask, which have just been bounded, with programs for them.
-    fn parts_of(&mut self, program: &Rc<BoxProgram>, cells: &[Cell], open: u64) -> Vec<Part> {
-        let part = |cell: &Cell, program| Part { cell: *cell, program, is_trimmed: false };
-        let is_open = |(place, _): &(usize, &Cell)| open >> place & 1 == 1;
-        let cells = cells.iter().enumerate().filter(is_open).map(|(_, cell)| cell);
-        if program.len() <= OWN_MIN {
-            let program = self.distance.shortened(program, open);
-            return cells.map(|cell| part(cell, program.clone())).collect();
+    /// Returns the cells of a mask, which have just been bounded, with programs for them. `vain` divisions have not
+    /// shortened the given program.
+    fn parts_of(&mut self, whole: &Rc<BoxProgram>, cells: &[Cell; 64], open: u64, vain: u8) -> Vec<Part> {
+        let is_long = whole.len() > OWN_MIN;
+        let shared = if is_long { whole.clone() } else { self.distance.shortened_together(whole, open) };
+        if is_long {
+            self.distance.decide(whole, open, &[]);
         }
-        let programs = self.distance.shortened_each(program, open);
-        cells.zip(programs).map(|(cell, program)| part(cell, program)).collect()
+        let mut vain_parts = 0;
+        let part = |lane: usize| {
+            let is_own = is_long && vain_parts < VAIN_PARTS;
+            let program = if is_own { self.distance.shortened(whole, 1 << lane) } else { shared.clone() };
+            let is_vain = Rc::ptr_eq(&program, whole);
+            vain_parts = if is_vain { vain_parts + 1 } else { 0 };
+            let (low, vain) = (self.distance.low(lane), if is_vain { vain + 1 } else { 0 });
+            Part { cell: cells[lane], program, low, vain, is_tight: false }
+        };
+        cells_of(open).map(part).collect()
     }
 
     /// Returns the 64ths of a cell that may contain a surface or be solid.
     fn divided(&mut self, part: &Part) -> Vec<Part> {
         let cells = sixty_fourths(&part.cell);
         let open = self.open(&part.program, &cells);
-        self.parts_of(&part.program, &cells, open)
+        self.parts_of(&part.program, &cells, open, part.vain)
     }
 
-    /// Cuts slices without surfaces off all faces of a cell; `None` if nothing is left. Also returns how far out a
-    /// point of a surface or a solid is known, after a look at some points at a depth below a face.
-    fn trimmed(&mut self, part: &Part, face: usize, depth: f32) -> Option<(Cell, f32)> {
-        let mut trimmed = part.cell;
-        let below = points_below(&part.cell, face, depth);
-        let tested: Vec<Cell> = (0..3).flat_map(|axis| slices(&part.cell, axis)).chain(below).collect();
-        let open = self.open(&part.program, &tested);
-        for (axis, slices) in tested.chunks_exact(SLICES).take(3).enumerate() {
-            let is_open = |slice: &usize| open >> (SLICES * axis + slice) & 1 == 1;
-            trimmed.low[axis] = slices[(0..SLICES).find(is_open)?].low[axis];
-            trimmed.high[axis] = slices[(0..SLICES).rfind(is_open)?].high[axis];
+    /// Cuts outer slices without surfaces off some cells with a common program, and divides the cells of which no slice
+    /// can be cut off. Drops cells without surfaces and puts the others. Looks for points of surfaces or solids at half
+    /// the wanted depth below the cells' faces.
+    fn cut(
+        &mut self,
+        program: &BoxProgram,
+        batch: &mut Vec<Part>,
+        (face, wanted): (usize, f32),
+        reached: &mut f32,
+        mut put: impl FnMut(Part),
+    ) {
+        let axis = face % 3;
+        let depths = |cell: &Cell| {
+            let thickness = cell.side(axis);
+            let first = (thickness / 16.0).max(0.5 * wanted).min(thickness);
+            [0.0, first, first.max(thickness / 4.0), thickness]
+        };
+        let Some(first) = batch.first() else { return };
+        let mut cells = [first.cell; 64];
+        for (part, cells) in batch.iter().zip(cells.as_chunks_mut().0) {
+            let depths = depths(&part.cell);
+            let mut point = [0, 1, 2].map(|axis| 0.5 * (part.cell.low[axis] + part.cell.high[axis]));
+            point[axis] = below(&part.cell, face, 0.5 * wanted);
+            let slice = |number: usize| {
+                let [upper, lower] =
+                    [depths[number], depths[number + 1]].map(|depth| below(&part.cell, face, depth));
+                let mut slice = part.cell;
+                (slice.low[axis], slice.high[axis]) = (upper.min(lower), upper.max(lower));
+                slice
+            };
+            *cells = [slice(0), slice(1), slice(2), Cell { low: point, high: point }];
         }
-        let is_reached = open >> (3 * SLICES) != 0;
-        Some((trimmed, if is_reached { end(&part.cell, face) - depth } else { f32::NEG_INFINITY }))
+        let open = self.open(program, &cells);
+        for (number, mut part) in batch.drain(..).enumerate() {
+            let lane = (SLICES + 1) * number;
+            if open >> (lane + SLICES) & 1 == 1 {
+                *reached = reached.max(end(&part.cell, face) - 0.5 * wanted);
+            }
+            let Some(slice) = (0..SLICES).find(|slice| open >> (lane + slice) & 1 == 1) else { continue };
+            let depths = depths(&part.cell);
+            part.is_tight = depths[slice + 1] - depths[slice] <= wanted;
+            part.low = self.distance.low(lane + slice);
+            if slice == 0 {
+                pieces(&part, face).into_iter().for_each(&mut put);
+                continue;
+            }
+            let outside = below(&part.cell, face, depths[slice]);
+            if face < 3 {
+                part.cell.low[axis] = outside
+            } else {
+                part.cell.high[axis] = outside
+            }
+            put(part);
+        }
     }
 
-    /// Searches shells around cubes of halving sizes. Returns the cells that may contain a surface: those of the first
-    /// shell that is not empty, and the cube in this shell. `None` if surfaces may be beyond [`REACH`].
+    /// Searches shells around smaller and smaller cubes. Returns a box around the surfaces: the cells that may contain a
+    /// surface, of the first shell that is not empty, and the cube in this shell. `None` if surfaces may be beyond
+    /// [`REACH`].
     ///
-    /// A cell of a shell is as long as its distance from the middle, so intervals of rotated coordinates do not contain
+    /// A cell of a shell is as wide as its distance from the middle, so intervals of rotated coordinates do not contain
     /// 0 there. In a cell that is wide compared with its distance, they do, and interval arithmetic cannot decide which
     /// of two large terms is larger (x⁴ - 5x² over 1e3..1e7 may be below 0).
-    fn outer_parts(&mut self, whole: &Rc<BoxProgram>) -> Option<Vec<Part>> {
-        let mut program = whole.clone();
+    fn outermost(&mut self, whole: &Rc<BoxProgram>) -> Option<Bounds> {
         let mut half = FARTHEST * REACH;
         loop {
-            let cells = sixty_fourths(&Cell::around([ASIDE; 3], half));
-            let open = self.open(&program, &cells);
+            let cells = nested(half);
+            let open = self.open(whole, &cells);
             let of_shell = open & !INNER;
             if half > REACH {
-                let shell = self.parts_of(&program, &cells, of_shell);
-                if !shell.iter().all(|part| self.is_free(part, SHELL_CUTS)) {
+                let program = self.distance.shortened_together(whole, of_shell);
+                if !cells_of(of_shell).all(|lane| self.is_free(&cells[lane], &program, SHELL_CUTS)) {
                     return None;
                 }
-                // Bound the inner cells again, because other cells have been bounded since.
-                if of_shell != 0 {
-                    self.open(&program, &cells);
-                }
             } else if of_shell != 0 || half < SHELL_MIN {
-                return Some(self.parts_of(&program, &cells, open));
+                return hull_of(&cells, open);
             }
             if open & INNER == 0 {
                 return None;
             }
-            program = self.distance.shortened(&program, open & INNER);
-            half *= 0.5;
+            half /= NESTED;
         }
     }
 
     /// True if a cell contains no surface. To find out, the cell is divided up to `cuts` times.
-    fn is_free(&mut self, part: &Part, cuts: usize) -> bool {
-        cuts > 0 && self.left > 0 && self.divided(part).iter().all(|part| self.is_free(part, cuts - 1))
-    }
-}
-
-/// Divides a cell into 64 equal cells that are about as long as wide.
-fn sixty_fourths(cell: &Cell) -> [Cell; 64] {
-    let mut counts = [1; 3];
-    let side = |axis: usize, count: usize| (cell.high[axis] - cell.low[axis]) / count as f32;
-    for _ in 0..6 {
-        let longest = (1..3).fold(0, |longest, axis| {
-            if side(axis, counts[axis]) > side(longest, counts[longest]) { axis } else { longest }
-        });
-        counts[longest] *= 2;
-    }
-    std::array::from_fn(|part| {
-        let place = [part % counts[0], part / counts[0] % counts[1], part / (counts[0] * counts[1])];
-        let mut child = *cell;
-        for axis in 0..3 {
-            (child.low[axis], child.high[axis]) = slice(cell, axis, place[axis], counts[axis]);
+    fn is_free(&mut self, cell: &Cell, program: &Rc<BoxProgram>, cuts: usize) -> bool {
+        if cuts == 0 || self.left == 0 {
+            return false;
         }
-        child
-    })
+        let cells = sixty_fourths(cell);
+        let open = self.open(program, &cells);
+        let program = self.distance.shortened_together(program, open);
+        cells_of(open).all(|lane| self.is_free(&cells[lane], &program, cuts - 1))
+    }
 }
 
-/// Cuts a cell into [`SLICES`] slices across an axis.
-fn slices(cell: &Cell, axis: usize) -> impl Iterator<Item = Cell> {
-    (0..SLICES).map(move |place| {
-        let mut part = *cell;
-        (part.low[axis], part.high[axis]) = slice(cell, axis, place, SLICES);
-        part
-    })
+fn hull(parts: &[Part]) -> Option<Bounds> {
+    parts.iter().map(|part| part.cell).reduce(|hull, cell| hull.hull(&cell, 0.0))
 }
 
-/// Returns 16 points at a depth below a face of a cell.
-fn points_below(cell: &Cell, face: usize, depth: f32) -> impl Iterator<Item = Cell> {
-    let (axis, out) = (face % 3, end(cell, face) - depth);
-    (0..16).map(move |place| {
-        let along = |axis: usize, place: usize| {
-            cell.low[axis] + (cell.high[axis] - cell.low[axis]) * ((place as f32 + 0.5) / 4.0)
-        };
-        let mut point = [if face < 3 { -out } else { out }; 3];
-        point[(axis + 1) % 3] = along((axis + 1) % 3, place % 4);
-        point[(axis + 2) % 3] = along((axis + 2) % 3, place / 4);
-        Cell { low: point, high: point }
-    })
-}
-
-/// Returns the extent of one of `count` equal slices. Neighbours have exactly the same face in common.
-fn slice(cell: &Cell, axis: usize, place: usize, count: usize) -> (f32, f32) {
-    let (low, high) = (cell.low[axis], cell.high[axis]);
-    let face = |place: usize| match place == count {
-        true => high,
-        false => low + (high - low) * (place as f32 / count as f32),
-    };
-    (face(place), face(place + 1))
+fn hull_of(cells: &[Cell; 64], mask: u64) -> Option<Bounds> {
+    cells_of(mask).map(|lane| cells[lane]).reduce(|hull, cell| hull.hull(&cell, 0.0))
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@
 
 mod blend;
 mod bounds;
+mod cells;
 mod compiled;
 mod frame_tape;
 
