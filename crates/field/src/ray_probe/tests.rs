@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::{Deciding, Ray, RayProbe, RayStatistics, RayStatisticsOptions, Traced};
 use crate::graph::{FrameInputs, Point};
-use crate::region::{RegionOptions, RegionPlan};
+use crate::region::{RegionOptions, RegionPlan, RegionStats};
 use crate::world::World;
 use crate::world::testing::{SPEAKERS, world_of};
 
@@ -267,25 +267,49 @@ fn unwanted_statistics_are_cancelled() {
     });
 }
 
-/// Regression: a box that was too large, and cells without grandchildren, left hundreds of clauses in each cell.
-#[test]
-fn a_union_of_a_thousand_things_runs_few_clauses() {
-    let world = world_of(include_str!("../../benches/things.scene"));
+#[derive(Debug)]
+struct Cost {
+    stats: RegionStats,
+    evaluations: u64,
+    clauses: u64,
+}
+
+/// Counts what 1,600 rays run.
+fn cost_of(text: &str) -> Cost {
+    let world = world_of(text);
     let frame = frame_of(&world, 0.0);
     let options = RegionOptions { texels_max: 1 << 22, ..RegionOptions::default() };
     let regions = RegionPlan::new(&world).build(&frame, &options);
-    assert!(regions.stats.whole_clauses > 10_000, "{:?}", regions.stats);
     let ray_probe = RayProbe::new(&world, &regions, &frame, &[]);
-    let (mut evaluations, mut clauses) = (0, 0);
+    let mut cost = Cost { stats: regions.stats, evaluations: 0, clauses: 0 };
     for place in 0..40 * 40 {
         let [x, y] = [place % 40, place / 40].map(|along| 0.35 * (along as f32 - 19.5));
         let traced = ray_probe.trace(&ray(frame.eye, [x, y, 0.0]));
-        evaluations += u64::from(traced.evaluations);
-        clauses += traced.clauses;
+        cost.evaluations += u64::from(traced.evaluations);
+        cost.clauses += traced.clauses;
     }
-    assert!(evaluations > 1_600, "{evaluations}");
-    assert!(clauses < 64 * evaluations, "{} clauses an evaluation", clauses / evaluations);
-    assert!(regions.stats.passes < 4_000, "{:?}", regions.stats);
+    cost
+}
+
+/// Regression: a box that was too large, and cells without grandchildren, left hundreds of clauses in each cell.
+#[test]
+fn a_union_of_a_thousand_things_runs_few_clauses() {
+    let cost = cost_of(include_str!("../../benches/things.scene"));
+    assert!(cost.stats.whole_clauses > 10_000, "{cost:?}");
+    assert!(cost.evaluations > 1_600 && cost.clauses < 64 * cost.evaluations, "{cost:?}");
+    assert!(cost.stats.passes < 4_000, "{cost:?}");
+}
+
+/// Regression: each link of a chain lowered the lower bound, so that all balls seemed to overlap.
+#[test]
+fn a_long_chain_of_blends_runs_few_clauses() {
+    let cost = cost_of(
+        "fn place(i) = vec3(14, 7, 14) * (vec3(cell_hash(i, 1), cell_hash(i, 2), cell_hash(i, 3)) - 0.5)
+        object balls { shape = smooth_union(for i in 0..200: sphere(p - place(i), 0.3), 0.6) }
+        camera { position = vec3(9, 6, -11) target = vec3(0) }",
+    );
+    assert!(cost.stats.whole_clauses > 900, "{cost:?}");
+    assert!(cost.evaluations > 1_600 && cost.clauses < 28 * cost.evaluations, "{cost:?}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use multiversion::multiversion;
 
+use super::blend::SmoothMin;
 use super::program::{Form, Program};
 use crate::graph::{BoundsKernel, FrameInputs, Interval};
 
@@ -100,6 +101,9 @@ fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
             Form::Values => step.op.with_bounds(&mut Kernel { a, b, result, frame }),
             Form::NumberRight => step.op.with_bounds(&mut Kernel { a, b: number, result, frame }),
             Form::NumberLeft => step.op.with_bounds(&mut Kernel { a: number, b, result, frame }),
+        }
+        if let Some(blend) = SmoothMin::of(program, step) {
+            blend.narrow(before, result);
         }
     }
 }

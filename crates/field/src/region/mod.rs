@@ -43,6 +43,7 @@
 //! reduced by 1e-5 of the scene's size, and cells overlap by 4e-6 of that size (`tree.rs`). Rays look up their cell a
 //! hundred-thousandth of a root cell ahead, so that no ray gets stuck at a face.
 
+mod blend;
 mod encode;
 pub(crate) mod every_frame;
 pub mod gradient;

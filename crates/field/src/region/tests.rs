@@ -33,7 +33,7 @@ pub(super) fn point(regions: &Regions, number: u32) -> [f32; 3] {
 }
 
 /// Compares cells with the world's own tapes at many points. Returns the mean length of the tapes that were run.
-fn assert_regions_are_right(world: &World, inputs: &FrameInputs, points: u32) -> f64 {
+pub(super) fn assert_regions_are_right(world: &World, inputs: &FrameInputs, points: u32) -> f64 {
     let plan = RegionPlan::new(world);
     let options = RegionOptions { texels_max: 1 << 22, ..Default::default() };
     let regions = plan.build(inputs, &options);
