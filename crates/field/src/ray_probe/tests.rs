@@ -312,6 +312,18 @@ fn a_long_chain_of_blends_runs_few_clauses() {
     assert!(cost.evaluations > 1_600 && cost.clauses < 28 * cost.evaluations, "{cost:?}");
 }
 
+/// Regression: no term of a sum was ever left out.
+#[test]
+fn exponentials_too_small_to_count_are_left_out() {
+    let cost = cost_of(
+        "fn place(i) = vec3(14, 7, 14) * (vec3(cell_hash(i, 1), cell_hash(i, 2), cell_hash(i, 3)) - 0.5)
+        object balls { shape = -log(sum(for i in 0..60: exp(-20 * sphere(p - place(i), 0.5)))) / 20 }
+        camera { position = vec3(9, 6, -11) target = vec3(0) }",
+    );
+    assert!(cost.stats.whole_clauses > 400, "{cost:?}");
+    assert!(cost.evaluations > 800 && cost.clauses < 40 * cost.evaluations, "{cost:?}");
+}
+
 #[test]
 fn clauses_are_counted_where_they_are_run() {
     let world = world_of("object a { shape = sphere(p - vec3(0, 0, 5), 1) }");

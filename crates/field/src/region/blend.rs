@@ -128,12 +128,16 @@ mod tests {
     use crate::world::World;
     use crate::world::testing::world_of;
 
-    const KINDS: [&str; 5] = [
+    const KINDS: [&str; 8] = [
         "smooth_union(first(p), second(p), third(p), WIDTH)",
         "smooth_subtract(first(p), second(p), third(p), WIDTH)",
         "smooth_intersect(first(p), second(p), third(p), WIDTH)",
         "smooth_union(smooth_subtract(first(p), second(p), WIDTH), smooth_intersect(third(p), second(p), 0.3), WIDTH)",
         "smooth_union(repeat_limited(p, 1.1, vec3(2)).x, smooth_union(p.y, third(p), WIDTH), WIDTH)",
+        // Other smooth minima that scenes use.
+        "-log(exp(-first(p) / WIDTH) + exp(-second(p) / WIDTH) + exp(-third(p) / WIDTH)) * WIDTH",
+        "-log2(exp2(-12 * third(p)) + exp2(-12 * second(p)) - 0.7 * exp2(-first(p) / WIDTH)) / 12",
+        "0.2 - exp(-first(p)^2 / WIDTH) - exp(-second(p)^2 / WIDTH)",
     ];
 
     fn world(kind: &str, width: f32, size: f32) -> World {
@@ -154,7 +158,7 @@ mod tests {
 
     #[test]
     fn the_blends_of_the_library_are_recognized() {
-        for (kind, count) in KINDS.into_iter().zip([2, 2, 2, 3, 2]) {
+        for (kind, count) in KINDS.into_iter().zip([2, 2, 2, 3, 2, 0, 0, 0]) {
             let plan = RegionPlan::new(&world(kind, 0.5, 1.0));
             let inputs = FrameInputs::default();
             let program = plan.folded(&Numbers::Of(&inputs), &inputs);

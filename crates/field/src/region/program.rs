@@ -178,6 +178,8 @@ pub(super) struct Structure {
     pub(super) outermost: Vec<u32>,
     /// True if the step may become a constant or one of its arguments in some cell.
     pub(super) may_settle: Vec<bool>,
+    /// True if the value may be tiny in most of space, because it is an exponential or a multiple or a sum of some.
+    pub(super) may_vanish: Vec<bool>,
     /// For each value, the number of steps that only this value needs, including its own step.
     weight: Vec<u16>,
     uses: Vec<u8>,
@@ -205,10 +207,17 @@ impl Structure {
         refill(&mut self.uses, count, 0u8);
         refill(&mut self.reader, count, u32::MAX);
         refill(&mut self.may_settle, count, false);
+        refill(&mut self.may_vanish, count, false);
         for (index, step) in program.steps.iter().enumerate() {
             let at = program.inputs + index;
             let (a, b) = (step.a as usize, step.b as usize);
             self.may_settle[at] = settles(step.op) | self.may_settle[a] | self.may_settle[b];
+            self.may_vanish[at] = match step.op {
+                Op::Exp | Op::Exp2 | Op::Pow => true,
+                Op::Add | Op::Sub | Op::Mul | Op::Neg => self.may_vanish[a] | self.may_vanish[b],
+                Op::Div => self.may_vanish[a],
+                _ => false,
+            };
             // A step that reads a value twice counts as one reader.
             self.uses[a] = self.uses[a].saturating_add(1);
             self.uses[b] = self.uses[b].saturating_add(u8::from(a != b));

@@ -11,6 +11,10 @@ use super::lanes::{Lanes, mask};
 use super::program::{Arg, BOUND, ESTIMATE, Form, OBJECT, Program, Step, Structure, refill};
 use crate::graph::{FrameInputs, Op};
 
+/// A number of less than this fraction of another one is lost when they are added. The nearest other f32 differs by at
+/// least 2⁻²⁴ of a number; half of that would be enough.
+const LOST: f32 = 1.0 / (1 << 26) as f32;
+
 #[derive(Debug, Clone, Copy, Default)]
 struct Decided {
     live: u64,
@@ -88,6 +92,25 @@ fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u6
             mask(|cell| row.lo[cell] == number && row.hi[cell] == number)
         }
         _ => 0,
+    }
+}
+
+/// Returns the cells where adding `small` to `large` gives exactly `large`. A sum of exponentials, as in a smooth minimum
+/// by logarithms, thus loses the terms of distant shapes.
+#[inline(always)]
+fn is_lost(rows: &[Lanes], structure: &Structure, small: Arg, large: Arg) -> u64 {
+    let Arg::Value(small) = small else { return 0 };
+    if !structure.may_vanish[small as usize] {
+        return 0;
+    }
+    let small = &rows[small as usize];
+    let size = |cell: usize| small.hi[cell].max(-small.lo[cell]);
+    match large {
+        Arg::Value(large) => {
+            let large = &rows[large as usize];
+            mask(|cell| size(cell) < LOST * large.lo[cell].max(-large.hi[cell]))
+        }
+        Arg::Number(number) => mask(|cell| size(cell) < LOST * number.abs()),
     }
 }
 
@@ -223,9 +246,10 @@ fn chosen(step: &Step, structure: &Structure, rows: &[Lanes], at: usize) -> (u64
         }
         Op::Add => {
             left = is_number(rows, structure, b, 0.0);
-            right = is_number(rows, structure, a, 0.0) & !left;
+            left |= is_lost(rows, structure, b, a);
+            right = (is_number(rows, structure, a, 0.0) | is_lost(rows, structure, a, b)) & !left;
         }
-        Op::Sub => left = is_number(rows, structure, b, 0.0),
+        Op::Sub => left = is_number(rows, structure, b, 0.0) | is_lost(rows, structure, b, a),
         Op::Mul => {
             left = is_number(rows, structure, b, 1.0);
             right = is_number(rows, structure, a, 1.0) & !left;
