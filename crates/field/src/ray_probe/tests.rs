@@ -303,13 +303,22 @@ fn a_union_of_a_thousand_things_runs_few_clauses() {
 /// Regression: each link of a chain lowered the lower bound, so that all balls seemed to overlap.
 #[test]
 fn a_long_chain_of_blends_runs_few_clauses() {
-    let cost = cost_of(
-        "fn place(i) = vec3(14, 7, 14) * (vec3(cell_hash(i, 1), cell_hash(i, 2), cell_hash(i, 3)) - 0.5)
-        object balls { shape = smooth_union(for i in 0..200: sphere(p - place(i), 0.3), 0.6) }
-        camera { position = vec3(9, 6, -11) target = vec3(0) }",
-    );
-    assert!(cost.stats.whole_clauses > 900, "{cost:?}");
-    assert!(cost.evaluations > 1_600 && cost.clauses < 28 * cost.evaluations, "{cost:?}");
+    let pasted = (0..80)
+        .fold("ball(p, 100)".to_owned(), |chain, ball| format!("mixed({chain}, ball(p, {ball}), 0.6)"));
+    for (chain, most) in [("smooth_union(for i in 0..200: ball(p, i), 0.6)", 28), (&pasted, 40)] {
+        let cost = cost_of(&format!(
+            "fn place(i) = vec3(14, 7, 14) * (vec3(cell_hash(i, 1), cell_hash(i, 2), cell_hash(i, 3)) - 0.5)
+            fn ball(p, i) = sphere(p - place(i), 0.3)
+            fn mixed(a, b, k) {{
+              let h = clamp(0.5 + 0.5 * (b - a) / k, 0, 1)
+              mix(b, a, h) - k * h * (1 - h)
+            }}
+            object balls {{ shape = {chain} }}
+            camera {{ position = vec3(9, 6, -11) target = vec3(0) }}",
+        ));
+        assert!(cost.stats.whole_clauses > 900, "{cost:?}");
+        assert!(cost.evaluations > 1_600 && cost.clauses < most * cost.evaluations, "{cost:?}");
+    }
 }
 
 /// Regression: no term of a sum was ever left out.

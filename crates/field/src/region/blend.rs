@@ -1,21 +1,25 @@
-//! Tight bounds of smooth minima, such as `smooth_union` of the library:
-//! min(a, b) - q * max(k - |a - b|, 0)².
+//! Tight bounds of smooth minima, such as `smooth_union` of the library, min(a, b) - q * max(k - |a - b|, 0)², or
+//! mix(b, a, h) - k * h * (1 - h) with h = clamp(0.5 + 0.5 * (b - a) / k, 0, 1), which is the same function for
+//! q = 0.25 / k (Quilez, Smooth minimum).
 //!
-//! Interval arithmetic takes the minimum and the rest for independent, so each member of a chain of smooth minima would
-//! lower the lower bound by up to k/4, and the members of a long chain would overlap everywhere. But a smooth minimum
-//! grows with a and with b if 2·q·k <= 1. The bounds of a and b thus give those of the result. With them, |a - b| more
-//! often exceeds k everywhere in a cell. Then the rest is exactly 0, and the result is exactly one of the operands.
+//! Interval arithmetic takes the terms for independent, so each member of a chain of smooth minima would lower the lower
+//! bound by up to k/4, and the members of a long chain would overlap everywhere. But a smooth minimum grows with a and
+//! with b if 2·q·k <= 1. The bounds of a and b thus give those of the result. With them, |a - b| more often exceeds k
+//! everywhere in a cell. Then the rest is exactly 0, and the result is exactly one of the operands.
 
 use super::lanes::{CELLS, Lanes};
 use super::program::{Form, Program, Step};
 use crate::graph::Op;
 
-/// The values and the bounds at the ends are rounded six times each, by 2⁻²⁴ of at most |a|, |b| or k.
+/// A value and the bounds at the ends are together rounded up to sixteen times, by 2⁻²⁴ of at most |a|, |b| or k.
 const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
 /// For narrower blends, the square of the width may underflow.
 const WIDTH_MIN: f32 = 1e-12;
+/// The same width, after a few roundings.
+const SAME: f64 = 1e-6;
 
-/// A smooth minimum of two values, or its negative.
+/// A smooth minimum of two values. If `negated`, it is the negative of one. If `of_negatives`, it reads -a and -b: a
+/// smooth maximum is `negated` and `of_negatives`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SmoothMin {
     a: u32,
@@ -25,48 +29,49 @@ pub(super) struct SmoothMin {
     /// The factor q.
     factor: f32,
     negated: bool,
+    of_negatives: bool,
 }
 
 impl SmoothMin {
     /// Returns the smooth minimum that ends with `step`.
     #[inline]
     pub(super) fn of(program: &Program, step: &Step) -> Option<Self> {
-        if (step.op, step.form) != (Op::Sub, Form::Values) {
-            return None;
-        }
-        let is_min =
-            |value: u32| program.step(value).filter(|step| (step.op, step.form) == (Op::Min, Form::Values));
-        let (least, rest, negated) = match (is_min(step.a), is_min(step.b)) {
-            (Some(least), _) => (least, step.b, false),
-            (_, Some(least)) => (least, step.a, true),
+        let of_negatives = match (step.op, step.form) {
+            (Op::Sub, Form::Values) => false,
+            (Op::Add, Form::Values) => true,
             _ => return None,
         };
-        let product =
-            program.step(rest).filter(|step| (step.op, step.form) == (Op::Mul, Form::NumberRight))?;
-        let inside = program.step(outside_square(program, product.a)?)?;
-        let width = inside.number;
-        if (inside.op, inside.form) != (Op::Sub, Form::NumberLeft) {
-            return None;
-        }
-        let (a, b) = (least.a, least.b);
-        if !is_difference(program, inside.b, (a, b)) {
-            return None;
-        }
-        let factor = product.number;
-        let grows = width >= WIDTH_MIN && factor >= 0.0 && 2.0 * factor * width <= 1.0;
-        grows.then_some(Self { a, b, width, factor, negated })
+        let found = [(step.a, step.b, of_negatives), (step.b, step.a, true)].into_iter().find_map(
+            |(first, rest, negated)| {
+                let ends = program.step(first).filter(|first| first.form == Form::Values)?;
+                let (a, b, width, factor) = match ends.op {
+                    Op::Min if !of_negatives => squared(program, ends, rest)?,
+                    Op::Max if of_negatives => squared(program, ends, rest)?,
+                    Op::Add => mixed(program, ends, rest, of_negatives)?,
+                    _ => return None,
+                };
+                let (width, factor) = (width as f32, factor as f32);
+                Some(Self { a, b, width, factor, negated, of_negatives })
+            },
+        )?;
+        let grows =
+            found.width >= WIDTH_MIN && found.factor >= 0.0 && 2.0 * found.factor * found.width <= 1.0;
+        grows.then_some(found)
     }
 
     /// Narrows the bounds of the smooth minimum. `rows` are the bounds of the values before it.
     #[inline(always)]
     pub(super) fn narrow(&self, rows: &[Lanes], result: &mut Lanes) {
         let (a, b) = (&rows[self.a as usize], &rows[self.b as usize]);
+        let flipped = |flips: bool, low: f32, high: f32| if flips { (-high, -low) } else { (low, high) };
         for cell in 0..CELLS {
-            let (low, high) = (self.value(a.lo[cell], b.lo[cell]), self.value(a.hi[cell], b.hi[cell]));
+            let (a_low, a_high) = flipped(self.of_negatives, a.lo[cell], a.hi[cell]);
+            let (b_low, b_high) = flipped(self.of_negatives, b.lo[cell], b.hi[cell]);
             // A NaN or an infinity here leaves the bounds as they are.
-            let size = a.lo[cell].abs() + a.hi[cell].abs() + b.lo[cell].abs() + b.hi[cell].abs() + self.width;
-            let (low, high) = (low - ROUNDING * size, high + ROUNDING * size);
-            let (low, high) = if self.negated { (-high, -low) } else { (low, high) };
+            let size = a_low.abs() + a_high.abs() + b_low.abs() + b_high.abs() + self.width;
+            let low = self.value(a_low, b_low) - ROUNDING * size;
+            let high = self.value(a_high, b_high) + ROUNDING * size;
+            let (low, high) = flipped(self.negated, low, high);
             result.lo[cell] = if low > result.lo[cell] { low } else { result.lo[cell] };
             result.hi[cell] = if high < result.hi[cell] { high } else { result.hi[cell] };
         }
@@ -79,39 +84,112 @@ impl SmoothMin {
     }
 }
 
-/// If a value is max(x, 0)², returns x.
-fn outside_square(program: &Program, value: u32) -> Option<u32> {
+/// If `rest` is q * max(k - |a - b|, 0)² for the operands a and b of `ends`, returns a, b, k and q.
+fn squared(program: &Program, ends: Step, rest: u32) -> Option<(u32, u32, f64, f64)> {
     let is_outside = |step: &Step, op: Op| (step.op, step.form, step.number) == (op, Form::NumberRight, 0.0);
-    let step = program.step(value)?;
-    match step.op {
-        Op::Square => Some(program.step(step.a).filter(|step| is_outside(step, Op::Max))?.a),
-        _ => is_outside(&step, Op::OutsideAdd).then_some(step.a),
+    let (square, factor) = scaled(program, rest);
+    let step = program.step(square)?;
+    let (outside, scale) = match step.op {
+        Op::Square => {
+            let (outside, scale) = scaled(program, step.a);
+            (program.step(outside).filter(|step| is_outside(step, Op::Max))?, scale)
+        }
+        _ => (Some(step).filter(|step| is_outside(step, Op::OutsideAdd))?, 1.0),
+    };
+    let inside =
+        program.step(outside.a).filter(|step| (step.op, step.form) == (Op::Sub, Form::NumberLeft))?;
+    let distance = program.step(inside.b)?;
+    let (a, b) = (ends.a, ends.b);
+    match distance.op {
+        Op::Abs => difference(program, program.step(distance.a)?, (a, b)).map(|_| ())?,
+        Op::AbsDifference => difference(program, Step { op: Op::Sub, ..distance }, (a, b)).map(|_| ())?,
+        _ => return None,
+    }
+    Some((a, b, f64::from(inside.number), factor * scale * scale))
+}
+
+/// If `sum` is mix(b, a, h) and `rest` is k * h * (1 - h) for the h of a smooth minimum or maximum, returns a, b, k and
+/// q.
+fn mixed(program: &Program, sum: Step, rest: u32, is_max: bool) -> Option<(u32, u32, f64, f64)> {
+    let product = |value: u32| {
+        program
+            .step(value)
+            .filter(|step| (step.op, step.form) == (Op::Mul, Form::Values))
+            .map(|step| [step.a, step.b])
+    };
+    let number = |value: u32, op: Op, form: Form, number: f32| {
+        program.step(value).filter(|step| (step.op, step.form, step.number) == (op, form, number))
+    };
+    let (product_rest, mut width) = scaled(program, rest);
+    let [first, second] = product(product_rest)?.map(|value| scaled(program, value));
+    width *= first.1 * second.1;
+    let is_complement =
+        |value: u32, of: u32| number(value, Op::Sub, Form::NumberLeft, 1.0).is_some_and(|step| step.b == of);
+    let (share, complement) = match (first.0, second.0) {
+        (h, c) if is_complement(c, h) => (h, c),
+        (c, h) if is_complement(c, h) => (h, c),
+        _ => return None,
+    };
+    let (one, two) = (product(sum.a)?, product(sum.b)?);
+    let other = |[a, b]: [u32; 2], known: u32| if a == known { Some(b) } else { (b == known).then_some(a) };
+    let pair = |a: [u32; 2], b: [u32; 2]| other(a, share).zip(other(b, complement));
+    let (a, b) = pair(one, two).or_else(|| pair(two, one))?;
+    let above = number(share, Op::Min, Form::NumberRight, 1.0)?.a;
+    let share = number(above, Op::Max, Form::NumberRight, 0.0)?.a;
+    let (slope, sign) = match number(share, Op::Add, Form::NumberRight, 0.5) {
+        Some(step) => (step.a, 1.0),
+        None => (number(share, Op::Sub, Form::NumberLeft, 0.5)?.b, -1.0),
+    };
+    let (away, slope) = scaled(program, slope);
+    let grows = sign * slope * difference(program, program.step(away)?, (b, a))?;
+    let wanted = if is_max { -0.5 } else { 0.5 };
+    ((grows * width - wanted).abs() < SAME).then_some((a, b, width, 0.25 / width))
+}
+
+/// Returns a value without the numbers by which it is multiplied or divided, and their product.
+fn scaled(program: &Program, mut value: u32) -> (u32, f64) {
+    let mut factor = 1.0;
+    while let Some(step) = program.step(value).filter(|step| step.form == Form::NumberRight) {
+        match step.op {
+            Op::Mul => factor *= f64::from(step.number),
+            Op::Div => factor /= f64::from(step.number),
+            _ => break,
+        }
+        value = step.a;
+    }
+    (value, factor)
+}
+
+/// Returns 1 if a step is a - b, and -1 if it is b - a. Either may be written with negatives, such as a + (-b).
+fn difference(program: &Program, step: Step, (a, b): (u32, u32)) -> Option<f64> {
+    let opposite = |x: u32, y: u32| is_negative(program, x, y) || is_negative(program, y, x);
+    let (u, v) = (step.a, step.b);
+    let is = |a: u32, b: u32| match step.op {
+        Op::Sub => (u, v) == (a, b) || opposite(u, b) && opposite(v, a),
+        Op::Add => u == a && opposite(v, b) || v == a && opposite(u, b),
+        _ => false,
+    };
+    match step.form {
+        Form::Values if is(a, b) => Some(1.0),
+        Form::Values if is(b, a) => Some(-1.0),
+        _ => None,
     }
 }
 
-/// True if a value is |a - b|, perhaps written as |(-b) - (-a)| or as |a + (-b)|.
-fn is_difference(program: &Program, value: u32, (a, b): (u32, u32)) -> bool {
-    let Some(step) = program.step(value) else { return false };
-    let inner = if step.op == Op::Abs { program.step(step.a) } else { Some(step) };
-    let Some(inner) = inner.filter(|inner| inner.form == Form::Values) else { return false };
-    let is_pair = |a: u32, b: u32| (a, b) == (inner.a, inner.b) || (b, a) == (inner.a, inner.b);
-    let minus = |value: u32| negative(program, value);
-    match (step.op, inner.op) {
-        (Op::Abs, Op::Sub) | (Op::AbsDifference, _) => {
-            is_pair(a, b) || minus(a).zip(minus(b)).is_some_and(|(a, b)| is_pair(a, b))
-        }
-        (Op::Abs, Op::Add) => {
-            minus(a).is_some_and(|a| is_pair(a, b)) || minus(b).is_some_and(|b| is_pair(a, b))
-        }
+/// True if x is written as the negative of y.
+fn is_negative(program: &Program, x: u32, y: u32) -> bool {
+    let Some(step) = program.step(x) else { return false };
+    let swapped = |of: Step| match (step.form, of.form) {
+        (Form::Values, Form::Values) => (step.a, step.b) == (of.b, of.a),
+        (Form::NumberLeft, Form::NumberRight) => (step.b, step.number) == (of.a, of.number),
+        _ => false,
+    };
+    match (step.op, step.form) {
+        (Op::Neg, _) => step.a == y,
+        (Op::Sub, Form::NumberLeft) if step.number == 0.0 && step.b == y => true,
+        (Op::Sub, _) => program.step(y).is_some_and(|of| of.op == Op::Sub && swapped(of)),
         _ => false,
     }
-}
-
-/// If a value is -x, returns x.
-fn negative(program: &Program, value: u32) -> Option<u32> {
-    let step = program.step(value)?;
-    let is_zero = step.form == Form::NumberLeft && step.number == 0.0;
-    (step.op == Op::Neg || step.op == Op::Sub && is_zero).then_some(step.b)
 }
 
 #[cfg(test)]
@@ -128,23 +206,47 @@ mod tests {
     use crate::world::World;
     use crate::world::testing::world_of;
 
-    const KINDS: [&str; 8] = [
+    const KINDS: [&str; 12] = [
         "smooth_union(first(p), second(p), third(p), WIDTH)",
         "smooth_subtract(first(p), second(p), third(p), WIDTH)",
         "smooth_intersect(first(p), second(p), third(p), WIDTH)",
         "smooth_union(smooth_subtract(first(p), second(p), WIDTH), smooth_intersect(third(p), second(p), 0.3), WIDTH)",
         "smooth_union(repeat_limited(p, 1.1, vec3(2)).x, smooth_union(p.y, third(p), WIDTH), WIDTH)",
+        // The formulas of the source, as they are pasted.
+        "mixed(mixed(first(p), second(p), WIDTH), third(p), WIDTH)",
+        "carved(carved(first(p), second(p), WIDTH), third(p), WIDTH)",
+        "shared(shared(first(p), second(p), WIDTH), third(p), WIDTH)",
+        "divided(divided(first(p), second(p), WIDTH), third(p), 4 * WIDTH)",
         // Other smooth minima that scenes use.
         "-log(exp(-first(p) / WIDTH) + exp(-second(p) / WIDTH) + exp(-third(p) / WIDTH)) * WIDTH",
         "-log2(exp2(-12 * third(p)) + exp2(-12 * second(p)) - 0.7 * exp2(-first(p) / WIDTH)) / 12",
         "0.2 - exp(-first(p)^2 / WIDTH) - exp(-second(p)^2 / WIDTH)",
     ];
 
+    const PASTED: &str = "
+        fn mixed(a, b, k) {
+          let h = clamp(0.5 + 0.5 * (b - a) / k, 0, 1)
+          mix(b, a, h) - k * h * (1 - h)
+        }
+        fn carved(a, b, k) {
+          let h = clamp(0.5 - 0.5 * (a + b) / k, 0, 1)
+          mix(a, -b, h) + k * h * (1 - h)
+        }
+        fn shared(a, b, k) {
+          let h = clamp(0.5 - 0.5 * (b - a) / k, 0, 1)
+          mix(b, a, h) + k * h * (1 - h)
+        }
+        fn divided(a, b, k) {
+          let h = max(k - abs(a - b), 0) / k
+          max(a, b) + h * h * k * (1 / 4)
+        }";
+
     fn world(kind: &str, width: f32, size: f32) -> World {
         world_of(&format!(
             "fn first(p) = sphere(p - vec3(0.4, 0, 0), 0.9)\n\
              fn second(p) = box(rotate_y(p, 0.4) + vec3(0.7, 0.3, 0), vec3(0.5))\n\
              fn third(p) = torus(p - vec3(0, 0.6, 0.5), 0.7, 0.2)\n\
+             {PASTED}
              fn scene(p) = {}\n\
              object all {{ shape = max(scene(p / {size:?}) * {size:?}, length(p) - {:?}) }}",
             kind.replace("WIDTH", &format!("{width:?}")),
@@ -158,7 +260,7 @@ mod tests {
 
     #[test]
     fn the_blends_of_the_library_are_recognized() {
-        for (kind, count) in KINDS.into_iter().zip([2, 2, 2, 3, 2, 0, 0, 0]) {
+        for (kind, count) in KINDS.into_iter().zip([2, 2, 2, 3, 2, 2, 2, 2, 2, 0, 0, 0]) {
             let plan = RegionPlan::new(&world(kind, 0.5, 1.0));
             let inputs = FrameInputs::default();
             let program = plan.folded(&Numbers::Of(&inputs), &inputs);
