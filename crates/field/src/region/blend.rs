@@ -34,8 +34,18 @@ pub(super) struct SmoothMin {
 
 impl SmoothMin {
     /// Returns the smooth minimum that ends with `step`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn of(program: &Program, step: &Step) -> Option<Self> {
+        // Most sums are no smooth minima. This check is the only one that they take.
+        let is_end = |value: u32| matches!(program.op(value), Some(Op::Min | Op::Max | Op::Add));
+        let is_rest = |value: u32| matches!(program.op(value), Some(Op::Mul | Op::Square | Op::OutsideAdd));
+        let may_be = matches!(step.op, Op::Sub | Op::Add)
+            && (is_rest(step.b) && is_end(step.a) || is_rest(step.a) && is_end(step.b));
+        if may_be { Self::found(program, step) } else { None }
+    }
+
+    #[inline(never)]
+    fn found(program: &Program, step: &Step) -> Option<Self> {
         let of_negatives = match (step.op, step.form) {
             (Op::Sub, Form::Values) => false,
             (Op::Add, Form::Values) => true,

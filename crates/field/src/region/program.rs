@@ -166,6 +166,11 @@ impl Program {
         self.steps.get((value as usize).checked_sub(self.inputs)?).copied()
     }
 
+    #[inline(always)]
+    pub(super) fn op(&self, value: u32) -> Option<Op> {
+        Some(self.steps.get((value as usize).checked_sub(self.inputs)?)?.op)
+    }
+
     pub(super) fn values(&self) -> usize {
         self.inputs + self.steps.len()
     }
