@@ -43,6 +43,7 @@
 //!
 //! To draw scenes, begin with [`world::World`]. To write tools for the language, begin with [`lang::compile`].
 
+mod bounds;
 mod field;
 pub mod graph;
 pub mod lang;

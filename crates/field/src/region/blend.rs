@@ -206,10 +206,10 @@ fn is_negative(program: &Program, x: u32, y: u32) -> bool {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::lanes::bound;
+    use super::super::lanes::{bound, cells_of};
     use super::super::program::Arg;
     use super::super::tests::{assert_regions_are_right, inputs_of};
-    use super::super::tree::{Block, bound_cells, cells_of, place_in};
+    use super::super::tree::{Block, bound_cells, place_in};
     use super::super::{Numbers, RegionPlan};
     use super::*;
     use crate::graph::{FrameInputs, Interval, Point};

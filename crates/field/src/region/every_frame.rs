@@ -6,13 +6,13 @@
 
 use std::rc::Rc;
 
+pub(crate) use super::lanes::cells_of;
 use super::lanes::{CELLS, Lanes, bound, mask};
 use super::linear::Linear;
 use super::program::{Arg, BOUND, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
-pub(crate) use super::tree::cells_of;
+use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Graph, GraphError, Interval, Node, NodeId, Op};
-use crate::world::Bounds;
 
 /// Programs with at most this many steps are not shortened, because that would take longer than it saves.
 const SHORT_ENOUGH: usize = 16;

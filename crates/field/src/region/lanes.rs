@@ -107,3 +107,12 @@ fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
         }
     }
 }
+
+/// The cells of a mask, in ascending order.
+pub(crate) fn cells_of(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let cell = (mask != 0).then(|| mask.trailing_zeros() as usize)?;
+        mask &= mask - 1;
+        Some(cell)
+    })
+}

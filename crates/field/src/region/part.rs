@@ -6,11 +6,11 @@ use std::hash::BuildHasherDefault;
 
 use super::encode::{Encoder, Texel};
 use super::gradient::Gradients;
-use super::lanes::{CELLS, Lanes, mask};
+use super::lanes::{CELLS, Lanes, cells_of, mask};
 use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use super::reuse::{Hashed, Memory, is_of_place, key_of, spread};
-use super::tree::{AROUND, Block, RegionStats, Trunk, bound_cells, cells_of, place_in};
+use super::tree::{AROUND, Block, RegionStats, Trunk, bound_cells, place_in};
 use super::{DIVIDED, OBJECT_UNKNOWN};
 use crate::graph::Interval;
 use crate::rays::REGION_LEVELS;

@@ -10,10 +10,11 @@
 use std::collections::HashMap;
 
 use super::encode::{Encoder, Texel};
+use super::lanes::cells_of;
 use super::lanes::{CELLS, Lanes, bound, mask};
 use super::program::{Arg, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
-use super::tree::{cells_of, place_in};
+use super::tree::place_in;
 use super::{DIVIDED, Numbers, ROOT_SIDE, Reads, RegionKey, Regions, fold};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Input, Interval, Node, NodeId};
 

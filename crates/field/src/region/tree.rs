@@ -326,14 +326,6 @@ pub(super) const fn place_in(cell: usize) -> [usize; 3] {
     [cell % BRICK_SIDE, cell / BRICK_SIDE % BRICK_SIDE, cell / (BRICK_SIDE * BRICK_SIDE)]
 }
 
-pub(crate) fn cells_of(mut mask: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let cell = (mask != 0).then(|| mask.trailing_zeros() as usize)?;
-        mask &= mask - 1;
-        Some(cell)
-    })
-}
-
 impl Block {
     pub(super) fn child(&self, place: [usize; 3]) -> Self {
         Self {

@@ -1,7 +1,8 @@
 //! Divides the cells of the search for a scene's box (`bounds.rs`).
 
-use super::bounds::{Bounds as Cell, REACH};
+use super::bounds::REACH;
 use super::outermost::Part;
+use crate::bounds::Bounds as Cell;
 
 /// Maximum number of pieces of a cell.
 pub(super) const PIECES: usize = 5;

@@ -7,7 +7,7 @@
 //! root's slope is unbounded at 0). With these bounds a ray can choose steps that do not pass a surface. Boxes are cut
 //! where parts of a formula jump, so that the bounds for noise are those of its smooth parts.
 
-use super::bounds::Bounds;
+use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, TableData, cell_hash};
 use crate::graph::{SoundInput, SoundInputs};
 use crate::lang::Param;

@@ -23,8 +23,8 @@ mod scene_features;
 mod shortening;
 mod validate;
 
+pub use crate::bounds::Bounds;
 pub use blend::{Alignment, BlendError, BlendKind, PortalShape, blended_params};
-pub use bounds::Bounds;
 pub use distance_check::Slopes;
 pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::rc::Rc;
 
-use super::bounds::Bounds;
+use crate::bounds::Bounds;
 use crate::region::every_frame::BoxProgram;
 
 /// A cell that may contain a surface, with a program for this cell.
