@@ -48,10 +48,19 @@ pub(crate) fn wait_for_refusal(log: impl Fn() -> String, wait_for_motion: impl F
     }
 }
 
-/// Returns `count` spheres. If `count` is large, building the region tree takes too long.
+/// Returns `count` spheres.
 pub(crate) fn foam(count: usize) -> String {
     format!(
         "object foam {{ shape = smooth_union(for i in 0..{count}: sphere(p - vec3(3 * sin(i * 12.9898), \
          2 + 2 * sin(i * 78.233), 3 * sin(i * 37.719)), 0.25 + 0.1 * sin(t + i)), 0.2) }}"
+    )
+}
+
+/// Returns a ball with `count` ripples. All ripples matter everywhere, so no cell of the tree can drop any. If `count` is
+/// large, a frame takes minutes.
+pub(crate) fn ripples(count: usize) -> String {
+    format!(
+        "object foam {{ shape = (length(p - vec3(0, 2, 0)) - 3 + 0.02 * sum(for i in 0..{count}: sin(\
+         p.x * sin(i * 12.9898) + p.y * sin(i * 78.233) + p.z * sin(i * 37.719) + t + i))) / 40 }}"
     )
 }
