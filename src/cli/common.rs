@@ -17,7 +17,6 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::frame::held_inputs::Setting;
 use crate::gpu::cell_use::CellUse;
-use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::shader_source::ShaderLibrary;
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
@@ -137,7 +136,6 @@ impl CommonArguments {
 
     pub(super) fn scene(&self, scene: &OsStr) -> anyhow::Result<SceneChoice> {
         Ok(SceneChoice {
-            source: scene_of(scene)?,
             sdf: self.sdf.into(),
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
             cells: match self.regions {
@@ -145,11 +143,9 @@ impl CommonArguments {
                 Some(true) => CellUse::Always,
                 Some(false) => CellUse::Never,
             },
-            view: None,
-            alpha: false,
-            edges: EdgeSamples::Sixteen,
             tone_map: self.tone_map.flatten(),
             verbose: self.verbose > 0,
+            ..SceneChoice::from(scene_of(scene)?)
         })
     }
 }

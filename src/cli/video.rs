@@ -101,6 +101,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     let sources = || scenes.iter().map(|(_, scene)| scene.clone()).collect();
     let showing = arguments.show.and_then(|show| show.showing(sources()));
     let showing = showing.unwrap_or(Showing::Scenes(scenes));
+    let scene = common.scene(OsStr::new(DEFAULT_SCENE))?;
     let request = VideoRequest {
         song,
         start: arguments.start,
@@ -115,8 +116,8 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         scene: SceneChoice {
             view: arguments.view.view,
             alpha: arguments.alpha,
-            edges: if arguments.draft { EdgeSamples::Two } else { EdgeSamples::Sixteen },
-            ..common.scene(OsStr::new(DEFAULT_SCENE))?
+            edges: if arguments.draft { EdgeSamples::Two } else { scene.edges },
+            ..scene
         },
         set: arguments.set.set,
         codec: arguments.codec.map(Into::into),

@@ -287,6 +287,9 @@ fn first_draw(
 /// chooses when frames are late.
 const EDGE_SCALES: [f64; 5] = [1.0, 0.92, 0.84, 0.77, 0.64];
 
+/// Number of frames for the median of the CPU time of each number of samples.
+const EDGE_FRAMES: usize = 3;
+
 /// Compares frames with each number of edge samples, at several sizes, with a reference of 64 samples in every pixel.
 fn measure_edges(
     renderer: &mut Renderer,
@@ -339,9 +342,6 @@ fn enlarged(rgba: Vec<u8>, size: (u32, u32), window: (u32, u32)) -> Vec<u8> {
     let Some(image) = image::RgbaImage::from_raw(size.0, size.1, rgba) else { return Vec::new() };
     image::imageops::resize(&image, window.0, window.1, image::imageops::FilterType::CatmullRom).into_raw()
 }
-
-/// Number of frames for the median of the CPU time of each number of samples.
-const EDGE_FRAMES: usize = 3;
 
 /// Returns the peak signal-to-noise ratio of two RGBA images, in dB; infinite if the images are equal.
 pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {

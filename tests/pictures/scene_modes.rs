@@ -12,7 +12,6 @@ use image::RgbaImage;
 use mariana::config::SdfChoice;
 use mariana::export::painter::{Painter, SceneChoice, mode_on};
 use mariana::gpu::cell_use::CellUse;
-use mariana::gpu::edge_samples::EdgeSamples;
 use mariana::gpu::error::DoesNotFit;
 use mariana::gpu::gl::GlInfo;
 use mariana::gpu::program::Program;
@@ -322,17 +321,7 @@ fn a_painter_uses_the_requested_mode() {
         (SdfChoice::Auto, Mode::Compiled),
     ] {
         let source = SceneSource::Formula(PLANES.into());
-        let choice = SceneChoice {
-            source,
-            sdf,
-            shaders: ShaderLibrary::embedded(),
-            cells: CellUse::Always,
-            view: None,
-            alpha: false,
-            edges: EdgeSamples::Sixteen,
-            tone_map: None,
-            verbose: false,
-        };
+        let choice = SceneChoice { sdf, cells: CellUse::Always, ..SceneChoice::from(source) };
         let _alone = DrawsAlone::wait();
         let mut painter = Painter::open(&choice).unwrap();
         assert_eq!(painter.mode(), expected);

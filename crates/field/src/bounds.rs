@@ -1,6 +1,6 @@
 //! Boxes in space whose sides are parallel to the axes.
 
-/// A box that contains all surfaces.
+/// A box whose sides are parallel to the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// The lower corner.

@@ -5,8 +5,8 @@ use super::symbol::Symbol;
 use crate::graph::NodeId;
 
 /// The order of the fields and the four bytes of `size` let a processor copy a vector with two loads right after it was
-/// written. With a smaller `size`, or with the tag of [`Value`] before the parts, each of these copies takes as long as
-/// an addition to the graph.
+/// written. With a smaller `size`, or with the tag of [`Value`] before the parts, each copy would take the time of an
+/// addition to the graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub(super) struct Vector {

@@ -4,7 +4,7 @@
 //!
 //! Interval arithmetic takes the terms for independent, so each member of a chain of smooth minima would lower the lower
 //! bound by up to k/4, and the members of a long chain would overlap everywhere. But a smooth minimum grows with a and
-//! with b if 2·q·k <= 1. The bounds of a and b thus give those of the result. With them, |a - b| more often exceeds k
+//! with b if 2·q·k <= 1. Therefore the bounds of a and b give the bounds of the result. With them, |a - b| more often exceeds k
 //! everywhere in a cell. Then the rest is exactly 0, and the result is exactly one of the operands.
 
 use super::lanes::{CELLS, Lanes};
@@ -36,7 +36,7 @@ impl SmoothMin {
     /// Returns the smooth minimum that ends with `step`.
     #[inline(always)]
     pub(super) fn of(program: &Program, step: &Step) -> Option<Self> {
-        // Most sums are no smooth minima. This check is the only one that they take.
+        // Most sums are no smooth minima. This check rejects them quickly.
         let is_end = |value: u32| matches!(program.op(value), Some(Op::Min | Op::Max | Op::Add));
         let is_rest = |value: u32| matches!(program.op(value), Some(Op::Mul | Op::Square | Op::OutsideAdd));
         let may_be = matches!(step.op, Op::Sub | Op::Add)
@@ -77,7 +77,7 @@ impl SmoothMin {
         for cell in 0..CELLS {
             let (a_low, a_high) = flipped(self.of_negatives, a.lo[cell], a.hi[cell]);
             let (b_low, b_high) = flipped(self.of_negatives, b.lo[cell], b.hi[cell]);
-            // A NaN or an infinity here leaves the bounds as they are.
+            // A NaN or an infinity here does not change the bounds.
             let size = a_low.abs() + a_high.abs() + b_low.abs() + b_high.abs() + self.width;
             let low = self.value(a_low, b_low) - ROUNDING * size;
             let high = self.value(a_high, b_high) + ROUNDING * size;
@@ -110,11 +110,12 @@ fn squared(program: &Program, ends: Step, rest: u32) -> Option<(u32, u32, f64, f
         program.step(outside.a).filter(|step| (step.op, step.form) == (Op::Sub, Form::NumberLeft))?;
     let distance = program.step(inside.b)?;
     let (a, b) = (ends.a, ends.b);
-    match distance.op {
-        Op::Abs => difference(program, program.step(distance.a)?, (a, b)).map(|_| ())?,
-        Op::AbsDifference => difference(program, Step { op: Op::Sub, ..distance }, (a, b)).map(|_| ())?,
+    let between = match distance.op {
+        Op::Abs => program.step(distance.a)?,
+        Op::AbsDifference => Step { op: Op::Sub, ..distance },
         _ => return None,
-    }
+    };
+    difference(program, between, (a, b))?;
     Some((a, b, f64::from(inside.number), factor * scale * scale))
 }
 
@@ -135,20 +136,20 @@ fn mixed(program: &Program, sum: Step, rest: u32, is_max: bool) -> Option<(u32, 
     width *= first.1 * second.1;
     let is_complement =
         |value: u32, of: u32| number(value, Op::Sub, Form::NumberLeft, 1.0).is_some_and(|step| step.b == of);
-    let (share, complement) = match (first.0, second.0) {
+    let (fraction, complement) = match (first.0, second.0) {
         (h, c) if is_complement(c, h) => (h, c),
         (c, h) if is_complement(c, h) => (h, c),
         _ => return None,
     };
     let (one, two) = (product(sum.a)?, product(sum.b)?);
     let other = |[a, b]: [u32; 2], known: u32| if a == known { Some(b) } else { (b == known).then_some(a) };
-    let pair = |a: [u32; 2], b: [u32; 2]| other(a, share).zip(other(b, complement));
+    let pair = |a: [u32; 2], b: [u32; 2]| other(a, fraction).zip(other(b, complement));
     let (a, b) = pair(one, two).or_else(|| pair(two, one))?;
-    let above = number(share, Op::Min, Form::NumberRight, 1.0)?.a;
-    let share = number(above, Op::Max, Form::NumberRight, 0.0)?.a;
-    let (slope, sign) = match number(share, Op::Add, Form::NumberRight, 0.5) {
+    let above = number(fraction, Op::Min, Form::NumberRight, 1.0)?.a;
+    let fraction = number(above, Op::Max, Form::NumberRight, 0.0)?.a;
+    let (slope, sign) = match number(fraction, Op::Add, Form::NumberRight, 0.5) {
         Some(step) => (step.a, 1.0),
-        None => (number(share, Op::Sub, Form::NumberLeft, 0.5)?.b, -1.0),
+        None => (number(fraction, Op::Sub, Form::NumberLeft, 0.5)?.b, -1.0),
     };
     let (away, slope) = scaled(program, slope);
     let grows = sign * slope * difference(program, program.step(away)?, (b, a))?;

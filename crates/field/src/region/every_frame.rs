@@ -2,7 +2,7 @@
 //! that may contain a surface. The search for the box around a scene (`world::bounds`) thus runs shorter programs in
 //! smaller boxes, as in Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020).
 //!
-//! What depends only on the frame is bounded once. It is an input of the program, like a coordinate.
+//! Values that depend only on the frame are bounded once. They are inputs of the program, like coordinates.
 
 use std::rc::Rc;
 
@@ -121,7 +121,7 @@ impl<'a> EveryFrame<'a> {
         }
         bound(program, &mut self.rows, self.any);
         self.root = program.roots[BOUND];
-        // A NaN may stand for a surface.
+        // A lower bound of NaN says nothing, so such a box may contain a surface.
         !match self.root {
             Arg::Value(value) => mask(|lane| self.rows[value as usize].lo[lane] > 0.0),
             Arg::Number(number) => mask(|_| number > 0.0),
@@ -138,7 +138,7 @@ impl<'a> EveryFrame<'a> {
 
     /// Returns a common program for some of the boxes that [`EveryFrame::open`] has just bounded.
     pub(crate) fn shortened_together(&mut self, program: &Rc<BoxProgram>, boxes: u64) -> Rc<BoxProgram> {
-        if boxes == 0 || program.len() <= SHORT_ENOUGH {
+        if boxes == 0 {
             return program.clone();
         }
         self.decide(program, boxes, &[boxes]);

@@ -45,7 +45,7 @@ const COARSE: f32 = 1.0 / 10.0;
 const WIDTHS: f32 = 4.0;
 /// A box that shrinks at most to this fraction hardly shrinks.
 const HARDLY: f32 = 0.8;
-/// If a program has more steps than this, its cell is divided, and each part gets a program of its own.
+/// If a program has more steps than this, its cell is divided, and the program is shortened for each part.
 const OWN_MIN: usize = 256;
 /// Cells whose programs have stayed long after this many divisions are no longer divided in order to shorten programs.
 const VAIN_DIVISIONS: u8 = 2;
@@ -108,7 +108,8 @@ impl Search<'_> {
         Some(found.hull(&found, margin))
     }
 
-    /// Divides a box into 64 cells, then the box around those that may contain a surface, until it hardly shrinks.
+    /// Divides a box into 64 cells, and shrinks the box to the cells that may contain a surface. Repeats this until the
+    /// box hardly shrinks.
     fn first_parts(&mut self, whole: &Rc<BoxProgram>, mut around: Bounds) -> Option<Vec<Part>> {
         loop {
             let cells = sixty_fourths(&around);

@@ -11,13 +11,13 @@ pub(super) const PIECES: usize = 5;
 pub(super) const NESTED: f32 = 4.0;
 
 /// Offset of the cube's centre from the origin, so that the first cuts do not pass through objects at the origin.
-pub(super) const ASIDE: f32 = 0.017 * REACH;
+const ASIDE: f32 = 0.017 * REACH;
 
 /// Divides a cube into 64 cells, of which the inner ones form the next smaller cube.
 pub(super) fn nested(half: f32) -> [Cell; 64] {
     let cuts = [-half, -half / NESTED, 0.0, half / NESTED, half].map(|cut| ASIDE + cut);
     std::array::from_fn(|cell| {
-        let place = [cell % 4, cell / 4 % 4, cell / 16];
+        let place = place_in(cell);
         Cell { low: place.map(|place| cuts[place]), high: place.map(|place| cuts[place + 1]) }
     })
 }
@@ -26,11 +26,16 @@ pub(super) fn nested(half: f32) -> [Cell; 64] {
 pub(super) fn sixty_fourths(cell: &Cell) -> [Cell; 64] {
     std::array::from_fn(|part| {
         let mut child = *cell;
-        for (axis, place) in [part % 4, part / 4 % 4, part / 16].into_iter().enumerate() {
+        for (axis, place) in place_in(part).into_iter().enumerate() {
             (child.low[axis], child.high[axis]) = slice(cell, axis, place, 4);
         }
         child
     })
+}
+
+/// Returns the place of one of 4x4x4 cells.
+fn place_in(cell: usize) -> [usize; 3] {
+    [cell % 4, cell / 4 % 4, cell / 16]
 }
 
 /// Halves a cell along its longer axes. The inner half at a face stays in one piece, because it may never be needed.
@@ -67,7 +72,7 @@ pub(super) fn below(cell: &Cell, face: usize, depth: f32) -> f32 {
 }
 
 /// Returns the extent of one of `count` equal slices. Neighbours have exactly the same face in common.
-pub(super) fn slice(cell: &Cell, axis: usize, place: usize, count: usize) -> (f32, f32) {
+fn slice(cell: &Cell, axis: usize, place: usize, count: usize) -> (f32, f32) {
     let (low, high) = (cell.low[axis], cell.high[axis]);
     let face = |place: usize| match place == count {
         true => high,

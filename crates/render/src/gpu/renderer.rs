@@ -11,9 +11,9 @@
 //!
 //! **Further samples at edges only.** If neighbouring pixels show different surfaces (alpha holds a key of the surface)
 //! and visibly different colours, the same program draws further samples there. The window gets four (in 6 to 13 % of
-//! the pixels), or two if frames are late or while an interpreted scene is being edited. Stills and videos get sixteen, also at the edges of
-//! shadows. `bench --edges` compares the results with 64 samples everywhere. A GPU selects the pixels by a stencil; a
-//! software renderer lists them (`edge_list`).
+//! the pixels), or two if frames are late or while an interpreted scene is being edited. Stills and videos get sixteen,
+//! also at the edges of shadows. `bench --edges` compares the results with 64 samples everywhere. A GPU selects the
+//! pixels by a stencil; a software renderer lists them (`edge_list`).
 
 mod canvas;
 mod fade;
