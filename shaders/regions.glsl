@@ -32,12 +32,11 @@ Cell cell_at(vec3 q) {
     float per_root = 1.0;
     ivec3 place = inside ? ivec3(q) : ivec3(0);
     int at = place.x + 16 * (place.y + 16 * place.z);
-    for (int level = 0; level < REGION_LEVELS; level++) {
-        if (inside) texel = texelFetch(regions, at);
-        if (texel.x != DIVIDED || !inside) break;
+    if (inside) texel = texelFetch(regions, at);
+    while (texel.x == DIVIDED) {
         per_root *= 4.0;
         place = ivec3(q * per_root) & 3;
-        at = int(texel.y) + place.x + 4 * (place.y + 4 * place.z);
+        texel = texelFetch(regions, int(texel.y) + place.x + 4 * (place.y + 4 * place.z));
     }
     Cell cell;
     cell.bound = inside ? uintBitsToFloat(texel.x) : 0.0;
