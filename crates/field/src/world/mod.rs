@@ -181,8 +181,14 @@ impl World {
     pub fn new(name: &str, mut scene: Scene, pictures: Vec<Arc<RgbaImage>>) -> Result<Self, WorldError> {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
         let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
-        let glow = nearby_light::nearby_light(&mut scene).map_err(graph_error)?;
-        Self::prepared(name, scene, Surfaces { planes, rest, glow }, None, pictures)
+        let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
+        let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
+        let traced = match &rest {
+            Some(rest) => Traced::of(&scene, rest.bound, &frame_tape).map_err(tape_error)?,
+            None => Traced::default(),
+        };
+        let glow = nearby_light::nearby_light(&mut scene, traced.non_lipschitz).map_err(graph_error)?;
+        Self::prepared(name, scene, Surfaces { planes, rest, glow }, (traced, frame_tape), pictures)
     }
 
     /// Returns this world, seen by the camera with the given index in [`Scene::cameras`]; unchanged if there is no such
@@ -201,25 +207,18 @@ impl World {
         Ok(world)
     }
 
-    /// Prepares a scene that is already split into planes and other surfaces. `traced`, if given, replaces the analysis
-    /// of the formula.
+    /// Prepares a scene that is already split into planes and other surfaces, and whose formula is analysed.
     fn prepared(
         name: &str,
         mut scene: Scene,
         Surfaces { planes, rest, glow }: Surfaces,
-        traced: Option<Traced>,
+        (traced, frame_tape): (Traced, FrameTape),
         pictures: Vec<Arc<RgbaImage>>,
     ) -> Result<Self, WorldError> {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
-        let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
         let (glow, roots) = (glow.is_some(), roots(&mut scene, rest.as_ref(), glow));
         scene.graph.check().map_err(graph_error)?;
-        let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
-        let Traced { bounds, non_lipschitz, slopes, shadow_step_growth } = match (traced, &rest) {
-            (Some(traced), _) => traced,
-            (None, Some(_)) => Traced::of(&scene, &roots, &frame_tape).map_err(tape_error)?,
-            (None, None) => Traced::default(),
-        };
+        let Traced { bounds, non_lipschitz, slopes, shadow_step_growth } = traced;
         let features = SceneFeatures::of(&scene, glow, shadow_step_growth > 0.0);
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
@@ -261,10 +260,10 @@ struct Traced {
 }
 
 impl Traced {
-    fn of(scene: &Scene, roots: &Roots, frame_tape: &FrameTape) -> Result<Self, TapeError> {
-        let tape = Tape::build(&scene.graph, &roots.distance[..1], &TapeOptions::default())?;
+    fn of(scene: &Scene, distance: NodeId, frame_tape: &FrameTape) -> Result<Self, TapeError> {
+        let tape = Tape::build(&scene.graph, &[distance], &TapeOptions::default())?;
         let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
-        let bounds = bounds::find(&scene.graph, roots.distance[0], &any)?;
+        let bounds = bounds::find(&scene.graph, distance, &any)?;
         let around = |inputs: &FrameInputs| match bounds {
             Some(bounds) => vec![bounds],
             None => distance_check::around(frame_tape.values(inputs).camera.target),

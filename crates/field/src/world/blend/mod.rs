@@ -25,7 +25,7 @@ mod tests;
 pub use alignment::Alignment;
 pub use portal::PortalShape;
 
-use super::{Bounds, Plane, Rest, Surfaces, Traced, World, WorldError};
+use super::{Bounds, FrameTape, Plane, Rest, Surfaces, Traced, World, WorldError};
 use crate::graph::{Graph, Input, NodeId, Op};
 use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, TransitionStyle};
 use crate::limits::LIMITS;
@@ -198,7 +198,9 @@ impl World {
         let traced =
             Traced { bounds, non_lipschitz, shadow_step_growth: SHADOW_STEP_GROWTH, ..Traced::default() };
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
-        let world = Self::prepared(&name, scene, surfaces, Some(traced), pictures)?;
+        let frame_tape = FrameTape::build(&scene, &surfaces.planes)
+            .map_err(|source| WorldError::Tape { scene: name.clone(), source })?;
+        let world = Self::prepared(&name, scene, surfaces, (traced, frame_tape), pictures)?;
         Ok(Self { blended: Some(from.scene.params.len()), ..world })
     }
 }

@@ -36,7 +36,7 @@ impl Side {
     ) -> Result<Self, GraphError> {
         let mut scene = world.scene.clone();
         let (planes, rest) = planes::split(&mut scene)?;
-        let glow = nearby_light::nearby_light(&mut scene)?;
+        let glow = nearby_light::nearby_light(&mut scene, world.non_lipschitz)?;
         let own = Own::of(graph, alignment);
         // In distances, the input for the normal's x holds the penumbra (see `Roots`).
         let [moved, turned] =
