@@ -1,14 +1,17 @@
 //! Measures the analysis of generated songs: `cargo run --release -p mariana-music --example song_figures` prints a
 //! table of all styles, tempos, forms and keys. (The tests check a few of these songs.)
 
+#[path = "../tests/music/forms.rs"]
+mod forms;
 #[allow(dead_code)]
 #[path = "../tests/music/songs.rs"]
 mod songs;
 
+use forms::Form;
 use mariana_music::{Mode, SongStructure, Tonality};
 use songs::{
-    Kind, Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
-    f_measure, labels, pop, structure,
+    Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
+    f_measure, false_returns, labels, pop, structure,
 };
 
 const RATE: u32 = 48_000;
@@ -158,7 +161,7 @@ fn alone() {
                         [if alone == "timbre" { number } else { 0 }],
                     arpeggio: true,
                     loud: 0.8,
-                    kind: Kind::Plain,
+                    ..Part::default()
                 };
                 let form = vec![
                     part('A', 8, 0),
@@ -173,6 +176,33 @@ fn alone() {
             }
         }
         means(alone, &rows);
+    }
+}
+
+/// Songs of each form. The constants of the analysis were chosen with the first four styles and seeds.
+fn forms() {
+    let tuned = [Style::Rock, Style::FourOnTheFloor, Style::Ballad, Style::Waltz];
+    let others = [Style::Syncopated, Style::HalfTime, Style::Jazz, Style::SixEight];
+    for (name, styles, first) in [("tuned", tuned, 1), ("others", others, 101)] {
+        for form in Form::ALL {
+            let mut sums = [0.0; 2];
+            let (mut sections, mut letters, mut wrong) = (0, 0, 0);
+            for (number, style) in (first..).zip(styles) {
+                let (found, truth) = heard(&form.song(style, number));
+                sums[0] += f_measure(&borders(&found), &truth.changes(), 0.5);
+                sums[1] += labels(&found, &truth);
+                sections += found.sections.len();
+                let mut all: Vec<&str> = found.sections.iter().map(|s| s.letter.as_str()).collect();
+                all.sort_unstable();
+                all.dedup();
+                letters += all.len();
+                wrong += false_returns(&found, &truth);
+            }
+            let [borders, labels] = sums.map(|sum| sum / styles.len() as f64);
+            println!(
+                "== {name}, {form:?}: borders {borders:.3}, labels {labels:.3}, {letters} letters of {sections} sections, {wrong} false returns"
+            );
+        }
     }
 }
 
@@ -196,8 +226,14 @@ fn keys() {
 
 fn main() {
     let which = std::env::args().nth(1).unwrap_or_default();
-    let figures: [(&str, fn()); 5] =
-        [("rhythm", rhythm), ("alone", alone), ("drops", drops), ("live", live_bars), ("keys", keys)];
+    let figures: [(&str, fn()); 6] = [
+        ("rhythm", rhythm),
+        ("alone", alone),
+        ("forms", forms),
+        ("drops", drops),
+        ("live", live_bars),
+        ("keys", keys),
+    ];
     for (name, print) in figures {
         if which.is_empty() || which == name {
             print();

@@ -10,13 +10,14 @@
 
 /// The version of the analysis. It increases when a change to the analysis gives the same samples another structure, so
 /// that outdated cached structures are not used.
-pub const STRUCTURE_VERSION: u32 = 4;
+pub const STRUCTURE_VERSION: u32 = 5;
 
 mod bars;
 mod beats;
 mod chroma;
 mod drops;
 mod energy;
+mod harmony;
 mod heard;
 mod key;
 mod listener;

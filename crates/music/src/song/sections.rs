@@ -2,10 +2,12 @@
 //! (Jensen 2007, the shortest path through a song; Foote 2000 finds the same borders as peaks of novelty). Within a
 //! stretch, timbre is constant, and harmony is constant or repeats every one, two, four or eight bars (Serrà et al.
 //! 2014). Whole phrases cost less than other lengths (Sargent, Bimbot and Vincent 2011). Stretches with similar timbre
-//! and harmony get the same letter (McFee and Ellis 2014 cluster in the same way).
+//! and a similar sequence of harmonies get the same letter. The required similarity depends on how exactly the song's
+//! stretches return: with a computer every note returns, with players much changes.
 
+use super::harmony::Harmony;
 use super::heard::TIMBRE_BANDS;
-use super::units::Unit;
+use super::units::{Unit, distance};
 
 /// The cost of a section. A cost of 1 is the mean squared deviation of the song's bars from their mean.
 const SECTION_COST: f32 = 2.0;
@@ -24,8 +26,14 @@ const TIMBRE_LEAST: f32 = 8.0;
 /// Chroma is divided by its deviation, or at least by this: the root of the summed squares of the class fractions.
 const CHROMA_LEAST: f32 = 0.09;
 
-/// The maximum distance between sections with the same letter, in the units of the costs.
-const SAME: f32 = 0.2;
+/// The maximum distance of sections with the same letter, if all sections return exactly and if none do.
+const SAME: (f32, f32) = (0.27, 0.52);
+/// How much the maximum distance grows with the median distance of each section from its nearest section.
+const SAME_BY_NEAREST: f32 = 2.0;
+/// A difference of timbre adds 1 to the distance if it is this many times as large as the median difference between a
+/// bar and the mean of all bars, within a range: the root of the sum of squares over all bands, in decibels.
+const TIMBRE_SCALE: f32 = 2.2;
+const TIMBRE_RANGE: (f32, f32) = (14.0, 50.0);
 
 /// The scaled timbre and chroma of the bars, each with a mean squared deviation of at most 1.
 struct Scaled {
@@ -39,13 +47,15 @@ pub(super) struct Stretch {
     pub(super) letter: usize,
 }
 
-pub(super) fn sections(bars: &[Unit]) -> Vec<Stretch> {
+/// Returns the sections of the bars. `beats` are the beats of the song or other short steps. `firsts` contains the first
+/// beat of each bar, and the end of the beats.
+pub(super) fn sections(bars: &[Unit], beats: &[Unit], firsts: &[usize]) -> Vec<Stretch> {
     if bars.is_empty() {
         return Vec::new();
     }
-    let scaled = scaled(bars);
-    let stretches = cut(&scaled);
-    let letters = letters(&stretches, &scaled);
+    let stretches = cut(&scaled(bars));
+    let between = distances(&stretches, bars, &Harmony::new(beats), firsts);
+    let letters = letters(&between);
     let mut sections: Vec<Stretch> = Vec::new();
     for (bars, letter) in stretches.into_iter().zip(letters) {
         match sections.last_mut() {
@@ -161,23 +171,55 @@ fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
     stretches
 }
 
+/// Returns the distance of every two stretches: the squared difference of their mean timbres plus the distance of their
+/// harmonies. The diagonal is 0.
+fn distances(
+    stretches: &[std::ops::Range<usize>],
+    bars: &[Unit],
+    harmony: &Harmony,
+    firsts: &[usize],
+) -> Vec<Vec<f32>> {
+    let middle = mean_timbre(bars);
+    let mut away: Vec<f32> = bars.iter().map(|bar| distance(&bar.timbre, &middle)).collect();
+    let scale = (TIMBRE_SCALE * median(&mut away)).clamp(TIMBRE_RANGE.0, TIMBRE_RANGE.1);
+    let of_stretch = |stretch: &std::ops::Range<usize>| {
+        let first = |bar: usize| firsts.get(bar).copied().unwrap_or_default();
+        let timbre = mean_timbre(bars.get(stretch.clone()).unwrap_or_default());
+        (timbre, first(stretch.start)..first(stretch.end))
+    };
+    let measured: Vec<_> = stretches.iter().map(of_stretch).collect();
+    let mut between = vec![vec![0.0; stretches.len()]; stretches.len()];
+    for (a, (timbre, beats)) in measured.iter().enumerate() {
+        for (b, (other_timbre, other_beats)) in measured.iter().enumerate().take(a) {
+            let difference = distance(timbre, other_timbre) / scale;
+            let apart = difference * difference + harmony.distance(beats.clone(), other_beats.clone());
+            (between[a][b], between[b][a]) = (apart, apart);
+        }
+    }
+    between
+}
+
 /// Returns the letter of each stretch. The letters are clusters by mean distance (average linkage; Sokal and Michener
 /// 1958), named in order of appearance.
-fn letters(stretches: &[std::ops::Range<usize>], scaled: &Scaled) -> Vec<usize> {
-    let count = stretches.len();
-    let mut clusters: Vec<Vec<usize>> = (0..count).map(|index| vec![index]).collect();
-    let between: Vec<Vec<f32>> =
-        stretches.iter().map(|a| stretches.iter().map(|b| dissimilarity(a, b, scaled)).collect()).collect();
+fn letters(between: &[Vec<f32>]) -> Vec<usize> {
+    let count = between.len();
+    let nearest = |stretch: usize| {
+        let others = between[stretch].iter().enumerate().filter(|(other, _)| *other != stretch);
+        others.map(|(_, distance)| *distance).fold(f32::INFINITY, f32::min)
+    };
+    let mut nearest: Vec<f32> = (0..count).map(nearest).collect();
+    let same = (SAME.0 + SAME_BY_NEAREST * median(&mut nearest)).min(SAME.1);
     let mean = |a: &[usize], b: &[usize]| {
         let sum: f32 = a.iter().flat_map(|x| b.iter().map(|y| between[*x][*y])).sum();
         sum / (a.len() * b.len()) as f32
     };
+    let mut clusters: Vec<Vec<usize>> = (0..count).map(|index| vec![index]).collect();
     loop {
         let pairs = (0..clusters.len()).flat_map(|a| (a + 1..clusters.len()).map(move |b| (a, b)));
         let nearest = pairs
             .map(|(a, b)| (a, b, mean(&clusters[a], &clusters[b])))
             .min_by(|a, b| a.2.total_cmp(&b.2))
-            .filter(|(.., distance)| *distance < SAME);
+            .filter(|(.., distance)| *distance < same);
         let Some((a, b, _)) = nearest else { break };
         let joined = clusters.swap_remove(b);
         clusters[a].extend(joined);
@@ -190,17 +232,14 @@ fn letters(stretches: &[std::ops::Range<usize>], scaled: &Scaled) -> Vec<usize> 
     letters
 }
 
-/// Returns the squared distance of the mean timbres, plus half the squared distance of the chromas. The chromas are
-/// compared bar by bar, over the length of the shorter stretch.
-fn dissimilarity(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>, scaled: &Scaled) -> f32 {
-    let square = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
-    let timbre = square(&mean(&scaled.timbre[a.clone()]), &mean(&scaled.timbre[b.clone()]));
-    let (first, second) = (&scaled.chroma[a.clone()], &scaled.chroma[b.clone()]);
-    let common = first.len().min(second.len()).max(1);
-    let bar_by_bar = first.iter().zip(second).map(|(a, b)| square(a, b)).sum::<f32>() / common as f32;
-    timbre + 0.5 * bar_by_bar
+fn mean_timbre(bars: &[Unit]) -> [f32; TIMBRE_BANDS] {
+    std::array::from_fn(|band| {
+        bars.iter().map(|bar| bar.timbre[band]).sum::<f32>() / bars.len().max(1) as f32
+    })
 }
 
-fn mean<const N: usize>(rows: &[[f32; N]]) -> [f32; N] {
-    std::array::from_fn(|column| rows.iter().map(|row| row[column]).sum::<f32>() / rows.len().max(1) as f32)
+/// Sorts the values and returns the middle one, or 0.
+fn median(values: &mut [f32]) -> f32 {
+    values.sort_by(f32::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or_default()
 }

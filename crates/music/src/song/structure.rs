@@ -1,5 +1,7 @@
 //! The structure of a song, as stored and used by scenes and shows.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use super::bars::{Meter, bars};
@@ -9,10 +11,12 @@ use super::energy::{ENERGY_STEP, energy, peaks};
 use super::heard::Heard;
 use super::key::{Tonality, chords, key, pitches_of};
 use super::sections::sections;
-use super::units::units;
+use super::units::{Unit, units};
 
 /// If a song has no beats, sections may start at multiples of this time, in seconds.
 const STEP_WITHOUT_BEATS: f64 = 2.0;
+/// If a song has no beats, harmony is compared in steps of this time, in seconds.
+const SHORT_STEP: f64 = 0.5;
 /// A song whose loudest moment has less power than this (-80 dB) is silent.
 const SILENT: f32 = 1e-8;
 
@@ -158,11 +162,19 @@ impl SongStructure {
                 _ => structure.chords.push(Chord { start: times[0], end: times[1], triad }),
             }
         }
-        if pitches_of(&of_beats).is_none() {
+        let has_pitches = pitches_of(&of_beats).is_some();
+        if !has_pitches {
             // Without harmony the measured pitches are random.
             bars.iter_mut().for_each(|bar| bar.chroma = [0.0; 12]);
         }
-        let sections = sections(&bars);
+        let steps = if beats.is_empty() { grid(&[], SHORT_STEP, seconds) } else { beat_times.clone() };
+        let mut of_steps = units(heard, &steps);
+        if !has_pitches {
+            of_steps.iter_mut().for_each(|step| step.chroma = [0.0; 12]);
+        }
+        let firsts: Vec<usize> =
+            bar_times.iter().map(|bar| steps.partition_point(|step| *step < bar - 1e-3)).collect();
+        let sections = sections(&with_edges_filled(&bars, &bar_times, &sounding), &of_steps, &firsts);
         let borders: Vec<usize> = sections.iter().skip(1).map(|section| section.bars.start).collect();
         for section in sections {
             let (start, end) = (bar_times[section.bars.start], bar_times[section.bars.end]);
@@ -247,6 +259,19 @@ fn grid(times: &[f64], period: f64, seconds: f64) -> Vec<f64> {
     }
     grid.push(seconds);
     grid
+}
+
+/// Replaces bars that are mostly outside the `sounding` time by the nearest other bar, so that the silence around a song
+/// does not become a section.
+fn with_edges_filled(bars: &[Unit], bar_times: &[f64], sounding: &Range<f64>) -> Vec<Unit> {
+    let sounds = |times: &[f64]| {
+        let heard = times[1].min(sounding.end) - times[0].max(sounding.start);
+        heard >= 0.5 * (times[1] - times[0])
+    };
+    let inside: Vec<bool> = bar_times.windows(2).map(sounds).collect();
+    let first = inside.iter().position(|inside| *inside).unwrap_or_default();
+    let last = inside.iter().rposition(|inside| *inside).unwrap_or(bars.len().saturating_sub(1));
+    (0..bars.len()).filter_map(|index| bars.get(index.clamp(first, last.max(first))).copied()).collect()
 }
 
 fn letter(index: usize) -> String {

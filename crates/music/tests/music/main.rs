@@ -2,6 +2,8 @@
 
 mod analysis;
 mod beats;
+#[allow(dead_code)]
+mod forms;
 mod levels_and_curves;
 mod rhythm;
 mod signals;

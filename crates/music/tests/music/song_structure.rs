@@ -1,9 +1,10 @@
 //! Tests of the structure of generated songs and of other sounds. The example `song_figures` measures more songs.
 
+use crate::forms::Form;
 use crate::signals::noise;
 use crate::songs::{
-    Kind, Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
-    f_measure, labels, pop, structure,
+    Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
+    f_measure, false_returns, labels, pop, structure,
 };
 use mariana_music::limits::LIMITS;
 use mariana_music::{Alignment, Analyzer, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
@@ -87,13 +88,38 @@ fn harmony_alone_and_timbre_alone_make_sections() {
             voice: if by_harmony { Voice::Organ } else { [Voice::Organ, Voice::Bright][number] },
             arpeggio: true,
             loud: 0.8,
-            kind: Kind::Plain,
+            ..Part::default()
         };
         let form = vec![part('A', 8, 0), part('B', 8, 1), part('A', 8, 0), part('B', 16, 1)];
         let (found, truth) =
             heard(&Song::new(Style::Rock, 120.0, Tonality { root: 9, mode: Mode::Minor }, form));
         let f = f_measure(&borders(&found), &truth.borders, 0.5);
         assert!(f >= 0.8, "by harmony: {by_harmony}, F = {f:.2}, {:?}", found.sections);
+    }
+}
+
+/// Sections return with other notes, other instruments or in another key, and keep their letter.
+#[test]
+fn returning_sections_have_their_letter() {
+    for (form, style, seed) in [
+        (Form::Aaba, Style::Rock, 1),
+        (Form::VerseChorus, Style::FourOnTheFloor, 2),
+        (Form::Rondo, Style::Waltz, 4),
+        (Form::Pedals, Style::Rock, 1),
+        (Form::Twice, Style::FourOnTheFloor, 2),
+    ] {
+        let (found, truth) = heard(&form.song(style, seed));
+        let figures = [f_measure(&borders(&found), &truth.changes(), 0.5), labels(&found, &truth)];
+        assert!(figures.iter().all(|figure| *figure >= 0.9), "{form:?}: {figures:?}, {:?}", found.sections);
+    }
+}
+
+#[test]
+fn nothing_returns_in_a_through_composed_song() {
+    for (form, style, seed) in [(Form::Through, Style::Rock, 1), (Form::ThroughPlain, Style::Rock, 1)] {
+        let (found, truth) = heard(&form.song(style, seed));
+        assert!(found.sections.len() > 4, "{:?}", found.sections);
+        assert_eq!(false_returns(&found, &truth), 0, "{form:?}: {:?}", found.sections);
     }
 }
 

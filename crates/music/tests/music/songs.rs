@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use mariana_music::{
-    Alignment, Analyzer, Features, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality,
+    Alignment, Analyzer, Features, Meter, Mode, Section, SongListener, SongStructure, StereoFrame, Tonality,
 };
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,8 +90,9 @@ enum Drum {
     Tom,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Voice {
+    #[default]
     Soft,
     Organ,
     Bright,
@@ -107,8 +108,9 @@ impl Voice {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Kind {
+    #[default]
     Plain,
     Build,
     /// Ends with a bar of silence.
@@ -118,7 +120,7 @@ pub(crate) enum Kind {
     Drop,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Part {
     pub letter: char,
     pub bars: usize,
@@ -130,6 +132,22 @@ pub(crate) struct Part {
     pub arpeggio: bool,
     pub loud: f64,
     pub kind: Kind,
+    /// The notes of a melody.
+    pub melody: Vec<Note>,
+    /// Semitones by which chords, bass and melody are transposed.
+    pub raised: u8,
+}
+
+/// A note of a melody.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Note {
+    pub bar: usize,
+    /// Start and length, in beats of the bar.
+    pub beat: f64,
+    pub length: f64,
+    /// Semitones above the song's tonic.
+    pub pitch: u8,
+    pub voice: Voice,
 }
 
 #[derive(Clone, Debug)]
@@ -144,6 +162,8 @@ pub(crate) struct Song {
     pub cents: f64,
     pub form: Vec<Part>,
     pub seed: u32,
+    /// The largest displacement of a beat from a steady tempo, in beats. The displacement varies smoothly.
+    pub sway: f64,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -153,6 +173,19 @@ pub(crate) struct Truth {
     pub borders: Vec<f64>,
     pub letters: Vec<(f64, f64, char)>,
     pub drops: Vec<f64>,
+}
+
+impl Truth {
+    /// Returns the borders between parts with different letters.
+    pub(crate) fn changes(&self) -> Vec<f64> {
+        self.letters.windows(2).filter(|pair| pair[0].2 != pair[1].2).map(|pair| pair[1].0).collect()
+    }
+
+    /// Returns the letter of the part that covers most of a stretch.
+    fn letter(&self, start: f64, end: f64) -> Option<char> {
+        let common = |part: &&(f64, f64, char)| part.1.min(end) - part.0.max(start);
+        self.letters.iter().max_by(|a, b| common(a).total_cmp(&common(b))).map(|(.., letter)| *letter)
+    }
 }
 
 const MAJOR_CHORDS: [[(u8, bool); 4]; 4] = [
@@ -186,7 +219,7 @@ pub(crate) fn pop(mode: Mode) -> Vec<Part> {
         voice,
         arpeggio,
         loud,
-        kind: Kind::Plain,
+        ..Part::default()
     };
     let intro = part('I', 4, 0, false, Voice::Soft, false, 0.6);
     let verse = part('V', 8, 0, true, Voice::Organ, false, 0.6);
@@ -208,6 +241,7 @@ pub(crate) fn club(mode: Mode) -> Vec<Part> {
         arpeggio,
         loud,
         kind,
+        ..Part::default()
     };
     let intro = part('I', 8, 0, true, false, Voice::Soft, false, 0.5, Kind::Plain);
     let build = part('U', 8, 2, false, false, Voice::Soft, true, 0.6, Kind::Build);
@@ -387,7 +421,7 @@ fn drum_sound(drum: Drum, rate: f64, noise: &mut u32) -> Vec<f32> {
 
 impl Song {
     pub(crate) fn new(style: Style, tempo: f64, key: Tonality, form: Vec<Part>) -> Self {
-        Self { style, tempo: (tempo, tempo), swing: 0.5, key, cents: 0.0, form, seed: 1 }
+        Self { style, tempo: (tempo, tempo), swing: 0.5, key, cents: 0.0, form, seed: 1, sway: 0.0 }
     }
 
     fn beats(&self) -> f64 {
@@ -400,6 +434,7 @@ impl Song {
     fn time(&self, beat: f64) -> f64 {
         let (from, to) = self.tempo;
         let rise = (to - from) / self.beats();
+        let beat = beat + self.sway * 0.5 * ((TAU * beat / 13.0).sin() + (TAU * beat / 31.0).sin());
         let spent = if rise.abs() < 1e-9 { beat / from } else { (1.0 + rise * beat / from).ln() / rise };
         0.5 + 60.0 * spent
     }
@@ -469,7 +504,7 @@ impl Song {
             }
         }
         let (root, minor) = part.chords[of_part % part.chords.len()];
-        let tonic = 48.0 + f64::from(self.key.root);
+        let tonic = 48.0 + f64::from(self.key.root + part.raised);
         let third = if minor { 3.0 } else { 4.0 };
         let chord = [0.0, third, 7.0].map(|tone| {
             let pitch = tonic + f64::from(root) + tone;
@@ -481,7 +516,7 @@ impl Song {
             synthesizer.note(at(0.0), at(per_bar as f64), hz(pitch), part.voice, loud, (0.02, 6.0));
         }
         if part.bass {
-            let pitch = 36.0 + f64::from((self.key.root + root) % 12);
+            let pitch = 36.0 + f64::from((self.key.root + part.raised + root) % 12);
             for beat in 0..per_bar - usize::from(last && part.kind == Kind::Build) {
                 let place = beat as f64;
                 synthesizer.note(
@@ -493,6 +528,11 @@ impl Song {
                     (0.008, 0.6),
                 );
             }
+        }
+        for note in part.melody.iter().filter(|note| note.bar == of_part) {
+            let (from, to) = (at(note.beat), at(note.beat + 0.95 * note.length));
+            let pitch = tonic + 12.0 + f64::from(note.pitch);
+            synthesizer.note(from, to, hz(pitch), note.voice, 1.6 * loud, (0.01, 0.8));
         }
         if part.arpeggio {
             let per_beat = if self.style == Style::SixEight { 3 } else { 2 };
@@ -576,4 +616,14 @@ pub(crate) fn labels(structure: &SongStructure, truth: &Truth) -> f64 {
         }
     }
     2.0 * f64::from(both) / f64::from((ours + theirs).max(1))
+}
+
+/// Returns the number of sections with the letter of an earlier section that is truly another part.
+pub(crate) fn false_returns(structure: &SongStructure, truth: &Truth) -> usize {
+    let part = |section: &Section| truth.letter(section.start, section.end);
+    let is_false = |(index, section): (usize, &Section)| {
+        let before = structure.sections.iter().take(index);
+        before.filter(|other| other.letter == section.letter).any(|other| part(other) != part(section))
+    };
+    structure.sections.iter().enumerate().filter(|entry| is_false(*entry)).count()
 }
