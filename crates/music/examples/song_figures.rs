@@ -7,7 +7,7 @@ mod forms;
 #[path = "../tests/music/songs.rs"]
 mod songs;
 
-use forms::Form;
+use forms::{Form, club_song};
 use mariana_music::{Mode, SongStructure, Tonality};
 use songs::{
     Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
@@ -110,6 +110,21 @@ fn drops() {
         }
         println!("== drops in {name}: {hits} of {all}, {false_ones} false");
     }
+    let mut sums = [0; 3];
+    for number in 0..15 {
+        let style = [Style::FourOnTheFloor, Style::HalfTime, Style::Syncopated, Style::Rock][number % 4];
+        let form = [Form::Aaba, Form::VerseChorus, Form::Rondo, Form::Twice, Form::Through][number % 5];
+        for song in [club_song(style, 201 + number as u32), form.song(style, 241 + number as u32)] {
+            let (found, truth) = heard(&song);
+            let is_hit = |drop: &&f64| found.drops.iter().any(|f| (f - **drop).abs() < 0.5);
+            let hits = truth.drops.iter().filter(is_hit).count();
+            sums = [sums[0] + hits, sums[1] + truth.drops.len(), sums[2] + found.drops.len() - hits];
+        }
+    }
+    println!(
+        "== drops in 15 other clubs and 15 songs without drops: {} of {}, {} false",
+        sums[0], sums[1], sums[2]
+    );
     for swell in Swell::ALL {
         let (mut songs, mut drops) = (0, 0);
         for tempo in [60.0, 70.0, 80.0, 92.0] {

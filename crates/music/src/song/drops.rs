@@ -1,14 +1,17 @@
 //! Builds and drops of a song. A build is a stretch of bars that become brighter and denser in onsets (Solberg 2014 on
-//! builds in club music). A drop is a bar in which the missing low band returns after a build or a pause, and which
-//! begins some of the song's loudest and densest bars (Yadati et al. 2014). A drop needs all these signs, because each
-//! sign alone also occurs elsewhere: a crescendo has the rise, an entry of the bass has the low frequencies, and a
-//! pause before the last chorus has the silence.
+//! builds in club music) and lead to a drop or into a louder section. A drop is a bar in which the missing low band
+//! returns, and which begins some of the song's loudest and densest bars (Yadati et al. 2014): after a build, after a
+//! pause, or in a strong contrast to bars without low band. A drop needs several signs, because each sign alone also
+//! occurs elsewhere: a crescendo has the rise, an entry of the bass has the low frequencies, and a pause before the last
+//! chorus has the silence.
 
 use super::heard::{Heard, TIMBRE_BANDS};
 use super::units::{Unit, units};
 
 /// The lengths of builds, in bars.
 const BUILD_BARS: std::ops::RangeInclusive<usize> = 4..=16;
+/// A song that begins with a rise has no build, unless the rise leads to a drop. This many bars precede other builds.
+const BARS_BEFORE_BUILD: usize = 4;
 /// The minimum rise of tension ([`tension`]) from the first bar of a build to its last bar, in decibels.
 const RISE_MIN: f32 = 7.0;
 /// The minimum correlation of tension and time in a build.
@@ -41,10 +44,23 @@ const LOW_BARS: usize = 2;
 const BARS_BEFORE: usize = 4;
 /// A drop's low band is this much louder than in earlier bars, or its eve's this much quieter than in earlier eves.
 const LOW_AWAY: f32 = 4.0;
+/// After a build that is as loud as the drop, the drop's low band is this much louder than in earlier bars, in dB.
+const LOW_AWAY_AFTER_BUILD: f32 = 8.0;
 /// After a pause, a drop's low band is this much louder than in earlier bars, in dB: a pause alone makes no drop.
 const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
 /// A pause is at least this much quieter than the bars after it, and than the eves of earlier bars, in decibels.
 const PAUSE: (f32, f32) = (8.0, 4.0);
+/// Without a build or a pause, a drop needs a stronger contrast between this many bars before it and from it on.
+const CONTRAST_BARS: usize = 4;
+/// In a contrast, the minimum differences of the mean level, of the level of the bars around the drop, and between the
+/// quietest low band afterwards and the loudest low band before, in decibels.
+const CONTRAST_JUMP: f32 = 6.0;
+const CONTRAST_STEP: f32 = 4.0;
+const CONTRAST_LOW: f32 = 10.0;
+/// The minimum onset density after a contrast. Ballads with pauses have less than 0.035.
+const CONTRAST_ONSETS: f32 = 0.038;
+/// A contrast may be this much quieter than other drops, in decibels.
+const CONTRAST_LOUD: f32 = 2.0;
 /// The minimum distance between two drops, in bars. If drops are closer, only the strongest drop is kept.
 const APART: usize = 8;
 
@@ -59,7 +75,7 @@ pub(super) fn eves(heard: &Heard, bar_times: &[f64]) -> Vec<Unit> {
     units(heard, &times).into_iter().step_by(2).collect()
 }
 
-/// Returns the bars of builds, and the first bars of drops. A build leads to a drop or into another section, whose
+/// Returns the bars of builds, and the first bars of drops. A build leads to a drop or into a louder section, whose
 /// first bar is in `borders`. `eves` contains the eve within each bar.
 pub(super) fn builds_and_drops(
     bars: &[Unit],
@@ -76,7 +92,11 @@ pub(super) fn builds_and_drops(
         let build = ended(bar);
         let is_sure = build.as_ref().is_some_and(|build| build.sure >= SURE_MIN);
         let returns = returns(bars, eves, bar, loud, is_sure);
-        if let Some(build) = build.filter(|_| returns.is_some() || borders.contains(&bar)) {
+        let arrives = |build: &Build| {
+            let arrives = || borders.contains(&bar) && arrives(bars, build.start, bar, loud);
+            returns.is_some() || build.start >= BARS_BEFORE_BUILD && arrives()
+        };
+        if let Some(build) = build.filter(arrives) {
             match builds.last_mut() {
                 // This build overlaps the previous build. If it leads to a drop, extend the previous build to the drop.
                 Some(last) if last.end > build.start => {
@@ -137,8 +157,19 @@ fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: boo
     let away = low - median(bars_before, |bar| bar.low);
     let recent = eves_before.get(eves_before.len().saturating_sub(2)..)?;
     let gap = mean(recent, |eve| eve.low) - eve.low;
+    let contrast = || {
+        let recent = bars.get(bar.checked_sub(CONTRAST_BARS)?..bar)?;
+        let next = bars.get(bar..bar + CONTRAST_BARS)?;
+        let lowest = next.iter().map(|bar| bar.low).fold(f32::INFINITY, f32::min);
+        let highest = recent.iter().map(|bar| bar.low).fold(0.0, f32::max);
+        let steps = level - mean(recent, |bar| bar.level) >= CONTRAST_JUMP
+            && bars.get(bar)?.level - bars.get(last)?.level >= CONTRAST_STEP;
+        let is_dense = mean(next, |bar| bar.onsets) >= CONTRAST_ONSETS;
+        let is_drop = steps && is_dense && lowest - highest >= CONTRAST_LOW && level >= loud - CONTRAST_LOUD;
+        is_drop.then_some(lowest - highest)
+    };
     let strikes = level >= loud
-        && jump >= JUMP_MIN
+        && (jump >= JUMP_MIN || after_build && away >= LOW_AWAY_AFTER_BUILD)
         && mean(until(LOUD_BARS), |bar| bar.onsets) >= ONSETS_MIN
         && lower >= LOUDER_THAN_EVE
         && back >= LOW_OVER_EVE
@@ -149,7 +180,8 @@ fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: boo
             && median(eves_before, |eve| eve.level) - eve.level >= PAUSE.1
             && level - median(bars_before, |bar| bar.level) >= JUMP_MIN
     };
-    (strikes && (after_build || after_pause())).then_some(back)
+    let is_drop = strikes && (after_build || after_pause());
+    if is_drop { Some(back) } else { contrast() }
 }
 
 fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {
@@ -163,6 +195,13 @@ fn median(units: &[Unit], of: fn(&Unit) -> f32) -> f32 {
     let values = sorted(units.iter().map(of));
     let middle = values.get((values.len().saturating_sub(1)) / 2..values.len() / 2 + 1).unwrap_or_default();
     middle.iter().sum::<f32>() / middle.len().max(1) as f32
+}
+
+/// True if the bars from `end` on are among the song's loudest and much louder than the bars since `start`.
+fn arrives(bars: &[Unit], start: usize, end: usize, loud: f32) -> bool {
+    let level = |bars: &[Unit]| bars.iter().map(|bar| bar.level).sum::<f32>() / bars.len().max(1) as f32;
+    let after = level(bars.get(end..(end + LOUD_BARS).min(bars.len())).unwrap_or_default());
+    after >= loud && after - level(bars.get(start..end).unwrap_or_default()) >= JUMP_MIN
 }
 
 /// A rise of tension that ends at a given bar.

@@ -3,7 +3,7 @@
 
 use mariana_music::{Mode, Tonality};
 
-use crate::songs::{Note, Part, Song, Style, Voice};
+use crate::songs::{Kind, Note, Part, Song, Style, Voice};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Form {
@@ -139,6 +139,41 @@ impl Form {
         }
         part
     }
+}
+
+/// Composes a song with two or three drops, each after a build, a break, or a break with a pause.
+pub(crate) fn club_song(style: Style, seed: u32) -> Song {
+    let mut random = Random(seed.wrapping_mul(747_796_405).wrapping_add(77));
+    let mode = [Mode::Major, Mode::Minor][random.below(2)];
+    let lead = random.voice();
+    let part = |letter, random: &mut Random| Form::Through.composed(letter, mode, style, lead, random);
+    let bare = Part { drums: false, bass: false, loud: 0.5, ..part('R', &mut random) };
+    let intro = Part { arpeggio: false, drums: random.below(2) == 0, ..bare.clone() };
+    let loud = |part: Part| Part {
+        drums: true,
+        bass: true,
+        arpeggio: true,
+        loud: 1.0,
+        kind: Kind::Drop,
+        voice: Voice::Bright,
+        ..part
+    };
+    let (drop, verse) = (loud(part('D', &mut random)), part('V', &mut random));
+    let verse = Part { drums: true, bass: true, loud: 0.6, ..verse };
+    let mut form = vec![Part { letter: 'I', ..intro }];
+    for _ in 0..2 + random.below(2) {
+        if random.below(2) == 0 {
+            form.push(verse.clone());
+        }
+        let lead_in = match random.below(3) {
+            0 => Part { letter: 'U', kind: Kind::Build, arpeggio: true, ..bare.clone() },
+            1 => Part { kind: Kind::Break, ..bare.clone() },
+            _ => Part { kind: Kind::Pause, ..bare.clone() },
+        };
+        form.extend([lead_in, drop.clone()]);
+    }
+    let key = Tonality { root: random.below(12) as u8, mode };
+    Song { seed, ..Song::new(style, 118.0 + random.below(50) as f64, key, form) }
 }
 
 struct Random(u32);

@@ -1,9 +1,9 @@
 //! Tests of the structure of generated songs and of other sounds. The example `song_figures` measures more songs.
 
-use crate::forms::Form;
+use crate::forms::{Form, club_song};
 use crate::signals::noise;
 use crate::songs::{
-    Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
+    Kind, Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
     f_measure, false_returns, labels, pop, structure,
 };
 use mariana_music::limits::LIMITS;
@@ -136,6 +136,32 @@ fn builds_and_breaks_lead_to_drops() {
             |drop: &&f64| found.builds.iter().any(|build| build.end == **drop && build.start < **drop - 5.0);
         assert_eq!(found.drops.iter().filter(leads).count(), builds, "{:?}", found.builds);
     }
+}
+
+/// The drops follow builds, breaks without drums and bass, and pauses.
+#[test]
+fn drops_follow_builds_breaks_and_pauses() {
+    let (mut hits, mut all, mut found) = (0, 0, 0);
+    for (style, seed) in [(Style::FourOnTheFloor, 1), (Style::Rock, 6), (Style::Syncopated, 8)] {
+        let (song, truth) = heard(&club_song(style, seed));
+        let is_found = |drop: &&f64| song.drops.iter().any(|found| (found - **drop).abs() < 0.1);
+        hits += truth.drops.iter().filter(is_found).count();
+        (all, found) = (all + truth.drops.len(), found + song.drops.len());
+    }
+    assert_eq!((hits, found), (all, all));
+}
+
+/// Instruments that enter one by one at the start, and a rise to a section that is no louder, are no builds.
+#[test]
+fn a_rise_without_arrival_is_no_build() {
+    let key = Tonality { root: 4, mode: Mode::Minor };
+    let club = club(Mode::Minor);
+    let [_, build, drop, rest, ..] = club.as_slice() else { panic!("the form has seven parts") };
+    let calm = Part { drums: true, bass: true, loud: 0.4, ..rest.clone() };
+    let drop = Part { kind: Kind::Plain, ..drop.clone() };
+    let form = vec![build.clone(), calm.clone(), drop, calm.clone(), build.clone(), calm];
+    let (found, _) = heard(&Song::new(Style::FourOnTheFloor, 120.0, key, form));
+    assert!(found.builds.is_empty() && found.drops.is_empty(), "{:?}, {:?}", found.builds, found.drops);
 }
 
 #[test]

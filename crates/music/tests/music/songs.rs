@@ -116,7 +116,9 @@ pub(crate) enum Kind {
     /// Ends with a bar of silence.
     Pause,
     Crescendo,
-    /// Begins with a drop if a build or a pause precedes it.
+    /// Has no drums and no bass before a drop.
+    Break,
+    /// Begins with a drop if a build, a break or a pause precedes it.
     Drop,
 }
 
@@ -452,7 +454,7 @@ impl Song {
                 truth.borders.push(start);
             }
             truth.letters.push((start, end, part.letter));
-            if part.kind == Kind::Drop && matches!(before, Kind::Build | Kind::Pause) {
+            if part.kind == Kind::Drop && matches!(before, Kind::Build | Kind::Break | Kind::Pause) {
                 truth.drops.push(start);
             }
             before = part.kind;
