@@ -12,6 +12,7 @@
 /// that outdated cached structures are not used.
 pub const STRUCTURE_VERSION: u32 = 5;
 
+mod ahead;
 mod bars;
 mod beats;
 mod chroma;

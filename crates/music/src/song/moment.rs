@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::ahead::{NEVER, ahead, limited};
 use super::structure::{Section, SongStructure};
 use super::{Mode, PITCH_CLASSES};
 use crate::features::Features;
@@ -12,8 +13,9 @@ const DROP_SECONDS: f64 = 4.0;
 /// The number of the letter Z. Letters after Z have the same number.
 const LETTERS: u8 = 26;
 
-/// The position of a moment in its song. Every number is finite; unknown numbers are 0.
-#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
+/// The position of a moment in its song. Every number is finite. Unknown numbers are 0, and times until events that are
+/// unknown or do not follow are 1000.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SongMoment {
     /// Position in the bar, 0 up to 1. Bars continue at their tempo before the first beat and after the last.
     pub bar: f32,
@@ -35,13 +37,21 @@ pub struct SongMoment {
     pub minor: f32,
     /// Position in the song, 0..1.
     pub progress: f32,
+    /// Seconds until the next beat, 0..1000. Beats continue at their tempo before the first beat and after the last.
+    pub to_beat: f32,
+    /// Seconds until the next bar, 0..1000.
+    pub to_bar: f32,
+    /// Seconds until the next section, 0..1000; 1000 in the last section.
+    pub to_section: f32,
+    /// Seconds until the next drop, 0..1000; 1000 if none follows.
+    pub to_drop: f32,
     /// Strength of each pitch class, C first, relative to the strongest in the beat. Values are interpolated linearly
     /// between the middles of beats.
     pub chroma: [f32; PITCH_CLASSES.len()],
 }
 
 impl SongMoment {
-    /// The moment of an unknown song: all numbers are 0.
+    /// The moment of an unknown song.
     pub const UNKNOWN: Self = Self {
         bar: 0.0,
         beat_in_bar: 0.0,
@@ -53,6 +63,10 @@ impl SongMoment {
         key: 0.0,
         minor: 0.0,
         progress: 0.0,
+        to_beat: NEVER,
+        to_bar: NEVER,
+        to_section: NEVER,
+        to_drop: NEVER,
         chroma: [0.0; PITCH_CLASSES.len()],
     };
 
@@ -69,6 +83,10 @@ impl SongMoment {
             "key" => self.key,
             "minor" => self.minor,
             "progress" => self.progress,
+            "to_beat" => self.to_beat,
+            "to_bar" => self.to_bar,
+            "to_section" => self.to_section,
+            "to_drop" => self.to_drop,
             _ => {
                 let class: usize = name.strip_prefix("chroma(")?.strip_suffix(')')?.parse().ok()?;
                 *self.chroma.get(class)?
@@ -77,14 +95,23 @@ impl SongMoment {
     }
 }
 
+impl Default for SongMoment {
+    fn default() -> Self {
+        Self::UNKNOWN
+    }
+}
+
 impl SongMoment {
-    /// Returns the moment of live input: its energy, 0..1, and its position in the bar while the position is certain.
+    /// Returns the moment of live input: its energy, 0..1, the time of the next beat at a steady tempo, and its position
+    /// in the bar while the position is certain.
     pub fn of_live(energy: f32, features: &Features) -> Self {
-        let Features { phase, bar_beat, bar_beats, .. } = *features;
+        let Features { phase, tempo, bar_beat, bar_beats, .. } = *features;
         let is_sure = bar_beat >= 1.0 && bar_beats >= bar_beat;
         let place = f64::from(bar_beat - 1.0 + phase) / f64::from(bar_beats);
         let (bar, beat_in_bar) = if is_sure { (below_one(place), bar_beat) } else { (0.0, 0.0) };
-        Self { bar, beat_in_bar, energy: unit(energy), ..Self::UNKNOWN }
+        let after = |beats: f32| if tempo > 0.0 { limited(f64::from(60.0 * beats / tempo)) } else { NEVER };
+        let to_bar = if is_sure { after(bar_beats * (1.0 - bar)) } else { NEVER };
+        Self { bar, beat_in_bar, energy: unit(energy), to_beat: after(1.0 - phase), to_bar, ..Self::UNKNOWN }
     }
 }
 
@@ -110,6 +137,7 @@ impl At<'_> {
         let (bar, beat_in_bar) = self.place_in_bar().unwrap_or_default();
         let (section, section_phase) = self.place_in_section().unwrap_or_default();
         let key = self.song.key;
+        let ahead = ahead(self.song, self.time);
         SongMoment {
             bar,
             beat_in_bar,
@@ -121,6 +149,10 @@ impl At<'_> {
             key: key.map_or(0.0, |key| f32::from(key.root.min(11))),
             minor: key.map_or(0.0, |key| if key.mode == Mode::Minor { 1.0 } else { 0.0 }),
             progress: fraction(self.time, 0.0, self.song.seconds),
+            to_beat: ahead.beat,
+            to_bar: ahead.bar,
+            to_section: ahead.section,
+            to_drop: ahead.drop,
             chroma: self.chroma(),
         }
     }

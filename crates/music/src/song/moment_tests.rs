@@ -87,6 +87,31 @@ fn sections_builds_and_drops_have_their_positions() {
 }
 
 #[test]
+fn the_next_beat_bar_section_and_drop_are_known() {
+    let song = song();
+    for (time, beat, bar, section, drop) in [
+        (0.0, 0.5, 1.0, 17.0, 17.0),
+        (0.75, 0.25, 0.25, 16.25, 16.25),
+        (1.0, 0.5, 2.0, 16.0, 16.0),
+        (16.75, 0.25, 0.25, 0.25, 0.25),
+        (17.0, 0.5, 2.0, 1_000.0, 1_000.0),
+        (18.25, 0.25, 0.75, 1_000.0, 1_000.0),
+        // These times are after the last beat, at 30.5 s, which is the fourth of its bar.
+        (30.75, 0.25, 0.25, 1_000.0, 1_000.0),
+        (31.25, 0.25, 1.75, 1_000.0, 1_000.0),
+    ] {
+        let moment = song.moment(time);
+        let found = [moment.to_beat, moment.to_bar, moment.to_section, moment.to_drop];
+        let near = found.iter().zip([beat, bar, section, drop]).all(|(a, b)| close(*a, b));
+        assert!(near, "{time} s: {found:?}, not {beat}, {bar}, {section}, {drop}");
+    }
+    // A bar that ends early ends at the next downbeat.
+    let mut broken = song.clone();
+    broken.beats.iter_mut().skip(6).for_each(|beat| beat.of_bar = (beat.of_bar + 1) % 4 + 1);
+    assert!(close(broken.moment(3.25).to_bar, 0.75));
+}
+
+#[test]
 fn energy_chroma_and_progress_have_no_steps() {
     let song = song();
     let mut before = song.moment(0.0);
@@ -106,13 +131,14 @@ fn energy_chroma_and_progress_have_no_steps() {
 }
 
 #[test]
-fn unknown_values_are_zero() {
+fn unknown_values_are_zero_and_unknown_times_are_far() {
     assert_eq!(SongStructure::default().moment(3.0), SongMoment::UNKNOWN);
     assert_eq!(song().moment(f64::NAN), SongMoment::UNKNOWN);
     assert_eq!(SongMoment::default(), SongMoment::UNKNOWN);
     let no_beat = SongStructure { meter: None, beats: Vec::new(), tempo: None, ..song() };
     let moment = no_beat.moment(18.0);
     assert_eq!((moment.bar, moment.beat_in_bar, moment.drop), (0.0, 0.0, 0.75));
+    assert_eq!((moment.to_beat, moment.to_bar), (1_000.0, 1_000.0));
 }
 
 #[test]
@@ -120,6 +146,7 @@ fn numbers_have_names() {
     let moment = song().moment(19.3);
     assert_eq!(moment.number("section_phase"), Some(moment.section_phase));
     assert_eq!(moment.number("chroma(11)"), Some(moment.chroma[11]));
+    assert_eq!(moment.number("to_bar"), Some(moment.to_bar));
     for name in ["chroma(12)", "chroma(x)", "chroma(", "volume.x", ""] {
         assert_eq!(moment.number(name), None, "{name}");
     }
@@ -178,13 +205,16 @@ proptest! {
     #[test]
     fn any_structure_and_time_give_values_in_range(song in any_song(), time in any_number()) {
         let moment = song.moment(time);
-        let SongMoment { bar, beat_in_bar, section, section_phase, energy, build, drop, key, minor, progress, chroma } = moment;
+        let SongMoment { bar, beat_in_bar, section, section_phase, energy, build, drop, key, minor, progress, chroma, to_beat, to_bar, to_section, to_drop } = moment;
         prop_assert!((0.0..1.0).contains(&bar), "{:?}", moment);
         for value in [section_phase, energy, build, drop, minor, progress].into_iter().chain(chroma) {
             prop_assert!((0.0..=1.0).contains(&value), "{:?}", moment);
         }
         prop_assert!((0.0..=4.0).contains(&beat_in_bar) && (0.0..=26.0).contains(&section), "{:?}", moment);
         prop_assert!((0.0..=11.0).contains(&key), "{:?}", moment);
+        for value in [to_beat, to_bar, to_section, to_drop] {
+            prop_assert!((0.0..=1_000.0).contains(&value), "{:?}", moment);
+        }
         prop_assert_eq!(song.moment(time), moment);
     }
 }
@@ -195,6 +225,7 @@ fn live_bars_are_reported_while_certain() {
         let features = Features { bar_beat, bar_beats, phase, tempo: 120.0, ..Features::SILENCE };
         let moment = SongMoment::of_live(0.4, &features);
         assert_eq!((moment.energy, moment.section, moment.progress), (0.4, 0.0, 0.0));
+        assert_eq!((moment.to_beat, moment.to_section), (0.5 * (1.0 - phase), 1_000.0));
         (moment.bar, moment.beat_in_bar)
     };
     assert_eq!(heard(1.0, 4.0, 0.0), (0.0, 1.0));
