@@ -52,9 +52,10 @@ const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
 const PAUSE: (f32, f32) = (8.0, 4.0);
 /// Without a build or a pause, a drop needs a stronger contrast between this many bars before it and from it on.
 const CONTRAST_BARS: usize = 4;
-/// In a contrast, the minimum differences of the mean level, of the level of the bars around the drop, and between the
-/// quietest low band afterwards and the loudest low band before, in decibels.
-const CONTRAST_JUMP: f32 = 6.0;
+/// In a contrast, the range of the difference of the mean levels, in decibels. After silence, music only begins.
+const CONTRAST_JUMP: (f32, f32) = (6.0, 20.0);
+/// In a contrast, the minimum differences between the levels of the drop's bar and the last bar before it, and between
+/// the quietest low band afterwards and the loudest low band before, in decibels.
 const CONTRAST_STEP: f32 = 4.0;
 const CONTRAST_LOW: f32 = 10.0;
 /// The minimum onset density after a contrast. Ballads with pauses have less than 0.035.
@@ -162,10 +163,12 @@ fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: boo
         let next = bars.get(bar..bar + CONTRAST_BARS)?;
         let lowest = next.iter().map(|bar| bar.low).fold(f32::INFINITY, f32::min);
         let highest = recent.iter().map(|bar| bar.low).fold(0.0, f32::max);
-        let steps = level - mean(recent, |bar| bar.level) >= CONTRAST_JUMP
+        let jump = level - mean(recent, |bar| bar.level);
+        let is_step = (CONTRAST_JUMP.0..=CONTRAST_JUMP.1).contains(&jump)
             && bars.get(bar)?.level - bars.get(last)?.level >= CONTRAST_STEP;
         let is_dense = mean(next, |bar| bar.onsets) >= CONTRAST_ONSETS;
-        let is_drop = steps && is_dense && lowest - highest >= CONTRAST_LOW && level >= loud - CONTRAST_LOUD;
+        let is_drop =
+            is_step && is_dense && lowest - highest >= CONTRAST_LOW && level >= loud - CONTRAST_LOUD;
         is_drop.then_some(lowest - highest)
     };
     let strikes = level >= loud

@@ -48,16 +48,22 @@ impl Harmony {
         let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
         let moving = variation(short).min(variation(long)) >= MOVING_MIN;
         let overhang = short.len() / OVERHANG;
+        let last = long.len() - short.len() + 2 * overhang;
+        // `start` is the beat of `long` at which `raised` begins, plus the overhang.
+        let aligned = |raised: &[[f32; 12]], start: usize, step: usize| {
+            let skipped = overhang.saturating_sub(start);
+            let (a, b) = (raised.get(skipped..), long.get((start + skipped).saturating_sub(overhang)..));
+            distance(a.unwrap_or_default(), b.unwrap_or_default(), step)
+        };
         let mut least = f32::INFINITY;
         for up in (0..12).filter(|up| (*up).min(12 - up) <= if moving { TRANSPOSED.0 } else { 0 }) {
             let raised: Vec<[f32; 12]> = short.iter().map(|beat| self.transposed(beat, up)).collect();
+            // Every second beat suffices to find the best alignment, because beats include their neighbours.
+            let starts = (0..=last).step_by(2).map(|start| (start, aligned(&raised, start, 2)));
+            let Some((start, _)) = starts.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
             let extra = if up == 0 { 0.0 } else { TRANSPOSED.1 };
-            // `start` is the beat of `long` at which `short` begins, plus the overhang.
-            for start in 0..=long.len() - short.len() + 2 * overhang {
-                let skipped = overhang.saturating_sub(start);
-                let (a, b) = (raised.get(skipped..), long.get((start + skipped).saturating_sub(overhang)..));
-                let distance = distance(a.unwrap_or_default(), b.unwrap_or_default()) + extra;
-                least = least.min(distance);
+            for start in start.saturating_sub(1)..=(start + 1).min(last) {
+                least = least.min(aligned(&raised, start, 1) + extra);
             }
         }
         least
@@ -89,12 +95,12 @@ fn variation(beats: &[[f32; 12]]) -> f32 {
     (0..12).map(of_class).sum()
 }
 
-/// Returns the root mean square of the beats' squared distances, relative to their squared distances from the song's
+/// Returns the root mean square of the squared distances of every `step`-th beat, relative to their squared distances from the song's
 /// mean. Due to the root mean square, sequences that are equal in one half are farther apart than sequences that
 /// differ a little everywhere.
-fn distance(a: &[[f32; 12]], b: &[[f32; 12]]) -> f32 {
+fn distance(a: &[[f32; 12]], b: &[[f32; 12]], step: usize) -> f32 {
     let (mut squares, mut away, mut count) = (0.0, 0.0, 0.0_f32);
-    for (a, b) in a.iter().zip(b) {
+    for (a, b) in a.iter().zip(b).step_by(step) {
         let mut apart = 0.0;
         for (x, y) in a.iter().zip(b) {
             apart += (x - y) * (x - y);

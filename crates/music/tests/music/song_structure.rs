@@ -175,6 +175,18 @@ fn ballads_have_no_drops() {
     }
 }
 
+#[test]
+fn music_after_silence_is_no_drop() {
+    let key = Tonality { root: 9, mode: Mode::Minor };
+    let form = club(Mode::Minor).split_off(5);
+    let (mut frames, _) = Song::new(Style::FourOnTheFloor, 124.0, key, form).play(RATE);
+    let again = frames.clone();
+    frames.resize(frames.len() + 20 * RATE as usize, [0.0; 2]);
+    frames.extend(again);
+    let found = structure(RATE, &frames);
+    assert!(found.drops.is_empty() && found.sections.len() > 3, "{:?}", found.drops);
+}
+
 /// Live bar tracking needs some bars before it is certain, and is then nearly always right.
 #[test]
 fn live_bars_are_right_once_reported() {
