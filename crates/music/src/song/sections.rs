@@ -34,6 +34,8 @@ const SAME_BY_NEAREST: f32 = 2.0;
 /// bar and the mean of all bars, within a range: the root of the sum of squares over all bands, in decibels.
 const TIMBRE_SCALE: f32 = 2.2;
 const TIMBRE_RANGE: (f32, f32) = (14.0, 50.0);
+/// Added to the distance, divided by the beats of the shorter section: short sections resemble others by chance.
+const BY_CHANCE: f32 = 0.8;
 
 /// The scaled timbre and chroma of the bars, each with a mean squared deviation of at most 1.
 struct Scaled {
@@ -171,8 +173,8 @@ fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
     stretches
 }
 
-/// Returns the distance of every two stretches: the squared difference of their mean timbres plus the distance of their
-/// harmonies. The diagonal is 0.
+/// Returns the distance of every two stretches: the squared difference of their mean timbres, plus the distance of their
+/// harmonies, plus a term for short stretches. The diagonal is 0.
 fn distances(
     stretches: &[std::ops::Range<usize>],
     bars: &[Unit],
@@ -192,7 +194,9 @@ fn distances(
     for (a, (timbre, beats)) in measured.iter().enumerate() {
         for (b, (other_timbre, other_beats)) in measured.iter().enumerate().take(a) {
             let difference = distance(timbre, other_timbre) / scale;
-            let apart = difference * difference + harmony.distance(beats.clone(), other_beats.clone());
+            let short = beats.len().min(other_beats.len()).max(1) as f32;
+            let harmony = harmony.distance(beats.clone(), other_beats.clone());
+            let apart = difference * difference + harmony + BY_CHANCE / short;
             (between[a][b], between[b][a]) = (apart, apart);
         }
     }
