@@ -8,7 +8,10 @@
 use std::ops::{Index, IndexMut};
 
 macro_rules! sound_inputs {
-    ($($(#[doc = $doc:literal])+ $input:ident, $name:literal, $least:literal..$most:literal, $reported:literal;)+) => {
+    ($(
+        $(#[doc = $doc:literal])+
+        $input:ident, $name:literal, $least:literal..$most:literal $(else $unknown:literal)?, $reported:literal;
+    )+) => {
         /// A number that describes the sound; the same at all points of a frame.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
@@ -18,6 +21,9 @@ macro_rules! sound_inputs {
 
         /// Name, least and greatest value, and the description on the language's page.
         const ROWS: &[(&str, f32, f32, &str)] = &[$(($name, $least, $most, $reported),)+];
+
+        /// The value of each input in silence, or while it is unknown: 0 unless the row states another one.
+        const AT_REST: [f32; ROWS.len()] = [$(0.0 $(+ $unknown)?,)+];
 
         impl SoundInput {
             /// All inputs, in the order in which frames hold them.
@@ -77,6 +83,15 @@ sound_inputs! {
     Minor, "minor", 0.0..1.0, "1 if the song's key is minor, else 0";
     /// Position in the song.
     Progress, "progress", 0.0..1.0, "position in the song, 0..1";
+    /// Time until the next beat.
+    ToBeat, "to_beat", 0.0..1000.0 else 1000.0, "seconds until the next beat; 1000 while unknown";
+    /// Time until the next bar.
+    ToBar, "to_bar", 0.0..1000.0 else 1000.0, "seconds until the next bar; 1000 while unknown";
+    /// Time until the next section.
+    ToSection, "to_section", 0.0..1000.0 else 1000.0,
+        "seconds until the next section; 1000 while unknown and in the last section";
+    /// Time until the next drop.
+    ToDrop, "to_drop", 0.0..1000.0 else 1000.0, "seconds until the next drop; 1000 while unknown and after the last drop";
     /// Level of C.
     ChromaC, "chroma(0)", 0.0..1.0, "level of C, 0..1";
     /// Level of C sharp.
@@ -135,7 +150,8 @@ impl SoundInput {
         Self::ChromaB,
     ];
 
-    /// True for a number that describes the whole song. Such a number is 0 until the song is analysed. A scene may
+    /// True for a number that describes the whole song. Until the song is analysed, such a number has its value in
+    /// silence. A scene may
     /// declare a value of the same name, which hides this number.
     pub const fn is_of_song(self) -> bool {
         self as usize >= Self::Bar as usize
@@ -146,10 +162,10 @@ impl SoundInput {
         Self::ALL.into_iter().find(|input| input.name() == name)
     }
 
-    /// Clamps a value to the range. A value that is not finite becomes the least value.
+    /// Clamps a value to the range. A value that is not finite becomes the value in silence.
     pub fn clamp(self, value: f32) -> f32 {
         let (least, most) = self.range();
-        if value.is_finite() { value.clamp(least, most) } else { least }
+        if value.is_finite() { value.clamp(least, most) } else { AT_REST[self as usize] }
     }
 }
 
@@ -165,7 +181,7 @@ impl Default for SoundInputs {
 
 impl SoundInputs {
     /// Silence.
-    pub const SILENCE: Self = Self([0.0; ROWS.len()]);
+    pub const SILENCE: Self = Self(AT_REST);
 
     /// Returns a number for each input, computed by `value`.
     pub fn each(value: impl FnMut(SoundInput) -> f32) -> Self {
@@ -211,7 +227,7 @@ mod tests {
             assert_eq!(input as usize, number);
             assert_eq!(SoundInput::named(input.name()), Some(input), "two rows are called {}", input.name());
             let (least, most) = input.range();
-            assert!(least <= 0.0 && 0.0 < most, "{input:?}: silence reads 0");
+            assert!(least < most && (least..=most).contains(&SoundInputs::SILENCE[input]), "{input:?}");
             assert!(
                 [f32::NAN, f32::INFINITY, -1.0, 0.5]
                     .iter()
