@@ -1,31 +1,37 @@
-//! Measures beat tracking on real songs: `cargo run --release -p mariana-music --example beat_figures -- SONGS BEATS`
-//! prints a table. `SONGS` is a folder of songs that `ffmpeg` can read. For each song `NAME.*`, the folder `BEATS` has
-//! a file `NAME.beats` with the time of one true beat in seconds on each line. Songs without such a file are skipped.
+//! Measures beat tracking on real songs: `cargo run --release -p mariana-music --example beat_figures -- BEATS SONG...`
+//! prints a table. The songs are files that `ffmpeg` can read. For each song `NAME.*`, the folder `BEATS` has a file
+//! `NAME.beats` with the time of one true beat in seconds on each line. Songs without such a file are skipped. If there
+//! is a file `NAME.second` from a second judge, the means are also printed for the songs on which both judges agree.
 //!
-//! The column `heard` is for live input, `played` for a file during playback, and `whole` for an analysis of the whole
-//! song. F is the F-measure with a tolerance of ±70 ms. AMLt is the fraction of beats whose position and distance from
-//! the previous beat are right within 17.5 %; double tempo, half tempo and the off-beat also count as right (Davies,
-//! Degara and Plumbley 2009). The first 5 s do not count. `lock` is the time of the first of four consecutive right
-//! beats in live input. `jumps` counts how often per minute the tempo changes by more than 8 %.
+//! The column `heard` is for live input and `whole` for an analysis of the whole song. F is the F-measure with a
+//! tolerance of ±70 ms. AMLt is the fraction of beats whose position and distance from the previous beat are right
+//! within 17.5 %; double tempo, half tempo and the off-beat also count as right (Davies, Degara and Plumbley 2009). The
+//! first 5 s and the time after the last true beat do not count. The kinds of a result: `right` (F of 0.7 and more), `double`, `half`, `off-beat`, `none`
+//! (hardly a beat found), `other`. `lock` is the time of the first of four consecutive right beats in live input.
+//! `jumps` counts how often per minute the tempo changes by more than 8 %. The last column is the time that the analysis
+//! of the whole song took, in seconds.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Instant;
 
 use mariana_music::{Alignment, Analyzer, SongListener, StereoFrame, TimedFeatures};
 
-const RATE: u32 = 48_000;
+const RATE: u32 = 44_100;
 const SETTLED: f64 = 5.0;
 const TOLERANCE: f64 = 0.07;
 const FRACTION: f64 = 0.175;
 const JUMP: f64 = 0.08;
+/// Two judges agree if the F-measure of their beats is at least this.
+const AGREED: f64 = 0.7;
 
 fn decoded(song: &Path) -> Result<Vec<StereoFrame>, Box<dyn Error>> {
     let output = Command::new("ffmpeg")
         .args(["-nostdin", "-v", "error", "-protocol_whitelist", "file"])
         .args(["-format_whitelist", "aac,aiff,caf,flac,matroska,mov,mp3,ogg,wav", "-i"])
         .arg(song)
-        .args(["-f", "f32le", "-ac", "2", "-ar", "48000", "-"])
+        .args(["-f", "f32le", "-ac", "2", "-ar", "44100", "-"])
         .output()?;
     let sample = |four: &[u8; 4]| f32::from_le_bytes(*four);
     let samples: Vec<f32> = output.stdout.as_chunks::<4>().0.iter().map(sample).collect();
@@ -103,11 +109,10 @@ fn followed_rightly(found: &[f64], truth: &[f64]) -> f64 {
 }
 
 fn amlt(found: &[f64], truth: &[f64]) -> f64 {
-    let halves: Vec<f64> = truth.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect();
+    let halves = between(truth);
     let mut double: Vec<f64> = truth.iter().chain(&halves).copied().collect();
     double.sort_by(f64::total_cmp);
-    let odd: Vec<f64> = truth.iter().copied().step_by(2).collect();
-    let even: Vec<f64> = truth.iter().copied().skip(1).step_by(2).collect();
+    let (odd, even) = (halved(truth, 0), halved(truth, 1));
     [truth, &halves, &double, &odd, &even]
         .iter()
         .map(|truth| followed_rightly(found, truth))
@@ -126,71 +131,119 @@ fn tempo(beats: &[f64]) -> f64 {
     periods.get(periods.len() / 2).map_or(0.0, |period| 60.0 / period)
 }
 
-/// The columns: F and AMLt of `heard`, `played` and `whole`, then `jumps` and `lock`.
-struct Row([f64; 8]);
+/// Returns every second beat, from the first or the second.
+fn halved(beats: &[f64], first: usize) -> Vec<f64> {
+    beats.iter().copied().skip(first).step_by(2).collect()
+}
 
-fn row(name: &str, frames: &[StereoFrame], truth: &[f64]) -> Row {
-    let settled = |beats: &[f64]| beats[beats.partition_point(|beat| *beat < SETTLED)..].to_vec();
+fn between(beats: &[f64]) -> Vec<f64> {
+    beats.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect()
+}
+
+fn kind(found: &[f64], truth: &[f64]) -> &'static str {
+    const RIGHT: f64 = 0.7;
+    if found.len() * 4 < truth.len() {
+        return "none";
+    }
+    let double: Vec<f64> = {
+        let mut double: Vec<f64> = truth.iter().copied().chain(between(truth)).collect();
+        double.sort_by(f64::total_cmp);
+        double
+    };
+    let right = |truth: &[f64]| f_measure(found, truth) >= RIGHT;
+    if right(truth) {
+        "right"
+    } else if right(&double) {
+        "double"
+    } else if right(&halved(truth, 0)) || right(&halved(truth, 1)) {
+        "half"
+    } else if right(&between(truth)) {
+        "off-beat"
+    } else {
+        "other"
+    }
+}
+
+const KINDS: [&str; 6] = ["right", "double", "half", "off-beat", "none", "other"];
+
+struct Row {
+    /// F and AMLt of live input, then of the whole song.
+    figures: [f64; 4],
+    kinds: [&'static str; 2],
+    jumps: f64,
+    lock: f64,
+    /// True if both judges agree on the beats.
+    agreed: bool,
+}
+
+fn row(name: &str, frames: &[StereoFrame], truth: &[f64], second: &[f64]) -> Row {
+    let end = truth.last().map_or(0.0, |last| last + TOLERANCE);
+    let settled = |beats: &[f64]| {
+        beats.iter().copied().filter(|beat| (SETTLED..end).contains(beat)).collect::<Vec<_>>()
+    };
     let (heard, jumps) = followed(frames, Alignment::Trailing);
-    let (played, _) = followed(frames, Alignment::Centred);
+    let started = Instant::now();
     let whole = whole(frames);
+    let seconds = started.elapsed().as_secs_f64();
     let counted = settled(truth);
     let lock = lock(&heard, truth).unwrap_or(frames.len() as f64 / f64::from(RATE));
-    let mut figures = [0.0; 8];
-    for (index, beats) in [&heard, &played, &whole].into_iter().enumerate() {
+    let agreement = f_measure(&settled(second), &counted);
+    let agreed = agreement >= AGREED;
+    let of = |beats: &[f64]| {
         let beats = settled(beats);
-        figures[2 * index] = f_measure(&beats, &counted);
-        figures[2 * index + 1] = amlt(&beats, &counted);
-    }
-    (figures[6], figures[7]) = (jumps, lock);
-    let [heard_f, heard_a, played_f, played_a, whole_f, whole_a, ..] = figures;
+        (f_measure(&beats, &counted), amlt(&beats, &counted), kind(&beats, &counted))
+    };
+    let [(heard_f, heard_a, heard_kind), (whole_f, whole_a, whole_kind)] = [of(&heard), of(&whole)];
     println!(
-        "{name:44} heard {heard_f:.2} {heard_a:.2}  played {played_f:.2} {played_a:.2}  whole {whole_f:.2} {whole_a:.2}  \
-         jumps {jumps:4.1}  lock {lock:5.1} s  bpm {:5.1} heard {:5.1} whole {:5.1}",
+        "{name:32} {} heard {heard_f:.2} {heard_a:.2} {heard_kind:8} whole {whole_f:.2} {whole_a:.2} {whole_kind:8} \
+         jumps {jumps:4.1} lock {lock:5.1} s  bpm {:5.1} heard {:5.1} whole {:5.1}  judges {agreement:.2}  {seconds:.2} s",
+        if agreed { '*' } else { ' ' },
         tempo(truth),
         tempo(&heard),
         tempo(&whole),
     );
-    Row(figures)
+    let figures = [heard_f, heard_a, whole_f, whole_a];
+    Row { figures, kinds: [heard_kind, whole_kind], jumps, lock, agreed }
 }
 
 fn means(name: &str, rows: &[&Row]) {
-    let mean = |column: usize| rows.iter().map(|row| row.0[column]).sum::<f64>() / rows.len().max(1) as f64;
-    let mut locks: Vec<f64> = rows.iter().map(|row| row.0[7]).collect();
+    let mean =
+        |of: &dyn Fn(&Row) -> f64| rows.iter().map(|row| of(row)).sum::<f64>() / rows.len().max(1) as f64;
+    let [heard_f, heard_a, whole_f, whole_a] = std::array::from_fn(|column| mean(&|row| row.figures[column]));
+    let mut locks: Vec<f64> = rows.iter().map(|row| row.lock).collect();
     locks.sort_by(f64::total_cmp);
     println!(
-        "== {name}, {} songs: heard F {:.3} AMLt {:.3}, played F {:.3} AMLt {:.3}, whole F {:.3} AMLt {:.3}, \
+        "== {name}, {} songs: heard F {heard_f:.3} AMLt {heard_a:.3}, whole F {whole_f:.3} AMLt {whole_a:.3}, \
          {:.1} jumps a minute, lock {:.1} s in the median",
         rows.len(),
-        mean(0),
-        mean(1),
-        mean(2),
-        mean(3),
-        mean(4),
-        mean(5),
-        mean(6),
+        mean(&|row| row.jumps),
         locks.get(locks.len() / 2).copied().unwrap_or_default(),
     );
+    for (index, what) in ["heard", "whole"].into_iter().enumerate() {
+        let count = |kind: &str| rows.iter().filter(|row| row.kinds[index] == kind).count();
+        let counts: Vec<String> = KINDS.iter().map(|kind| format!("{kind} {}", count(kind))).collect();
+        println!("   {what}: {}", counts.join(", "));
+    }
+}
+
+fn times(path: &Path) -> Option<Vec<f64>> {
+    let text = std::fs::read_to_string(path).ok()?;
+    Some(text.lines().filter_map(|line| line.trim().parse().ok()).collect())
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
-    let (Some(songs), Some(references)) = (arguments.next(), arguments.next()) else {
-        return Err("name a folder of songs and a folder of beat files".into());
+    let Some(references) = arguments.next() else {
+        return Err("name a folder of beat files, and songs".into());
     };
-    let mut songs: Vec<PathBuf> =
-        std::fs::read_dir(songs)?.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-    songs.sort();
     let mut rows = Vec::new();
-    for song in songs {
+    for song in arguments {
         let name = song.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let Ok(text) = std::fs::read_to_string(references.join(format!("{name}.beats"))) else { continue };
-        let truth: Vec<f64> = text.lines().filter_map(|line| line.trim().parse().ok()).collect();
-        rows.push(row(&name, &decoded(&song)?, &truth));
+        let Some(truth) = times(&references.join(format!("{name}.beats"))) else { continue };
+        let second = times(&references.join(format!("{name}.second"))).unwrap_or_default();
+        rows.push(row(&name, &decoded(&song)?, &truth, &second));
     }
-    let half = |which: usize| rows.iter().skip(which).step_by(2).collect::<Vec<_>>();
-    means("one half", &half(0));
-    means("other half", &half(1));
     means("all", &rows.iter().collect::<Vec<_>>());
+    means("judges agree", &rows.iter().filter(|row| row.agreed).collect::<Vec<_>>());
     Ok(())
 }

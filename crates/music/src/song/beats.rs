@@ -1,55 +1,50 @@
-//! The beats of a whole song. The model is the same as in the causal tracker ([`crate::beat`]), but the likeliest path
-//! through the whole song is decoded by dynamic programming (Viterbi 1967). A path branches only at beats, so one path
-//! is stored for each moment and period: the best path with a beat at this moment and the next beat a period later. The
-//! value of the path includes the rewards of the beat's half and quarters (Krebs, Böck and Widmer 2015; Ellis 2007).
+//! The beats of a whole song. The tempo comes from [`super::pulse`]. Beats are then placed on onsets, nearly a period
+//! apart, by dynamic programming (Ellis 2007): once for each metrical level, which is a simple multiple of the tempo.
+//! The likeliest level is decided for each stretch of the song, from how strong the onsets at its beats are, how low
+//! and high onsets alternate, and how common its tempo is.
 
 use std::collections::VecDeque;
-use std::f64::consts::TAU;
 
 use super::heard::{Heard, Moment};
+use super::pulse::{excesses, periods};
 use crate::onset::FLUX_MIN;
 
-/// Range of tempos, in beats per minute.
-const TEMPO: (f64, f64) = (215.0, 52.0);
-/// The likeliest tempo in beats per minute, and the cost per beat and per squared octave of distance from this tempo.
-const LIKELY: (f64, f64) = (108.0, 0.6);
+/// The tempos of the metrical levels, relative to the tempo of the pulse.
+const LEVELS: [f32; 7] = [1.0 / 3.0, 0.5, 2.0 / 3.0, 1.0, 1.5, 2.0, 3.0];
+/// The range of tempos, in beats per minute.
+const TEMPO: (f64, f64) = (48.0, 225.0);
 
-/// The rewards of a beat, its half and its quarters: a constant, and a factor of the onset strength's log odds.
-const BEAT: (f32, f32) = (0.0, 1.5);
-const HALF: (f32, f32) = (0.15, 0.15);
-const QUARTER: (f32, f32) = (0.0, -0.15);
+/// The cost of a beat that is not a period after the previous beat, per squared natural logarithm of the ratio.
+const STIFFNESS: f32 = 200.0;
+/// The range of distances between beats, relative to the period.
+const DISTANCE: (f32, f32) = (0.7, 1.4);
 
-/// The cost of a change of period, per relative change beyond the first hop.
-const TEMPO_STIFFNESS: f32 = 250.0;
-/// The cost of a change of period by one hop. The cost is small because most tempos are between two periods.
-const NEIGHBOUR: f32 = 0.25;
-/// The largest change of the period from one beat to the next, in hops.
-const REACH: usize = 6;
+/// The level is decided in stretches of this length, in seconds.
+const STRETCH_SECONDS: f64 = 30.0;
+/// The cost of a change of level between two stretches.
+const CHANGE: f32 = 1.0;
 
 /// Onset strengths are relative to the largest flux within this many seconds before and after the moment.
 const LARGEST_SECONDS: f64 = 1.5;
 /// Onsets appear in the flux this many hops late.
 const FLUX_LATE: f64 = 0.6;
-
-/// The number of moments decoded at once: 10 minutes.
-const STRETCH: usize = 56_250;
-/// Consecutive stretches overlap by this many moments: 20 seconds.
-const OVERLAP: usize = 1_875;
-
-/// The minimum fraction of beats with an onset. Noise and swelling chords have no onsets.
-const STRUCK_MIN: f32 = 0.25;
-/// The minimum agreement of the onsets' positions within the beats, for one to four onsets per beat. The agreement is
-/// the length of the mean of the positions as points on a circle. Music has 0.3 and more, speech and rain less than
-/// 0.2.
-const AGREE_MIN: f64 = 0.25;
-const PARTS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
-/// The level of music with beats has at least this standard deviation, in decibels; a held note with vibrato less.
-const LEVEL_DEVIATION_MIN: f32 = 1.0;
-/// Quieter levels count as this many decibels below the loudest level.
-const LEVEL_RANGE: f32 = 60.0;
-/// An onset within this many hops of a beat belongs to the beat.
+/// The onset of a beat is searched within this many hops before and after the beat.
 const AROUND: usize = 2;
 const BEATS_MIN: usize = 8;
+/// The minimum number of beats in a stretch, and the evidence for a level with fewer beats.
+const BEATS_OF_STRETCH_MIN: usize = 5;
+const NO_EVIDENCE: f32 = -10.0;
+/// The minimum repetition of onsets in a stretch with a steady pulse. Noise and speech reach 0.065.
+const REPEATED_MIN: f32 = 0.08;
+/// At a tenth of the beats, the flux is at least this. In swelling chords and in vibrato it is less than 0.2.
+const FLUX_LOUD_MIN: f32 = 0.25;
+/// The evidence for a level: its likeliest tempo in beats per minute, the cost per squared octave of distance from this
+/// tempo, the weights of all onsets and of low onsets at the beats, and the cost of an off-beat. The weights were fitted
+/// to songs by logistic regression.
+const LIKELY: (f64, f32) = (162.0, 3.1);
+const STRUCK: f32 = 3.5;
+const STRUCK_LOW: f32 = 1.3;
+const OFF_BEAT: f32 = 2.3;
 
 /// Returns onset strengths, 0..1, relative to the largest flux nearby ([`LARGEST_SECONDS`]).
 pub(super) fn onset_strengths(heard: &Heard) -> Vec<f32> {
@@ -82,118 +77,207 @@ fn largest_around(values: &[f32], reach: usize) -> Vec<f32> {
     (0..values.len()).map(largest).collect()
 }
 
+/// The onsets of a song, as excesses over the mean nearby.
+struct Onsets {
+    all: Vec<f32>,
+    low: Vec<f32>,
+    hop_seconds: f64,
+}
+
+/// A hypothesis about the beats.
+struct Level {
+    /// True if the beats are halfway between the beats with the strongest onsets.
+    is_off_beat: bool,
+    /// The places of the beats, in hops.
+    beats: Vec<f32>,
+}
+
 /// Returns the times of the beats in seconds; empty if there is no steady beat.
 pub(super) fn beats(heard: &Heard) -> Vec<f64> {
+    let of = |value: fn(&Moment) -> f32| {
+        let values: Vec<f32> = heard.moments.iter().map(value).collect();
+        excesses(&values, heard.hop_seconds)
+    };
+    let onsets = Onsets {
+        all: of(|moment| moment.flux),
+        low: of(|moment| moment.low_rise),
+        hop_seconds: heard.hop_seconds,
+    };
+    let (periods, repeated) = periods(&onsets.all, heard.hop_seconds);
+    let levels = levels(&onsets, &periods);
+    let found = chosen(&onsets, &levels, &repeated);
+    let found: Vec<usize> = found.into_iter().map(|beat| beat.round() as usize).collect();
     let strengths = onset_strengths(heard);
-    let mut found: Vec<usize> = Vec::new();
-    let mut start = 0;
-    while start < strengths.len() {
-        let end = (start + STRETCH).min(strengths.len());
-        let from = if start == 0 { 0 } else { start + OVERLAP / 2 };
-        let to = if end == strengths.len() { end } else { end - OVERLAP / 2 };
-        let path = path_through(&strengths[start..end], heard.hop_seconds);
-        let inside =
-            path.into_iter().map(|moment| moment + start).filter(|moment| (from..to).contains(moment));
-        let apart = 60.0 / TEMPO.0 / heard.hop_seconds * 0.8;
-        for moment in inside {
-            if found.last().is_none_or(|last| (moment - last) as f64 > apart) {
-                found.push(moment);
-            }
-        }
-        if end == strengths.len() {
-            break;
-        }
-        start = end - OVERLAP;
-    }
     let found = sounding(&found, &heard.moments);
-    if is_steady(found, &heard.moments) {
-        found.iter().map(|moment| refined(*moment, &strengths) * heard.hop_seconds).collect()
-    } else {
-        Vec::new()
+    if found.len() < BEATS_MIN || loud_flux(found, &heard.moments) < FLUX_LOUD_MIN {
+        return Vec::new();
     }
+    found.iter().map(|moment| refined(*moment, &strengths) * heard.hop_seconds).collect()
 }
 
-fn odds(strengths: &[f32]) -> Vec<f32> {
-    let at = |index: usize| strengths.get(index).copied().unwrap_or_default();
-    let odds = |index: usize| {
-        let held = at(index).max(0.9 * at(index + 1)).max(0.9 * at(index.wrapping_sub(1))).min(1.0);
-        ((held + 0.03) / (1.03 - held)).ln()
-    };
-    (0..strengths.len()).map(odds).collect()
+fn levels(onsets: &Onsets, periods: &[f32]) -> Vec<Level> {
+    let mut levels = Vec::new();
+    let rewards = rewards(&onsets.all);
+    let mean = periods.iter().sum::<f32>() / periods.len().max(1) as f32;
+    for ratio in LEVELS {
+        let tempo = 60.0 * f64::from(ratio) / (f64::from(mean) * onsets.hop_seconds);
+        if !(TEMPO.0..TEMPO.1).contains(&tempo) {
+            continue;
+        }
+        let beats = path(&rewards, |hop| periods[hop] / ratio);
+        let between = beats.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+        levels.push(Level { is_off_beat: false, beats });
+        levels.push(Level { is_off_beat: true, beats: between });
+    }
+    levels
 }
 
-fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
-    let period = |tempo: f64| (60.0 / tempo / hop_seconds).round().max(2.0) as usize;
-    let (shortest, longest) = (period(TEMPO.0), period(TEMPO.1));
-    let count = longest - shortest + 1;
-    let odds = odds(strengths);
-    let worth = |(sum, factor): (f32, f32), moment: usize| sum + factor * odds[moment];
-    let likely: Vec<f32> = (shortest..=longest)
-        .map(|period| {
-            let octaves = (60.0 / (period as f64 * hop_seconds) / LIKELY.0).log2();
-            -(LIKELY.1 * octaves * octaves) as f32
-        })
-        .collect();
-    let changing = |from: usize, to: usize| {
-        let moments = from.abs_diff(to) as f32;
-        -TEMPO_STIFFNESS * (moments - 1.0).max(0.0) / (shortest + from) as f32 - NEIGHBOUR * moments.min(1.0)
+/// Returns the reward of a beat at each hop: the smoothed onset strength, with a root mean square of about 1.
+fn rewards(strengths: &[f32]) -> Vec<f32> {
+    const KERNEL: [f32; 5] = [0.054, 0.244, 0.404, 0.244, 0.054];
+    let at = |index: usize, k: usize| (index + k).checked_sub(2).and_then(|index| strengths.get(index));
+    let smooth = |index: usize| {
+        KERNEL
+            .iter()
+            .enumerate()
+            .map(|(k, weight)| weight * at(index, k).copied().unwrap_or_default())
+            .sum::<f32>()
     };
-    // `costs[to][k]` is the cost of a change from the period `to - REACH + k` to the period `to`.
-    let costs: Vec<[f32; 2 * REACH + 1]> =
-        (0..count).map(|to| std::array::from_fn(|k| changing((to + k).saturating_sub(REACH), to))).collect();
-    // For a beat at each of the last `longest` moments and each period to the next beat: the value of the best path.
-    let rows = longest + 1;
-    let mut best = vec![0.0_f32; rows * count];
-    let mut came_from = vec![0_u8; strengths.len() * count];
-    // For each period that ends at the moment: the value of the best path. Padded at both ends.
-    let mut arriving = vec![f32::NEG_INFINITY; count + 2 * REACH];
-    for moment in 0..strengths.len() {
-        let reward = worth(BEAT, moment);
-        for (index, arrives) in arriving[REACH..REACH + count].iter_mut().enumerate() {
-            let period = shortest + index;
-            *arrives = match moment.checked_sub(period) {
-                // The first beat has no previous period to change.
-                None => 0.0,
-                Some(from) => {
-                    let quarters = worth(QUARTER, from + period / 4) + worth(QUARTER, from + 3 * period / 4);
-                    best[from % rows * count + index] + quarters + worth(HALF, from + period / 2)
-                }
-            };
-        }
-        let row = moment % rows * count;
-        for to in 0..count {
-            let near = &arriving[to..to + 2 * REACH + 1];
-            let mut largest = (REACH, f32::NEG_INFINITY);
-            for (k, (arrives, cost)) in near.iter().zip(&costs[to]).enumerate() {
-                let value = arrives + cost;
-                if value > largest.1 {
-                    largest = (k, value);
-                }
-            }
-            best[row + to] = largest.1 + reward + likely[to];
-            came_from[moment * count + to] = largest.0 as u8;
-        }
+    let smoothed: Vec<f32> = (0..strengths.len()).map(smooth).collect();
+    let scale = 1.0 / deviation(&smoothed).max(1e-6);
+    smoothed.into_iter().map(|strength| scale * strength).collect()
+}
+
+fn deviation(values: &[f32]) -> f32 {
+    let count = values.len().max(1) as f32;
+    let mean = values.iter().sum::<f32>() / count;
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f32>() / count).sqrt()
+}
+
+/// Returns the best path of beats, given the expected period at each hop.
+fn path(rewards: &[f32], period: impl Fn(usize) -> f32) -> Vec<f32> {
+    let mut best: Vec<f32> = Vec::with_capacity(rewards.len());
+    let mut came_from: Vec<Option<usize>> = Vec::with_capacity(rewards.len());
+    for (hop, reward) in rewards.iter().enumerate() {
+        let period = period(hop).max(2.0);
+        let nearest = (DISTANCE.0 * period) as usize;
+        let farthest = (DISTANCE.1 * period) as usize + 1;
+        let earlier = |distance: usize| {
+            let from = hop.checked_sub(distance)?;
+            let off = (distance as f32 / period).ln();
+            Some((from, best.get(from)? - STIFFNESS * off * off))
+        };
+        let from = (nearest.max(1)..=farthest).filter_map(earlier).max_by(|a, b| a.1.total_cmp(&b.1));
+        best.push(reward + from.map_or(0.0, |(_, value)| value));
+        came_from.push(from.map(|(from, _)| from));
     }
+    let last = period(rewards.len().saturating_sub(1)) as usize;
+    let ends = rewards.len().saturating_sub(last.max(1))..rewards.len();
+    let mut beat = ends.max_by(|a, b| best[*a].total_cmp(&best[*b]));
     let mut beats = Vec::new();
-    // The last beat is less than a period before the end of the song.
-    let last = (strengths.len().saturating_sub(longest)..strengths.len())
-        .flat_map(|moment| (0..count).map(move |index| (moment, index)))
-        .filter(|(moment, index)| moment + shortest + index >= strengths.len())
-        .max_by(|a, b| {
-            let value = |(moment, index): (usize, usize)| best[moment % rows * count + index];
-            value(*a).total_cmp(&value(*b))
-        });
-    let Some((mut moment, mut index)) = last else { return beats };
-    loop {
-        beats.push(moment);
-        index = (index + came_from[moment * count + index] as usize).saturating_sub(REACH).min(count - 1);
-        match moment.checked_sub(shortest + index) {
-            Some(earlier) => moment = earlier,
-            None => break,
-        }
+    while let Some(hop) = beat {
+        beats.push(hop as f32);
+        beat = came_from[hop];
     }
     beats.reverse();
     beats
+}
+
+/// Returns the beats of the likeliest level in each stretch, from the first to the last stretch with a steady pulse.
+fn chosen(onsets: &Onsets, levels: &[Level], repeated: &[f32]) -> Vec<f32> {
+    let hops = onsets.all.len();
+    let length = (STRETCH_SECONDS / onsets.hop_seconds) as usize;
+    let count = (hops / length.max(1)).max(1);
+    let border = |stretch: usize| (stretch * hops / count) as f32;
+    let evidence = Evidence::new(onsets);
+    let inside = |level: &Level, stretch: usize| {
+        let place = |hop: f32| level.beats.partition_point(|beat| *beat < hop);
+        place(border(stretch))..place(border(stretch + 1))
+    };
+    let scores: Vec<Vec<f32>> = (0..count)
+        .map(|stretch| {
+            let of = |level: &Level| evidence.of(&level.beats[inside(level, stretch)], level.is_off_beat);
+            levels.iter().map(of).collect()
+        })
+        .collect();
+    let choices = choices(&scores);
+    let is_steady = |stretch: &usize| {
+        let inside = &repeated[border(*stretch) as usize..border(stretch + 1) as usize];
+        inside.iter().sum::<f32>() >= REPEATED_MIN * inside.len() as f32
+    };
+    let (Some(first), Some(last)) = ((0..count).find(is_steady), (0..count).rfind(is_steady)) else {
+        return Vec::new();
+    };
+    let mut beats: Vec<f32> = Vec::new();
+    for (stretch, choice) in choices.into_iter().enumerate().take(last + 1).skip(first) {
+        let Some(level) = levels.get(choice) else { continue };
+        let mine = &level.beats[inside(level, stretch)];
+        let apart = mine.windows(2).next().map_or(1.0, |pair| 0.6 * (pair[1] - pair[0]));
+        let after = beats.last().map_or(f32::NEG_INFINITY, |last| last + apart);
+        beats.extend(mine.iter().filter(|beat| **beat > after));
+    }
+    beats
+}
+
+/// Returns the likeliest level of each stretch (Viterbi 1967).
+fn choices(scores: &[Vec<f32>]) -> Vec<usize> {
+    let likeliest =
+        |best: &[f32]| (0..best.len()).max_by(|a, b| best[*a].total_cmp(&best[*b])).unwrap_or_default();
+    let mut best: Vec<f32> = Vec::new();
+    let mut came_from = Vec::new();
+    for score in scores {
+        let leap = likeliest(&best);
+        let stays = |level: usize| best.get(level).is_none_or(|own| *own >= best[leap] - CHANGE);
+        let from: Vec<usize> =
+            (0..score.len()).map(|level| if stays(level) { level } else { leap }).collect();
+        let value = |level: usize| match best.get(from[level]) {
+            Some(value) if from[level] == level => value + score[level],
+            Some(value) => value - CHANGE + score[level],
+            None => score[level],
+        };
+        best = (0..score.len()).map(value).collect();
+        came_from.push(from);
+    }
+    let mut level = likeliest(&best);
+    let mut choices = vec![0; scores.len()];
+    for (choice, from) in choices.iter_mut().zip(&came_from).rev() {
+        *choice = level;
+        level = from.get(level).copied().unwrap_or_default();
+    }
+    choices
+}
+
+/// Measures how likely beats are. The strengths are the largest nearby, relative to the usual strength.
+struct Evidence {
+    all: Vec<f32>,
+    low: Vec<f32>,
+    hop_seconds: f64,
+}
+
+impl Evidence {
+    fn new(onsets: &Onsets) -> Self {
+        let of = |strengths: &[f32]| {
+            let scale = 0.5 / deviation(strengths).max(1e-6);
+            largest_around(strengths, AROUND).into_iter().map(|strength| scale * strength).collect()
+        };
+        let Onsets { all, low, hop_seconds } = onsets;
+        Self { all: of(all), low: of(low), hop_seconds: *hop_seconds }
+    }
+
+    fn of(&self, beats: &[f32], is_off_beat: bool) -> f32 {
+        let (Some(first), Some(last)) = (beats.first(), beats.last()) else { return NO_EVIDENCE };
+        if beats.len() < BEATS_OF_STRETCH_MIN {
+            return NO_EVIDENCE;
+        }
+        let tempo = 60.0 * (beats.len() - 1) as f64 / (f64::from(last - first) * self.hop_seconds);
+        let octaves = (tempo / LIKELY.0).log2() as f32;
+        let mean = |strengths: &[f32]| {
+            let at = |place: &f32| strengths.get(place.round() as usize).copied().unwrap_or_default();
+            beats.iter().map(at).sum::<f32>() / beats.len() as f32
+        };
+        let off_beat = if is_off_beat { OFF_BEAT } else { 0.0 };
+        STRUCK * mean(&self.all) + STRUCK_LOW * mean(&self.low) - LIKELY.1 * octaves * octaves - off_beat
+    }
 }
 
 /// Removes the beats before the first sound and after the last sound.
@@ -209,47 +293,15 @@ fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
     beats.get(from..to).unwrap_or_default()
 }
 
-/// True if enough beats have onsets, the level varies, and onsets between beats are at even parts of beats.
-fn is_steady(beats: &[usize], moments: &[Moment]) -> bool {
-    let begins = |beat: usize| {
+/// Returns the flux that is exceeded near a tenth of the beats.
+fn loud_flux(beats: &[usize], moments: &[Moment]) -> f32 {
+    let near = |beat: &usize| {
         let around = beat.saturating_sub(AROUND)..(beat + AROUND + 1).min(moments.len());
-        moments.get(around).unwrap_or_default().iter().any(|moment| moment.begins)
+        moments.get(around).unwrap_or_default().iter().fold(0.0_f32, |most, moment| most.max(moment.flux))
     };
-    let struck = beats.iter().filter(|beat| begins(**beat)).count();
-    beats.len() >= BEATS_MIN
-        && struck as f32 >= STRUCK_MIN * beats.len() as f32
-        && level_deviation(beats, moments) >= LEVEL_DEVIATION_MIN
-        && agreement(beats, moments) >= AGREE_MIN
-}
-
-/// Returns the agreement of the onsets' positions, as [`AGREE_MIN`] describes it; 0 without onsets.
-fn agreement(beats: &[usize], moments: &[Moment]) -> f64 {
-    let places: Vec<f64> = beats
-        .windows(2)
-        .flat_map(|pair| {
-            let (from, to) = (pair[0], pair[1]);
-            (from..to)
-                .filter(|moment| moments.get(*moment).is_some_and(|moment| moment.begins))
-                .map(move |moment| (moment - from) as f64 / (to - from) as f64)
-        })
-        .collect();
-    let mean = |parts: &f64| {
-        let turned = places.iter().map(|place| (TAU * parts * place).sin_cos());
-        let (sine, cosine) = turned.fold((0.0, 0.0), |(s, c), (sine, cosine)| (s + sine, c + cosine));
-        f64::hypot(sine, cosine) / places.len().max(1) as f64
-    };
-    PARTS.iter().map(mean).fold(0.0, f64::max)
-}
-
-/// Returns the standard deviation of the level between the first and the last beat, in decibels.
-fn level_deviation(beats: &[usize], moments: &[Moment]) -> f32 {
-    let (Some(first), Some(last)) = (beats.first(), beats.last()) else { return 0.0 };
-    let moments = moments.get(*first..*last).unwrap_or_default();
-    let loudest = moments.iter().fold(1e-12_f32, |loudest, moment| loudest.max(moment.power));
-    let level = |moment: &Moment| (10.0 * (moment.power / loudest).max(1e-12).log10()).max(-LEVEL_RANGE);
-    let count = moments.len().max(1) as f32;
-    let mean = moments.iter().map(level).sum::<f32>() / count;
-    (moments.iter().map(|moment| (level(moment) - mean).powi(2)).sum::<f32>() / count).sqrt()
+    let mut flux: Vec<f32> = beats.iter().map(near).collect();
+    flux.sort_by(f32::total_cmp);
+    flux.get(flux.len() * 9 / 10).copied().unwrap_or_default()
 }
 
 /// Returns the position of the onset near `beat`, in hops, with a fraction.

@@ -23,6 +23,7 @@ mod heard;
 mod key;
 mod listener;
 mod moment;
+mod pulse;
 mod sections;
 mod structure;
 mod units;
