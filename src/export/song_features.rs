@@ -84,6 +84,20 @@ impl SongFeatures {
         self.structure.as_ref().map_or(SongMoment::UNKNOWN, |structure| structure.moment(time))
     }
 
+    /// Returns `sound`, which was measured at `time`, with the position in the whole song, its tempo and its phase. Call
+    /// [`SongFeatures::know_song`] before this.
+    pub fn placed(&self, time: f64, sound: Sound) -> Sound {
+        Sound { song: self.place_in_song(time), features: self.guided(time, sound.features), ..sound }
+    }
+
+    /// Returns the features with the tempo and phase of the whole song, if its structure is known.
+    fn guided(&self, time: f64, mut features: Features) -> Features {
+        if let Some(structure) = &self.structure {
+            structure.guide(time, &mut features);
+        }
+        features
+    }
+
     /// Returns the song's title for messages.
     pub fn name(&self) -> &str {
         &self.name
@@ -100,7 +114,7 @@ impl SongFeatures {
     /// Fails if the file is damaged.
     pub fn at(&mut self, time: f64) -> Result<Option<Features>, DecodeError> {
         self.decode_to(time)?;
-        Ok((!self.is_over(time)).then(|| self.track.at(time)))
+        Ok((!self.is_over(time)).then(|| self.guided(time, self.track.at(time))))
     }
 
     /// Returns the sound (features with tables) at `time` seconds; `None` if the song has ended.
@@ -109,8 +123,7 @@ impl SongFeatures {
     /// Fails if the file is damaged.
     pub fn sound_at(&mut self, time: f64) -> Result<Option<Sound>, DecodeError> {
         self.decode_to(time)?;
-        let sound = || Sound { song: self.place_in_song(time), ..self.track.sound_at(time) };
-        Ok((!self.is_over(time)).then(sound))
+        Ok((!self.is_over(time)).then(|| self.placed(time, self.track.sound_at(time))))
     }
 
     /// True if the song is known to end at or before `time`.

@@ -98,7 +98,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
             if painter.reads_song() {
                 song.know_song();
             }
-            let sound = Sound { song: song.place_in_song(request.at), ..sound };
+            let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
             painter.draw((request.at, sound), held, request.size)?;
             painter.headless_renderer().read()
@@ -125,7 +125,7 @@ fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> R
     };
     if ready.world.scene.graph.reads_song() {
         song.know_song();
-        sound.song = song.place_in_song(request.at);
+        sound = song.placed(request.at, sound);
     }
     require_inputs(&[&ready.world.scene], &request.set)?;
     let mut painter = Painter::of_ready(&request.scene, ready)?;

@@ -201,7 +201,10 @@ impl Listening {
         self.track = now.track;
         let songs = self.songs.as_ref().filter(|_| self.sound.plays_song());
         now.song = match songs.and_then(|songs| songs.get(now.track)) {
-            Some(structure) => structure.moment(now.song_time),
+            Some(structure) => {
+                structure.guide(now.song_time, &mut now.features);
+                structure.moment(now.song_time)
+            }
             None => {
                 let energy = self.energy.at(now.song_time, now.features.level_db);
                 let heard = SongMoment::of_live(energy, &now.features);

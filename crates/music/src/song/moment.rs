@@ -123,6 +123,14 @@ impl SongStructure {
         }
         At { song: self, time: time.clamp(0.0, positive(self.seconds)) }.moment()
     }
+
+    /// Replaces the tempo and the phase of `features`, which were predicted without knowledge of the song, with the
+    /// song's own at `time` seconds, so that they match [`SongMoment::bar`]. Keeps both if the song has no beats.
+    pub fn guide(&self, time: f64, features: &mut Features) {
+        if let Some((counted, tempo)) = (At { song: self, time }).counted().filter(|_| time.is_finite()) {
+            (features.tempo, features.phase) = (tempo, below_one(counted.rem_euclid(1.0)));
+        }
+    }
 }
 
 /// A time within a song, in seconds.
@@ -157,9 +165,9 @@ impl At<'_> {
         }
     }
 
-    fn place_in_bar(self) -> Option<(f32, f32)> {
+    /// Returns the number of beats since the start of a bar, with a fraction, and the tempo.
+    fn counted(self) -> Option<(f64, f32)> {
         let time = self.time;
-        let in_bar = self.song.meter?.beats();
         let beats = &self.song.beats;
         // Use the last beat at or before the time, or the first beat if the time is earlier.
         let index = beats.partition_point(|beat| beat.time <= time).saturating_sub(1);
@@ -172,7 +180,12 @@ impl At<'_> {
         let passed = (time - beat.time) / if period > 1e-3 { period } else { 1.0 };
         // Outside the beats of the song, bars continue at the last or first tempo.
         let counted = f64::from(beat.of_bar) - 1.0 + if passed.is_finite() { passed } else { 0.0 };
-        let place = counted.rem_euclid(in_bar as f64);
+        Some((counted, if beat.tempo.is_finite() { beat.tempo.max(0.0) } else { 0.0 }))
+    }
+
+    fn place_in_bar(self) -> Option<(f32, f32)> {
+        let in_bar = self.song.meter?.beats();
+        let place = self.counted()?.0.rem_euclid(in_bar as f64);
         let number = (place.floor() + 1.0).min(in_bar as f64);
         Some((below_one(place / in_bar as f64), number as f32))
     }

@@ -36,6 +36,24 @@ fn song() -> SongStructure {
     }
 }
 
+#[test]
+fn tempo_and_phase_match_the_bar() {
+    let song = song();
+    for time in [0.2, 1.0, 1.1, 7.85, 30.9, 31.8] {
+        let mut features = Features { tempo: 60.0, phase: 0.3, ..Features::SILENCE };
+        song.guide(time, &mut features);
+        let of_bar = song.moment(time).bar * 4.0;
+        assert!(
+            close(features.tempo, 120.0) && close(features.phase, of_bar.fract()),
+            "at {time} s: {features:?}"
+        );
+    }
+    let mut features = Features { tempo: 60.0, phase: 0.3, ..Features::SILENCE };
+    SongStructure::default().guide(1.0, &mut features);
+    song.guide(f64::NAN, &mut features);
+    assert_eq!((features.tempo, features.phase), (60.0, 0.3));
+}
+
 fn close(a: f32, b: f32) -> bool {
     (a - b).abs() < 1e-5
 }
