@@ -3,6 +3,8 @@
 //! `NAME.beats` with the time of one true beat in seconds on each line. Songs without such a file are skipped. If there
 //! is a file `NAME.second` from a second judge, the means are also printed for the songs on which both judges agree.
 //!
+//! If there is a file `NAME.onsets` with the times of onsets, the F-measure of the onsets is printed.
+//!
 //! The column `heard` is for live input and `whole` for an analysis of the whole song. F is the F-measure with a
 //! tolerance of ±70 ms. AMLt is the fraction of beats whose position and distance from the previous beat are right
 //! within 17.5 %; double tempo, half tempo and the off-beat also count as right (Davies, Degara and Plumbley 2009). The
@@ -226,6 +228,18 @@ fn means(name: &str, rows: &[&Row]) {
     }
 }
 
+/// Returns the times of the onsets.
+fn onsets(frames: &[StereoFrame]) -> Vec<f64> {
+    let mut onsets = Vec::new();
+    let mut take = |moment: &TimedFeatures| {
+        if moment.features.beat == 1.0 {
+            onsets.push(moment.time);
+        }
+    };
+    Analyzer::new(RATE, Alignment::Trailing).push(frames, &mut take);
+    onsets
+}
+
 fn times(path: &Path) -> Option<Vec<f64>> {
     let text = std::fs::read_to_string(path).ok()?;
     Some(text.lines().filter_map(|line| line.trim().parse().ok()).collect())
@@ -239,6 +253,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut rows = Vec::new();
     for song in arguments {
         let name = song.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if let Some(truth) = times(&references.join(format!("{name}.onsets"))) {
+            let found = onsets(&decoded(&song)?);
+            println!(
+                "{name:32} onsets F {:.2}, {} found, {} true",
+                f_measure(&found, &truth),
+                found.len(),
+                truth.len()
+            );
+        }
         let Some(truth) = times(&references.join(format!("{name}.beats"))) else { continue };
         let second = times(&references.join(format!("{name}.second"))).unwrap_or_default();
         rows.push(row(&name, &decoded(&song)?, &truth, &second));

@@ -306,7 +306,7 @@ impl Analyzer {
             self.followers.volume.follow(value, (scale * target).min(SAMPLE_MAX));
         }
 
-        let pulse = self.rhythm.follow(short);
+        let pulse = self.rhythm.follow(middle, short);
         self.followers.beat.follow(&mut features.beat, 0.0);
         if pulse.begins {
             features.beat = 1.0;

@@ -38,9 +38,15 @@ const USUAL_AT_FIRST: f32 = 0.2;
 
 /// The maximum rise of a group relative to its mean rise, so that a rise of one group alone is no onset.
 const SUDDEN_MOST: f32 = 8.0;
+/// The same maximum for low onsets, which are rises of few bins.
+const LOW_SUDDEN_MOST: f32 = 24.0;
 
 /// The maximum rise that enters a group's mean, relative to the mean, so that onsets do not raise the mean much.
 const TEACHES_MOST: f32 = 3.0;
+
+/// Low onsets are detected in each bin of a longer window up to this frequency, in hertz. There, a kick is separate from
+/// the chord above it, and the chord's other groups do not hide its rise.
+const LOW_HZ: f64 = 200.0;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Rise {
@@ -53,76 +59,130 @@ pub(super) struct Rise {
     pub(super) sudden: f32,
 }
 
-pub(super) struct Flux {
-    edges: [usize; GROUPS + 1],
+/// The rises of groups of bins.
+struct Groups {
+    edges: Vec<usize>,
     /// The weights of the groups, with sum 1.
-    weights: [f32; GROUPS],
-    last: [[f32; GROUPS]; LAG],
-    loudest: f32,
-    loudest_of: [f32; GROUPS],
-    usual: [f32; GROUPS],
+    weights: Vec<f32>,
+    last: [Vec<f32>; LAG],
+    loudest_of: Vec<f32>,
+    usual: Vec<f32>,
     /// The fraction of the loudest amplitude that is left after a hop.
     kept: f32,
     learned: f32,
+    /// The maximum rise of a group relative to its mean rise.
+    most: f32,
+}
+
+impl Groups {
+    fn new(edges: Vec<usize>, weight: impl Fn(usize) -> f64, hop_seconds: f64, most: f32) -> Self {
+        let count = edges.len() - 1;
+        let all: f64 = (0..count).map(&weight).sum();
+        Self {
+            edges,
+            weights: (0..count).map(|group| (weight(group) / all) as f32).collect(),
+            last: std::array::from_fn(|_| vec![0.0; count]),
+            loudest_of: vec![0.0; count],
+            usual: vec![USUAL_AT_FIRST; count],
+            kept: (-hop_seconds / LOUDEST_SECONDS).exp() as f32,
+            learned: (hop_seconds / USUAL_SECONDS) as f32,
+            most,
+        }
+    }
+
+    fn restart(&mut self) {
+        self.last.iter_mut().for_each(|last| last.fill(0.0));
+        self.loudest_of.fill(0.0);
+        self.usual.fill(USUAL_AT_FIRST);
+    }
+
+    fn power(&self, power: &[f32]) -> f32 {
+        let (first, end) = (self.edges.first(), self.edges.last());
+        let inside = first.zip(end).and_then(|(first, end)| power.get(*first..*end));
+        inside.unwrap_or_default().iter().sum()
+    }
+
+    fn follow(&mut self, power: &[f32], all_loudest: f32) -> Rise {
+        let mut rise = Rise::default();
+        let [oldest, ..] = &mut self.last;
+        let groups = self.edges.windows(2).zip(&self.weights).zip(&mut self.loudest_of).zip(&mut self.usual);
+        for ((((edges, weight), loudest), usual), oldest) in groups.zip(oldest) {
+            let bins = power.get(edges[0]..edges[1]).unwrap_or_default();
+            let amplitude = bins.iter().sum::<f32>().sqrt();
+            *loudest = amplitude.max(*loudest * self.kept);
+            let of_group = (*loudest / all_loudest).clamp(GROUP_MIN, 1.0);
+            let level = amplitude / all_loudest / of_group.powf(WHITENING);
+            let height = (1.0 + COMPRESSION * level).ln();
+            let rises = (height - std::mem::replace(oldest, height)).max(0.0);
+            let sudden = rises / (USUAL_MIN + *usual);
+            *usual += self.learned * (rises.min(TEACHES_MOST * (USUAL_MIN + *usual)) - *usual);
+            rise.flux += weight * rises;
+            rise.sudden += weight * sudden.min(self.most);
+        }
+        self.last.rotate_left(1);
+        rise
+    }
+}
+
+/// Measures the rises of all frequencies, in a short window.
+pub(super) struct Flux {
+    groups: Groups,
+    loudest: f32,
+    kept: f32,
 }
 
 impl Flux {
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
-        let hz = |group: f64| BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(group / GROUPS as f64);
-        let mut edges = [0; GROUPS + 1];
+        let hz = |group: usize| {
+            BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(group as f64 / GROUPS as f64)
+        };
         let mut least = 1;
-        for (group, edge) in edges.iter_mut().enumerate() {
+        let edge = |group: usize| {
             // Each group has at least one bin, so the edges of the low groups are higher than equal ratios would give.
-            *edge = ((hz(group as f64) / bin_hz).round() as usize).max(least).min(bins);
-            least = *edge + 1;
-        }
-        let weight = |group: usize| (edges[group].max(1) as f64 * bin_hz).powf(WEIGHT_POWER);
-        let all: f64 = (0..GROUPS).map(weight).sum();
+            let edge = ((hz(group) / bin_hz).round() as usize).max(least).min(bins);
+            least = edge + 1;
+            edge
+        };
+        let edges: Vec<usize> = (0..=GROUPS).map(edge).collect();
+        let weights: Vec<f64> =
+            edges.iter().map(|edge| ((*edge).max(1) as f64 * bin_hz).powf(WEIGHT_POWER)).collect();
         Self {
-            edges,
-            weights: std::array::from_fn(|group| (weight(group) / all) as f32),
-            last: [[0.0; GROUPS]; LAG],
+            groups: Groups::new(edges, |group| weights[group], hop_seconds, SUDDEN_MOST),
             loudest: 0.0,
-            loudest_of: [0.0; GROUPS],
-            usual: [USUAL_AT_FIRST; GROUPS],
             kept: (-hop_seconds / LOUDEST_SECONDS).exp() as f32,
-            learned: (hop_seconds / USUAL_SECONDS) as f32,
         }
     }
 
     pub(super) fn restart(&mut self) {
-        self.last = [[0.0; GROUPS]; LAG];
+        self.groups.restart();
         self.loudest = 0.0;
-        self.loudest_of = [0.0; GROUPS];
-        self.usual = [USUAL_AT_FIRST; GROUPS];
     }
 
     pub(super) fn follow(&mut self, power: &[f32]) -> Rise {
-        let amplitudes: [f32; GROUPS] = std::array::from_fn(|group| {
-            let bins = power.get(self.edges[group]..self.edges[group + 1]).unwrap_or_default();
-            bins.iter().sum::<f32>().sqrt()
-        });
-        let all = amplitudes.iter().map(|amplitude| amplitude * amplitude).sum::<f32>().sqrt();
+        let all = self.groups.power(power).sqrt();
         self.loudest = all.max(self.loudest * self.kept).max(AMPLITUDE_MIN);
-        let mut rise = Rise::default();
-        let mut now = [0.0; GROUPS];
-        let [before, ..] = self.last;
-        for (group, amplitude) in amplitudes.into_iter().enumerate() {
-            let loudest = &mut self.loudest_of[group];
-            *loudest = amplitude.max(*loudest * self.kept);
-            let of_group = (*loudest / self.loudest).clamp(GROUP_MIN, 1.0);
-            let level = amplitude / self.loudest / of_group.powf(WHITENING);
-            now[group] = (1.0 + COMPRESSION * level).ln();
-            let rises = (now[group] - before[group]).max(0.0);
-            let usual = &mut self.usual[group];
-            let sudden = rises / (USUAL_MIN + *usual);
-            *usual += self.learned * (rises.min(TEACHES_MOST * (USUAL_MIN + *usual)) - *usual);
-            rise.flux += self.weights[group] * rises;
-            rise.sudden += self.weights[group] * sudden.min(SUDDEN_MOST);
-        }
-        self.last.rotate_left(1);
-        self.last[LAG - 1] = now;
-        rise
+        self.groups.follow(power, self.loudest)
+    }
+}
+
+/// Measures the rises of low frequencies, in a longer window.
+pub(super) struct LowFlux {
+    groups: Groups,
+}
+
+impl LowFlux {
+    pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
+        let end = ((LOW_HZ / bin_hz).round() as usize).clamp(2, bins.max(2));
+        Self { groups: Groups::new((1..=end).collect(), |_| 1.0, hop_seconds, LOW_SUDDEN_MOST) }
+    }
+
+    pub(super) fn restart(&mut self) {
+        self.groups.restart();
+    }
+
+    /// Returns the mean rise of the bins, relative to each bin's mean rise. `flux` has processed the same moment.
+    pub(super) fn follow(&mut self, power: &[f32], flux: &Flux) -> f32 {
+        self.groups.follow(power, flux.loudest.max(AMPLITUDE_MIN)).sudden
     }
 }
 
@@ -149,66 +209,48 @@ const SILENT_BEFORE: usize = 16;
 /// The minimum distance between two onsets, in seconds.
 const ONSETS_APART: f64 = 0.05;
 
-/// Detects onsets with an adaptive threshold, without lookahead.
-pub(super) struct Onsets {
-    sudden: Vec<f32>,
-    flux: Vec<f32>,
+/// Low onsets exceed the threshold by this much more, because few bins vary more than many.
+const LOW_SPREAD: f32 = 2.5;
+
+/// An adaptive threshold, without lookahead.
+struct Threshold {
+    values: Vec<f32>,
+    sorted: Vec<f32>,
     moment: usize,
     taken: usize,
-    sorted: Vec<f32>,
     above: bool,
-    apart: u32,
-    since: u32,
+    /// The factor of the required excess.
+    spread: f32,
 }
 
-impl Onsets {
-    pub(super) fn new(hop_seconds: f64) -> Self {
-        let ring = |seconds: f64| vec![0.0; (seconds / hop_seconds).ceil() as usize];
-        let apart = (ONSETS_APART / hop_seconds).round() as u32;
-        Self {
-            sudden: ring(SUDDEN_SECONDS),
-            flux: ring(FLUX_SECONDS),
-            moment: 0,
-            taken: 0,
-            sorted: ring(SUDDEN_SECONDS),
-            above: false,
-            apart,
-            since: apart,
-        }
+impl Threshold {
+    fn new(hop_seconds: f64, spread: f32) -> Self {
+        let ring = vec![0.0; (SUDDEN_SECONDS / hop_seconds).ceil() as usize];
+        Self { sorted: ring.clone(), values: ring, moment: 0, taken: 0, above: false, spread }
     }
 
-    pub(super) fn restart(&mut self) {
-        self.sudden.fill(0.0);
-        self.flux.fill(0.0);
-        (self.moment, self.taken) = (0, 0);
-        (self.above, self.since) = (false, self.apart);
+    fn restart(&mut self) {
+        self.values.fill(0.0);
+        (self.moment, self.taken, self.above) = (0, 0, false);
     }
 
-    /// Returns true at an onset, and the moment's flux relative to the largest recent flux, 0..1.
-    pub(super) fn follow(&mut self, rise: Rise) -> (bool, f32) {
-        for (ring, value) in [(&mut self.sudden, rise.sudden), (&mut self.flux, rise.flux)] {
-            let place = self.moment % ring.len();
-            ring[place] = value;
-        }
+    /// Returns true if the value exceeds the threshold, and the previous value did not.
+    fn follow(&mut self, value: f32) -> bool {
+        let place = self.moment % self.values.len();
+        self.values[place] = value;
         self.moment = self.moment.wrapping_add(1);
-        self.taken = (self.taken + 1).min(self.sudden.len());
-        let above = rise.sudden > self.threshold();
+        self.taken = (self.taken + 1).min(self.values.len());
+        let above = value > self.threshold();
         let was_above = std::mem::replace(&mut self.above, above);
-        self.since = self.since.saturating_add(1);
-        let begins = above && !was_above && self.since >= self.apart;
-        if begins {
-            self.since = 0;
-        }
-        let strongest = self.flux.iter().fold(FLUX_MIN, |largest, flux| largest.max(*flux));
-        (begins, (rise.flux / strongest).min(1.0))
+        above && !was_above
     }
 
     fn threshold(&mut self) -> f32 {
         // Until the ring is full, only its first entries are used. These entries include some silence before the first
         // moment, so that a sound at the start of the stream is an onset.
-        let count = self.taken.max(SILENT_BEFORE).min(self.sudden.len());
+        let count = self.taken.max(SILENT_BEFORE).min(self.values.len());
         let sorted = &mut self.sorted[..count];
-        sorted.copy_from_slice(&self.sudden[..count]);
+        sorted.copy_from_slice(&self.values[..count]);
         let largest = sorted.iter().fold(0.0_f32, |largest, sudden| largest.max(*sudden));
         let half = sorted.len() / 2;
         let (lower, median, _) = sorted.select_nth_unstable_by(half, f32::total_cmp);
@@ -219,6 +261,53 @@ impl Onsets {
             None => median,
         };
         let above = (SUDDEN_SPREADS * (median - quartile)).clamp(SUDDEN_ABOVE.0, SUDDEN_ABOVE.1);
-        median + above.max(SUDDEN_FRACTION * (largest - median))
+        median + (self.spread * above).max(SUDDEN_FRACTION * (largest - median))
+    }
+}
+
+/// Detects onsets: rises of all frequencies, or of low frequencies alone.
+pub(super) struct Onsets {
+    all: Threshold,
+    low: Threshold,
+    flux: Vec<f32>,
+    moment: usize,
+    apart: u32,
+    since: u32,
+}
+
+impl Onsets {
+    pub(super) fn new(hop_seconds: f64) -> Self {
+        let apart = (ONSETS_APART / hop_seconds).round() as u32;
+        Self {
+            all: Threshold::new(hop_seconds, 1.0),
+            low: Threshold::new(hop_seconds, LOW_SPREAD),
+            flux: vec![0.0; (FLUX_SECONDS / hop_seconds).ceil() as usize],
+            moment: 0,
+            apart,
+            since: apart,
+        }
+    }
+
+    pub(super) fn restart(&mut self) {
+        self.all.restart();
+        self.low.restart();
+        self.flux.fill(0.0);
+        (self.moment, self.since) = (0, self.apart);
+    }
+
+    /// Returns true at an onset, and the moment's flux relative to the largest recent flux, 0..1. `low` is the sudden
+    /// rise of [`LowFlux`].
+    pub(super) fn follow(&mut self, rise: Rise, low: f32) -> (bool, f32) {
+        let place = self.moment % self.flux.len();
+        self.flux[place] = rise.flux;
+        self.moment = self.moment.wrapping_add(1);
+        let [of_all, of_low] = [self.all.follow(rise.sudden), self.low.follow(low)];
+        self.since = self.since.saturating_add(1);
+        let begins = (of_all || of_low) && self.since >= self.apart;
+        if begins {
+            self.since = 0;
+        }
+        let strongest = self.flux.iter().fold(FLUX_MIN, |largest, flux| largest.max(*flux));
+        (begins, (rise.flux / strongest).min(1.0))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::beat::{Beat, BeatTracker};
 use super::live_bars::{LiveBar, LiveBars, Strokes};
-use super::onset::{Flux, Onsets};
+use super::onset::{Flux, LowFlux, Onsets};
 use super::rises::Rises;
 use super::scale::SPECTRUM_POINTS;
 
@@ -14,6 +14,7 @@ pub(super) struct RhythmMoment {
 
 pub(super) struct Rhythm {
     flux: Flux,
+    low: LowFlux,
     onsets: Onsets,
     beats: BeatTracker,
     /// The bar tracker, for live input only. Bars of songs come from [`crate::song`].
@@ -21,10 +22,11 @@ pub(super) struct Rhythm {
 }
 
 impl Rhythm {
-    /// Creates a tracker for spectra of `bins` bins of `bin_hz` hertz. Onsets appear `late` hops after they happened.
+    /// Creates a tracker for short spectra of `bins` bins of `bin_hz` hertz, and spectra of twice this length. Onsets appear `late` hops after they happened.
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64, late: f32, with_bars: bool) -> Self {
         Self {
             flux: Flux::new(bins, bin_hz, hop_seconds),
+            low: LowFlux::new(2 * bins, 0.5 * bin_hz, hop_seconds),
             onsets: Onsets::new(hop_seconds),
             beats: BeatTracker::new(hop_seconds, late),
             bars: with_bars.then(|| (Rises::new(bins, bin_hz, hop_seconds), LiveBars::new())),
@@ -33,6 +35,7 @@ impl Rhythm {
 
     pub(super) fn restart(&mut self) {
         self.flux.restart();
+        self.low.restart();
         self.onsets.restart();
         self.beats.restart();
         if let Some((rises, bars)) = &mut self.bars {
@@ -41,9 +44,10 @@ impl Rhythm {
         }
     }
 
-    pub(super) fn follow(&mut self, power: &[f32]) -> RhythmMoment {
-        let (begins, flux) = self.onsets.follow(self.flux.follow(power));
-        let strokes = self.bars.as_mut().map(|(rises, _)| Strokes::of(rises.follow(power), flux));
+    pub(super) fn follow(&mut self, middle: &[f32], short: &[f32]) -> RhythmMoment {
+        let rise = self.flux.follow(short);
+        let (begins, flux) = self.onsets.follow(rise, self.low.follow(middle, &self.flux));
+        let strokes = self.bars.as_mut().map(|(rises, _)| Strokes::of(rises.follow(short), flux));
         RhythmMoment { begins, beat: self.beats.follow(flux, begins), strokes }
     }
 

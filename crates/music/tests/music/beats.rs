@@ -148,6 +148,40 @@ fn a_click_under_a_loud_chord_is_an_onset() {
     }
 }
 
+/// A kick without a click, a snare, and a bass note.
+#[test]
+fn low_sounds_under_a_loud_chord_are_onsets() {
+    const GAP: f64 = 0.45;
+    let mut state = 9;
+    let sine = |hz: f64, t: f64| (std::f64::consts::TAU * hz * t).sin();
+    let mut stroke = |name: &str, number: usize, t: f64| {
+        let rise = |seconds: f64| (t / seconds).min(1.0);
+        match name {
+            "kick" => sine(50.0, t) * (-t / 0.08).exp() * rise(0.002),
+            "snare" => 0.5 * sine(190.0, t) * (-t / 0.06).exp() + 0.6 * noise(&mut state) * (-t / 0.07).exp(),
+            _ => {
+                let hz = [55.0, 73.4, 61.7, 98.0, 82.4][number % 5];
+                let fall = ((0.4 - t) / 0.02).clamp(0.0, 1.0);
+                (sine(hz, t) + 0.4 * sine(2.0 * hz, t)) * (-t / 0.4).exp() * rise(0.008) * fall
+            }
+        }
+    };
+    for (name, least) in [("kick", 0.9), ("snare", 0.9), ("bass", 0.8)] {
+        for decibels in [-6.0, -12.0] {
+            // The chord's peak is about 0.8.
+            let loud = 0.8 * f64::powf(10.0, decibels / 20.0);
+            let frames = signal(RATE, 16.0, |t| {
+                let number = (t / GAP) as usize;
+                let struck = if t < 3.0 { 0.0 } else { loud * stroke(name, number, t - GAP * number as f64) };
+                [0.3 * organ(t, 110.0) + struck; 2]
+            });
+            let truth: Vec<f64> = (7..35).map(|number| GAP * f64::from(number)).collect();
+            let f = f_measure(&onsets_of(&frames), &truth, 3.0, 15.5);
+            assert!(f >= least, "{name} at {decibels} dB: F = {f:.2}");
+        }
+    }
+}
+
 #[test]
 fn clicks_in_quick_succession_are_separate_onsets() {
     for gap in [0.06, 0.08, 0.1] {
