@@ -12,6 +12,8 @@
 use std::f32::consts::TAU;
 use std::ops::Range;
 
+use super::repetition::Repetition;
+
 /// Range of tempos, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
 
@@ -46,6 +48,9 @@ const DOUBT: f32 = 1e-6;
 /// Thresholds of the total belief in the states near the likeliest state: within a tenth of a beat and a twelfth of its
 /// tempo. A tempo is reported once this belief reaches the first value, until it falls below the second value.
 const REPORTED: (f32, f32) = (0.6, 0.25);
+
+/// A tempo is first reported when the onsets repeat this much at its period. Noise and speech hardly repeat.
+const REPEATED_MIN: f32 = 0.08;
 
 /// Another tempo replaces the reported tempo only if it is likelier by this factor.
 const INERTIA: f32 = 3.0;
@@ -105,6 +110,7 @@ pub(super) struct BeatTracker {
     onsets: u32,
     /// The delay of the flux, in hops.
     late: f32,
+    repetition: Repetition,
     reported: Beat,
 }
 
@@ -158,6 +164,7 @@ impl BeatTracker {
             since_onset: 0,
             onsets: 0,
             late,
+            repetition: Repetition::new(hop_seconds),
             reported: Beat::default(),
         };
         tracker.restart();
@@ -171,6 +178,7 @@ impl BeatTracker {
         }
         self.held = [0.0; 4];
         (self.since_onset, self.onsets) = (self.forget, 0);
+        self.repetition.restart();
         self.reported = Beat::default();
     }
 
@@ -184,6 +192,7 @@ impl BeatTracker {
             }
             return Beat::default();
         }
+        self.repetition.follow(flux);
         self.move_on();
         self.held.rotate_right(1);
         self.held[0] = flux;
@@ -249,8 +258,10 @@ impl BeatTracker {
         }
         let sure = x.hypot(y);
         let period = moments / mass.max(f32::MIN_POSITIVE);
-        let enough = if self.reported.tempo > 0.0 { REPORTED.1 } else { REPORTED.0 };
-        if sure < enough || self.onsets < ONSETS_MIN {
+        let is_reported = self.reported.tempo > 0.0;
+        let enough = if is_reported { REPORTED.1 } else { REPORTED.0 };
+        let repeats = is_reported || self.repetition.at(period) >= REPEATED_MIN;
+        if sure < enough || self.onsets < ONSETS_MIN || !repeats {
             self.reported = Beat::default();
             return self.reported;
         }

@@ -41,6 +41,7 @@ mod live_bars;
 mod live_energy;
 mod onset;
 mod pitch;
+mod repetition;
 mod resolution;
 mod rhythm;
 mod rises;

@@ -223,3 +223,29 @@ fn steady_noise_and_vibrato_have_no_onsets() {
         assert!(later().all(|moment| moment.features.tempo == 0.0), "{name} has a tempo");
     }
 }
+
+/// Noise in syllables of random length, as in speech, and random drops, as in rain.
+#[test]
+fn irregular_sounds_have_hardly_a_tempo() {
+    let (mut state, mut seed, mut begins, mut length) = (3, 5, 0.0, 0.2);
+    let syllables = signal(RATE, 40.0, |t| {
+        if t >= begins + length {
+            (begins, length) = (t, 0.22 + 0.13 * noise(&mut seed));
+        }
+        [0.4 * (std::f64::consts::PI * (t - begins) / length).sin() * noise(&mut state); 2]
+    });
+    let (mut drop, mut loud) = (0.0, 0.0);
+    let rain = signal(RATE, 40.0, |t| {
+        if noise(&mut seed) > 1.0 - 2.0 * 15.0 / f64::from(RATE) {
+            (drop, loud) = (t, 0.3 + 0.2 * noise(&mut seed));
+        }
+        [loud * (-(t - drop) / 0.003).exp() * noise(&mut state); 2]
+    });
+    for (name, frames) in [("syllables", syllables), ("rain", rain)] {
+        let mut moments = Vec::new();
+        Analyzer::new(RATE, Alignment::Trailing)
+            .push(&frames, &mut |moment| moments.push(moment.features.tempo));
+        let reported = moments.iter().filter(|tempo| **tempo > 0.0).count();
+        assert!(reported * 20 < moments.len(), "{name}: {reported} of {} moments", moments.len());
+    }
+}
