@@ -131,15 +131,15 @@ impl Graph {
     /// inputs may change even while the sound's features stay the same.
     pub fn moves_by_itself(&self) -> bool {
         self.nodes.iter().any(|node| match node {
-            Node::Input(input) => *input == Input::T || input.is_of_song(),
+            Node::Input(input) => *input == Input::T || input.comes_from_song(),
             Node::Unary(op, _) | Node::Binary(op, _, _) => op.properties().has(op::Properties::READS_FRAME),
             _ => false,
         })
     }
 
-    /// True if any node, used or not, reads a number that describes the whole song.
+    /// True if any node, used or not, reads a number that the analysis of the whole song gives.
     pub fn reads_song(&self) -> bool {
-        self.nodes.iter().any(|node| matches!(node, Node::Input(input) if input.is_of_song()))
+        self.nodes.iter().any(|node| matches!(node, Node::Input(input) if input.comes_from_song()))
     }
 
     /// True if any node, used or not, reads one of [`Op::CURVES`].

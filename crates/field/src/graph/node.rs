@@ -77,6 +77,12 @@ impl Input {
         matches!(self, Input::Sound(input) if input.is_of_song())
     }
 
+    /// True for a number that the analysis of the whole song gives: those that describe the song, and the tempo and
+    /// phase, which live analysis gives otherwise.
+    pub const fn comes_from_song(self) -> bool {
+        self.is_of_song() || matches!(self, Input::Sound(SoundInput::Tempo | SoundInput::Phase))
+    }
+
     const fn code(self) -> u32 {
         match self {
             Input::X => 0,

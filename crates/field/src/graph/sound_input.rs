@@ -91,7 +91,8 @@ sound_inputs! {
     ToSection, "to_section", 0.0..1000.0 else 1000.0,
         "seconds until the next section; 1000 while unknown and in the last section";
     /// Time until the next drop.
-    ToDrop, "to_drop", 0.0..1000.0 else 1000.0, "seconds until the next drop; 1000 while unknown and after the last drop";
+    ToDrop, "to_drop", 0.0..1000.0 else 1000.0,
+        "seconds until the next drop; 1000 while unknown and after the last drop";
     /// Level of C.
     ChromaC, "chroma(0)", 0.0..1.0, "level of C, 0..1";
     /// Level of C sharp.

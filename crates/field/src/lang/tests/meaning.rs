@@ -82,7 +82,8 @@ fn a_scenes_own_names_hide_the_numbers_of_the_song() {
     }
     let scene = |text: &str| compile("s", text, &mut super::no_includes).scene.unwrap();
     assert!(!scene("let energy = 3\nlength(p) - energy").graph.reads_song());
-    for text in ["length(p) - energy", "length(p) - chroma(3)", "length(p) - chroma(x)"] {
+    for text in ["length(p) - energy", "length(p) - chroma(3)", "length(p) - chroma(x)", "length(p) - phase"]
+    {
         assert!(scene(text).graph.reads_song() && scene(text).graph.moves_by_itself(), "{text}");
     }
 }
