@@ -20,6 +20,7 @@ use crate::export::print::print_line;
 use crate::export::showing::Showing;
 use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::edge_samples::EdgeSamples;
+use mariana_player::lyrics::Lyrics;
 
 #[derive(Args)]
 pub(super) struct VideoArguments {
@@ -54,6 +55,9 @@ pub(super) struct VideoArguments {
     /// Show the song's title and artist during the first five seconds
     #[arg(long)]
     title_card: bool,
+    /// Show the lyrics while they are sung: those of an .lrc file beside the song or of its tags, or of FILE
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    lyrics: Option<Option<PathBuf>>,
     /// Dim flashes if there are more than three a second, as WCAG 2.3.1 requires
     #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
     flash_limiter: bool,
@@ -102,6 +106,11 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     let showing = arguments.show.and_then(|show| show.showing(sources()));
     let showing = showing.unwrap_or(Showing::Scenes(scenes));
     let scene = common.scene(OsStr::new(DEFAULT_SCENE))?;
+    let lyrics = arguments.lyrics.map(|file| match file {
+        Some(file) => Lyrics::read(&file),
+        None => Lyrics::of_song(&song),
+    });
+    let lyrics = lyrics.transpose()?;
     let request = VideoRequest {
         song,
         start: arguments.start,
@@ -125,6 +134,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         sound: preset.sound,
         sound_rate: preset.sound_rate,
         title_card: arguments.title_card,
+        lyrics,
         seam: preset.seam,
     };
     let mut progress = Progress::begin(arguments.quiet);

@@ -3,6 +3,7 @@
 mod encoder;
 mod encoder_process;
 mod encoding;
+mod lyric_captions;
 mod seam;
 mod sink;
 mod title_card;
@@ -16,9 +17,11 @@ use super::song_features::SongFeatures;
 use super::still::refuse_the_song;
 use crate::frame::held_inputs::Setting;
 use mariana_music::Gain;
+use mariana_player::lyrics::Lyrics;
 use mariana_player::song::Song;
 
 pub use encoding::{Codec, EncodingQuality};
+use lyric_captions::LyricCaptions;
 use seam::Seam;
 use sink::{FrameWriter, Sink};
 use title_card::TitleCard;
@@ -60,6 +63,8 @@ pub struct VideoRequest {
     pub sound_rate: Option<u32>,
     /// True to show title and artist during the first seconds.
     pub title_card: bool,
+    /// Lyrics to show while they are sung.
+    pub lyrics: Option<Lyrics>,
     /// Duration of the fade from a loop's end into its beginning, in seconds. Requires `duration`.
     pub seam: Option<f64>,
 }
@@ -99,6 +104,7 @@ pub fn write_video(
         return Err(too_long(expected.unwrap_or(0)));
     }
     let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
+    let mut captions = request.lyrics.clone().map(|lyrics| LyricCaptions::new(lyrics, request.size));
     let prepared_show = request.showing.prepared_show(&mut song, request.start)?;
     let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
     if request.limit_flashes {
@@ -123,8 +129,11 @@ pub fn write_video(
             None => Some(picture),
         };
         if let Some(mut picture) = next {
-            if let Some(card) = &card {
-                card.draw_over(&mut picture, written as f64 / request.fps);
+            let seconds = written as f64 / request.fps;
+            // The title covers the place of the lyrics.
+            let is_titled = card.as_ref().is_some_and(|card| card.draw_over(&mut picture, seconds));
+            if let Some(captions) = captions.as_mut().filter(|_| !is_titled) {
+                captions.draw_over(&mut picture, request.start + seconds);
             }
             if !writer.take(picture) {
                 break;

@@ -338,6 +338,30 @@ fn a_title_is_shown_only_on_request() {
 }
 
 #[test]
+fn lyrics_are_shown_while_they_are_sung() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("one.wav", 440.0, 2.0, [0.5, 0.5]);
+    place.write("one.lrc", "[00:00.50]Somewhere in the sea\n[00:01.50]");
+    place.write("bad.lrc", "Somewhere in the sea");
+    let frames = |flags: &[&str], out: &str| {
+        let part = ["--fps", "2", "--size", "320x180", "-o", out];
+        place.run(&[&["video", "one.wav", "red.scene"], &part[..], flags].concat()).done();
+        [0, 2, 3].map(|number| still(&place, &format!("{out}frame-{number:05}.png")))
+    };
+    let (with, without) = (frames(&["--lyrics"], "with/"), frames(&[], "without/"));
+    let same = std::array::from_fn::<_, 3, _>(|at| with[at] == without[at]);
+    assert_eq!(same, [true, false, true], "the line is sung from 0.5 to 1.5 s");
+    let refused = |flag: &str, part: &str| {
+        place.run(&["video", "one.wav", "red.scene", "-o", "x/", flag]).refused(&[part]);
+    };
+    refused("--lyrics=bad.lrc", "have no line with a time");
+    refused("--lyrics=none.lrc", "cannot read the lyrics none.lrc");
+    std::fs::remove_file(place.path("one.lrc")).unwrap();
+    refused("--lyrics", "one.wav has no lyrics with times");
+}
+
+#[test]
 fn quiet_hides_the_progress() {
     let place = Workplace::new();
     write_colors(&place);

@@ -12,6 +12,7 @@
 //! | [`source`], [`decode`], [`resample`] | produce frames | decoding thread |
 //! | [`ffmpeg`] | command lines of ffmpeg and ffprobe, with a demuxer for each input | caller |
 //! | [`playlist`], [`track`] | choose tracks and their order, and open them ahead of time | list thread |
+//! | [`lyrics`] | reads lyrics with times | caller |
 //! | [`listed`] | the list as a window shows it | shared, locked briefly |
 //! | [`player`] | the handle for the window; the decoding and analysis threads | |
 //! | [`audible_segments`] | map frames of a segment to song time and features | shared, locked briefly |
@@ -39,6 +40,7 @@ mod hosts;
 pub mod input;
 pub mod limits;
 pub mod listed;
+pub mod lyrics;
 mod one_line;
 pub mod output;
 pub mod player;

@@ -16,15 +16,17 @@ impl TitleCard {
         let decoder = song.open()?;
         let info = decoder.info();
         Ok(Self(match (&info.title, &info.artist) {
-            (Some(title), Some(artist)) => Caption::new(&one_line(title), Some(&one_line(artist)), size),
-            _ => Caption::new(&display_name(&decoder), None, size),
+            (Some(title), Some(artist)) => Caption::of_title(&one_line(title), Some(&one_line(artist)), size),
+            _ => Caption::of_title(&display_name(&decoder), None, size),
         }))
     }
 
-    pub(super) fn draw_over(&self, rgba: &mut [u8], seconds: f64) {
+    /// Draws the card at this time in the video, in seconds. Returns false if the card is over.
+    pub(super) fn draw_over(&self, rgba: &mut [u8], seconds: f64) -> bool {
         let strength = (seconds.min(SEEN - seconds) / FADE).clamp(0.0, 1.0);
         if strength > 0.0 {
             self.0.draw_over(rgba, strength as f32);
         }
+        seconds < SEEN
     }
 }

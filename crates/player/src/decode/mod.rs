@@ -52,6 +52,8 @@ pub struct StreamInfo {
     pub title: Option<String>,
     /// Artist, if the file has one.
     pub artist: Option<String>,
+    /// Lyrics, if the file has some that are not too long.
+    pub lyrics: Option<String>,
     /// The factor for samples before analysis, from the ReplayGain tag; 1 without a tag.
     pub scene_gain: f32,
 }

@@ -84,6 +84,7 @@ impl NativeDecoder {
                 duration,
                 title: tags.title,
                 artist: tags.artist,
+                lyrics: tags.lyrics,
                 scene_gain: tags.loudness.scene_gain(),
             },
             delay: i64::try_from(reader.delay(rate)).unwrap_or(i64::MAX / 4),

@@ -49,6 +49,7 @@ pub(super) struct Block {
 pub(super) struct Tags {
     pub(super) title: Option<String>,
     pub(super) artist: Option<String>,
+    pub(super) lyrics: Option<String>,
     pub(super) loudness: Loudness,
     /// Delay and length in frames, from the `iTunSMPB` tag.
     itunes_gapless: Option<(u64, u64)>,
@@ -290,6 +291,9 @@ impl PacketReader {
                 match &tag.std {
                     Some(StandardTag::TrackTitle(title)) => tags.title = Some(one_line(title)),
                     Some(StandardTag::Artist(artist)) => tags.artist = Some(one_line(artist)),
+                    Some(StandardTag::Lyrics(text)) if text.len() as u64 <= LIMITS.lyrics_bytes_max => {
+                        tags.lyrics = Some(text.to_string());
+                    }
                     Some(StandardTag::ReplayGainTrackGain(text)) => tags.loudness.replay_gain(false, text),
                     Some(StandardTag::ReplayGainAlbumGain(text)) => tags.loudness.replay_gain(true, text),
                     _ if tag.raw.key.eq_ignore_ascii_case("R128_TRACK_GAIN") => {

@@ -21,7 +21,7 @@ mod gather;
 mod lists;
 mod natural;
 mod order;
-mod text;
+pub(crate) mod text;
 
 use std::collections::HashMap;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! Splitting of lists into lines in any encoding, and resolution of their references.
+//! Splitting of lists and lyrics into lines in any encoding, and resolution of a list's references.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ pub enum Reference {
 }
 
 /// Returns the trimmed lines as bytes, because names in old lists have any encoding; `None` if `bytes` is not text.
-pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
+pub(crate) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     let utf16 = |from: fn([u8; 2]) -> u16| {
         let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);
         let units = units.map(|pair| from([pair[0], pair[1]]));
@@ -35,7 +35,7 @@ pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
 }
 
 /// Decodes as UTF-8 if valid, otherwise as Latin-1, in which every byte is a character.
-pub(super) fn decode(bytes: &[u8]) -> String {
+pub(crate) fn decode(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
         Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect(),

@@ -1,4 +1,5 @@
-//! A caption in the lower left corner of an image, with a song's title and artist. The CPU draws it.
+//! Captions at the lower edge of an image: a song's title and artist on the left, or a line of lyrics in the middle.
+//! The CPU draws them.
 
 use super::letters::{Letters, Line};
 
@@ -12,6 +13,9 @@ const MARGIN_FRACTION: f32 = 0.07;
 /// Fraction of the image's light that remains where a letter's shadow is darkest.
 const SHADOW: f32 = 0.35;
 
+/// Size of a lyric's letters relative to a title's.
+const LYRIC: f32 = 0.8;
+
 /// Positioned lines of letters.
 pub struct Caption {
     size: (usize, usize),
@@ -22,23 +26,38 @@ pub struct Caption {
 }
 
 impl Caption {
-    /// Lays out the caption for images of `size` pixels. Text that is too wide becomes smaller. If it is still too
-    /// wide, it is cut.
-    pub fn new(first: &str, second: Option<&str>, size: (u32, u32)) -> Self {
+    /// Lays out a title, with an artist below it, for images of `size` pixels. Text that is too wide becomes smaller. If
+    /// it is still too wide, it is cut.
+    pub fn of_title(title: &str, artist: Option<&str>, size: (u32, u32)) -> Self {
+        let texts = [Some((title, 1.0)), artist.map(|text| (text, SECOND))];
+        Self::new(texts.into_iter().flatten(), size, |_, margin| margin)
+    }
+
+    /// Lays out a line of lyrics in the middle of the lower edge. Text that is too wide is treated as in a title.
+    pub fn of_lyric(words: &str, size: (u32, u32)) -> Self {
+        Self::new([(words, LYRIC)].into_iter(), size, |free, _| free / 2)
+    }
+
+    /// Lays out texts, each with the size of its letters relative to a title's. `left` computes a line's left edge from
+    /// the width that the line leaves free and the margin, in pixels.
+    fn new<'a>(
+        texts: impl DoubleEndedIterator<Item = (&'a str, f32)>,
+        size: (u32, u32),
+        left: impl Fn(usize, usize) -> usize,
+    ) -> Self {
         let (width, height) = (size.0 as usize, size.1 as usize);
         let side = size.0.min(size.1) as f32;
         let margin = (side * MARGIN_FRACTION).round() as usize;
         let room = width.saturating_sub(2 * margin);
         let letters_size = (side * LETTERS_FRACTION).clamp(LETTERS.0, LETTERS.1).round();
         let mut letters = Letters::new();
-        let texts = [Some((first, letters_size)), second.map(|text| (text, (letters_size * SECOND).round()))];
         let mut bottom = height.saturating_sub(margin);
         let mut lines = Vec::new();
         // Start with the last line, because lines are placed from the bottom up.
-        for (text, wanted) in texts.into_iter().flatten().rev() {
-            let line = fitting(&mut letters, text, wanted, room);
+        for (text, relative) in texts.rev() {
+            let line = fitting(&mut letters, text, (letters_size * relative).round(), room);
             bottom = bottom.saturating_sub(line.size.1);
-            lines.push(((margin, bottom), line));
+            lines.push(((left(width.saturating_sub(line.size.0), margin), bottom), line));
         }
         Self { size: (width, height), lines, shadow: (letters_size / 18.0).ceil() as usize }
     }
@@ -95,7 +114,7 @@ mod tests {
     fn changed(first: &str, size: (u32, u32), strength: f32) -> (usize, usize) {
         let grey = vec![90; 4 * (size.0 * size.1) as usize];
         let mut seen = grey.clone();
-        Caption::new(first, Some("Somebody"), size).draw_over(&mut seen, strength);
+        Caption::of_title(first, Some("Somebody"), size).draw_over(&mut seen, strength);
         let differs = |index: &usize| seen[4 * index..4 * index + 4] != grey[4 * index..4 * index + 4];
         let places: Vec<usize> = (0..(size.0 * size.1) as usize).filter(differs).collect();
         (places.len(), places.iter().map(|place| place % size.0 as usize).max().unwrap_or(0))
@@ -107,6 +126,19 @@ mod tests {
         assert!(whole > 300, "{whole} pixels");
         assert_eq!(changed("A song", (640, 360), 0.0).0, 0);
         changed("A song", (1, 1), 1.0);
+    }
+
+    #[test]
+    fn a_lyric_is_in_the_middle_of_the_lower_edge() {
+        let size = (640, 360);
+        let mut seen = vec![90; 4 * 640 * 360];
+        Caption::of_lyric("All of us", size).draw_over(&mut seen, 1.0);
+        let changed = |index: &usize| seen[4 * index] != 90;
+        let places: Vec<usize> = (0..640 * 360).filter(changed).collect();
+        let columns = || places.iter().map(|place| place % 640);
+        let (left, right) = (columns().min().unwrap(), columns().max().unwrap());
+        assert!(left.abs_diff(640 - right) < 12, "columns {left} to {right}");
+        assert!(places.iter().all(|place| place / 640 > 270), "above the lower quarter");
     }
 
     #[test]

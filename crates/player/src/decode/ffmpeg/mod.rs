@@ -93,6 +93,7 @@ impl FfmpegDecoder {
             duration: answer.duration(stream),
             title: answer.tag(stream, "title"),
             artist: answer.tag(stream, "artist"),
+            lyrics: None,
             scene_gain: answer.loudness(stream).scene_gain(),
         };
         let process =

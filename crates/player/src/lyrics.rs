@@ -1,0 +1,237 @@
+//! Lyrics with times, from an `.lrc` file beside a song or from the song's tags.
+//!
+//! Each line of the text begins with the times at which it is sung: `[01:23.45]`. Words may have times of their own,
+//! `<01:23.90>`, which are left out. `[offset:500]` shows all lines 500 ms earlier. A line without words ends the line
+//! before it. Lines without a time are ignored.
+
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+
+use crate::decode::DecodeError;
+use crate::limits::LIMITS;
+use crate::playlist::text;
+use crate::song::{Song, one_line};
+
+/// A line is shown for at most this many seconds.
+const LINE_SECONDS_MAX: f64 = 10.0;
+
+/// A line of lyrics.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LyricLine {
+    /// The moment at which the line begins, in seconds.
+    pub start: f64,
+    /// The moment at which the line ends, in seconds.
+    pub end: f64,
+    /// The words, on one line.
+    pub words: String,
+}
+
+/// Lines of lyrics, sorted by time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Lyrics {
+    lines: Vec<LyricLine>,
+}
+
+/// Reasons why lyrics cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum LyricsError {
+    /// Neither a file beside the song nor the song's tags have lyrics with times.
+    #[error("{song} has no lyrics with times: put {} beside it, or name a file with --lyrics=FILE", beside.display())]
+    None {
+        /// The song's name.
+        song: String,
+        /// The file that was looked for.
+        beside: PathBuf,
+    },
+    /// The file cannot be read.
+    #[error("cannot read the lyrics {}: check the file's name", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system reports.
+        source: io::Error,
+    },
+    /// The file is larger than the limit.
+    #[error("the lyrics {} have more than {most} bytes: name a text file with times, such as song.lrc", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The limit.
+        most: u64,
+    },
+    /// The file has no line with a time.
+    #[error("the lyrics {} have no line with a time: write a time such as [01:23.45] before each line", path.display())]
+    NoTimes {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The song cannot be opened.
+    #[error(transparent)]
+    Song(#[from] DecodeError),
+}
+
+impl Lyrics {
+    /// Reads the lyrics of a song: the `.lrc` file beside it, otherwise its tags.
+    ///
+    /// # Errors
+    /// Fails if there are none, or if the file is unreadable, too large or without times.
+    pub fn of_song(song: &Song) -> Result<Self, LyricsError> {
+        let beside = match song {
+            Song::File(path) => path.with_extension("lrc"),
+            Song::Embedded { name, .. } => Path::new(name).with_extension("lrc"),
+        };
+        if matches!(song, Song::File(_)) && beside.is_file() {
+            return Self::read(&beside);
+        }
+        let decoder = song.open()?;
+        let info = decoder.info();
+        let tagged = info.lyrics.as_deref().map(Self::parse).filter(|lyrics| !lyrics.lines.is_empty());
+        tagged.ok_or_else(|| LyricsError::None { song: one_line(&info.name), beside })
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Fails if the file is unreadable, too large or without times.
+    pub fn read(path: &Path) -> Result<Self, LyricsError> {
+        let (path_buf, most) = (|| path.to_owned(), LIMITS.lyrics_bytes_max);
+        let mut bytes = Vec::new();
+        let read = File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
+        read.map_err(|source| LyricsError::Read { path: path_buf(), source })?;
+        if bytes.len() as u64 > most {
+            return Err(LyricsError::TooLarge { path: path_buf(), most });
+        }
+        let lines = text::lines(&bytes).unwrap_or_default();
+        let lines: Vec<String> = lines.iter().map(|line| text::decode(line)).collect();
+        let lyrics = Self::parse(&lines.join("\n"));
+        if lyrics.lines.is_empty() { Err(LyricsError::NoTimes { path: path_buf() }) } else { Ok(lyrics) }
+    }
+
+    /// Reads a text. Lines without a time are ignored.
+    pub fn parse(text: &str) -> Self {
+        let mut earlier = 0.0;
+        let mut sung: Vec<(f64, String)> = Vec::new();
+        for line in text.lines() {
+            let mut rest = line.trim_start_matches('\u{feff}').trim();
+            let first = sung.len();
+            while let Some((inside, after)) = rest.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
+                match (seconds(inside), inside.split_once(':')) {
+                    (Some(start), _) => sung.push((start, String::new())),
+                    (None, Some((name, value))) if name.trim().eq_ignore_ascii_case("offset") => {
+                        earlier = value.trim().parse().map_or(earlier, |ms: f64| ms / 1000.0);
+                    }
+                    _ => break,
+                }
+                rest = after.trim_start();
+            }
+            let words = one_line(&without_word_times(rest));
+            sung.iter_mut().skip(first).for_each(|(_, empty)| empty.clone_from(&words));
+        }
+        let earlier = if earlier.is_finite() { earlier } else { 0.0 };
+        sung.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        let next = sung.iter().skip(1).map(|(start, _)| *start).chain([f64::INFINITY]);
+        let ends: Vec<f64> = next.collect();
+        let lines = sung.into_iter().zip(ends).filter(|((_, words), _)| !words.is_empty());
+        let lines = lines.map(|((start, words), next)| LyricLine {
+            start: start - earlier,
+            end: next.min(start + LINE_SECONDS_MAX) - earlier,
+            words,
+        });
+        Self { lines: lines.collect() }
+    }
+
+    /// Returns the line that is sung at a moment in seconds, and its number.
+    pub fn at(&self, time: f64) -> Option<(usize, &LyricLine)> {
+        let number = self.lines.partition_point(|line| line.start <= time).checked_sub(1)?;
+        self.lines.get(number).filter(|line| time < line.end).map(|line| (number, line))
+    }
+}
+
+/// Reads a time such as `01:23.45`, `1:23` or `01:23:45`.
+fn seconds(text: &str) -> Option<f64> {
+    let (minutes, rest) = text.trim().split_once(':')?;
+    let rest = rest.replace([':', ','], ".");
+    let is_number = |text: &str| text.starts_with(|c: char| c.is_ascii_digit());
+    if !is_number(minutes) || !is_number(&rest) {
+        return None;
+    }
+    let (minutes, seconds): (u32, f64) = (minutes.parse().ok()?, rest.parse().ok()?);
+    Some(60.0 * f64::from(minutes) + seconds).filter(|time| time.is_finite())
+}
+
+fn without_word_times(line: &str) -> String {
+    let mut words = String::with_capacity(line.len());
+    let mut rest = line;
+    while let Some((before, after)) = rest.split_once('<') {
+        words.push_str(before);
+        match after.split_once('>') {
+            Some((inside, after)) if seconds(inside).is_some() => rest = after,
+            _ => {
+                words.push('<');
+                rest = after;
+            }
+        }
+    }
+    words + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn heard(lyrics: &Lyrics, time: f64) -> Option<&str> {
+        lyrics.at(time).map(|(_, line)| line.words.as_str())
+    }
+
+    #[test]
+    fn lines_are_sorted_and_end_with_the_next_line() {
+        let text = "\u{feff}[ar: Nobody]\r\n[00:10.50][00:30]Again\r\n[00:12.00]<00:12.10>two <00:12.90>words\r\n\
+                    [00:14:50]\r\nno time\r\n[01:00.5] last < line";
+        let lyrics = Lyrics::parse(text);
+        let moments =
+            [(10.4, None), (10.5, Some("Again")), (12.0, Some("two words")), (14.49, Some("two words"))];
+        for (time, words) in moments {
+            assert_eq!(heard(&lyrics, time), words, "at {time}");
+        }
+        assert_eq!(heard(&lyrics, 14.5), None, "a line without words ends the line before it");
+        assert_eq!(heard(&lyrics, 39.9), Some("Again"));
+        assert_eq!(heard(&lyrics, 40.1), None, "a line is shown for at most ten seconds");
+        assert_eq!(lyrics.at(61.0).map(|(number, _)| number), Some(3));
+        assert_eq!(heard(&lyrics, 61.0), Some("last < line"));
+    }
+
+    #[test]
+    fn an_offset_shows_all_lines_earlier() {
+        let lyrics = Lyrics::parse("[offset:+500]\n[00:02.00]a\n[00:03.00]b");
+        assert_eq!(
+            [1.4, 1.5, 2.4, 2.5].map(|time| heard(&lyrics, time)),
+            [None, Some("a"), Some("a"), Some("b")]
+        );
+    }
+
+    #[test]
+    fn a_file_beside_the_song_is_found_and_each_failure_has_its_message() {
+        let folder = tempfile::tempdir().unwrap();
+        let song = Song::File(folder.path().join("song.wav"));
+        let beside = folder.path().join("song.lrc");
+        std::fs::write(&beside, "[00:01.00]Grüße").unwrap();
+        assert_eq!(heard(&Lyrics::of_song(&song).unwrap(), 1.5), Some("Grüße"));
+        std::fs::write(&beside, "just words").unwrap();
+        assert!(matches!(Lyrics::of_song(&song), Err(LyricsError::NoTimes { .. })));
+        std::fs::write(&beside, vec![b' '; LIMITS.lyrics_bytes_max as usize + 1]).unwrap();
+        assert!(matches!(Lyrics::of_song(&song), Err(LyricsError::TooLarge { .. })));
+        assert!(matches!(Lyrics::read(folder.path()), Err(LyricsError::Read { .. })));
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_panics(text in "(\\[[0-9:.]{0,9}\\]?|<[0-9:.]{0,8}>?|[a-z\\[\\]<>: \n]{0,6}){0,20}", time in -9.0..999.0) {
+            let lyrics = Lyrics::parse(&text);
+            if let Some((_, line)) = lyrics.at(time) {
+                prop_assert!(line.start <= time && time < line.end && !line.words.is_empty());
+            }
+        }
+    }
+}
