@@ -93,7 +93,7 @@ impl SongFeatures {
     /// Returns the features with the tempo and phase of the whole song, if its structure is known.
     fn guided(&self, time: f64, mut features: Features) -> Features {
         if let Some(structure) = &self.structure {
-            structure.guide(time, &mut features);
+            features.follow_song(structure, time);
         }
         features
     }

@@ -90,6 +90,14 @@ fn sum_of(values: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest.iter().sum::<f32>()
 }
 
+struct RecentOnsets {
+    /// Number of hops without an onset after which all is forgotten.
+    forget: u32,
+    /// Number of hops since the last onset.
+    since: u32,
+    count: u32,
+}
+
 pub(super) struct BeatTracker {
     moments_per_second: f32,
     rings: Vec<Ring>,
@@ -105,9 +113,7 @@ pub(super) struct BeatTracker {
     start: usize,
     hold: usize,
     held: [f32; 4],
-    forget: u32,
-    since_onset: u32,
-    onsets: u32,
+    onsets: RecentOnsets,
     /// The delay of the flux, in hops.
     late: f32,
     repetition: Repetition,
@@ -160,9 +166,7 @@ impl BeatTracker {
             start: (START_SECONDS / hop_seconds).round().clamp(1.0, 4.0) as usize,
             hold: (HELD_SECONDS / hop_seconds).round().clamp(1.0, 4.0) as usize,
             held: [0.0; 4],
-            forget: (FORGET_SECONDS / hop_seconds) as u32,
-            since_onset: 0,
-            onsets: 0,
+            onsets: RecentOnsets { forget: (FORGET_SECONDS / hop_seconds) as u32, since: 0, count: 0 },
             late,
             repetition: Repetition::new(hop_seconds),
             reported: Beat::default(),
@@ -177,17 +181,18 @@ impl BeatTracker {
             self.belief[ring.start..ring.start + ring.period].fill(*doubt);
         }
         self.held = [0.0; 4];
-        (self.since_onset, self.onsets) = (self.forget, 0);
+        (self.onsets.since, self.onsets.count) = (self.onsets.forget, 0);
         self.repetition.restart();
         self.reported = Beat::default();
     }
 
     /// Processes a hop. `flux` is relative to the largest recent flux, 0..1. `begins` is true at the onset of a sound.
     pub(super) fn follow(&mut self, flux: f32, begins: bool) -> Beat {
-        self.since_onset = if begins { 0 } else { self.since_onset.saturating_add(1) };
-        self.onsets = self.onsets.saturating_add(u32::from(begins));
-        if self.since_onset >= self.forget {
-            if self.reported != Beat::default() || self.since_onset == self.forget {
+        let onsets = &mut self.onsets;
+        onsets.since = if begins { 0 } else { onsets.since.saturating_add(1) };
+        onsets.count = onsets.count.saturating_add(u32::from(begins));
+        if onsets.since >= onsets.forget {
+            if self.reported != Beat::default() || onsets.since == onsets.forget {
                 self.restart();
             }
             return Beat::default();
@@ -261,7 +266,7 @@ impl BeatTracker {
         let is_reported = self.reported.tempo > 0.0;
         let enough = if is_reported { REPORTED.1 } else { REPORTED.0 };
         let repeats = is_reported || self.repetition.at(period) >= REPEATED_MIN;
-        if sure < enough || self.onsets < ONSETS_MIN || !repeats {
+        if sure < enough || self.onsets.count < ONSETS_MIN || !repeats {
             self.reported = Beat::default();
             return self.reported;
         }

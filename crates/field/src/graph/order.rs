@@ -10,7 +10,9 @@ use super::{Graph, GraphError};
 ///
 /// The inputs of the point come first. Then the tree is walked from the first root to the last, operands before users.
 /// Of two operands, the one that keeps more values at once comes first (Sethi and Ullman 1970, treating the graph as if
-/// it were a tree). If both keep equally many, the left one comes first.
+/// it were a tree). If both keep equally many, the left one comes first. More than two roots are walked from the last
+/// to the first if fewer values are then kept at once: the distance to shining objects, which is the last root of their
+/// light, ends the use of many values.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Order {
     /// The nodes.
@@ -40,7 +42,17 @@ impl Graph {
         self.check()?;
         let Some(last) = roots.iter().max() else { return Ok(Order::default()) };
         let needs = needs(&self.nodes[..=last.index()]);
-        let mut seen = vec![false; last.index() + 1];
+        let forwards = self.walk(roots.iter(), &needs);
+        if roots.len() <= 2 {
+            return Ok(Order { nodes: forwards });
+        }
+        let backwards = self.walk(roots.iter().rev(), &needs);
+        let fewer = self.most_kept(&backwards, roots) < self.most_kept(&forwards, roots);
+        Ok(Order { nodes: if fewer { backwards } else { forwards } })
+    }
+
+    fn walk<'a>(&self, roots: impl Iterator<Item = &'a NodeId>, needs: &[u8]) -> Vec<NodeId> {
+        let mut seen = vec![false; needs.len()];
         let mut nodes = Vec::with_capacity(needs.len().min(1 << 16));
         let mut inputs = [None; Input::OF_POINT.len()];
         let mut stack: Vec<u32> = Vec::with_capacity(64);
@@ -71,7 +83,32 @@ impl Graph {
             }
         }
         nodes.splice(0..0, inputs.into_iter().flatten());
-        Ok(Order { nodes })
+        nodes
+    }
+
+    /// Returns how many values are kept at the same time if the nodes are computed in this order.
+    fn most_kept(&self, order: &[NodeId], roots: &[NodeId]) -> usize {
+        let takes_register = |id: NodeId| match self.nodes[id.index()] {
+            Node::Constant(_) => false,
+            Node::Input(input) => input.of_point().is_some(),
+            _ => true,
+        };
+        let mut is_kept = vec![false; roots.iter().max().map_or(0, |last| last.index() + 1)];
+        let (mut kept, mut most) = (0_usize, 0);
+        let mut keep = |id: NodeId, kept: &mut usize, is_kept: &mut Vec<bool>| {
+            *kept += usize::from(takes_register(id) && !std::mem::replace(&mut is_kept[id.index()], true));
+        };
+        for root in roots {
+            keep(*root, &mut kept, &mut is_kept);
+        }
+        for id in order.iter().rev() {
+            most = most.max(kept);
+            kept -= usize::from(std::mem::replace(&mut is_kept[id.index()], false));
+            for operand in self.nodes[id.index()].operands() {
+                keep(operand, &mut kept, &mut is_kept);
+            }
+        }
+        most
     }
 
     /// Returns the inputs, tables and textures that the roots read.
@@ -129,4 +166,34 @@ fn needs(nodes: &[Node]) -> Vec<u8> {
         needs.push(need);
     }
     needs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_walk_begins_with_the_root_that_ends_the_use_of_most_values() {
+        let mut graph = Graph::new();
+        let x = graph.input(Input::X);
+        let shapes: Vec<NodeId> = (1..=6)
+            .map(|number| {
+                let factor = graph.constant(number as f32);
+                graph.mul(x, factor)
+            })
+            .map(|product| graph.unary(Op::Sin, product))
+            .collect();
+        let weights: Vec<NodeId> = shapes.iter().map(|shape| graph.unary(Op::Exp, *shape)).collect();
+        let lights: Vec<NodeId> = [Op::Add, Op::Sub, Op::Max]
+            .into_iter()
+            .map(|op| weights.iter().copied().reduce(|a, b| graph.binary(op, a, b)).unwrap())
+            .collect();
+        let nearest = shapes.iter().copied().reduce(|a, b| graph.min(a, b)).unwrap();
+        let roots = [lights[0], lights[1], lights[2], nearest];
+        let order = graph.order(&roots).unwrap().nodes;
+        let place = |id: NodeId| order.iter().position(|other| *other == id).unwrap();
+        assert!(place(nearest) < place(weights[1]), "the shapes are kept until all weights are known");
+        let given = graph.walk(roots.iter(), &needs(&graph.nodes));
+        assert!(graph.most_kept(&order, &roots) < graph.most_kept(&given, &roots));
+    }
 }

@@ -123,12 +123,14 @@ impl SongStructure {
         }
         At { song: self, time: time.clamp(0.0, positive(self.seconds)) }.moment()
     }
+}
 
-    /// Replaces the tempo and the phase of `features`, which were predicted without knowledge of the song, with the
-    /// song's own at `time` seconds, so that they match [`SongMoment::bar`]. Keeps both if the song has no beats.
-    pub fn guide(&self, time: f64, features: &mut Features) {
-        if let Some((counted, tempo)) = (At { song: self, time }).counted().filter(|_| time.is_finite()) {
-            (features.tempo, features.phase) = (tempo, below_one(counted.rem_euclid(1.0)));
+impl Features {
+    /// Replaces the tempo and the phase, which were predicted without knowledge of the song, with the song's own at
+    /// `time` seconds, so that they match [`SongMoment::bar`]. Keeps both if the song has no beats.
+    pub fn follow_song(&mut self, song: &SongStructure, time: f64) {
+        if let Some((counted, tempo)) = (At { song, time }).counted().filter(|_| time.is_finite()) {
+            (self.tempo, self.phase) = (tempo, below_one(counted.rem_euclid(1.0)));
         }
     }
 }

@@ -41,7 +41,7 @@ fn tempo_and_phase_match_the_bar() {
     let song = song();
     for time in [0.2, 1.0, 1.1, 7.85, 30.9, 31.8] {
         let mut features = Features { tempo: 60.0, phase: 0.3, ..Features::SILENCE };
-        song.guide(time, &mut features);
+        features.follow_song(&song, time);
         let of_bar = song.moment(time).bar * 4.0;
         assert!(
             close(features.tempo, 120.0) && close(features.phase, of_bar.fract()),
@@ -49,8 +49,8 @@ fn tempo_and_phase_match_the_bar() {
         );
     }
     let mut features = Features { tempo: 60.0, phase: 0.3, ..Features::SILENCE };
-    SongStructure::default().guide(1.0, &mut features);
-    song.guide(f64::NAN, &mut features);
+    features.follow_song(&SongStructure::default(), 1.0);
+    features.follow_song(&song, f64::NAN);
     assert_eq!((features.tempo, features.phase), (60.0, 0.3));
 }
 
