@@ -13,6 +13,7 @@ use super::rhythm::Rhythm;
 use super::scale::{BAND_COUNT, WAVE_PER_HOP};
 use super::slow_window::SlowWindow;
 use super::smoothing::Follower;
+use super::sounds::Sounds;
 use super::spectrum::Spectrum;
 use super::volume::{Volumes, stretch_length};
 use crate::limits::LIMITS;
@@ -93,6 +94,7 @@ pub struct Analyzer {
     followers: Followers,
     gain: AutoGain,
     rhythm: Rhythm,
+    sounds: Sounds,
     last: TimedFeatures,
 }
 
@@ -185,6 +187,7 @@ impl Analyzer {
                 late,
                 alignment == Alignment::Trailing,
             ),
+            sounds: Sounds::new(hop, rate, alignment == Alignment::Centred),
             last: TimedFeatures::new(0.0, 0, Features::SILENCE),
         };
         analyzer.restart(0);
@@ -226,6 +229,7 @@ impl Analyzer {
         self.slow.restart();
         self.gain.restart();
         self.rhythm.restart();
+        self.sounds.restart();
         self.last = TimedFeatures::new(0.0, 0, Features::SILENCE);
     }
 
@@ -249,6 +253,11 @@ impl Analyzer {
             self.emit_if_full(emit);
         }
         self.restart(0);
+    }
+
+    #[cfg(test)]
+    pub(super) fn sounds(&self) -> &Sounds {
+        &self.sounds
     }
 
     fn emit_if_full(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
@@ -312,6 +321,7 @@ impl Analyzer {
             features.beat = 1.0;
         }
         (features.tempo, features.phase) = (pulse.beat.tempo, pulse.beat.phase);
+        self.sounds.follow(&history[history.len() - hop..], spectra, features);
 
         let mut heights = [0.0; _];
         self.lines.heights(spectra, gain_db, &mut heights);

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::loudness::LOUDNESS_FLOOR;
 use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, SPECTRUM_POINTS, WAVE_PER_HOP, spectrum_place};
 
 macro_rules! features {
@@ -56,6 +57,14 @@ features! {
     brightness: f32 = 0.0, mixed;
     /// 1 at the onset of a sound, then falling by a factor of e in 0.15 s.
     beat: f32 = 0.0, mixed;
+    /// The strength of a kick at its onset, 0..1, then falling like `beat`. The strength is relative to the strongest
+    /// kick of the last seconds. Strokes are detected 20 to 32 ms after their onset in live input, and a hop (10 ms)
+    /// earlier in files.
+    kick: f32 = 0.0, mixed;
+    /// The same for the snare.
+    snare: f32 = 0.0, mixed;
+    /// The same for the hi-hat and other short high sounds.
+    hat: f32 = 0.0, mixed;
     /// Beats per minute; 0 while unknown.
     tempo: f32 = 0.0, known;
     /// Phase between the last beat and the next beat, 0 up to 1; 0 while the tempo is unknown. The next beat is
@@ -73,6 +82,9 @@ features! {
     gain_db: f32 = 0.0, mixed;
     /// The total level from 30 Hz to 16 kHz in decibels, measured like the band levels.
     level_db: f32 = LEVEL_FLOOR_DB, mixed;
+    /// Short-term loudness in LUFS (ITU-R BS.1770-4, over the last 3 s), at least [`LOUDNESS_FLOOR`], without the gain.
+    /// In the first 3 s of a stream or after a restart it is the loudness since the start.
+    loudness_lufs: f32 = LOUDNESS_FLOOR, mixed;
     /// Frequency of the strongest tone in hertz, exact to 0.06 Hz (1 % of a bin of the long window); 0 below -80 dB.
     peak_hz: f32 = 0.0, held;
     /// The level of each band in decibels, both channels together, not smoothed, at least [`LEVEL_FLOOR_DB`]. A sine of
@@ -82,11 +94,13 @@ features! {
 }
 
 impl Features {
-    /// Returns the value called `name` in scenes: a feature, a channel of a feature (`volume.x`), or `pitch`.
+    /// Returns the value called `name` in scenes: a feature, a channel of a feature (`volume.x`), `pitch` (0..1), or
+    /// `loudness` (0 at -70 LUFS, 1 at 0 LUFS).
     pub fn number(&self, name: &str) -> Option<f32> {
         match name {
             "volume.x" => Some(self.volume[0]),
             "volume.y" => Some(self.volume[1]),
+            "loudness" => Some(((self.loudness_lufs - LOUDNESS_FLOOR) / -LOUDNESS_FLOOR).clamp(0.0, 1.0)),
             "pitch" => Some(spectrum_place(f64::from(self.peak_hz)) as f32),
             _ => self.row(name),
         }

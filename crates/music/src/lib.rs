@@ -28,10 +28,14 @@
 //! assert!((middle.peak_hz - 60.0).abs() < 1.0);
 //! ```
 
+#[cfg(test)]
+extern crate self as mariana_music;
+
 mod analyzer;
 mod bands;
 mod beat;
 mod decimate;
+mod drums;
 mod features;
 mod gain;
 mod hop_buffer;
@@ -39,6 +43,7 @@ pub mod limits;
 mod lines;
 mod live_bars;
 mod live_energy;
+mod loudness;
 mod onset;
 mod pitch;
 mod repetition;
@@ -49,6 +54,7 @@ mod scale;
 mod slow_window;
 mod smoothing;
 mod song;
+mod sounds;
 mod spectrum;
 mod tables;
 mod tap;
@@ -61,6 +67,7 @@ pub use bands::band_edge;
 pub use features::{Features, TimedFeatures};
 pub use gain::Gain;
 pub use live_energy::LiveEnergy;
+pub use loudness::LOUDNESS_FLOOR;
 pub use scale::{
     BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB, SPECTRUM_POINTS, WAVE_PER_HOP, spectrum_hz,
     spectrum_place,

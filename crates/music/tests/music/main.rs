@@ -5,8 +5,10 @@ mod beats;
 #[allow(dead_code)]
 mod forms;
 mod levels_and_curves;
+mod played;
 mod rhythm;
 mod signals;
 mod song_structure;
 #[allow(dead_code)] // The example `song_figures` uses more of these functions.
 mod songs;
+mod strokes;
