@@ -72,15 +72,20 @@ impl Input {
         }
     }
 
-    /// True for a number that describes the whole song.
-    pub const fn is_of_song(self) -> bool {
-        matches!(self, Input::Sound(input) if input.is_of_song())
+    /// True if a scene may declare a value of the same name ([`SoundInput::may_be_hidden`]).
+    pub const fn may_be_hidden(self) -> bool {
+        matches!(self, Input::Sound(input) if input.may_be_hidden())
     }
 
     /// True for a number that the analysis of the whole song gives: those that describe the song, and the tempo and
     /// phase, which live analysis gives otherwise.
     pub const fn comes_from_song(self) -> bool {
-        self.is_of_song() || matches!(self, Input::Sound(SoundInput::Tempo | SoundInput::Phase))
+        match self {
+            Input::Sound(input) => {
+                input.is_of_song() || matches!(input, SoundInput::Tempo | SoundInput::Phase)
+            }
+            _ => false,
+        }
     }
 
     const fn code(self) -> u32 {

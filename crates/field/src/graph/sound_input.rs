@@ -61,6 +61,14 @@ sound_inputs! {
     Brightness, "brightness", 0.0..1.0, "the spectral centroid, 0 low .. 1 high";
     /// Position of the strongest tone in the spectrum.
     Pitch, "pitch", 0.0..1.0, "position of the strongest tone, 0..1 as u in spectrum(u)";
+    /// 1 on a kick, then decaying.
+    Kick, "kick", 0.0..1.0, "rises to the strength of each kick, 0..1; then falls like beat";
+    /// 1 on a snare, then decaying.
+    Snare, "snare", 0.0..1.0, "the same for the snare";
+    /// 1 on a hi-hat, then decaying.
+    Hat, "hat", 0.0..1.0, "the same for hi-hats and other short high sounds";
+    /// Short-term loudness.
+    Loudness, "loudness", 0.0..1.0, "loudness of the last 3 s: 0 at -70 LUFS, 1 at 0 LUFS";
     /// Position in the bar.
     Bar, "bar", 0.0..1.0, "position in the bar, 0..1";
     /// Number of the beat in its bar.
@@ -152,10 +160,15 @@ impl SoundInput {
     ];
 
     /// True for a number that describes the whole song. Until the song is analysed, such a number has its value in
-    /// silence. A scene may
-    /// declare a value of the same name, which hides this number.
+    /// silence.
     pub const fn is_of_song(self) -> bool {
         self as usize >= Self::Bar as usize
+    }
+
+    /// True if a scene may declare a value of the same name, which hides this number. The first numbers cannot be
+    /// hidden; scenes that are older than the others may use their names.
+    pub const fn may_be_hidden(self) -> bool {
+        self as usize >= Self::Kick as usize
     }
 
     /// Returns the input with that name.

@@ -80,11 +80,10 @@ impl<'a> SceneBuilder<'a> {
         self.lowering.reports.add(wrong.hint("give one of them another name"));
     }
 
-    /// True if a value of the scene may have this name; otherwise reports the conflict. Names of the song's numbers are
-    /// allowed, because some scenes used these names before the numbers existed.
+    /// True if a value of the scene may have this name; otherwise reports the conflict.
     fn may_declare(&mut self, name: Name) -> bool {
         let input = library::input_index(name.symbol).and_then(|index| INPUTS.get(index));
-        let may_hide = |row: &InputRow| matches!(row.value, InputValue::One(input) if input.is_of_song());
+        let may_hide = |row: &InputRow| matches!(row.value, InputValue::One(input) if input.may_be_hidden());
         if input.is_some_and(|row| !may_hide(row)) {
             let message = format!("the name `{}` is taken by an input", self.lowering.name(name.symbol));
             self.lowering.reports.add(Diagnostic::new(name.span, message).hint("choose another name"));

@@ -74,6 +74,7 @@ fn a_scenes_own_names_hide_the_numbers_of_the_song() {
     for text in [
         "param energy = 3 in 0 .. 4\nenergy + key",
         "let energy = 3\nenergy + key",
+        "let kick = 3\nkick + snare",
         "fn f(energy) = energy\nf(3) + key",
         "{ let energy = 3  energy + key }",
         "fn chroma(i) = i\nchroma(3) + key",
