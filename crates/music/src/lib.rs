@@ -73,8 +73,8 @@ pub use scale::{
     spectrum_place,
 };
 pub use song::{
-    Chord, Meter, Mode, PITCH_CLASSES, PitchFractions, STRUCTURE_VERSION, Section, SongBeat, SongListener,
-    SongMoment, SongStructure, Stretch, Tonality,
+    Chord, Meter, Mode, PITCH_CLASSES, PitchFractions, STRUCTURE_VERSION, Section, SectionSound, SongBeat,
+    SongListener, SongMoment, SongStructure, Stretch, Tonality,
 };
 pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVEFORM_POINTS};
 pub use tap::TapTempo;

@@ -10,7 +10,7 @@
 
 /// The version of the analysis. It increases when a change to the analysis gives the same samples another structure, so
 /// that outdated cached structures are not used.
-pub const STRUCTURE_VERSION: u32 = 5;
+pub const STRUCTURE_VERSION: u32 = 6;
 
 mod ahead;
 mod bars;
@@ -24,6 +24,7 @@ mod key;
 mod listener;
 mod moment;
 mod pulse;
+mod section_sound;
 mod sections;
 mod structure;
 mod units;
@@ -32,4 +33,5 @@ pub use bars::Meter;
 pub use key::{Mode, PITCH_CLASSES, Tonality};
 pub use listener::SongListener;
 pub use moment::SongMoment;
+pub use section_sound::SectionSound;
 pub use structure::{Chord, PitchFractions, Section, SongBeat, SongStructure, Stretch};

@@ -10,6 +10,7 @@ use super::drops::{builds_and_drops, eves};
 use super::energy::{ENERGY_STEP, energy, peaks};
 use super::heard::Heard;
 use super::key::{Tonality, chords, key, pitches_of};
+use super::section_sound::{SectionSound, section_sound};
 use super::sections::sections;
 use super::units::{Unit, units};
 
@@ -93,6 +94,8 @@ pub struct SongStructure {
     pub beats: Vec<SongBeat>,
     /// The sections. They cover the song unless the song is silent. If the song has bars, sections begin with bars.
     pub sections: Vec<Section>,
+    /// How each section sounds, in the order of the sections.
+    pub sounds: Vec<SectionSound>,
     /// `energy` and `peaks` have one value every this many seconds.
     pub energy_step: f64,
     /// The energy of each step: 1 in the song's loudest second, 0 at 36 dB or more below the loudest second.
@@ -179,6 +182,7 @@ impl SongStructure {
         for section in sections {
             let (start, end) = (bar_times[section.bars.start], bar_times[section.bars.end]);
             let energy = structure.mean_energy(start, end);
+            structure.sounds.push(section_sound(heard, start, end));
             structure.sections.push(Section { start, end, letter: letter(section.letter), energy });
         }
         let firsts = structure.sections.iter().map(|section| {
