@@ -1,23 +1,29 @@
 //! Chooses the scenes for a song automatically.
 //!
-//! - Scenes change at the starts of sections, and about every eighth bar in long sections. Scenes do not change
-//!   during a build; the next scene starts at the drop.
+//! - Scenes change at the starts of sections and at drops. In between, the camera changes after a while, and the scene
+//!   changes once all its cameras were shown. Nothing changes during a build.
 //! - When a section is repeated, its scene returns, with another camera if the scene has several.
-//! - The choice depends on the song's energy, the contrast to the previous scene, and the time since a scene was last
-//!   shown.
-//! - Calm music gets melts and fades, and loud music gets cuts. Changes between the cameras of a scene follow the
-//!   same rule.
+//! - The choice depends on the character of the music, the contrast to the previous scene, and the time since a scene
+//!   was last shown.
+//! - Calm music gets melts and long fades, and loud music gets portals and short fades. Only a drop gets a cut, unless
+//!   a scene asks for one, and the camera springs back.
+//! - During a build, a parameter of the scene or the camera's zoom moves.
 //!
 //! Random numbers decide between scenes with equal scores. The seed should be a hash of the song's content, so that a
 //! song has the same show on every machine.
 
 mod changes;
+mod character;
+mod moods;
+mod rises;
 
 use std::collections::HashMap;
 
 use super::bar_lines::BarLines;
 use super::cue_list::{Anchor, CueList, Entry, Length, Transition, TransitionKind, When};
-use changes::{Change, Reason, changes, in_build};
+use super::scene_facts::Rise;
+use changes::{Change, Reason, changes};
+use character::Character;
 use mariana_field::lang::{About, TransitionStyle};
 use mariana_field::world::{BlendKind, PortalShape};
 use mariana_music::SongStructure;
@@ -31,38 +37,21 @@ pub struct SceneCard {
     pub about: About,
     /// The names of the scene's cameras.
     pub cameras: Vec<String>,
+    /// The parameter that rises during a build, if the scene has one.
+    pub rise: Option<Rise>,
 }
 
 /// Music is calm below this energy, and loud from [`LOUD`] on.
 const CALM: f32 = 0.45;
 const LOUD: f32 = 0.6;
-/// From this energy on, cameras change twice as often as in loud music.
-const VERY_LOUD: f32 = 0.8;
-
-/// The rhythm of camera changes for a range of energy.
-struct Turns {
-    below: f32,
-    bars: f64,
-    /// Minimum time in seconds between two camera changes.
-    seconds_min: f64,
-    /// Duration of the fade in bars; 0 cuts.
-    fade: f64,
-}
-
-/// From calm to very loud music.
-const TURNS: [Turns; 4] = [
-    Turns { below: CALM, bars: 6.0, seconds_min: 8.0, fade: 2.0 },
-    Turns { below: LOUD, bars: 4.0, seconds_min: 8.0, fade: 1.0 },
-    Turns { below: VERY_LOUD, bars: 4.0, seconds_min: 4.0, fade: 0.0 },
-    Turns { below: f32::INFINITY, bars: 2.0, seconds_min: 4.0, fade: 0.0 },
-];
-
 /// Weights of a scene's score. Before the random bonus, a perfect scene scores 0.
 mod points {
     /// Points for each unit of energy by which the music is outside the scene's range.
     pub(super) const OUTSIDE: f32 = -6.0;
     /// Points for each unit of energy between the music and the middle of the scene's range.
     pub(super) const OFF_MIDDLE: f32 = -1.0;
+    /// Points for moods that suit the music perfectly.
+    pub(super) const MOOD: f32 = 5.0;
     /// Points for each mood that the scene shares with the previous scene.
     pub(super) const SAME_MOOD: f32 = -0.3;
     /// Points for a scene that was shown before, divided by the number of scene changes since then.
@@ -76,57 +65,59 @@ mod points {
 /// Creates a cue list for a song from these scenes. The list is empty if there are no scenes.
 pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> CueList {
     let lines = BarLines::of(song);
-    let mut director =
-        Director { cards, seed, of_letter: HashMap::new(), seen: Vec::new(), visits: vec![0; cards.len()] };
-    let changes = changes(song, &lines);
+    let mut director = Director::new(cards, seed);
     let mut cue_list = CueList::default();
-    for (index, change) in changes.iter().enumerate() {
-        let Some(card) = director.choose(index, change) else { return cue_list };
-        let before = director.seen.last().and_then(|before| cards.get(*before));
-        let coin = chance(seed, index, card) < 0.5;
-        let transition = before.map(|before| transition(change, before, &cards[card], coin));
-        director.seen.push(card);
-        let end = changes.get(index + 1).map_or(song.seconds, |next| next.time);
-        let views = director.views(card, index, change);
-        // A blend starts before the section, so that it is half complete when the section starts.
-        let lead = match transition {
-            Some(Transition { kind: TransitionKind::Blend(_), length: Length::Bars(bars), .. }) => bars / 2.0,
-            _ => 0.0,
-        };
+    let mut shown: Vec<Shown<'_>> = Vec::new();
+    for (index, change) in changes(song, &lines).iter().enumerate() {
+        let before = director.seen.last().copied();
+        let Some(scene) = director.choose(index, change) else { break };
+        let Some(card) = cards.get(scene) else { break };
+        let views = 1 + card.cameras.len();
+        if before == Some(scene) && views < 2 {
+            continue;
+        }
         let mut when = change.when.clone();
-        if lead > 0.0 && when.offset == Length::ZERO {
-            when.offset = Length::Bars(-lead);
+        let transition = match before.and_then(|before| cards.get(before)) {
+            None => None,
+            Some(_) if before == Some(scene) => Some(camera_change(change)),
+            Some(before) => Some(transition(change, before, card, chance(seed, index, scene) < 0.5)),
+        };
+        // A blend starts before the section, so that it is half complete when the section starts.
+        if change.reason == Reason::Section
+            && let Some(Transition { kind: TransitionKind::Blend(_), length: Length::Bars(bars), .. }) =
+                transition
+        {
+            when.offset = Length::Bars(-0.5 * bars);
         }
-        cue_list.entries.push(Entry::new(
-            when,
-            &cards[card].scene,
-            views.first().cloned().flatten(),
-            transition,
-        ));
-        let turns = turns_at(change.energy);
-        for (number, bar) in bars_of(turns, song, &lines, change, end).into_iter().enumerate() {
-            let Some(camera) = views.get((number + 1) % views.len().max(1)) else { break };
-            if views.len() < 2 {
-                break;
-            }
-            let when = When { anchor: Anchor::Bar(bar), offset: Length::ZERO };
-            let how = match turns.fade {
-                0.0 => Transition::CUT,
-                bars => Transition::new(TransitionStyle::Fade, Length::Bars(bars)),
-            };
-            cue_list.entries.push(Entry::new(when, &cards[card].scene, camera.clone(), Some(how)));
-        }
+        let view = director.view(scene);
+        cue_list.entries.push(Entry::new(when, &card.scene, view, transition));
+        shown.push(Shown { card, time: change.time, is_drop: change.reason == Reason::Drop });
     }
+    rises::add(song, &lines, &shown, &mut cue_list);
     cue_list
+}
+
+/// The scene of an entry, and its time in seconds.
+struct Shown<'a> {
+    card: &'a SceneCard,
+    time: f64,
+    is_drop: bool,
+}
+
+/// Returns the cards from which the director chooses: without scenes for learning, unless there are no others.
+pub(super) fn for_shows(cards: Vec<SceneCard>) -> Vec<SceneCard> {
+    let (lessons, others): (Vec<_>, Vec<_>) =
+        cards.into_iter().partition(|card| moods::is_lesson(&card.about));
+    if others.is_empty() { lessons } else { others }
 }
 
 /// Chooses the scene that follows the scenes `seen` if only the energy of the music is known. Returns `None` if
 /// `cards` is empty.
 pub(super) fn next_scene(cards: &[SceneCard], seen: &[usize], energy: f32) -> Option<usize> {
-    let (of_letter, visits) = (HashMap::new(), Vec::new());
-    let mut director = Director { cards, seed: seen.len() as u64, of_letter, seen: seen.to_vec(), visits };
+    let mut director = Director { seen: seen.to_vec(), ..Director::new(cards, seen.len() as u64) };
     let when = When { anchor: Anchor::Start, offset: Length::ZERO };
-    let change = Change { when, time: 0.0, reason: Reason::Long, letter: None, before: energy, energy };
+    let music = Character::of_energy(energy);
+    let change = Change { when, time: 0.0, reason: Reason::Start, letter: None, before: energy, music };
     director.choose(seen.len(), &change)
 }
 
@@ -134,16 +125,38 @@ struct Director<'a> {
     cards: &'a [SceneCard],
     seed: u64,
     of_letter: HashMap<&'a str, usize>,
+    /// The scenes in the order of their appearance. The last scene is the current scene.
     seen: Vec<usize>,
+    /// The letter for which the current scene was chosen; `None` if the scene changed within a section.
+    letter: Option<&'a str>,
+    /// How many changes of camera the current scene has had.
+    turns: usize,
+    /// How often each scene was shown with another camera.
     visits: Vec<usize>,
 }
 
 impl<'a> Director<'a> {
+    fn new(cards: &'a [SceneCard], seed: u64) -> Self {
+        let visits = vec![0; cards.len()];
+        Self { cards, seed, of_letter: HashMap::new(), seen: Vec::new(), letter: None, turns: 0, visits }
+    }
+
+    /// Chooses the scene from a change on. If the current scene stays, another camera shows it.
     fn choose(&mut self, index: usize, change: &Change<'a>) -> Option<usize> {
         let last = self.seen.last().copied();
-        let its_own = change.letter.and_then(|letter| self.of_letter.get(letter)).copied();
-        let is_first_of_section = change.reason != Reason::Long;
-        let chosen = match its_own.filter(|own| is_first_of_section && Some(*own) != last) {
+        let is_of_section = change.reason != Reason::Long;
+        let its_own = change.letter.filter(|_| is_of_section).and_then(|letter| self.of_letter.get(letter));
+        let cameras = last.and_then(|last| self.cards.get(last)).map_or(0, |card| card.cameras.len());
+        let stays = match change.reason {
+            Reason::Start | Reason::Drop => false,
+            Reason::Section => last.is_some() && its_own.copied() == last && self.letter == change.letter,
+            Reason::Long => self.turns < cameras,
+        };
+        if let Some(last) = last.filter(|_| stays) {
+            self.turns += 1;
+            return Some(last);
+        }
+        let chosen = match its_own.copied().filter(|own| Some(*own) != last) {
             Some(own) => own,
             None => {
                 let others =
@@ -153,17 +166,21 @@ impl<'a> Director<'a> {
                 })?
             }
         };
-        if let Some(letter) = change.letter.filter(|_| is_first_of_section) {
+        self.letter = change.letter.filter(|_| is_of_section);
+        if let Some(letter) = self.letter {
             self.of_letter.entry(letter).or_insert(chosen);
         }
+        self.turns = 0;
+        self.seen.push(chosen);
         Some(chosen)
     }
 
     fn points(&self, scene: usize, index: usize, change: &Change<'_>) -> f32 {
         let Some(card) = self.cards.get(scene) else { return f32::MIN };
         let (low, high) = card.about.energy;
-        let outside = (low - change.energy).max(change.energy - high).max(0.0);
-        let off_middle = (change.energy - 0.5 * (low + high)).abs();
+        let energy = change.music.energy();
+        let outside = (low - energy).max(energy - high).max(0.0);
+        let off_middle = (energy - 0.5 * (low + high)).abs();
         let before = self.seen.last().and_then(|last| self.cards.get(*last));
         let shared = before.map_or(0, |before| {
             card.about.moods.iter().filter(|mood| before.about.moods.contains(mood)).count()
@@ -172,27 +189,30 @@ impl<'a> Director<'a> {
         let taken = self.of_letter.values().any(|other| *other == scene);
         points::OUTSIDE * outside
             + points::OFF_MIDDLE * off_middle
+            + points::MOOD * moods::fit(&card.about, &change.music)
             + points::SAME_MOOD * shared as f32
             + ago.map_or(0.0, |ago| points::SEEN / (ago + 1) as f32)
             + if taken { points::TAKEN } else { 0.0 }
             + points::CHANCE * chance(self.seed, index, scene)
     }
 
-    /// Returns the cameras of a scene in the order in which the show uses them; `None` is the default camera. When a
-    /// scene is shown again, it starts with another camera.
-    fn views(&mut self, scene: usize, index: usize, change: &Change<'_>) -> Vec<Option<String>> {
-        let Some(card) = self.cards.get(scene) else { return Vec::new() };
-        let mut views: Vec<Option<String>> = vec![None];
-        let mut others: Vec<&String> = card.cameras.iter().collect();
-        if change.energy >= LOUD {
-            others.sort_by_key(|name| (1e6 * chance(self.seed ^ text_hash(name), index, scene)) as u32);
-        }
-        views.extend(others.into_iter().cloned().map(Some));
+    /// Returns the camera of a scene; `None` is the default camera. Each time, it is the next of the scene's cameras.
+    fn view(&mut self, scene: usize) -> Option<String> {
+        let cameras = &self.cards.get(scene)?.cameras;
         let visits = self.visits.get_mut(scene).map_or(0, |visits| std::mem::replace(visits, *visits + 1));
-        let count = views.len();
-        views.rotate_left(visits % count);
-        views
+        let view = visits % (cameras.len() + 1);
+        view.checked_sub(1).and_then(|view| cameras.get(view)).cloned()
     }
+}
+
+/// Returns the fade from one camera of a scene to another.
+fn camera_change(change: &Change<'_>) -> Transition {
+    let length = match change.music.energy() {
+        energy if energy < CALM => Length::Bars(2.0),
+        energy if energy < LOUD => Length::Bars(1.0),
+        _ => Length::Beats(1.0),
+    };
+    Transition::new(TransitionStyle::Fade, length)
 }
 
 /// Chooses the transition to a scene. The random `coin` decides if several kinds suit the music.
@@ -200,17 +220,19 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
     if change.reason == Reason::Drop {
         return Transition::CUT;
     }
-    let by_energy = match (change.before, change.energy) {
+    let energy = change.music.energy();
+    let is_loud = change.before >= LOUD && energy >= LOUD;
+    let by_energy = match (change.before, energy) {
         (before, now) if before < CALM && now < CALM => TransitionStyle::Melt,
-        (before, now) if before >= LOUD && now >= LOUD => TransitionStyle::Cut,
-        (before, now) if now > before => TransitionStyle::Portal,
+        _ if is_loud && !coin => TransitionStyle::Fade,
+        (before, now) if is_loud || now > before => TransitionStyle::Portal,
         _ if coin => TransitionStyle::Melt,
         _ => TransitionStyle::Fade,
     };
     let style = to.about.enter.or(from.about.leave).unwrap_or(by_energy);
     match style {
         TransitionStyle::Cut => Transition::CUT,
-        TransitionStyle::Melt if change.energy < CALM => Transition::new(style, Length::Bars(4.0)),
+        TransitionStyle::Melt if energy < CALM => Transition::new(style, Length::Bars(4.0)),
         TransitionStyle::Melt => Transition::new(style, Length::Bars(2.0)),
         TransitionStyle::Portal => {
             let shape = match to.about.portal {
@@ -221,30 +243,9 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
             let portal = TransitionKind::Blend(BlendKind::Portal(shape));
             Transition::new(portal, Length::Bars(2.0))
         }
+        TransitionStyle::Fade if is_loud => Transition::new(style, Length::Beats(1.0)),
         TransitionStyle::Fade => Transition::new(style, Length::Bars(1.0)),
     }
-}
-
-fn turns_at(energy: f32) -> &'static Turns {
-    let [calm, even, loud, very_loud] = &TURNS;
-    [calm, even, loud].into_iter().find(|turns| energy < turns.below).unwrap_or(very_loud)
-}
-
-/// Returns the bars in which the camera changes, between a scene change and the next scene change at `end` seconds.
-fn bars_of(turns: &Turns, song: &SongStructure, lines: &BarLines, change: &Change<'_>, end: f64) -> Vec<u32> {
-    let first = lines.bar_at(change.time + 0.05).floor();
-    let bar = lines.time_of(first + 1.0) - lines.time_of(first);
-    if song.beats.is_empty() || bar <= 0.0 {
-        return Vec::new();
-    }
-    let mut step = turns.bars;
-    while step * bar < turns.seconds_min {
-        step *= 2.0;
-    }
-    let all = (1..).map(|number| first + f64::from(number) * step);
-    let within = all.take_while(|bar| lines.time_of(*bar) + turns.seconds_min < end && *bar < 1e6);
-    let fits = |bar: &f64| *bar >= 1.0 && !in_build(song, lines, lines.time_of(*bar));
-    within.filter(fits).map(|bar| bar as u32).collect()
 }
 
 /// Returns a number in 0..1 that looks random and depends only on the arguments (SplitMix64, Steele et al. 2014).
@@ -255,12 +256,6 @@ fn chance(seed: u64, index: usize, scene: usize) -> f32 {
     value = (value ^ (value >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     value = (value ^ (value >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     ((value ^ (value >> 31)) >> 40) as f32 / (1u64 << 24) as f32
-}
-
-fn text_hash(text: &str) -> u64 {
-    // FNV-1a.
-    text.bytes()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 #[cfg(test)]

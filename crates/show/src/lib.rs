@@ -22,7 +22,8 @@
 //!             at bar 9 city melt over 2 bars\n\
 //!             set height = 1 -> 3 over 4 bars";
 //! let facts = |_: &str| {
-//!     Ok(SceneFacts { about: About::default(), cameras: Vec::new(), params: vec!["height".to_owned()] })
+//!     let (about, params) = (About::default(), vec!["height".to_owned()]);
+//!     Ok(SceneFacts { about, cameras: Vec::new(), params, rise: None })
 //! };
 //! let (show, left_out) = Show::of_text("my.show", text, &song, facts)?;
 //! assert_eq!(left_out, None);
@@ -65,7 +66,7 @@ pub use parse::{Parsed, parse};
 pub use performance::{Finish, OnStage, Performance, Turned};
 pub use picture::{Held, Picture};
 pub use resolve::resolve;
-pub use scene_facts::{Refusal, SceneFacts};
+pub use scene_facts::{Refusal, Rise, SceneFacts};
 pub use show::{CueListError, Show, seed_of};
 pub use text::print;
 pub use timeline::{Clip, Moment, Move, Moved, TimedTransition, Timeline};

@@ -118,6 +118,7 @@ mod tests {
             scene: format!("scene {index}"),
             about: About { energy, ..About::default() },
             cameras: Vec::new(),
+            rise: None,
         };
         LiveDirector::new(ranges.into_iter().enumerate().map(card).collect())
     }

@@ -15,13 +15,44 @@ pub struct SceneFacts {
     pub cameras: Vec<String>,
     /// Names of the scene's parameters.
     pub params: Vec<String>,
+    /// The parameter that the director lets rise during a build; `None` if there is none.
+    pub rise: Option<Rise>,
+}
+
+/// A movement of a parameter during a build.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rise {
+    /// The name of the parameter.
+    pub param: String,
+    /// The parameter's default, from which it rises and to which it falls back.
+    pub from: f32,
+    /// The value at the end of the build.
+    pub to: f32,
+}
+
+/// Names of parameters that say how much the sound moves the scene. They may move at any time: a speed may not,
+/// because it is multiplied by the time, so that the scene would jump.
+const RISING: [&str; 7] = ["swell", "pump", "unfold", "jump", "skyline", "heights", "stir"];
+/// The part of the range above the default that a parameter rises.
+const RISE: f32 = 0.8;
+
+impl Rise {
+    fn of(scene: &Scene) -> Option<Self> {
+        let named = scene.params.iter().filter(|param| !param.is_number);
+        let mut rising =
+            named.filter(|param| RISING.contains(&param.name.as_str()) && param.max > param.default);
+        let param = rising.next()?;
+        let to = param.default + RISE * (param.max - param.default);
+        Some(Self { param: param.name.clone(), from: param.default, to })
+    }
 }
 
 impl From<Scene> for SceneFacts {
     fn from(scene: Scene) -> Self {
+        let rise = Rise::of(&scene);
         let params = scene.params.into_iter().filter(|param| !param.is_number).map(|param| param.name);
         let cameras = scene.cameras.into_iter().map(|(name, _)| name).collect();
-        Self { about: scene.about, cameras, params: params.collect() }
+        Self { about: scene.about, cameras, params: params.collect(), rise }
     }
 }
 
@@ -41,7 +72,12 @@ impl SceneFacts {
     }
 
     pub(super) fn card(&self, name: &str) -> SceneCard {
-        SceneCard { scene: name.to_owned(), about: self.about.clone(), cameras: self.cameras.clone() }
+        SceneCard {
+            scene: name.to_owned(),
+            about: self.about.clone(),
+            cameras: self.cameras.clone(),
+            rise: self.rise.clone(),
+        }
     }
 
     /// Returns a diagnostic for each camera and parameter in `entry` that the scene does not have.

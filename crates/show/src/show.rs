@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cue_list::CueList;
-use super::director::{SceneCard, direct};
+use super::director::{SceneCard, direct, for_shows};
 use super::parse::{DIAGNOSTICS_MAX, parse};
 use super::resolve::resolve;
 use super::scene_facts::{NamedScenes, Refusal, SceneFacts};
@@ -49,7 +49,7 @@ pub struct Show {
 impl Show {
     /// Lets the director create a show of the given scenes; returns `None` if there are no scenes.
     pub fn directed(song: &SongStructure, scenes: &BTreeMap<String, SceneFacts>) -> Option<Self> {
-        let (styles, cards) = (ways_of(scenes), cards_of(scenes));
+        let (styles, cards) = (ways_of(scenes), for_shows(cards_of(scenes)));
         let cue_list = direct(song, &cards, seed_of(song));
         let timeline = Some(resolved(&cue_list, song, &[], &styles).0?);
         Some(Self { timeline, cue_list, styles, cards })

@@ -71,7 +71,7 @@ mod tests {
     fn card(scene: &str, energy: f32, cameras: &[&str]) -> SceneCard {
         let about = About { energy: (energy, energy), ..About::default() };
         let cameras = cameras.iter().map(|camera| (*camera).to_owned()).collect();
-        SceneCard { scene: scene.to_owned(), about, cameras }
+        SceneCard { scene: scene.to_owned(), about, cameras, rise: None }
     }
 
     fn clip(start: f64, scene: &str, camera: Option<&str>) -> Clip {

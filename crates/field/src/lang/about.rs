@@ -55,7 +55,7 @@ pub struct About {
     pub author: Option<String>,
     /// The licence of the scene.
     pub license: Option<String>,
-    /// The minimum and maximum energy of the music for which the scene is made. A song's loudest moments have energy 1.
+    /// The minimum and maximum energy of the music for which the scene is made, from 0 (calm) to 1 (intense).
     pub energy: (f32, f32),
     /// Words that describe the mood. Successive scenes should have few of these words in common.
     pub moods: Vec<String>,
@@ -93,7 +93,7 @@ impl About {
         of_about(
             "energy",
             Holds::Range,
-            "The energy of the music for which the scene is made, as in `0.2 .. 0.6`. The energy of a song's loudest moment is 1.",
+            "The energy of the music for which the scene is made, as in `0.2 .. 0.6`, from 0 (calm) to 1 (intense).",
         ),
         of_about("moods", Holds::Text, "Words for the scene's mood, in quotes, separated by commas."),
         of_about(
