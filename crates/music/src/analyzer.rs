@@ -48,7 +48,7 @@ const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 const FLUX_LATE: (f32, f32) = (1.1, 2.1);
 
 /// The long window is not used above this frequency, in hertz.
-const SLOW_HIGHEST_HZ: f64 = 600.0;
+const SLOW_HIGHEST_HZ: f64 = 1_500.0;
 
 /// The position of the analysis windows relative to the moment that they describe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -328,6 +328,7 @@ impl Analyzer {
         for (value, height) in self.last.spectrum.iter_mut().zip(heights) {
             self.followers.bands.follow(value, height);
         }
+        self.last.notes = *self.sounds.notes.levels();
         if let Some(bar) = self.rhythm.bar(pulse, &self.last.spectrum) {
             (features.bar_beat, features.bar_beats) = (bar.beat, bar.beats);
         }

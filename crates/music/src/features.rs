@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::loudness::LOUDNESS_FLOOR;
-use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, SPECTRUM_POINTS, WAVE_PER_HOP, spectrum_place};
+use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, NOTE_COUNT, SPECTRUM_POINTS, WAVE_PER_HOP, spectrum_place};
 
 macro_rules! features {
     ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $silence:expr, $between:ident;)+) => {
@@ -82,6 +82,21 @@ features! {
     gain_db: f32 = 0.0, mixed;
     /// The total level from 30 Hz to 16 kHz in decibels, measured like the band levels.
     level_db: f32 = LEVEL_FLOOR_DB, mixed;
+    /// Height of the tones, 0..1: the height of the total level, mapped like `bands`, times the fraction of the power from
+    /// 60 Hz to 6 kHz that belongs to tones. A new tone counts after about 0.1 s.
+    tonal: f32 = 0.0, mixed;
+    /// The same for strokes, which are short and cover many frequencies.
+    percussive: f32 = 0.0, mixed;
+    /// Root of the current chord in semitones above C, 0..11; 0 while unknown.
+    chord_root: f32 = 0.0, held;
+    /// 1 if the current chord is minor; 0 if it is major or unknown.
+    chord_minor: f32 = 0.0, held;
+    /// How well a major or minor chord fits the sounding notes, 0..1; 0 while no chord is known.
+    chord_certainty: f32 = 0.0, mixed;
+    /// The most prominent note above the bass in semitones above A0, 0..87, with cents as fraction; 0 without notes.
+    melody: f32 = 0.0, held;
+    /// How clearly the melody stands out from other notes, 0..1.
+    melody_certainty: f32 = 0.0, mixed;
     /// Short-term loudness in LUFS (ITU-R BS.1770-4, over the last 3 s), at least [`LOUDNESS_FLOOR`], without the gain.
     /// In the first 3 s of a stream or after a restart it is the loudness since the start.
     loudness_lufs: f32 = LOUDNESS_FLOOR, mixed;
@@ -181,11 +196,21 @@ pub struct TimedFeatures {
     pub spectrum: [f32; SPECTRUM_POINTS],
     /// One hop of the mean of both channels, -8..8. A waveform consists of four such hops ([`Tables`](super::Tables)).
     pub wave: [f32; WAVE_PER_HOP],
+    /// The level of each semitone from A0 to C8, 0..1, without the partials of lower notes: 1 for the loudest note of the
+    /// last seconds, 0 at 34 dB below it.
+    pub notes: [f32; NOTE_COUNT],
 }
 
 impl TimedFeatures {
     /// Creates a moment with silent tables.
     pub const fn new(time: f64, number: u64, features: Features) -> Self {
-        Self { time, number, features, spectrum: [0.0; SPECTRUM_POINTS], wave: [0.0; WAVE_PER_HOP] }
+        Self {
+            time,
+            number,
+            features,
+            spectrum: [0.0; SPECTRUM_POINTS],
+            wave: [0.0; WAVE_PER_HOP],
+            notes: [0.0; NOTE_COUNT],
+        }
     }
 }

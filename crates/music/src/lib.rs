@@ -44,6 +44,7 @@ mod lines;
 mod live_bars;
 mod live_energy;
 mod loudness;
+mod notes;
 mod onset;
 mod pitch;
 mod repetition;
@@ -56,6 +57,7 @@ mod smoothing;
 mod song;
 mod sounds;
 mod spectrum;
+mod split;
 mod tables;
 mod tap;
 mod track;
@@ -69,8 +71,8 @@ pub use gain::Gain;
 pub use live_energy::LiveEnergy;
 pub use loudness::LOUDNESS_FLOOR;
 pub use scale::{
-    BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB, SPECTRUM_POINTS, WAVE_PER_HOP, spectrum_hz,
-    spectrum_place,
+    BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB, NOTE_COUNT, SPECTRUM_POINTS, WAVE_PER_HOP,
+    spectrum_hz, spectrum_place,
 };
 pub use song::{
     Chord, Meter, Mode, PITCH_CLASSES, PitchFractions, STRUCTURE_VERSION, Section, SectionSound, SongBeat,

@@ -15,6 +15,9 @@ pub const LEVEL_FLOOR_DB: f32 = -120.0;
 /// The number of points of the spectrum's curve.
 pub const SPECTRUM_POINTS: usize = 512;
 
+/// The number of notes: the semitones from A0 (27.5 Hz) to C8 (4186 Hz), as on a piano.
+pub const NOTE_COUNT: usize = 88;
+
 /// The number of waveform samples per hop (11.6 to 12.3 kHz at sample rates of 44.1 and 48 kHz and their multiples).
 pub const WAVE_PER_HOP: usize = 128;
 

@@ -1,39 +1,64 @@
-//! Drums and loudness: features that are measured from the same hops and spectra as the bands.
+//! Drums, notes, tonal and percussive levels, and loudness: features that are measured from the same hops and spectra as the bands.
 
 use super::StereoFrame;
+use super::bands::height;
 use super::drums::Drums;
 use super::features::Features;
 use super::loudness::Loudness;
+use super::notes::Notes;
 use super::resolution::Resolution;
+use super::smoothing::Follower;
+use super::split::Split;
+
+/// Attack and release times of the tonal and percussive levels, in seconds.
+const SPLIT_ATTACK: f64 = 0.010;
+const SPLIT_RELEASE: f64 = 0.200;
 
 pub(super) struct Sounds {
     pub(super) drums: Drums,
     loudness: Loudness,
+    pub(super) notes: Notes,
+    split: Split,
+    follower: Follower,
 }
 
 impl Sounds {
     pub(super) fn new(hop: usize, rate: f64, centred: bool) -> Self {
         let hop_seconds = hop as f64 / rate;
-        let short = hop * Resolution::Short.hops();
+        let [middle, short] = [Resolution::Middle, Resolution::Short].map(|window| hop * window.hops());
         Self {
             drums: Drums::new(short / 2, rate / short as f64, hop_seconds, centred),
             loudness: Loudness::new(rate, hop_seconds),
+            notes: Notes::new(hop, rate, hop_seconds),
+            split: Split::new(middle / 2, rate / middle as f64),
+            follower: Follower::new(SPLIT_ATTACK, SPLIT_RELEASE, hop_seconds),
         }
     }
 
     pub(super) fn restart(&mut self) {
         self.drums.restart();
         self.loudness.restart();
+        self.notes.restart();
+        self.split.restart();
     }
 
     /// Measures a moment from the newest hop of frames and the spectra of [`Resolution::ALL`].
     pub(super) fn follow(
         &mut self,
         newest: &[StereoFrame],
-        [_, middle, short]: [&[f32]; Resolution::ALL.len()],
+        [long, middle, short]: [&[f32]; Resolution::ALL.len()],
         features: &mut Features,
     ) {
         [features.kick, features.snare, features.hat] = self.drums.follow(middle, short);
+        let level = height(features.level_db + features.gain_db);
+        let parts = self.split.follow(middle);
+        for (value, part) in [&mut features.tonal, &mut features.percussive].into_iter().zip(parts) {
+            self.follower.follow(value, part * level);
+        }
+        let harmony = self.notes.follow(long, middle);
+        (features.chord_root, features.chord_minor) = (harmony.chord_root, harmony.chord_minor);
+        features.chord_certainty = harmony.chord_certainty;
+        (features.melody, features.melody_certainty) = (harmony.melody, harmony.melody_certainty);
         features.loudness_lufs = self.loudness.follow(newest);
     }
 }

@@ -5,6 +5,7 @@ mod beats;
 #[allow(dead_code)]
 mod forms;
 mod levels_and_curves;
+mod notes;
 mod played;
 mod rhythm;
 mod signals;

@@ -404,7 +404,9 @@ pub(crate) fn track(mix: &Mix) -> Track {
                 |timbre: Timbre, from: f64, to: f64, semitone: usize, loud: f64, notes: &mut Vec<Played>| {
                     let note = Played { from, to, semitone, loud };
                     play_note(&mut music, timbre, note);
-                    notes.push(note);
+                    // A plucked string has fallen by 20 dB after a second.
+                    let heard = if timbre == Timbre::Plucked { to.min(from + 1.0) } else { to };
+                    notes.push(Played { to: heard, ..note });
                 };
             for step in (0..16).step_by(bass_every) {
                 let to = if step + bass_every < 16 { at(step + bass_every) } else { end };
