@@ -87,7 +87,7 @@ features! {
     tonal: f32 = 0.0, mixed;
     /// The same for strokes, which are short and cover many frequencies.
     percussive: f32 = 0.0, mixed;
-    /// Root of the current chord in semitones above C, 0..11; 0 while unknown.
+    /// Root of the current chord in semitones above C, 0..11. It is kept while the chord is uncertain; 0 without notes.
     chord_root: f32 = 0.0, held;
     /// 1 if the current chord is minor; 0 if it is major or unknown.
     chord_minor: f32 = 0.0, held;

@@ -13,7 +13,7 @@ const BASS: usize = 24;
 const BASS_BONUS: f32 = 0.12;
 
 /// Another chord replaces the chord if it fits better by this much.
-const CHANGES: f32 = 0.05;
+const CHANGES: f32 = 0.12;
 
 /// The fit of a chord with certainty 0, and with certainty 1.
 const FITS: (f32, f32) = (0.6, 0.95);
@@ -33,7 +33,8 @@ impl ChordFinder {
         (self.classes, self.chord) = ([0.0; 12], 0);
     }
 
-    /// Returns the root in semitones above C, 1 for minor, and the certainty, 0..1.
+    /// Returns the root in semitones above C, 1 for minor, and the certainty, 0..1. An uncertain chord is kept, so that it
+    /// does not flicker.
     pub(super) fn follow(&mut self, levels: &[f32; NOTE_COUNT]) -> (f32, f32, f32) {
         let mut now = [0.0_f32; 12];
         for (semitone, level) in levels.iter().enumerate() {
@@ -65,9 +66,6 @@ impl ChordFinder {
         });
         self.chord = best;
         let certainty = ((fit(best) - FITS.0) / (FITS.1 - FITS.0)).clamp(0.0, 1.0);
-        if certainty == 0.0 {
-            return (0.0, 0.0, 0.0);
-        }
         ((best % 12) as f32, if best < 12 { 0.0 } else { 1.0 }, certainty)
     }
 }
