@@ -58,8 +58,8 @@ features! {
     /// 1 at the onset of a sound, then falling by a factor of e in 0.15 s.
     beat: f32 = 0.0, mixed;
     /// The strength of a kick at its onset, 0..1, then falling like `beat`. The strength is relative to the strongest
-    /// kick of the last seconds. Strokes are detected 20 to 32 ms after their onset in live input, and a hop (10 ms)
-    /// earlier in files.
+    /// kick of the last seconds. In files a stroke is detected
+    /// one hop (about 10 ms) earlier than in live input.
     kick: f32 = 0.0, mixed;
     /// The same for the snare.
     snare: f32 = 0.0, mixed;
