@@ -202,7 +202,7 @@ impl Listening {
         let songs = self.songs.as_ref().filter(|_| self.sound.plays_song());
         now.song = match songs.and_then(|songs| songs.get(now.track)) {
             Some(structure) => {
-                now.features.follow_song(structure, now.song_time);
+                now.features.follow_song(&structure, now.song_time);
                 structure.moment(now.song_time)
             }
             None => {

@@ -673,7 +673,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__video)
-            opts="-o -q -v -h --for --start --duration --fps --size --codec --quality --draft --title-card --flash-limiter --scene --alpha --show --set --output --quiet --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -q -v -h --for --start --duration --fps --size --codec --quality --draft --title-card --lyrics --flash-limiter --scene --alpha --show --set --output --quiet --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -705,6 +705,10 @@ _mariana() {
                     ;;
                 --quality)
                     COMPREPLY=($(compgen -W "low medium high best" -- "${cur}"))
+                    return 0
+                    ;;
+                --lyrics)
+                    COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
                 --flash-limiter)

@@ -95,7 +95,7 @@ impl Graph {
         };
         let mut is_kept = vec![false; roots.iter().max().map_or(0, |last| last.index() + 1)];
         let (mut kept, mut most) = (0_usize, 0);
-        let mut keep = |id: NodeId, kept: &mut usize, is_kept: &mut Vec<bool>| {
+        let keep = |id: NodeId, kept: &mut usize, is_kept: &mut Vec<bool>| {
             *kept += usize::from(takes_register(id) && !std::mem::replace(&mut is_kept[id.index()], true));
         };
         for root in roots {
@@ -179,9 +179,9 @@ mod tests {
         let shapes: Vec<NodeId> = (1..=6)
             .map(|number| {
                 let factor = graph.constant(number as f32);
-                graph.mul(x, factor)
+                let product = graph.mul(x, factor);
+                graph.unary(Op::Sin, product)
             })
-            .map(|product| graph.unary(Op::Sin, product))
             .collect();
         let weights: Vec<NodeId> = shapes.iter().map(|shape| graph.unary(Op::Exp, *shape)).collect();
         let lights: Vec<NodeId> = [Op::Add, Op::Sub, Op::Max]

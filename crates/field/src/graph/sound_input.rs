@@ -67,6 +67,20 @@ sound_inputs! {
     Snare, "snare", 0.0..1.0, "the same for the snare";
     /// 1 on a hi-hat, then decaying.
     Hat, "hat", 0.0..1.0, "the same for hi-hats and other short high sounds";
+    /// Level of sustained tones.
+    Tonal, "tonal", 0.0..1.0, "level of sustained tones, 0..1";
+    /// Level of strokes.
+    Percussive, "percussive", 0.0..1.0, "level of strokes and other short sounds, 0..1";
+    /// Root of the chord.
+    ChordRoot, "chord_root", 0.0..11.0, "root of the chord in semitones above C, 0..11";
+    /// 1 if the chord is minor.
+    ChordMinor, "chord_minor", 0.0..1.0, "1 if the chord is minor, else 0";
+    /// Certainty of the chord.
+    ChordCertainty, "chord_certainty", 0.0..1.0, "certainty of the chord, 0..1";
+    /// The most prominent tone.
+    Melody, "melody", 0.0..88.0, "the most prominent tone in semitones above A0, 0..88";
+    /// Certainty of the melody.
+    MelodyCertainty, "melody_certainty", 0.0..1.0, "certainty of the melody, 0..1";
     /// Short-term loudness.
     Loudness, "loudness", 0.0..1.0, "loudness of the last 3 s: 0 at -70 LUFS, 1 at 0 LUFS";
     /// Position in the bar.

@@ -13,6 +13,8 @@ pub(super) const SLOW_HOPS: usize = 8;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moment {
     pub(super) flux: f32,
+    /// True at the onset of a sound.
+    pub(super) begins: bool,
     /// The rise of each band's amplitude, relative to the loudest recent amplitude.
     pub(super) low_rise: f32,
     pub(super) high_rise: f32,

@@ -7,7 +7,7 @@ use crate::StereoFrame;
 use crate::decimate::Decimator;
 use crate::hop_buffer::{HopBuffer, hop_at};
 use crate::limits::LIMITS;
-use crate::onset::Flux;
+use crate::onset::{Flux, Onsets};
 use crate::rises::{LowAndHigh, Rises};
 use crate::scale::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
 use crate::slow_window::SlowWindow;
@@ -36,6 +36,7 @@ pub struct SongListener {
     buffer: HopBuffer,
     short: Spectrum,
     flux: Flux,
+    onsets: Onsets,
     rises: Rises,
     timbre: Timbre,
     slow: SlowWindow,
@@ -101,6 +102,7 @@ impl SongListener {
             buffer: HopBuffer::new(length, hop, length - hop),
             short: Spectrum::new(short, |_| 1.0),
             flux: Flux::new(short / 2, bin_hz, hop_seconds),
+            onsets: Onsets::new(hop_seconds),
             rises: Rises::new(short / 2, bin_hz, hop_seconds),
             timbre: Timbre::new(short, bin_hz),
             slow: SlowWindow::new(decimator, long_length, gain),
@@ -168,7 +170,10 @@ impl SongListener {
         let rise = self.flux.follow(bins);
         let LowAndHigh { power, low_power, low_rise, high_rise } = self.rises.follow(bins);
         self.timbre.add(bins);
-        self.heard.moments.push(Moment { flux: rise.flux, low_rise, high_rise, power, low_power, peak });
+        let flux = rise.flux;
+        // Low sounds alone do not count as onsets of a section.
+        let (begins, _) = self.onsets.follow(rise, 0.0);
+        self.heard.moments.push(Moment { flux, begins, low_rise, high_rise, power, low_power, peak });
         self.hops += 1;
         if self.hops.is_multiple_of(SLOW_HOPS) {
             let chroma = self.pitches.chroma(self.slow.power());
