@@ -365,20 +365,37 @@ fn add(out: &mut [f64], sound: &[f64], at: f64, loud: f64) {
     }
 }
 
-/// Generates a track of drums, a bass, chords and a melody.
-pub(crate) fn track(mix: &Mix) -> Track {
-    let mut random = Random::new(mix.seed);
+/// Returns the times of the sixteenths, in seconds, and the mean time between them.
+fn sixteenths(mix: &Mix, random: &mut Random) -> (Vec<f64>, f64) {
     let tempo = random.between(75.0, 170.0);
     let swing = if random.chance(0.35) { random.between(0.54, 0.67) } else { 0.5 };
     let sixteenth = 15.0 / tempo;
     let start = random.between(0.3, 0.8);
     let count = ((mix.seconds - 1.0 - start) / sixteenth) as usize;
-    let times: Vec<f64> = (0..count)
-        .map(|step| {
-            let pair = 2.0 * (step / 2) as f64;
-            start + sixteenth * (pair + if step % 2 == 0 { 0.0 } else { 2.0 * swing })
-        })
-        .collect();
+    let times = (0..count).map(|step| {
+        let pair = 2.0 * (step / 2) as f64;
+        start + sixteenth * (pair + if step % 2 == 0 { 0.0 } else { 2.0 * swing })
+    });
+    (times.collect(), sixteenth)
+}
+
+/// Mixes drums and music, at this level relative to full scale.
+fn mixed(mix: &Mix, beaten: &[f64], music: &[f64], loudest: f64) -> Vec<StereoFrame> {
+    let level = match mix.music_db {
+        Some(db) if mix.kit.is_some() => {
+            (power(beaten) / power(music).max(1e-12)).sqrt() * 10_f64.powf(db / 20.0)
+        }
+        _ => 0.5,
+    };
+    let mixed: Vec<f64> = beaten.iter().zip(music).map(|(a, b)| a + level * b).collect();
+    let peak = mixed.iter().fold(1e-9_f64, |peak, x| peak.max(x.abs()));
+    mixed.iter().map(|x| [(loudest / peak * x) as f32; 2]).collect()
+}
+
+/// Generates a track of drums, a bass, chords and a melody.
+pub(crate) fn track(mix: &Mix) -> Track {
+    let mut random = Random::new(mix.seed);
+    let (times, sixteenth) = sixteenths(mix, &mut random);
     let (beaten, strokes) = match mix.kit {
         Some(kit) => drums(mix, kit, &times, &mut random),
         None => (vec![0.0; (mix.seconds * f64::from(RATE)) as usize], Vec::new()),
@@ -392,7 +409,7 @@ pub(crate) fn track(mix: &Mix) -> Track {
         let stabs = random.chance(0.3);
         let mut tune = 40 + random.below(12);
         let scale = [0, 2, 4, 5, 7, 9, 11];
-        for bar in 0..count / 16 {
+        for bar in 0..times.len() / 16 {
             let at = |step: usize| times.get(bar * 16 + step).copied().unwrap_or(mix.seconds - 1.0);
             let (degree, minor) =
                 [(0, false), (9, true), (5, false), (7, false), (2, true), (4, true)][random.below(6)];
@@ -442,16 +459,7 @@ pub(crate) fn track(mix: &Mix) -> Track {
             }
         }
     }
-    let level = match mix.music_db {
-        Some(db) if mix.kit.is_some() => {
-            (power(&beaten) / power(&music).max(1e-12)).sqrt() * 10_f64.powf(db / 20.0)
-        }
-        _ => 0.5,
-    };
-    let mixed: Vec<f64> = beaten.iter().zip(&music).map(|(a, b)| a + level * b).collect();
-    let peak = mixed.iter().fold(1e-9_f64, |peak, x| peak.max(x.abs()));
-    let loud = random.between(0.25, 0.95) / peak;
-    let frames = mixed.iter().map(|x| [(loud * x) as f32; 2]).collect();
+    let frames = mixed(mix, &beaten, &music, random.between(0.25, 0.95));
     Track { frames, strokes, notes, melody, chords }
 }
 

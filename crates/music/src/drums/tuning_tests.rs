@@ -1,7 +1,7 @@
 //! Computes the weights of the classifiers from generated tracks, and measures other tracks:
-//! `cargo test --release -p mariana-music drums::tuning -- --ignored --nocapture`
+//! `MARIANA_FIGURES=1 cargo test --release -p mariana-music drums::tuning -- --nocapture`
 
-#![allow(clippy::needless_range_loop)] // Matrices are clearer with indices.
+#![expect(clippy::needless_range_loop, reason = "matrices are clearer with indices")]
 
 use super::*;
 use crate::{Alignment, Analyzer};
