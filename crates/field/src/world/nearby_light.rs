@@ -46,12 +46,14 @@ pub(super) fn nearby_light(
         [one] => *one,
         several => {
             let (tiny, one) = (graph.constant(1e-6), graph.constant(1.0));
+            let reach_square = graph.unary(Op::Square, reach);
+            let per_square = graph.div(one, reach_square);
             let weights: Vec<NodeId> = shapes
                 .iter()
                 .map(|&shape| {
                     let square = graph.unary(Op::Square, shape);
+                    let window = if non_lipschitz { one } else { window(graph, square, per_square) };
                     let square = graph.add(square, tiny);
-                    let window = if non_lipschitz { one } else { window(graph, shape, reach) };
                     graph.div(window, square)
                 })
                 .collect();
@@ -74,11 +76,10 @@ pub(super) fn nearby_light(
     Ok(Some([r, g, b, nearest]))
 }
 
-/// Returns max(1 - (d / reach)², 0)², which has no kink at the reach.
-fn window(graph: &mut Graph, distance: NodeId, reach: NodeId) -> NodeId {
+/// Returns max(1 - (d / reach)², 0)², which has no kink at the reach, for the square of d and 1 / reach².
+fn window(graph: &mut Graph, square: NodeId, per_square: NodeId) -> NodeId {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-    let fraction = graph.div(distance, reach);
-    let fraction = graph.unary(Op::Square, fraction);
+    let fraction = graph.mul(square, per_square);
     let window = graph.sub(one, fraction);
     let window = graph.max(window, zero);
     graph.unary(Op::Square, window)
