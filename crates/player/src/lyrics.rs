@@ -1,7 +1,7 @@
 //! Lyrics with times, from an `.lrc` file beside a song or from the song's tags.
 //!
-//! Each line of the text begins with the times at which it is sung: `[01:23.45]`. Words may have times of their own,
-//! `<01:23.90>`, which are left out. `[offset:500]` shows all lines 500 ms earlier. A line without words ends the line
+//! Each line of the text begins with the times at which it is sung: `[01:23.45]`. Times of single words,
+//! `<01:23.90>`, are left out. `[offset:500]` shows all lines 500 ms earlier. A line without words ends the line
 //! before it. Lines without a time are ignored.
 
 use std::fs::File;
@@ -49,7 +49,7 @@ pub enum LyricsError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system reports.
+        /// The system's error.
         source: io::Error,
     },
     /// The file is larger than the limit.
