@@ -79,7 +79,7 @@ fn a_song_is_shown_and_played_and_keys_control_it() {
     let _server = SoundServer::start(desktop.folder());
     let recorder = Recorder::start(desktop.folder());
     let song = song(desktop.folder(), "lantern.wav", 60.0, 10.0);
-    let mut app = desktop.open(&song, &["-v", "--size", SMALL]);
+    let mut app = desktop.open(&song, &["-v", "--size", SMALL, "--scene", "speakers"]);
     app.wait_until_reported("first picture after");
     app.wait_for_title("a title of the song and the scene only", |title| {
         title.starts_with("lantern.wav - Mariana (speakers, ") && title.matches(", ").count() == 1
