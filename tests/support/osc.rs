@@ -47,14 +47,15 @@ pub(crate) fn message(address: &str, numbers: &[f32]) -> Vec<u8> {
     bytes
 }
 
-/// Returns the sound value `address` from the newest received bundle; `None` if the bundle does not contain it.
+/// Returns the newest received sound value `address`; `None` if no bundle contains it.
 pub(crate) fn sent_number(lights: &UdpSocket, address: &str) -> Option<f32> {
     lights.set_nonblocking(true).unwrap();
     let (mut buffer, mut newest) = ([0; 2_048], None);
+    let head = [padded(address), padded(",f")].concat();
     while let Ok((length, _)) = lights.recv_from(&mut buffer) {
-        newest = Some(buffer[..length].to_vec());
+        let packet = &buffer[..length];
+        let place = packet.windows(head.len()).position(|part| part == head);
+        newest = place.map(|place| packet[place + head.len()..][..4].try_into().unwrap()).or(newest);
     }
-    let (packet, head) = (newest?, [padded(address), padded(",f")].concat());
-    let place = packet.windows(head.len()).position(|part| part == head)? + head.len();
-    Some(f32::from_be_bytes(packet.get(place..place + 4)?.try_into().unwrap()))
+    newest.map(f32::from_be_bytes)
 }

@@ -88,12 +88,15 @@ impl FeatureTrack {
     pub fn sound_at(&self, time: f64) -> Sound {
         let Some((before, after, amount)) = self.around(time) else { return Sound::default() };
         let features = self.at(time);
-        let mixed = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| a + (b - a) * amount).collect();
-        let next = after.unwrap_or(before);
+        let spectrum = match after {
+            Some(after) => {
+                before.spectrum.iter().zip(&after.spectrum).map(|(a, b)| a + (b - a) * amount).collect()
+            }
+            None => Arc::from(before.spectrum),
+        };
         let (history, history_offset, history_span) = self.history(before, amount);
         let tables = Tables {
-            spectrum: Some(mixed(&before.spectrum, &next.spectrum)),
-            notes: Some(mixed(&before.notes, &next.notes)),
+            spectrum: Some(spectrum),
             waveform: Some(self.waveform(before.number, amount, amplitude(features.gain_db))),
             history: Some(history),
             history_offset,

@@ -15,6 +15,12 @@ const AGAIN: Duration = Duration::from_secs(2);
 /// The OSC time tag for "immediately".
 const NOW: OscTime = OscTime { seconds: 0, fractional: 1 };
 
+/// The maximum size of a packet in bytes. Networks deliver packets of this size in one piece.
+const PACKET_BYTES_MAX: usize = 1_400;
+/// The size of a bundle's header, and of the length before each of its messages, in bytes.
+const HEADER_BYTES: usize = 16;
+const LENGTH_BYTES: usize = 4;
+
 /// Numbers to send, by address.
 pub type Sample = Vec<(String, Vec<f32>)>;
 
@@ -79,7 +85,7 @@ fn send(place: &Place, interval: Duration, sample: &Mutex<Sample>, is_over: &Ato
         due = (due + interval).max(now);
         std::thread::sleep(due.saturating_duration_since(now));
         let sample = sample.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        if let Some(bytes) = (!sample.is_empty()).then(|| packet(sample)).flatten() {
+        for bytes in packets(sample) {
             match socket.send_to(&bytes, to) {
                 // Keep sending: no program is listening yet.
                 Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
@@ -90,14 +96,27 @@ fn send(place: &Place, interval: Duration, sample: &Mutex<Sample>, is_over: &Ato
     Ok(())
 }
 
-/// Encodes all numbers as one bundle. Values that are not finite are sent as 0.
-fn packet(sample: Sample) -> Option<Vec<u8>> {
+/// Encodes all numbers as bundles of at most [`PACKET_BYTES_MAX`]. Values that are not finite are sent as 0.
+fn packets(sample: Sample) -> Vec<Vec<u8>> {
     let argument = |number: f32| OscType::Float(if number.is_finite() { number } else { 0.0 });
-    let message = |(addr, numbers): (String, Vec<f32>)| {
-        OscPacket::Message(OscMessage { addr, args: numbers.into_iter().map(argument).collect() })
-    };
-    let content = sample.into_iter().map(message).collect();
-    encoder::encode(&OscPacket::Bundle(OscBundle { timetag: NOW, content })).ok()
+    let mut bundles: Vec<(usize, Vec<OscPacket>)> = Vec::new();
+    for (addr, numbers) in sample {
+        // Texts end with a 0 and fill whole words. A message has a type for each number, after a comma.
+        let text_bytes = |letters: usize| (letters + 1).next_multiple_of(4);
+        let bytes = LENGTH_BYTES + text_bytes(addr.len()) + text_bytes(1 + numbers.len()) + 4 * numbers.len();
+        let args = numbers.into_iter().map(argument).collect();
+        let message = OscPacket::Message(OscMessage { addr, args });
+        match bundles.last_mut() {
+            Some((size, content)) if *size + bytes <= PACKET_BYTES_MAX => {
+                *size += bytes;
+                content.push(message);
+            }
+            _ => bundles.push((HEADER_BYTES + bytes, vec![message])),
+        }
+    }
+    let encoded =
+        |(_, content)| encoder::encode(&OscPacket::Bundle(OscBundle { timetag: NOW, content })).ok();
+    bundles.into_iter().filter_map(encoded).collect()
 }
 
 #[cfg(test)]
@@ -125,6 +144,21 @@ mod tests {
             assert_eq!(found[1].args, vec![OscType::Float(0.0); 3], "only finite numbers may be sent");
         }
         assert_eq!(sender.problem(), None);
+    }
+
+    #[test]
+    fn many_numbers_are_split_into_small_packets_in_their_order() {
+        let sample: Sample = (0..200_usize)
+            .map(|n| (format!("/sound/{}", "x".repeat(n % 9)), vec![n as f32; n % 5]))
+            .collect();
+        let packets = packets(sample.clone());
+        let sizes: Vec<usize> = packets.iter().map(Vec::len).collect();
+        assert!(sizes.iter().all(|size| *size <= PACKET_BYTES_MAX), "{sizes:?}");
+        assert!(sizes.iter().rev().skip(1).all(|size| *size > PACKET_BYTES_MAX - 60), "{sizes:?}");
+        let sent = packets.iter().flat_map(|packet| messages(packet).0);
+        let sent: Vec<String> = sent.map(|(message, _)| message.addr).collect();
+        assert_eq!(sent, sample.into_iter().map(|(addr, _)| addr).collect::<Vec<_>>());
+        assert!(super::packets(Sample::new()).is_empty());
     }
 
     #[test]
