@@ -55,7 +55,7 @@ pub(super) struct VideoArguments {
     /// Show the song's title and artist during the first five seconds
     #[arg(long)]
     title_card: bool,
-    /// Show the lyrics while they are sung: those of an .lrc file beside the song or of its tags, or of FILE
+    /// Show the lyrics while they are sung: from FILE, or from song.lrc or the tags of the song
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     lyrics: Option<Option<PathBuf>>,
     /// Dim flashes if there are more than three a second, as WCAG 2.3.1 requires

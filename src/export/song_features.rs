@@ -84,8 +84,8 @@ impl SongFeatures {
         self.structure.as_ref().map_or(SongMoment::UNKNOWN, |structure| structure.moment(time))
     }
 
-    /// Returns `sound`, which was measured at `time`, with the position in the whole song, its tempo and its phase. Call
-    /// [`SongFeatures::know_song`] before this.
+    /// Returns `sound`, which was measured at `time`, with the position in the whole song, its tempo and its phase.
+    /// Call [`SongFeatures::know_song`] before this.
     pub fn placed(&self, time: f64, sound: Sound) -> Sound {
         Sound { song: self.place_in_song(time), features: self.guided(time, sound.features), ..sound }
     }

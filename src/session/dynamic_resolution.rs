@@ -33,8 +33,8 @@ const STILL: Level = Level { scale: 1.0, quality: 1.0, edges: EdgeSamples::Sixte
 
 /// The levels, the best one first. Each costs about a fifth less than the previous one, so that a step is not visible.
 ///
-/// Two samples at edges instead of four save as much time as 0.92 of the width and height does, and the image stays up to
-/// 5 dB closer to 64 samples in every pixel (`mariana bench --edges`).
+/// Two samples at edges instead of four save as much time as 0.92 of the width and height does, and the image stays up
+/// to 5 dB closer to 64 samples in every pixel (`mariana bench --edges`).
 const LEVELS: [Level; 15] = [
     Level { scale: 1.0, quality: 1.0, edges: EdgeSamples::Four },
     moving(1.0, 1.0),

@@ -144,7 +144,6 @@ pub(crate) fn loud_sound() -> Sound {
         (0..HISTORY_POINTS).map(move |column| height(column as f32 / (HISTORY_POINTS - 1) as f32, row as f32))
     });
     let tables = Tables {
-        notes: None,
         spectrum: Some(points(SPECTRUM_POINTS, &|u| height(u, 0.4))),
         waveform: Some(points(WAVEFORM_POINTS, &|u| 0.7 * (19.0 * u).sin() - 0.2 * (83.0 * u).cos())),
         history: Some(rows.collect()),

@@ -56,8 +56,8 @@ pub(crate) fn foam(count: usize) -> String {
     )
 }
 
-/// Returns a ball with `count` ripples. All ripples matter everywhere, so no cell of the tree can drop any. If `count` is
-/// large, a frame takes minutes.
+/// Returns a ball with `count` ripples. All ripples matter everywhere, so no cell of the tree can drop any. If `count`
+/// is large, a frame takes minutes.
 pub(crate) fn ripples(count: usize) -> String {
     format!(
         "object foam {{ shape = (length(p - vec3(0, 2, 0)) - 3 + 0.02 * sum(for i in 0..{count}: sin(\

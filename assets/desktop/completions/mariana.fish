@@ -144,7 +144,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l quality -d 'Qu
 medium\t''
 high\t'Differences are hardly visible'
 best\t'For services that encode the video again'"
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l lyrics -d 'Show the lyrics while they are sung: those of an .lrc file beside the song or of its tags, or of FILE' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l lyrics -d 'Show the lyrics while they are sung: from FILE, or from song.lrc or the tags of the song' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l flash-limiter -d 'Dim flashes if there are more than three a second, as WCAG 2.3.1 requires' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l scene -d 'The scene to show, as for \'still\'; give several with the time in the song at which each begins, such as --scene orb --scene city@1:20 [default: speakers]' -r

@@ -8,10 +8,10 @@
 //! The column `heard` is for live input and `whole` for an analysis of the whole song. F is the F-measure with a
 //! tolerance of ±70 ms. AMLt is the fraction of beats whose position and distance from the previous beat are right
 //! within 17.5 %; double tempo, half tempo and the off-beat also count as right (Davies, Degara and Plumbley 2009). The
-//! first 5 s and the time after the last true beat do not count. The kinds of a result: `right` (F of 0.7 and more), `double`, `half`, `off-beat`, `none`
-//! (hardly a beat found), `other`. `lock` is the time of the first of four consecutive right beats in live input.
-//! `jumps` counts how often per minute the tempo changes by more than 8 %. The last column is the time that the analysis
-//! of the whole song took, in seconds.
+//! first 5 s and the time after the last true beat do not count. The kinds of a result: `right` (F of 0.7 and more),
+//! `double`, `half`, `off-beat`, `none` (hardly a beat found), `other`. `lock` is the time of the first of four
+//! consecutive right beats in live input. `jumps` counts how often per minute the tempo changes by more than 8 %. The
+//! last column is the time that the analysis of the whole song took, in seconds.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

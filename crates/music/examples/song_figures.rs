@@ -1,9 +1,11 @@
 //! Measures the analysis of generated songs: `cargo run --release -p mariana-music --example song_figures` prints a
 //! table of all styles, tempos, forms and keys. (The tests check a few of these songs.)
 
+#[allow(dead_code)]
+#[path = "../tests/music/events.rs"]
+mod events;
 #[path = "../tests/music/forms.rs"]
 mod forms;
-#[allow(dead_code)]
 #[path = "../tests/music/songs.rs"]
 mod songs;
 

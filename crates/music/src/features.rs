@@ -58,8 +58,7 @@ features! {
     /// 1 at the onset of a sound, then falling by a factor of e in 0.15 s.
     beat: f32 = 0.0, mixed;
     /// The strength of a kick at its onset, 0..1, then falling like `beat`. The strength is relative to the strongest
-    /// kick of the last seconds. In files a stroke is detected
-    /// one hop (about 10 ms) earlier than in live input.
+    /// kick of the last seconds. In files a stroke is detected one hop (about 10 ms) earlier than in live input.
     kick: f32 = 0.0, mixed;
     /// The same for the snare.
     snare: f32 = 0.0, mixed;
@@ -82,8 +81,8 @@ features! {
     gain_db: f32 = 0.0, mixed;
     /// The total level from 30 Hz to 16 kHz in decibels, measured like the band levels.
     level_db: f32 = LEVEL_FLOOR_DB, mixed;
-    /// Height of the tones, 0..1: the height of the total level, mapped like `bands`, times the fraction of the power from
-    /// 60 Hz to 6 kHz that belongs to tones. A new tone counts after about 0.1 s.
+    /// Height of the tones, 0..1: the height of the total level, mapped like `bands`, times the fraction of the power
+    /// from 60 Hz to 6 kHz that belongs to tones. A new tone counts after about 0.1 s.
     tonal: f32 = 0.0, mixed;
     /// The same for strokes, which are short and cover many frequencies.
     percussive: f32 = 0.0, mixed;
@@ -95,7 +94,7 @@ features! {
     chord_certainty: f32 = 0.0, mixed;
     /// The most prominent note above the bass in semitones above A0, 0..87, with cents as fraction; 0 without notes.
     melody: f32 = 0.0, held;
-    /// How clearly the melody stands out from other notes, 0..1.
+    /// How much more prominent the melody is than other notes, 0..1.
     melody_certainty: f32 = 0.0, mixed;
     /// Short-term loudness in LUFS (ITU-R BS.1770-4, over the last 3 s), at least [`LOUDNESS_FLOOR`], without the gain.
     /// In the first 3 s of a stream or after a restart it is the loudness since the start.
@@ -196,8 +195,8 @@ pub struct TimedFeatures {
     pub spectrum: [f32; SPECTRUM_POINTS],
     /// One hop of the mean of both channels, -8..8. A waveform consists of four such hops ([`Tables`](super::Tables)).
     pub wave: [f32; WAVE_PER_HOP],
-    /// The level of each semitone from A0 to C8, 0..1, without the partials of lower notes: 1 for the loudest note of the
-    /// last seconds, 0 at 34 dB below it.
+    /// The level of each semitone from A0 to C8, 0..1, without the partials of lower notes: 1 for the loudest note of
+    /// the last seconds, 0 at 34 dB below it.
     pub notes: [f32; NOTE_COUNT],
 }
 

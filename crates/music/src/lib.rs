@@ -62,6 +62,7 @@ mod tables;
 mod tap;
 mod track;
 mod volume;
+mod whitening;
 mod window;
 
 pub use analyzer::{Alignment, Analyzer};

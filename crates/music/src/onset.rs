@@ -1,25 +1,13 @@
 //! Onset detection: the spectral flux and an adaptive threshold.
 
 use super::scale::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
+use super::whitening::{AMPLITUDE_MIN, Band, Whitening};
 
 /// The number of bin groups, in equal ratios from 30 Hz to 16 kHz.
 const GROUPS: usize = 30;
 
-/// Strength of the logarithmic compression of a group's level: log(1 + `COMPRESSION` · level).
-const COMPRESSION: f32 = 20.0;
-
-/// Amplitudes below this (-70 dB) are too weak for an onset.
-const AMPLITUDE_MIN: f32 = 3e-4;
-
-/// The strength of the adaptive whitening (Stowell and Plumbley 2007). At 1 each group is scaled by its loudest recent
-/// amplitude; at 0 no group is scaled. Whitening makes quiet changes detectable while other groups play a loud chord.
+/// The strength of the whitening ([`Whitening`]).
 const WHITENING: f32 = 0.4;
-
-/// Time constant of the decay of the loudest amplitudes, in seconds.
-const LOUDEST_SECONDS: f64 = 4.0;
-
-/// A group's loudest amplitude counts as at least this fraction of the total amplitude (-50 dB).
-const GROUP_MIN: f32 = 3e-3;
 
 /// The distance between the two compared spectra, in hops. At this distance their windows do not overlap.
 const LAG: usize = 2;
@@ -27,25 +15,16 @@ const LAG: usize = 2;
 /// The exponent of the frequency in the groups' weights. Low groups weigh more: drums and basses carry the beat.
 const WEIGHT_POWER: f64 = -0.2;
 
-/// Time constant of the mean rise of a group, in seconds.
-const USUAL_SECONDS: f64 = 2.0;
-
 /// A group's mean rise counts as at least this much.
 const USUAL_MIN: f32 = 0.05;
-
-/// The initial mean rise. Noise has about this mean rise.
-const USUAL_AT_FIRST: f32 = 0.2;
 
 /// The maximum rise of a group relative to its mean rise, so that a rise of one group alone is no onset.
 const SUDDEN_MOST: f32 = 8.0;
 /// The same maximum for low onsets, which are rises of few bins.
 const LOW_SUDDEN_MOST: f32 = 24.0;
 
-/// The maximum rise that enters a group's mean, relative to the mean, so that onsets do not raise the mean much.
-const TEACHES_MOST: f32 = 3.0;
-
-/// Low onsets are detected in each bin of a longer window up to this frequency, in hertz. There, a kick is separate from
-/// the chord above it, and the chord's other groups do not hide its rise.
+/// Low onsets are detected in each bin of a longer window up to this frequency, in hertz. There, a kick is separate
+/// from the chord above it, and the chord's other groups do not hide its rise.
 const LOW_HZ: f64 = 200.0;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,11 +44,8 @@ struct Groups {
     /// The weights of the groups, with sum 1.
     weights: Vec<f32>,
     last: [Vec<f32>; LAG],
-    loudest_of: Vec<f32>,
-    usual: Vec<f32>,
-    /// The fraction of the loudest amplitude that is left after a hop.
-    kept: f32,
-    learned: f32,
+    bands: Vec<Band>,
+    whitening: Whitening,
     /// The maximum rise of a group relative to its mean rise.
     most: f32,
 }
@@ -82,18 +58,15 @@ impl Groups {
             edges,
             weights: (0..count).map(|group| (weight(group) / all) as f32).collect(),
             last: std::array::from_fn(|_| vec![0.0; count]),
-            loudest_of: vec![0.0; count],
-            usual: vec![USUAL_AT_FIRST; count],
-            kept: (-hop_seconds / LOUDEST_SECONDS).exp() as f32,
-            learned: (hop_seconds / USUAL_SECONDS) as f32,
+            bands: vec![Band::AT_FIRST; count],
+            whitening: Whitening::new(WHITENING, USUAL_MIN, hop_seconds),
             most,
         }
     }
 
     fn restart(&mut self) {
         self.last.iter_mut().for_each(|last| last.fill(0.0));
-        self.loudest_of.fill(0.0);
-        self.usual.fill(USUAL_AT_FIRST);
+        self.bands.fill(Band::AT_FIRST);
     }
 
     fn power(&self, power: &[f32]) -> f32 {
@@ -105,17 +78,12 @@ impl Groups {
     fn follow(&mut self, power: &[f32], all_loudest: f32) -> Rise {
         let mut rise = Rise::default();
         let [oldest, ..] = &mut self.last;
-        let groups = self.edges.windows(2).zip(&self.weights).zip(&mut self.loudest_of).zip(&mut self.usual);
-        for ((((edges, weight), loudest), usual), oldest) in groups.zip(oldest) {
+        let groups = self.edges.windows(2).zip(&self.weights).zip(&mut self.bands);
+        for (((edges, weight), band), oldest) in groups.zip(oldest) {
             let bins = power.get(edges[0]..edges[1]).unwrap_or_default();
-            let amplitude = bins.iter().sum::<f32>().sqrt();
-            *loudest = amplitude.max(*loudest * self.kept);
-            let of_group = (*loudest / all_loudest).clamp(GROUP_MIN, 1.0);
-            let level = amplitude / all_loudest / of_group.powf(WHITENING);
-            let height = (1.0 + COMPRESSION * level).ln();
+            let height = self.whitening.height(band, bins.iter().sum::<f32>().sqrt(), all_loudest);
             let rises = (height - std::mem::replace(oldest, height)).max(0.0);
-            let sudden = rises / (USUAL_MIN + *usual);
-            *usual += self.learned * (rises.min(TEACHES_MOST * (USUAL_MIN + *usual)) - *usual);
+            let sudden = self.whitening.sudden(band, rises);
             rise.flux += weight * rises;
             rise.sudden += weight * sudden.min(self.most);
         }
@@ -128,7 +96,6 @@ impl Groups {
 pub(super) struct Flux {
     groups: Groups,
     loudest: f32,
-    kept: f32,
 }
 
 impl Flux {
@@ -146,11 +113,7 @@ impl Flux {
         let edges: Vec<usize> = (0..=GROUPS).map(edge).collect();
         let weights: Vec<f64> =
             edges.iter().map(|edge| ((*edge).max(1) as f64 * bin_hz).powf(WEIGHT_POWER)).collect();
-        Self {
-            groups: Groups::new(edges, |group| weights[group], hop_seconds, SUDDEN_MOST),
-            loudest: 0.0,
-            kept: (-hop_seconds / LOUDEST_SECONDS).exp() as f32,
-        }
+        Self { groups: Groups::new(edges, |group| weights[group], hop_seconds, SUDDEN_MOST), loudest: 0.0 }
     }
 
     pub(super) fn restart(&mut self) {
@@ -159,8 +122,7 @@ impl Flux {
     }
 
     pub(super) fn follow(&mut self, power: &[f32]) -> Rise {
-        let all = self.groups.power(power).sqrt();
-        self.loudest = all.max(self.loudest * self.kept).max(AMPLITUDE_MIN);
+        self.loudest = self.groups.whitening.loudest(self.loudest, self.groups.power(power).sqrt());
         self.groups.follow(power, self.loudest)
     }
 }

@@ -22,7 +22,8 @@ pub(super) struct Rhythm {
 }
 
 impl Rhythm {
-    /// Creates a tracker for short spectra of `bins` bins of `bin_hz` hertz, and spectra of twice this length. Onsets appear `late` hops after they happened.
+    /// Creates a tracker for short spectra of `bins` bins of `bin_hz` hertz, and spectra of twice this length. Onsets
+    /// appear `late` hops after they happened.
     pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64, late: f32, with_bars: bool) -> Self {
         Self {
             flux: Flux::new(bins, bin_hz, hop_seconds),

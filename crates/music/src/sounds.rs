@@ -1,4 +1,5 @@
-//! Drums, notes, tonal and percussive levels, and loudness: features that are measured from the same hops and spectra as the bands.
+//! Drums, notes, tonal and percussive levels, and loudness: features that are measured from the same hops and spectra
+//! as the bands.
 
 use super::StereoFrame;
 use super::bands::height;

@@ -1,5 +1,5 @@
-//! Harmonic and percussive parts: tones are ridges along time, strokes are ridges along frequency (Fitzgerald 2010). The
-//! median along time uses past spectra only, so that live input needs no delay.
+//! Harmonic and percussive parts: tones are ridges along time, strokes are ridges along frequency (Fitzgerald 2010).
+//! The median along time uses past spectra only, so that live input needs no delay.
 
 /// The split is measured once every this many hops, which is half of the middle window.
 const EVERY: u32 = 2;

@@ -28,8 +28,6 @@ pub struct Tables {
     /// [`WAVEFORM_POINTS`] samples of the mean of both channels times the gain, -1..1, oldest first. The moment is in
     /// the middle for files and at the end for live input.
     pub waveform: Option<Arc<[f32]>>,
-    /// The levels of the [`NOTE_COUNT`](super::NOTE_COUNT) semitones from A0 to C8, 0..1.
-    pub notes: Option<Arc<[f32]>>,
     /// Rows of [`HISTORY_POINTS`] heights, the newest first. The rows are at fixed moments of the stream, so that a
     /// scrolling history does not flicker.
     pub history: Option<Arc<[f32]>>,

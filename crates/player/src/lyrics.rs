@@ -1,4 +1,4 @@
-//! Lyrics with times, from an `.lrc` file beside a song or from the song's tags.
+//! Lyrics with times, from an `.lrc` file in a song's folder or from the song's tags.
 //!
 //! Each line of the text begins with the times at which it is sung: `[01:23.45]`. Times of single words,
 //! `<01:23.90>`, are left out. `[offset:500]` shows all lines 500 ms earlier. A line without words ends the line
@@ -36,8 +36,8 @@ pub struct Lyrics {
 /// Reasons why lyrics cannot be shown.
 #[derive(Debug, thiserror::Error)]
 pub enum LyricsError {
-    /// Neither a file beside the song nor the song's tags have lyrics with times.
-    #[error("{song} has no lyrics with times: put {} beside it, or name a file with --lyrics=FILE", beside.display())]
+    /// The song has no lyrics with times, in a file or in its tags.
+    #[error("{song} has no lyrics with times: write them into {}, or name a file with --lyrics=FILE", beside.display())]
     None {
         /// The song's name.
         song: String,
@@ -72,10 +72,10 @@ pub enum LyricsError {
 }
 
 impl Lyrics {
-    /// Reads the lyrics of a song: the `.lrc` file beside it, otherwise its tags.
+    /// Reads the lyrics of a song from the `.lrc` file in its folder. Without such a file, reads its tags.
     ///
     /// # Errors
-    /// Fails if there are none, or if the file is unreadable, too large or without times.
+    /// Fails if the song has no lyrics, or for the reasons of [`Lyrics::read`].
     pub fn of_song(song: &Song) -> Result<Self, LyricsError> {
         let beside = match song {
             Song::File(path) => path.with_extension("lrc"),
@@ -93,19 +93,22 @@ impl Lyrics {
     /// Reads a file.
     ///
     /// # Errors
-    /// Fails if the file is unreadable, too large or without times.
+    /// Fails if the file cannot be read, exceeds the limit, or has no line with a time.
     pub fn read(path: &Path) -> Result<Self, LyricsError> {
-        let (path_buf, most) = (|| path.to_owned(), LIMITS.lyrics_bytes_max);
+        let most = LIMITS.lyrics_bytes_max;
         let mut bytes = Vec::new();
         let read = File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
-        read.map_err(|source| LyricsError::Read { path: path_buf(), source })?;
+        read.map_err(|source| LyricsError::Read { path: path.to_owned(), source })?;
         if bytes.len() as u64 > most {
-            return Err(LyricsError::TooLarge { path: path_buf(), most });
+            return Err(LyricsError::TooLarge { path: path.to_owned(), most });
         }
         let lines = text::lines(&bytes).unwrap_or_default();
         let lines: Vec<String> = lines.iter().map(|line| text::decode(line)).collect();
         let lyrics = Self::parse(&lines.join("\n"));
-        if lyrics.lines.is_empty() { Err(LyricsError::NoTimes { path: path_buf() }) } else { Ok(lyrics) }
+        if lyrics.lines.is_empty() {
+            return Err(LyricsError::NoTimes { path: path.to_owned() });
+        }
+        Ok(lyrics)
     }
 
     /// Reads a text. Lines without a time are ignored.

@@ -1,7 +1,7 @@
-//! Measures the director on real songs: `cargo run --release -p mariana-show --example director_figures -- SCENES
-//! SONGS WORDS` prints a table. `SCENES` is a folder of scenes, such as `assets/scenes`. `SONGS` is a folder of files
-//! `NAME.json`, which `mariana analyze SONG --structure --json` prints. `WORDS` is a file with a line `SET NAME WORD...`
-//! for each song; the words are those of [`WORDS`], and should be chosen before seeing the show.
+//! Measures the director on real songs: `cargo run --release -p mariana-show --example director_figures -- SCENES SONGS
+//! WORDS` prints a table. `SCENES` is a folder of scenes, such as `assets/scenes`. `SONGS` is a folder of files
+//! `NAME.json`, which `mariana analyze SONG --structure --json` prints. `WORDS` is a file with a line `SET NAME
+//! WORD...` for each song; the words are those of [`WORDS`], and should be chosen before seeing the show.
 //!
 //! The column `a minute` counts the changes of scene and camera; `close` is the largest number of changes in a minute
 //! that are at no border of a section and at no drop. `moods` is the fraction of the moods that fit the words, of those

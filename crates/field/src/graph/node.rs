@@ -77,8 +77,8 @@ impl Input {
         matches!(self, Input::Sound(input) if input.may_be_hidden())
     }
 
-    /// True for a number that the analysis of the whole song gives: those that describe the song, and the tempo and
-    /// phase, which live analysis gives otherwise.
+    /// True for a number that the analysis of the whole song computes. Before, live analysis computes the tempo and the
+    /// phase.
     pub const fn comes_from_song(self) -> bool {
         match self {
             Input::Sound(input) => {

@@ -2,10 +2,10 @@
 //! mix(b, a, h) - k * h * (1 - h) with h = clamp(0.5 + 0.5 * (b - a) / k, 0, 1), which is the same function for
 //! q = 0.25 / k (Quilez, Smooth minimum).
 //!
-//! Interval arithmetic takes the terms for independent, so each member of a chain of smooth minima would lower the lower
-//! bound by up to k/4, and the members of a long chain would overlap everywhere. But a smooth minimum grows with a and
-//! with b if 2·q·k <= 1. Therefore the bounds of a and b give the bounds of the result. With them, |a - b| more often exceeds k
-//! everywhere in a cell. Then the rest is exactly 0, and the result is exactly one of the operands.
+//! Interval arithmetic takes the terms for independent, so each member of a chain of smooth minima would lower the
+//! lower bound by up to k/4, and the members of a long chain would overlap everywhere. But a smooth minimum grows with
+//! a and with b if 2·q·k <= 1. Therefore the bounds of a and b give the bounds of the result. With them, |a - b| more
+//! often exceeds k everywhere in a cell. Then the rest is exactly 0, and the result is exactly one of the operands.
 
 use super::lanes::{CELLS, Lanes};
 use super::program::{Form, Program, Step};

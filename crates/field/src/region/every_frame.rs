@@ -153,8 +153,8 @@ impl<'a> EveryFrame<'a> {
         }
     }
 
-    /// Returns a program for a group of boxes that [`EveryFrame::decide`] has decided for; the whole program if the other
-    /// one is hardly shorter.
+    /// Returns a program for a group of boxes that [`EveryFrame::decide`] has decided for; the whole program if the
+    /// other one is hardly shorter.
     pub(crate) fn shortened(&mut self, whole: &Rc<BoxProgram>, boxes: u64) -> Rc<BoxProgram> {
         let program = &whole.0;
         if program.steps.len() <= SHORT_ENOUGH {

@@ -95,8 +95,8 @@ fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u6
     }
 }
 
-/// Returns the cells where adding `small` to `large` gives exactly `large`. A sum of exponentials, as in a smooth minimum
-/// by logarithms, thus loses the terms of distant shapes.
+/// Returns the cells where adding `small` to `large` gives exactly `large`. A sum of exponentials, as in a smooth
+/// minimum by logarithms, thus loses the terms of distant shapes.
 #[inline(always)]
 fn is_lost(rows: &[Lanes], structure: &Structure, small: Arg, large: Arg) -> u64 {
     let Arg::Value(small) = small else { return 0 };

@@ -256,8 +256,8 @@ impl Search<'_> {
         }
     }
 
-    /// Searches shells around smaller and smaller cubes. Returns a box around the surfaces: the cells that may contain a
-    /// surface, of the first shell that is not empty, and the cube in this shell. `None` if surfaces may be beyond
+    /// Searches shells around smaller and smaller cubes. Returns a box around the surfaces: the cells that may contain
+    /// a surface, of the first shell that is not empty, and the cube in this shell. `None` if surfaces may be beyond
     /// [`REACH`].
     ///
     /// A cell of a shell is as wide as its distance from the middle, so intervals of rotated coordinates do not contain

@@ -1,10 +1,10 @@
 //! Onsets of kicks, snares and hats: the rises and levels of frequency bands, weighed by a linear classifier for each
 //! drum.
 //!
-//! Each band is whitened, and its rise is relative to its mean rise. A logistic regression per drum weighs these numbers
-//! of three moments. Its weights are computed from generated drum tracks (`tuning_tests.rs`). Tried, with
-//! two kits left out: rises without levels (snares have F 0.81 instead of 0.99), and a hidden layer of 12 units (kicks
-//! 0.84 instead of 0.83, snares 0.98 instead of 0.99, hats 0.93 instead of 0.90, for five times as many weights).
+//! Each band is whitened, and its rise is relative to its mean rise. A logistic regression per drum weighs these
+//! numbers of three moments. Its weights are computed from generated drum tracks (`tuning_tests.rs`). Tried, with two
+//! kits left out: rises without levels (snares have F 0.81 instead of 0.99), and a hidden layer of 12 units (kicks 0.84
+//! instead of 0.83, snares 0.98 instead of 0.99, hats 0.93 instead of 0.90, for five times as many weights).
 
 mod rises;
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::whitening::{Band, Whitening};
+
 /// The edges of the low bands, in hertz, which the middle window measures. They separate kicks, toms and snares.
 const LOW_EDGES: [f64; LOW + 1] = [28.0, 65.0, 105.0, 150.0, 210.0, 300.0];
 /// The edges of the high bands, in hertz, which the short window measures.
@@ -12,21 +14,8 @@ pub(super) const LOW: usize = 5;
 const HIGH: usize = 8;
 pub(super) const BANDS: usize = LOW + HIGH;
 
-/// Strength of the logarithmic compression of a band's level: log(1 + `COMPRESSION` · level).
-const COMPRESSION: f32 = 20.0;
-
-/// Amplitudes below this (-70 dB) are too weak for a stroke.
-const AMPLITUDE_MIN: f32 = 3e-4;
-
-/// The strength of the adaptive whitening (Stowell and Plumbley 2007): 1 scales each band by its loudest recent
-/// amplitude, 0 scales no band.
+/// The strength of the whitening ([`Whitening`]).
 const WHITENING: f32 = 0.6;
-
-/// Time constant of the decay of the loudest amplitudes, in seconds.
-const LOUDEST_SECONDS: f64 = 4.0;
-
-/// A band's loudest amplitude counts as at least this fraction of the total amplitude (-50 dB).
-const BAND_MIN: f32 = 3e-3;
 
 /// The distance between the two compared moments, in hops, for the middle and the short window.
 const LAGS: [usize; 2] = [3, 2];
@@ -34,18 +23,11 @@ const LAGS: [usize; 2] = [3, 2];
 /// The height of a band is compared with its height this many hops ago, before the stroke.
 pub(super) const BEFORE: usize = 5;
 
-/// Time constant of the mean rise of a band, in seconds.
-const USUAL_SECONDS: f64 = 2.0;
 /// A band's mean rise counts as at least this much.
 const USUAL_MIN: f32 = 0.1;
-/// The initial mean rise. Noise has about this mean rise.
-const USUAL_AT_FIRST: f32 = 0.2;
 /// The maximum rise relative to the mean rise.
 const SUDDEN_MOST: f32 = 8.0;
-/// The maximum rise that enters a band's mean, relative to the mean, so that strokes do not raise the mean much.
-const TEACHES_MOST: f32 = 3.0;
-
-/// What is measured of each band at a moment.
+/// The measurements of the bands at a moment.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Measured {
     /// The square root of the rise relative to the mean rise, 0..2.8.
@@ -61,11 +43,9 @@ pub(super) struct BandRises {
     ranges: [Range<usize>; BANDS],
     /// The heights of the last moments, the newest first.
     last: [[f32; BANDS]; BEFORE],
-    loudest_of: [f32; BANDS],
+    bands: [Band; BANDS],
     loudest: f32,
-    usual: [f32; BANDS],
-    kept: f32,
-    learned: f32,
+    whitening: Whitening,
 }
 
 impl BandRises {
@@ -86,18 +66,15 @@ impl BandRises {
                 None => range(&HIGH_EDGES[band - LOW..], bins, bin_hz),
             }),
             last: Default::default(),
-            loudest_of: [0.0; BANDS],
+            bands: [Band::AT_FIRST; BANDS],
             loudest: 0.0,
-            usual: [USUAL_AT_FIRST; BANDS],
-            kept: (-hop_seconds / LOUDEST_SECONDS).exp() as f32,
-            learned: (hop_seconds / USUAL_SECONDS) as f32,
+            whitening: Whitening::new(WHITENING, USUAL_MIN, hop_seconds),
         }
     }
 
     pub(super) fn restart(&mut self) {
         self.last = Default::default();
-        (self.loudest_of, self.loudest) = ([0.0; BANDS], 0.0);
-        self.usual = [USUAL_AT_FIRST; BANDS];
+        (self.bands, self.loudest) = ([Band::AT_FIRST; BANDS], 0.0);
     }
 
     /// Returns the power of each band.
@@ -110,22 +87,15 @@ impl BandRises {
 
     /// Measures the bands from the powers of [`BandRises::powers`].
     pub(super) fn follow(&mut self, powers: [f32; BANDS]) -> Measured {
-        let all = powers.iter().sum::<f32>().sqrt();
-        self.loudest = all.max(self.loudest * self.kept).max(AMPLITUDE_MIN);
+        self.loudest = self.whitening.loudest(self.loudest, powers.iter().sum::<f32>().sqrt());
         let mut measured = Measured { before: self.last[BEFORE - 1], ..Measured::default() };
         for (band, power) in powers.into_iter().enumerate() {
-            let amplitude = power.sqrt();
-            let loudest = &mut self.loudest_of[band];
-            *loudest = amplitude.max(*loudest * self.kept);
-            let of_band = (*loudest / self.loudest).clamp(BAND_MIN, 1.0);
-            let level = amplitude / self.loudest / of_band.powf(WHITENING);
-            let height = (1.0 + COMPRESSION * level).ln();
+            let height = self.whitening.height(&mut self.bands[band], power.sqrt(), self.loudest);
             let lag = LAGS[usize::from(band >= LOW)];
             let rise = (height - self.last[lag - 1][band]).max(0.0);
-            let usual = &mut self.usual[band];
-            measured.sudden[band] = (rise / (USUAL_MIN + *usual)).min(SUDDEN_MOST).sqrt();
+            let sudden = self.whitening.sudden(&mut self.bands[band], rise);
+            measured.sudden[band] = sudden.min(SUDDEN_MOST).sqrt();
             measured.height[band] = height;
-            *usual += self.learned * (rise.min(TEACHES_MOST * (USUAL_MIN + *usual)) - *usual);
         }
         self.last.rotate_right(1);
         self.last[0] = measured.height;

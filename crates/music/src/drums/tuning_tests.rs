@@ -6,6 +6,8 @@
 use super::*;
 use crate::{Alignment, Analyzer};
 
+#[path = "../../tests/music/events.rs"]
+mod events;
 #[path = "../../tests/music/played.rs"]
 mod played;
 

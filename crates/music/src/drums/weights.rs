@@ -1,7 +1,7 @@
 //! The weights of the classifiers, computed by `tuning_tests.rs` from generated tracks only.
 //!
-//! The lines of a drum weigh the sudden rises of the newest and of the two previous moments, the heights now and before,
-//! and a constant. A line has one weight for each band, low frequencies first.
+//! The lines of a drum weigh the sudden rises of the newest and of the two previous moments, the heights now and
+//! before, and a constant. A line has one weight for each band, low frequencies first.
 
 use super::{DRUMS, NUMBERS};
 

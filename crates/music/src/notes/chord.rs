@@ -33,8 +33,8 @@ impl ChordFinder {
         (self.classes, self.chord) = ([0.0; 12], 0);
     }
 
-    /// Returns the root in semitones above C, 1 for minor, and the certainty, 0..1. An uncertain chord is kept, so that it
-    /// does not flicker.
+    /// Returns the root in semitones above C, 1 for minor, and the certainty, 0..1. An uncertain chord is kept, so that
+    /// it does not flicker.
     pub(super) fn follow(&mut self, levels: &[f32; NOTE_COUNT]) -> (f32, f32, f32) {
         let mut now = [0.0_f32; 12];
         for (semitone, level) in levels.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! The times until the next beat, bar, section and drop of a song, which is known in advance.
 
-use super::structure::SongStructure;
+use super::place::place;
+use super::structure::{SongBeat, SongStructure};
 
 /// The time in seconds until an event that does not follow or that is unknown. Longer times are limited to it.
 pub(super) const NEVER: f32 = 1_000.0;
@@ -27,19 +28,15 @@ pub(super) fn ahead(song: &SongStructure, time: f64) -> Ahead {
     }
 }
 
-/// Before the first beat and after the last one, beats continue at the tempo of this beat.
 fn beat_and_bar(song: &SongStructure, time: f64) -> Option<(f32, f32)> {
-    let in_bar = song.meter?.beats() as f64;
-    let next = song.beats.partition_point(|beat| beat.time <= time);
-    let here = song.beats.get(next.saturating_sub(1))?;
-    let period = 60.0 / f64::from(here.tempo);
-    // The beats since `here`, which may be negative, and since the start of its bar.
-    let passed = (time - here.time) / period;
-    let in_song = song.beats.get(next).filter(|_| next > 0);
-    let beat = in_song.map_or((1.0 - passed.rem_euclid(1.0)) * period, |beat| beat.time - time);
-    let downbeat = song.beats.iter().skip(next).take(song.meter?.beats()).find(|beat| beat.of_bar == 1);
-    let place = (f64::from(here.of_bar) - 1.0 + passed).rem_euclid(in_bar);
-    let bar = downbeat.filter(|_| next > 0).map_or((in_bar - place) * period, |beat| beat.time - time);
+    let in_bar = song.meter?.beats();
+    let here = place(song, time)?;
+    let following = song.beats.get(here.next.unwrap_or(song.beats.len())..).unwrap_or_default();
+    let until = |beat: &SongBeat| beat.time - time;
+    let beat = following.first().map_or((1.0 - here.beats.rem_euclid(1.0)) * here.period, until);
+    let in_beats = in_bar as f64 - here.beats.rem_euclid(in_bar as f64);
+    let downbeat = following.iter().take(in_bar).find(|beat| beat.of_bar == 1);
+    let bar = downbeat.map_or(in_beats * here.period, until);
     Some((limited(beat), limited(bar)))
 }
 

@@ -39,8 +39,8 @@ const REPEATED_MIN: f32 = 0.08;
 /// At a tenth of the beats, the flux is at least this. In swelling chords and in vibrato it is less than 0.2.
 const FLUX_LOUD_MIN: f32 = 0.25;
 /// The evidence for a level: its likeliest tempo in beats per minute, the cost per squared octave of distance from this
-/// tempo, the weights of all onsets and of low onsets at the beats, and the cost of an off-beat. The weights were fitted
-/// to songs by logistic regression.
+/// tempo, the weights of all onsets and of low onsets at the beats, and the cost of an off-beat. The weights were
+/// fitted to songs by logistic regression.
 const LIKELY: (f64, f32) = (162.0, 3.1);
 const STRUCK: f32 = 3.5;
 const STRUCK_LOW: f32 = 1.3;

@@ -2,8 +2,8 @@
 //! builds in club music) and lead to a drop or into a louder section. A drop is a bar in which the missing low band
 //! returns, and which begins some of the song's loudest and densest bars (Yadati et al. 2014): after a build, after a
 //! pause, or in a strong contrast to bars without low band. A drop needs several signs, because each sign alone also
-//! occurs elsewhere: a crescendo has the rise, an entry of the bass has the low frequencies, and a pause before the last
-//! chorus has the silence.
+//! occurs elsewhere: a crescendo has the rise, an entry of the bass has the low frequencies, and a pause before the
+//! last chorus has the silence.
 
 use super::heard::{Heard, TIMBRE_BANDS};
 use super::units::{Unit, units};

@@ -95,9 +95,9 @@ fn variation(beats: &[[f32; 12]]) -> f32 {
     (0..12).map(of_class).sum()
 }
 
-/// Returns the root mean square of the squared distances of every `step`-th beat, relative to their squared distances from the song's
-/// mean. Due to the root mean square, sequences that are equal in one half are farther apart than sequences that
-/// differ a little everywhere.
+/// Returns the root mean square of the squared distances of every `step`-th beat, relative to their squared distances
+/// from the song's mean. Due to the root mean square, sequences that are equal in one half are farther apart than
+/// sequences that differ a little everywhere.
 fn distance(a: &[[f32; 12]], b: &[[f32; 12]], step: usize) -> f32 {
     let (mut squares, mut away, mut count) = (0.0, 0.0, 0.0_f32);
     for (a, b) in a.iter().zip(b).step_by(step) {

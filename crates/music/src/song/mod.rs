@@ -23,6 +23,7 @@ mod heard;
 mod key;
 mod listener;
 mod moment;
+mod place;
 mod pulse;
 mod section_sound;
 mod sections;

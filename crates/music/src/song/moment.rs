@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::ahead::{NEVER, ahead, limited};
+use super::place::{Place, place};
 use super::structure::{Section, SongStructure};
 use super::{Mode, PITCH_CLASSES};
 use crate::features::Features;
@@ -102,8 +103,8 @@ impl Default for SongMoment {
 }
 
 impl SongMoment {
-    /// Returns the moment of live input: its energy, 0..1, the time of the next beat at a steady tempo, and its position
-    /// in the bar while the position is certain.
+    /// Returns the moment of live input: its energy, 0..1, the time of the next beat at a steady tempo, and its
+    /// position in the bar while the position is certain.
     pub fn of_live(energy: f32, features: &Features) -> Self {
         let Features { phase, tempo, bar_beat, bar_beats, .. } = *features;
         let is_sure = bar_beat >= 1.0 && bar_beats >= bar_beat;
@@ -129,8 +130,8 @@ impl Features {
     /// Replaces the tempo and the phase, which were predicted without knowledge of the song, with the song's own at
     /// `time` seconds, so that they match [`SongMoment::bar`]. Keeps both if the song has no beats.
     pub fn follow_song(&mut self, song: &SongStructure, time: f64) {
-        if let Some((counted, tempo)) = (At { song, time }).counted().filter(|_| time.is_finite()) {
-            (self.tempo, self.phase) = (tempo, below_one(counted.rem_euclid(1.0)));
+        if let Some(Place { beats, tempo, .. }) = place(song, time).filter(|_| time.is_finite()) {
+            (self.tempo, self.phase) = (tempo, below_one(beats.rem_euclid(1.0)));
         }
     }
 }
@@ -167,27 +168,9 @@ impl At<'_> {
         }
     }
 
-    /// Returns the number of beats since the start of a bar, with a fraction, and the tempo.
-    fn counted(self) -> Option<(f64, f32)> {
-        let time = self.time;
-        let beats = &self.song.beats;
-        // Use the last beat at or before the time, or the first beat if the time is earlier.
-        let index = beats.partition_point(|beat| beat.time <= time).saturating_sub(1);
-        let (beat, next) = (beats.get(index)?, beats.get(index + 1));
-        let period = match next {
-            Some(next) if time >= beat.time => next.time - beat.time,
-            _ => 60.0 / f64::from(beat.tempo),
-        };
-        // If two beats are extremely close, treat them as one second apart, so that the result stays finite.
-        let passed = (time - beat.time) / if period > 1e-3 { period } else { 1.0 };
-        // Outside the beats of the song, bars continue at the last or first tempo.
-        let counted = f64::from(beat.of_bar) - 1.0 + if passed.is_finite() { passed } else { 0.0 };
-        Some((counted, if beat.tempo.is_finite() { beat.tempo.max(0.0) } else { 0.0 }))
-    }
-
     fn place_in_bar(self) -> Option<(f32, f32)> {
         let in_bar = self.song.meter?.beats();
-        let place = self.counted()?.0.rem_euclid(in_bar as f64);
+        let place = place(self.song, self.time)?.beats.rem_euclid(in_bar as f64);
         let number = (place.floor() + 1.0).min(in_bar as f64);
         Some((below_one(place / in_bar as f64), number as f32))
     }

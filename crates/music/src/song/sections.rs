@@ -49,8 +49,8 @@ pub(super) struct Stretch {
     pub(super) letter: usize,
 }
 
-/// Returns the sections of the bars. `beats` are the beats of the song or other short steps. `firsts` contains the first
-/// beat of each bar, and the end of the beats.
+/// Returns the sections of the bars. `beats` are the beats of the song or other short steps. `firsts` contains the
+/// first beat of each bar, and the end of the beats.
 pub(super) fn sections(bars: &[Unit], beats: &[Unit], firsts: &[usize]) -> Vec<Stretch> {
     if bars.is_empty() {
         return Vec::new();
@@ -173,8 +173,8 @@ fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
     stretches
 }
 
-/// Returns the distance of every two stretches: the squared difference of their mean timbres, plus the distance of their
-/// harmonies, plus a term for short stretches. The diagonal is 0.
+/// Returns the distance of every two stretches: the squared difference of their mean timbres, plus the distance of
+/// their harmonies, plus a term for short stretches. The diagonal is 0.
 fn distances(
     stretches: &[std::ops::Range<usize>],
     bars: &[Unit],

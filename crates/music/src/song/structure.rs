@@ -159,19 +159,19 @@ impl SongStructure {
             .map(|(start, unit)| PitchFractions { start, fractions: unit.chroma })
             .collect();
         let triads = chords(&of_beats);
-        for (times, triad) in beat_times.windows(2).zip(triads.iter().copied()) {
-            match structure.chords.last_mut() {
-                Some(last) if last.triad == triad => last.end = times[1],
-                _ => structure.chords.push(Chord { start: times[0], end: times[1], triad }),
-            }
-        }
+        structure.chords = joined(&beat_times, &triads);
         let has_pitches = pitches_of(&of_beats).is_some();
         if !has_pitches {
             // Without harmony the measured pitches are random.
             bars.iter_mut().for_each(|bar| bar.chroma = [0.0; 12]);
         }
-        let steps = if beats.is_empty() { grid(&[], SHORT_STEP, seconds) } else { beat_times.clone() };
-        let mut of_steps = units(heard, &steps);
+        let (steps, mut of_steps) = if beats.is_empty() {
+            let steps = grid(&[], SHORT_STEP, seconds);
+            let of_steps = units(heard, &steps);
+            (steps, of_steps)
+        } else {
+            (beat_times.clone(), of_beats.clone())
+        };
         if !has_pitches {
             of_steps.iter_mut().for_each(|step| step.chroma = [0.0; 12]);
         }
@@ -233,6 +233,18 @@ impl SongStructure {
     }
 }
 
+/// Returns the chords of the beats that begin at `times`. Equal chords in a row become one.
+fn joined(times: &[f64], triads: &[Option<Tonality>]) -> Vec<Chord> {
+    let mut chords: Vec<Chord> = Vec::new();
+    for (times, triad) in times.windows(2).zip(triads.iter().copied()) {
+        match chords.last_mut() {
+            Some(last) if last.triad == triad => last.end = times[1],
+            _ => chords.push(Chord { start: times[0], end: times[1], triad }),
+        }
+    }
+    chords
+}
+
 /// Returns the mean of the middle half of the periods; a median would show the rounding of times to hops.
 fn period(times: &[f64]) -> f64 {
     let mut periods: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -265,8 +277,8 @@ fn grid(times: &[f64], period: f64, seconds: f64) -> Vec<f64> {
     grid
 }
 
-/// Replaces bars that are mostly outside the `sounding` time by the nearest other bar, so that the silence around a song
-/// does not become a section.
+/// Replaces bars that are mostly outside the `sounding` time by the nearest other bar, so that the silence around a
+/// song does not become a section.
 fn with_edges_filled(bars: &[Unit], bar_times: &[f64], sounding: &Range<f64>) -> Vec<Unit> {
     let sounds = |times: &[f64]| {
         let heard = times[1].min(sounding.end) - times[0].max(sounding.start);

@@ -2,6 +2,7 @@
 
 mod analysis;
 mod beats;
+mod events;
 #[allow(dead_code)]
 mod forms;
 mod levels_and_curves;

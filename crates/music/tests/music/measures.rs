@@ -1,7 +1,8 @@
-//! What the analysis finds in synthetic songs, compared with what is known about them.
+//! Compares the analysis of synthetic songs with their true beats and sections.
 
 use mariana_music::{Alignment, Analyzer, Features, Section, SongListener, SongStructure, StereoFrame};
 
+use super::super::events::{f_of, matches};
 use super::Truth;
 
 pub(crate) fn structure(rate: u32, frames: &[StereoFrame]) -> SongStructure {
@@ -37,17 +38,7 @@ pub(crate) fn bars_heard(beats: &[(f64, f32)], truth: &Truth) -> [f64; 2] {
 
 /// Returns the F-measure of times. Each time is matched with a true time within `tolerance` seconds.
 pub(crate) fn f_measure(found: &[f64], truth: &[f64], tolerance: f64) -> f64 {
-    let (mut hits, mut next) = (0, 0);
-    for time in truth {
-        while found.get(next).is_some_and(|found| *found < time - tolerance) {
-            next += 1;
-        }
-        if found.get(next).is_some_and(|found| *found <= time + tolerance) {
-            hits += 1;
-            next += 1;
-        }
-    }
-    2.0 * f64::from(hits) / (found.len() + truth.len()).max(1) as f64
+    f_of(matches(found, truth, tolerance))
 }
 
 pub(crate) fn borders(structure: &SongStructure) -> Vec<f64> {

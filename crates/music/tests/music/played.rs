@@ -4,6 +4,8 @@
 
 use std::f64::consts::TAU;
 
+pub(crate) use super::events::{f_of, matches};
+
 use mariana_music::StereoFrame;
 
 pub(crate) const RATE: u32 = 48_000;
@@ -475,24 +477,4 @@ pub(crate) fn steady_noise(seed: u64, seconds: f64) -> Track {
     }
     let frames = leveled(noise, 0.5).iter().map(|x| [*x as f32; 2]).collect();
     Track { frames, strokes: vec![], notes: vec![], melody: vec![], chords: vec![] }
-}
-
-/// Returns true positives, found and true events, when each event is matched within `tolerance` seconds.
-pub(crate) fn matches(found: &[f64], truth: &[f64], tolerance: f64) -> [usize; 3] {
-    let (mut hits, mut next) = (0, 0);
-    for time in truth {
-        while found.get(next).is_some_and(|found| *found < time - tolerance) {
-            next += 1;
-        }
-        if found.get(next).is_some_and(|found| *found <= time + tolerance) {
-            hits += 1;
-            next += 1;
-        }
-    }
-    [hits, found.len(), truth.len()]
-}
-
-/// Returns the F-measure of counts from [`matches`].
-pub(crate) fn f_of([hits, found, truth]: [usize; 3]) -> f64 {
-    2.0 * hits as f64 / (found + truth).max(1) as f64
 }

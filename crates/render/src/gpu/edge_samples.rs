@@ -6,12 +6,12 @@
 //! Tried: smoothing along edges found by brightness. In the scene kaleidoscope this reaches 32.4 dB; an image without
 //! further samples reaches 31.1 dB, and four further samples reach 40.7 dB.
 //!
-//! Tried: temporal antialiasing. Each frame draws one sample per pixel, at a place that changes from frame to frame, and
-//! adds the light of earlier frames, which the camera's motion and the depth find. A frame takes 0.6 to 0.8 of the time
-//! of a frame with four further samples. In five scenes at 30 frames a second, it reaches 29 to 37 dB. A frame with 0.77
-//! of the width and height takes the same time and reaches 30 to 38 dB. Resampling blurs each frame, and music changes
-//! the light faster than earlier frames can follow. With further samples where the mean light around a pixel has
-//! changed, a frame takes 0.84 to 1.08 of the time.
+//! Tried: temporal antialiasing. Each frame draws one sample per pixel, at a place that changes from frame to frame,
+//! and adds the light of earlier frames, which the camera's motion and the depth find. A frame takes 0.6 to 0.8 of the
+//! time of a frame with four further samples. In five scenes at 30 frames a second, it reaches 29 to 37 dB. A frame
+//! with 0.77 of the width and height takes the same time and reaches 30 to 38 dB. Resampling blurs each frame, and
+//! music changes the light faster than earlier frames can follow. With further samples where the mean light around a
+//! pixel has changed, a frame takes 0.84 to 1.08 of the time.
 
 /// The number of further samples of a pixel at an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -26,8 +26,8 @@ pub struct Caption {
 }
 
 impl Caption {
-    /// Lays out a title, with an artist below it, for images of `size` pixels. Text that is too wide becomes smaller. If
-    /// it is still too wide, it is cut.
+    /// Lays out a title, with an artist below it, for images of `size` pixels. Text that is too wide becomes smaller.
+    /// If it is still too wide, it is cut.
     pub fn of_title(title: &str, artist: Option<&str>, size: (u32, u32)) -> Self {
         let texts = [Some((title, 1.0)), artist.map(|text| (text, SECOND))];
         Self::new(texts.into_iter().flatten(), size, |_, margin| margin)
