@@ -15,6 +15,7 @@ use super::slow_window::SlowWindow;
 use super::smoothing::Follower;
 use super::sounds::Sounds;
 use super::spectrum::Spectrum;
+use super::stereo::StereoImage;
 use super::volume::{Volumes, stretch_length};
 use crate::limits::LIMITS;
 
@@ -111,6 +112,7 @@ struct Progress {
 struct Followers {
     volume: Follower,
     bands: Follower,
+    stereo: StereoImage,
     beat: Follower,
     drive: Follower,
 }
@@ -120,6 +122,7 @@ impl Followers {
         Self {
             volume: Follower::new(VOLUME_ATTACK, VOLUME_RELEASE, hop_seconds),
             bands: Follower::new(BAND_ATTACK, BAND_RELEASE, hop_seconds),
+            stereo: StereoImage::new(BAND_RELEASE, hop_seconds),
             beat: Follower::new(BEAT_RELEASE, BEAT_RELEASE, hop_seconds),
             drive: Follower::new(DRIVE_SECONDS, DRIVE_SECONDS, hop_seconds),
         }
@@ -227,6 +230,7 @@ impl Analyzer {
         let ahead = self.lookahead + (moment - position) as usize;
         self.buffer.restart(self.buffer.frames().len() - ahead);
         self.slow.restart();
+        self.followers.stereo.restart();
         self.gain.restart();
         self.rhythm.restart();
         self.sounds.restart();
@@ -276,10 +280,12 @@ impl Analyzer {
         } else {
             self.slow.fill(history);
         }
-        let long = self.slow.power();
+        let long = self.slow.spectrum();
         let [middle, short] =
-            self.windows.each_mut().map(|(place, spectrum)| spectrum.power(&history[place.clone()]));
-        let spectra = [long, middle, short];
+            self.windows.each_mut().map(|(place, spectrum)| spectrum.measure(&history[place.clone()]));
+        let stereo = self.bands.stereo([long, middle, short]);
+        let spectra = [long, middle, short].map(Spectrum::power);
+        let [long, middle, short] = spectra;
         let powers = self.bands.powers(spectra);
         let power = powers.iter().sum();
         let gain_db = self.gain.follow(power);
@@ -294,6 +300,7 @@ impl Analyzer {
         for (value, level) in features.bands.iter_mut().zip(features.band_levels_db) {
             self.followers.bands.follow(value, height(level + gain_db));
         }
+        [features.pan, features.width] = self.followers.stereo.follow(&powers, &stereo);
         self.followers.bands.follow(&mut features.brightness, centroid(&powers, features.level_db));
         let mean = |bands: &[f32]| bands.iter().sum::<f32>() / bands.len() as f32;
         features.bass = mean(&features.bands[BASS]);

@@ -2,6 +2,7 @@
 
 use super::resolution::Resolution;
 use super::scale::{BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB};
+use super::spectrum::Spectrum;
 
 const HEIGHT_ZERO_DB: f32 = -66.0;
 
@@ -64,6 +65,17 @@ impl Bands {
                 power[bins.first_bin..].iter().zip(weights).map(|(p, w)| p * w).sum::<f32>()
             };
             of_band.into_iter().zip(spectra).map(of_window).sum()
+        })
+    }
+
+    /// Returns the sums of [`Spectrum::stereo`] for each band, on the scale of [`Bands::powers`].
+    pub(super) fn stereo(&self, spectra: [&Spectrum; Resolution::ALL.len()]) -> [[f32; 2]; BAND_COUNT] {
+        self.bands.map(|of_band| {
+            let of_window = |(bins, spectrum): (Bins, &Spectrum)| {
+                spectrum.stereo(bins.first_bin, &self.weights[bins.first_weight..][..bins.count])
+            };
+            let parts = of_band.into_iter().zip(spectra).map(of_window);
+            parts.fold([0.0; 2], |sums, part| [sums[0] + part[0], sums[1] + part[1]])
         })
     }
 }

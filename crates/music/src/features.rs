@@ -46,6 +46,13 @@ features! {
     /// Height of each band for drawing, 0..1, low frequencies first. The band's level plus the gain is mapped linearly
     /// from -66..-6 dB and smoothed with attack and release. [`band_edge`](super::band_edge) returns the edges.
     bands: [f32; BAND_COUNT] = [0.0; BAND_COUNT], mixed;
+    /// The position of each band between the channels: (|R|² - |L|²) / (|L|² + |R|²), from -1 (only left) to 1 (only
+    /// right). It is 0 for mono and in silence. The powers are averaged over 0.2 s.
+    pan: [f32; BAND_COUNT] = [0.0; BAND_COUNT], mixed;
+    /// The width of each band's stereo image: 2·(√(|L|²·|R|²) - Re(L·R*)) / (|L|² + |R|²), clamped to 0..1. A single
+    /// sound has 0 at any pan. Channels of equal level have 1 minus their correlation: 1 if they are independent or
+    /// opposite. In silence it is 0.
+    width: [f32; BAND_COUNT] = [0.0; BAND_COUNT], mixed;
     /// Mean height of the bands below 144 Hz, 0..1.
     bass: f32 = 0.0, mixed;
     /// Mean height of the bands from 144 Hz to 1.85 kHz, 0..1.

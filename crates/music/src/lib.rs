@@ -58,6 +58,7 @@ mod song;
 mod sounds;
 mod spectrum;
 mod split;
+mod stereo;
 mod tables;
 mod tap;
 mod track;

@@ -33,7 +33,7 @@ impl SlowWindow {
         self.decimator.keep(frames, &mut self.kept);
     }
 
-    pub(super) fn power(&mut self) -> &[f32] {
-        self.spectrum.power(&self.kept)
+    pub(super) fn spectrum(&mut self) -> &Spectrum {
+        self.spectrum.measure(&self.kept)
     }
 }

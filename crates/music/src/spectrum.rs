@@ -1,4 +1,4 @@
-//! The power spectrum of stereo samples, by one complex Fourier transform for both channels.
+//! The power and the stereo image of each frequency, by one complex Fourier transform for both channels.
 
 use std::sync::Arc;
 
@@ -35,14 +35,14 @@ impl Spectrum {
         }
     }
 
-    /// Returns the power in each bin from 0 Hz to just below half the sample rate. Bin k has k · rate / length hertz.
+    /// Transforms a stretch of samples.
     ///
     /// Left and right are the real and the imaginary part of one signal z = l + i·r, so |L(k)|² + |R(k)|² = (|Z(k)|² +
     /// |Z(N-k)|²) / 2: the powers add, and opposite phases do not cancel. (Bin 0 is doubled, but no band uses it.) The
     /// scale divides by N·Σw² (Parseval), so that powers sum correctly: a sine of amplitude a in both channels gives a²
     /// at any frequency, and noise of the same power also gives a². For Hann, the scale is the squared coherent gain
     /// (½)² times the noise bandwidth of 1.5 bins.
-    pub(super) fn power(&mut self, frames: &[StereoFrame]) -> &[f32] {
+    pub(super) fn measure(&mut self, frames: &[StereoFrame]) -> &Self {
         for ((z, &[left, right]), &w) in self.buffer.iter_mut().zip(frames).zip(&self.window) {
             *z = Complex32::new(left * w, right * w);
         }
@@ -53,6 +53,28 @@ impl Spectrum {
             *power = (z.norm_sqr() + mirror.norm_sqr()) * scale;
         }
         self.power[0] = 2.0 * self.buffer[0].norm_sqr() * self.scales[0];
+        self
+    }
+
+    /// The power in each bin from 0 Hz to just below half the sample rate. Bin k has k · rate / length hertz.
+    pub(super) fn power(&self) -> &[f32] {
         &self.power
+    }
+
+    /// Returns the weighted sums of 2·(|R|² - |L|²) and of 4·Re(L·R*) over the bins from `first` on, on the scale of
+    /// [`Spectrum::power`], which is 2·(|L|² + |R|²).
+    ///
+    /// Z(k) = L + i·R and Z(N-k)* = L - i·R, so the product Z(k)·Z(N-k) is |L|² - |R|² + 2i·Re(L·R*).
+    pub(super) fn stereo(&self, first: usize, weights: &[f32]) -> [f32; 2] {
+        let first = first.max(1);
+        let (bins, scales) = (self.buffer.iter().skip(first), self.scales.iter().skip(first));
+        let mirrored = self.buffer.iter().rev().skip(first - 1);
+        let mut sums = [0.0; 2];
+        for (((z, mirror), scale), weight) in bins.zip(mirrored).zip(scales).zip(weights) {
+            let product = z * mirror * (2.0 * scale * weight);
+            sums[0] -= product.re;
+            sums[1] += product.im;
+        }
+        sums
     }
 }

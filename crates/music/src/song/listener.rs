@@ -166,7 +166,7 @@ impl SongListener {
         let peak = self.buffer.newest(hop).iter().flatten().fold(0.0_f32, |peak, x| peak.max(x.abs()));
         self.slow.follow(self.buffer.frames(), hop);
 
-        let bins = self.short.power(self.buffer.newest(SHORT_HOPS * hop));
+        let bins = self.short.measure(self.buffer.newest(SHORT_HOPS * hop)).power();
         let rise = self.flux.follow(bins);
         let LowAndHigh { power, low_power, low_rise, high_rise } = self.rises.follow(bins);
         self.timbre.add(bins);
@@ -176,7 +176,7 @@ impl SongListener {
         self.heard.moments.push(Moment { flux, begins, low_rise, high_rise, power, low_power, peak });
         self.hops += 1;
         if self.hops.is_multiple_of(SLOW_HOPS) {
-            let chroma = self.pitches.chroma(self.slow.power());
+            let chroma = self.pitches.chroma(self.slow.spectrum().power());
             let timbre = self.timbre.take();
             self.heard.slow.push(SlowMoment { timbre, chroma });
         }

@@ -472,6 +472,8 @@ proptest! {
             prop_assert!(wave.iter().all(|v| (-8.0..=8.0).contains(v)));
             prop_assert!(features.volume.iter().all(|v| (0.0..=8.0).contains(v)), "{:?}", features.volume);
             prop_assert!(features.bands.iter().all(|v| (0.0..=1.0).contains(v)), "{:?}", features.bands);
+            prop_assert!(features.pan.iter().all(|v| (-1.0..=1.0).contains(v)), "{:?}", features.pan);
+            prop_assert!(features.width.iter().all(|v| (0.0..=1.0).contains(v)), "{:?}", features.width);
             prop_assert!(
                 features.band_levels_db.iter().all(|v| (LEVEL_FLOOR_DB..=30.0).contains(v)),
                 "{:?}", features.band_levels_db

@@ -13,4 +13,5 @@ mod signals;
 mod song_structure;
 #[allow(dead_code)] // The example `song_figures` uses more of these functions.
 mod songs;
+mod stereo;
 mod strokes;
