@@ -104,11 +104,12 @@ struct Shown<'a> {
     is_drop: bool,
 }
 
-/// Returns the cards from which the director chooses: without scenes for learning, unless there are no others.
+/// Returns the cards from which the director chooses: without scenes that are not for shows, unless there are no
+/// others.
 pub(super) fn for_shows(cards: Vec<SceneCard>) -> Vec<SceneCard> {
-    let (lessons, others): (Vec<_>, Vec<_>) =
-        cards.into_iter().partition(|card| moods::is_lesson(&card.about));
-    if others.is_empty() { lessons } else { others }
+    let (outside, others): (Vec<_>, Vec<_>) =
+        cards.into_iter().partition(|card| moods::is_outside_shows(&card.about));
+    if others.is_empty() { outside } else { others }
 }
 
 /// Chooses the scene that follows the scenes `seen` if only the energy of the music is known. Returns `None` if

@@ -4,8 +4,9 @@ use super::character::Character;
 use super::character::Trait::{self, Brightness, Density, Energy, Minor, Percussion, Tempo};
 use mariana_field::lang::About;
 
-/// The mood of scenes that are for learning. The director shows such a scene only if it has no other.
-const LESSON: &str = "lesson";
+/// The moods of scenes that are not for shows: lessons, and scenes that show a name. The director shows such a scene
+/// only if it has no other.
+const OUTSIDE_SHOWS: &[&str] = &["lesson", "sign"];
 
 type Weights = &'static [(Trait, f32)];
 
@@ -34,9 +35,9 @@ pub(super) fn fit(about: &About, music: &Character) -> f32 {
     sum.along(music)
 }
 
-/// True if the scene is for learning, not for shows.
-pub(super) fn is_lesson(about: &About) -> bool {
-    about.moods.iter().any(|mood| mood == LESSON)
+/// True if the scene is not for shows.
+pub(super) fn is_outside_shows(about: &About) -> bool {
+    about.moods.iter().any(|mood| OUTSIDE_SHOWS.contains(&mood.as_str()))
 }
 
 #[cfg(test)]
@@ -49,7 +50,7 @@ mod tests {
         let rows: Vec<String> = MOODS
             .iter()
             .map(|(words, _)| words)
-            .chain([&&[LESSON][..]])
+            .chain([&OUTSIDE_SHOWS])
             .map(|words| words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "))
             .collect();
         for row in rows {

@@ -168,12 +168,13 @@ fn a_parameter_rises_during_a_build_and_falls_back() {
 }
 
 #[test]
-fn scenes_for_learning_are_shown_only_if_there_are_no_others() {
+fn lessons_and_signs_are_shown_only_if_there_are_no_others() {
     let lesson = || card("first", (0.0, 1.0), "lesson", &[]);
+    let sign = || card("name", (0.0, 1.0), "night, sign", &[]);
     let names =
         |cards: Vec<SceneCard>| for_shows(cards).into_iter().map(|card| card.scene).collect::<Vec<_>>();
-    assert_eq!(names(vec![lesson(), card("one", (0.9, 1.0), "any", &[])]), ["one"]);
-    assert_eq!(names(vec![lesson()]), ["first"]);
+    assert_eq!(names(vec![lesson(), sign(), card("one", (0.9, 1.0), "any", &[])]), ["one"]);
+    assert_eq!(names(vec![lesson(), sign()]), ["first", "name"]);
 }
 
 #[test]
