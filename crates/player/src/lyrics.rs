@@ -1,12 +1,14 @@
 //! Lyrics with times, from an `.lrc` file in a song's folder or from the song's tags.
 //!
-//! Each line of the text begins with the times at which it is sung: `[01:23.45]`. Times of single words,
-//! `<01:23.90>`, are left out. `[offset:500]` shows all lines 500 ms earlier. A line without words ends the line
-//! before it. Lines without a time are ignored.
+//! Each line of the text begins with the times at which it is sung: `[01:23.45]`. Words can have times, too:
+//! `<01:23.90>`. `[offset:500]` shows all lines 500 ms earlier. A line without words ends the line before it. Lines
+//! without a time are ignored.
 
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
+
+use mariana_music::SongMoment;
 
 use crate::decode::DecodeError;
 use crate::limits::LIMITS;
@@ -25,6 +27,9 @@ pub struct LyricLine {
     pub end: f64,
     /// The words, on one line.
     pub words: String,
+    /// The moment at which each word begins, in seconds, in order. Times that the text does not contain are estimated
+    /// from the lengths of the words.
+    pub word_starts: Vec<f64>,
 }
 
 /// Lines of lyrics, sorted by time.
@@ -114,13 +119,13 @@ impl Lyrics {
     /// Reads a text. Lines without a time are ignored.
     pub fn parse(text: &str) -> Self {
         let mut earlier = 0.0;
-        let mut sung: Vec<(f64, String)> = Vec::new();
+        let mut sung: Vec<(f64, &str)> = Vec::new();
         for line in text.lines() {
             let mut rest = line.trim_start_matches('\u{feff}').trim();
             let first = sung.len();
             while let Some((inside, after)) = rest.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
                 match (seconds(inside), inside.split_once(':')) {
-                    (Some(start), _) => sung.push((start, String::new())),
+                    (Some(start), _) => sung.push((start, "")),
                     (None, Some((name, value))) if name.trim().eq_ignore_ascii_case("offset") => {
                         earlier = value.trim().parse().map_or(earlier, |ms: f64| ms / 1000.0);
                     }
@@ -128,20 +133,24 @@ impl Lyrics {
                 }
                 rest = after.trim_start();
             }
-            let words = one_line(&without_word_times(rest));
-            sung.iter_mut().skip(first).for_each(|(_, empty)| empty.clone_from(&words));
+            sung.iter_mut().skip(first).for_each(|(_, words)| *words = rest);
         }
         let earlier = if earlier.is_finite() { earlier } else { 0.0 };
         sung.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         let next = sung.iter().skip(1).map(|(start, _)| *start).chain([f64::INFINITY]);
         let ends: Vec<f64> = next.collect();
-        let lines = sung.into_iter().zip(ends).filter(|((_, words), _)| !words.is_empty());
-        let lines = lines.map(|((start, words), next)| LyricLine {
-            start: start - earlier,
-            end: next.min(start + LINE_SECONDS_MAX) - earlier,
-            words,
+        let lines = sung.into_iter().zip(ends).map(|((start, words), next)| {
+            LyricLine::parse(words, (start, next.min(start + LINE_SECONDS_MAX)), earlier)
         });
-        Self { lines: lines.collect() }
+        Self { lines: lines.filter(|line| !line.words.is_empty()).collect() }
+    }
+
+    /// Writes the line and the word that are sung at `time` seconds into the moment of the song.
+    pub fn mark(&self, time: f64, moment: &mut SongMoment) {
+        let Some((number, line)) = self.at(time) else { return };
+        moment.line = number as f32 + 1.0;
+        moment.word = line.word_starts.partition_point(|start| *start <= time).max(1) as f32;
+        moment.line_phase = ((time - line.start) / (line.end - line.start)).clamp(0.0, 1.0) as f32;
     }
 
     /// Returns the line that is sung at a moment in seconds, and its number.
@@ -163,20 +172,49 @@ fn seconds(text: &str) -> Option<f64> {
     Some(60.0 * f64::from(minutes) + seconds).filter(|time| time.is_finite())
 }
 
-fn without_word_times(line: &str) -> String {
-    let mut words = String::with_capacity(line.len());
-    let mut rest = line;
-    while let Some((before, after)) = rest.split_once('<') {
-        words.push_str(before);
-        match after.split_once('>') {
-            Some((inside, after)) if seconds(inside).is_some() => rest = after,
-            _ => {
-                words.push('<');
-                rest = after;
+impl LyricLine {
+    /// Reads a line's text, which may contain times of words. The line is sung in the stretch `(start, end)` and is
+    /// shown `earlier` seconds earlier.
+    fn parse(text: &str, (start, end): (f64, f64), earlier: f64) -> Self {
+        let mut words = String::with_capacity(text.len());
+        // Numbers of bytes, and the times at which the words behind these bytes begin. Times increase.
+        let mut known = vec![(0, start)];
+        let mut rest = text;
+        while let Some((before, after)) = rest.split_once('<') {
+            words.push_str(before);
+            rest = after;
+            match after.split_once('>').and_then(|(inside, after)| Some((seconds(inside)?, after))) {
+                Some((time, after)) => {
+                    rest = after;
+                    if known.last().is_some_and(|(_, last)| *last <= time) && time < end {
+                        known.push((words.len(), time));
+                    }
+                }
+                None => words.push('<'),
             }
         }
+        words.push_str(rest);
+        known.push((words.len(), end));
+        let begins = |at: usize| {
+            let before = words.get(..at).is_none_or(|before| before.ends_with(char::is_whitespace));
+            at == 0 || before
+        };
+        let starts = words.char_indices().filter(|(at, c)| !c.is_whitespace() && begins(*at));
+        let word_starts = starts.map(|(at, _)| time_at(&known, at) - earlier).collect();
+        Self { start: start - earlier, end: end - earlier, words: one_line(&words), word_starts }
     }
-    words + rest
+}
+
+/// Returns the time at a position of a text, linear between the known positions.
+fn time_at(known: &[(usize, f64)], position: usize) -> f64 {
+    let after = known.partition_point(|(at, _)| *at <= position);
+    match (after.checked_sub(1).and_then(|before| known.get(before)), known.get(after)) {
+        (Some(&(from, start)), Some(&(to, end))) => {
+            start + (end - start) * (position - from) as f64 / (to - from) as f64
+        }
+        (Some(&(_, time)), None) | (None, Some(&(_, time))) => time,
+        (None, None) => 0.0,
+    }
 }
 
 #[cfg(test)]
@@ -203,6 +241,28 @@ mod tests {
         assert_eq!(heard(&lyrics, 40.1), None, "a line is shown for at most ten seconds");
         assert_eq!(lyrics.at(61.0).map(|(number, _)| number), Some(3));
         assert_eq!(heard(&lyrics, 61.0), Some("last < line"));
+    }
+
+    #[test]
+    fn words_have_their_own_times_or_times_by_their_lengths() {
+        let lyrics = Lyrics::parse("[00:02.00]<00:02.50>Tell <00:03.00>me now\n[00:04.00]aa bb\n[00:08.00]");
+        let places = [1.9, 2.0, 2.9, 3.0, 3.5, 4.0, 6.0, 6.5, 8.0].map(|time| {
+            let mut moment = SongMoment::UNKNOWN;
+            lyrics.mark(time, &mut moment);
+            (moment.line, moment.word, moment.line_phase)
+        });
+        let wanted = [
+            (0.0, 0.0, 0.0),
+            (1.0, 1.0, 0.0),
+            (1.0, 1.0, 0.45),
+            (1.0, 2.0, 0.5),
+            (1.0, 3.0, 0.75),
+            (2.0, 1.0, 0.0),
+            (2.0, 1.0, 0.5),
+            (2.0, 2.0, 0.625),
+            (0.0, 0.0, 0.0),
+        ];
+        assert_eq!(places, wanted);
     }
 
     #[test]
@@ -234,6 +294,11 @@ mod tests {
             let lyrics = Lyrics::parse(&text);
             if let Some((_, line)) = lyrics.at(time) {
                 prop_assert!(line.start <= time && time < line.end && !line.words.is_empty());
+                let mut moment = SongMoment::UNKNOWN;
+                lyrics.mark(time, &mut moment);
+                prop_assert!((1.0..=line.word_starts.len() as f32).contains(&moment.word), "{moment:?} {line:?}");
+                prop_assert!((0.0..=1.0).contains(&moment.line_phase));
+                prop_assert!(line.word_starts.is_sorted());
             }
         }
     }
