@@ -21,7 +21,8 @@ layout(std140) uniform FrameBlock {
     vec4 frame_heard[HEARD_QUADS];      // numbers of the sound, four to a vector, in the order of their table
                                         // (crates/field/src/graph/sound_input.rs; volumes: Abt 2022, section 5, eq.
                                         // 1)
-    vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1; one per vector, so that an index reads one number
+    vec4 frame_levels[LEVEL_COUNT];     // x a level that scenes read by number (crates/field/src/graph/levels.rs); one
+                                        // per vector, so that an index reads one number
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
     vec4 frame_hoisted[HOISTED_QUADS];  // values that the CPU computes once per frame
 };

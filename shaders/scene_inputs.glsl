@@ -1,8 +1,6 @@
 // The inputs of a scene's expressions that need functions: tables of the sound, and textures.
 
-float table_band(float index) {
-    return frame_bands[int(clamp(index, 0.0, float(BAND_COUNT - 1)))].x;
-}
+#include "levels.glsl"
 
 // The spectrum, the waveform, then the rows of the history (crates/render/src/frame/sound_tables.rs): cubic
 // B-splines. Each texel holds the polynomial between two entries, constant term first. All zero without sound.

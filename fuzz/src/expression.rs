@@ -7,7 +7,8 @@ use mariana_field::graph::SoundInput;
 use std::sync::Arc;
 
 use mariana_field::graph::{
-    Compounds, FrameInputs, Graph, Input, Interval, Node, NodeId, Op, Point, TableData, TextureReader,
+    Compounds, FrameInputs, Graph, Input, Interval, Level, LevelList, Node, NodeId, Op, Point, TableData,
+    TextureReader,
 };
 use mariana_field::lang;
 use mariana_field::tape::{
@@ -23,13 +24,15 @@ use super::{text, words};
 /// Maximum number of steps in an expression.
 const STEPS_MAX: usize = 600;
 
+const BAND: Level = LevelList::Band.level(7).unwrap();
+
 const INPUTS: [Input; 12] = [
     Input::X,
     Input::Y,
     Input::Z,
     Input::T,
     Input::Sound(SoundInput::VolumeLeft),
-    Input::Band(7),
+    Input::Level(BAND),
     Input::Sound(SoundInput::Bass),
     Input::Sound(SoundInput::Beat),
     Input::Sound(SoundInput::Phase),
@@ -128,7 +131,7 @@ impl Head {
             if registers < 128 { 2 + usize::from(registers % 14) } else { usize::from(registers - 127) * 2 };
         let mut frame = super::random::frame();
         frame.time = bytes.number();
-        frame.bands[7] = bytes.number();
+        frame.levels[BAND] = bytes.number();
         frame.sound[SoundInput::Bass] = bytes.number();
         frame.history =
             TableData::scrolling(vec![bytes.finite(), 1.0, -1.0, 0.5], 2, bytes.number(), bytes.number());

@@ -1,7 +1,6 @@
 //! Texts in the scene language.
 
-use mariana_field::graph::FrameInputs;
-use mariana_field::graph::SoundInputs;
+use mariana_field::graph::{FrameInputs, Levels, SoundInputs};
 use mariana_field::lang::{self, Diagnostic, Sources};
 use mariana_field::world::{ShortPrograms, ShortenOptions, World, WorldError};
 
@@ -93,7 +92,7 @@ pub(crate) fn some_sound(random: &mut Random) -> FrameInputs {
     let loud = random.below(3) as f32 / 2.0;
     let mut unit = || loud * random.between(0.0, 1.0);
     let mut inputs = FrameInputs {
-        bands: std::array::from_fn(|_| unit()),
+        levels: Levels::each(|list, _| list.range().1 * unit()),
         sound: SoundInputs::each(|input| input.range().1 * unit()),
         ..super::random::frame()
     };

@@ -13,7 +13,7 @@ use crate::gpu::renderer::Counting;
 use crate::gpu::scene_program::{SCENE_SHADER, compiled_variant_of};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{SceneError, SceneSource};
-use mariana_field::graph::{Graph, Input, NodeId, Op, SoundInput};
+use mariana_field::graph::{Graph, Input, NodeId};
 use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, render_all};
 use mariana_field::region::RegionPlan;
 use mariana_field::tape::{Tape, TapeOptions};
@@ -231,17 +231,8 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         .filter(|input| input.of_point().is_none())
         .map(|input| name_of(scene, *input))
         .collect();
-    // The language has one name for all twelve pitch classes.
-    let classes = SoundInput::CHROMA.map(|class| name_of(scene, Input::Sound(class)));
-    if classes.iter().all(|class| names.contains(class)) {
-        names.retain(|name| !classes.contains(name));
-        names.push("chroma".to_owned());
-    }
     // Tables that are read at a computed index are not in the list of inputs.
-    names.extend(used.tables.iter().map(|table| match table {
-        Op::Band => "bands".to_owned(),
-        other => other.name().to_lowercase(),
-    }));
+    names.extend(used.tables.iter().map(|table| table.name().to_lowercase()));
     names.dedup();
     Ok(if names.is_empty() { "nothing".into() } else { names.join(", ") })
 }

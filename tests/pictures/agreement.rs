@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::support::drawing::Context;
-use crate::support::expression::{Random, TABLES_GLSL, frame, random_expression, spread};
+use crate::support::expression::{Random, frame, random_expression, spread, tables_glsl};
 use crate::support::glsl::{Stage, check_with_glslang};
 use mariana::gpu::probe::Probe;
 use mariana::gpu::texture_buffer::BufferTexel;
@@ -77,7 +77,7 @@ impl Programs {
                 self.variant.registers.min(REGION_REGISTERS),
             ),
         );
-        format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}{interpreter}{main}")
+        format!("{HEAD}{CELL_HASH_GLSL}{}{interpreter}{main}", tables_glsl())
     }
 }
 
@@ -204,7 +204,7 @@ void main() {
 ";
 
 fn compiled_text(graph: &Graph, roots: &[NodeId]) -> String {
-    let mut text = format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}");
+    let mut text = format!("{HEAD}{CELL_HASH_GLSL}{}", tables_glsl());
     let mut main = String::from(
         "void main() {\n    ivec2 pixel = ivec2(gl_FragCoord.xy);\n    vec3 p = texelFetch(points, pixel.x).xyz;\n    vec3 n = texelFetch(normals, pixel.y).xyz;\n    float r = 0.0;\n",
     );

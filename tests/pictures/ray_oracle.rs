@@ -8,7 +8,7 @@
 
 use crate::support::expression::Random;
 use mariana::scenes::{SceneSource, shipped_names};
-use mariana_field::graph::FrameInputs;
+use mariana_field::graph::{FrameInputs, LevelList, Levels};
 #[allow(dead_code)]
 use mariana_field::graph::{SoundInput, SoundInputs};
 use mariana_field::rays;
@@ -145,7 +145,8 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
         "HASH" => (0.0, 1.0),
         "BAND" => {
             let number = |v: f64| (v.max(0.0) as usize).min(31);
-            let heard = frame.bands[number(a.0)..=number(a.1)].iter().map(|band| f64::from(*band));
+            let bands = &frame.levels.of(LevelList::Band)[number(a.0)..=number(a.1)];
+            let heard = bands.iter().map(|band| f64::from(*band));
             heard.fold((f64::INFINITY, f64::NEG_INFINITY), |all, band| (all.0.min(band), all.1.max(band)))
         }
         // The result is exact if the interval contains no multiple of b.
@@ -332,7 +333,7 @@ fn inputs_of(world: &World, time: f32) -> FrameInputs {
             (SoundInput::Tempo, 120.0),
             (SoundInput::Phase, 0.25),
         ]),
-        bands: std::array::from_fn(|band| 0.4 + 0.4 * (band as f32 + time).sin()),
+        levels: Levels::each(|_, number| 0.4 + 0.4 * (number as f32 + time).sin()),
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..Default::default()
     };

@@ -243,7 +243,7 @@ fn sound_features_are_sent() {
     let (length, _) = app.meanwhile(|| lights.recv_from(&mut buffer)).unwrap();
     let packet = &buffer[..length];
     assert!(packet.starts_with(b"#bundle\0"), "{packet:?}");
-    for address in ["/sound/bands", "/sound/bass", "/sound/beat", "/sound/energy"] {
+    for address in ["/sound/band", "/sound/bass", "/sound/beat", "/sound/energy"] {
         let address = padded(address);
         assert!(packet.windows(address.len()).any(|part| part == address), "{address:?} is not sent");
     }

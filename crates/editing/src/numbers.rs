@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use mariana_field::graph::LevelList;
 use mariana_field::lang::{Word, WordKind, number_place};
 
 /// The speed of a turn. It determines a factor on the pointer's movement and the number of written decimals.
@@ -73,8 +74,11 @@ impl Number {
         let counts = |neighbour: Option<(WordKind, &[u8], usize)>| {
             neighbour.is_some_and(|(_, text, _)| text == b".." || text == b"^")
         };
-        let of_band = before.is_some_and(|(_, text, _)| text == b"(")
-            && text_of(index.checked_sub(2)).is_some_and(|(_, text, _)| matches!(text, b"band" | b"chroma"));
+        let reads_level = |(_, text, _): (WordKind, &[u8], usize)| {
+            LevelList::ALL.into_iter().any(|list| list.name().as_bytes() == text)
+        };
+        let of_level = before.is_some_and(|(_, text, _)| text == b"(")
+            && text_of(index.checked_sub(2)).is_some_and(reads_level);
         let decimals =
             text.split_once('.').map_or(0, |(_, rest)| rest.bytes().take_while(u8::is_ascii_digit).count());
         let is_plain = !text.contains(['.', 'e', 'E']);
@@ -83,7 +87,7 @@ impl Number {
             digits: word.start,
             value: if is_sign { -value } else { value },
             decimals: decimals.min(DECIMALS_MAX),
-            whole: is_plain && (of_band || counts(before) || counts(text_of(Some(index + 1)))),
+            whole: is_plain && (of_level || counts(before) || counts(text_of(Some(index + 1)))),
         })
     }
 

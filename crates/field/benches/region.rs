@@ -6,7 +6,7 @@ use mariana_field::graph::{SoundInput, SoundInputs};
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use mariana_field::graph::{FrameInputs, TableData};
+use mariana_field::graph::{FrameInputs, Levels, TableData};
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::region::{RegionOptions, RegionPlan};
 use mariana_field::world::World;
@@ -48,7 +48,7 @@ fn inputs_of(world: &World, frame: usize) -> FrameInputs {
     let mut inputs = FrameInputs {
         time: 31.0 + frame as f32 / 60.0,
         sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.18), (SoundInput::VolumeRight, 0.12)]),
-        bands: std::array::from_fn(|band| 0.3 + 0.3 * (1.7 * band as f32 + 0.1 * frame as f32).sin()),
+        levels: Levels::each(|_, number| 0.3 + 0.3 * (1.7 * number as f32 + 0.1 * frame as f32).sin()),
         history: TableData::rows(heard_until(frame), HEARD.0),
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()

@@ -335,7 +335,6 @@ impl Analyzer {
         for (value, height) in self.last.spectrum.iter_mut().zip(heights) {
             self.followers.bands.follow(value, height);
         }
-        self.last.notes = *self.sounds.notes.levels();
         if let Some(bar) = self.rhythm.bar(pulse, &self.last.spectrum) {
             (features.bar_beat, features.bar_beats) = (bar.beat, bar.beats);
         }

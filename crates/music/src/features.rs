@@ -1,18 +1,18 @@
 //! The audio features of one moment.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::loudness::LOUDNESS_FLOOR;
 use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, NOTE_COUNT, SPECTRUM_POINTS, WAVE_PER_HOP, spectrum_place};
 
 macro_rules! features {
-    ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $silence:expr, $between:ident;)+) => {
+    ($($(#[$attribute:meta])+ $name:ident: $type:ty = $silence:expr, $between:ident;)+) => {
         /// The audio features of one moment. Every number is finite, whatever the samples are. Values in decibels and
         /// hertz are measurements. All other values are for drawing: [`Gain`](super::Gain) levels them, and they are
         /// smoothed with attack and release.
         #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
         pub struct Features {
-            $($(#[doc = $doc])+ pub $name: $type,)+
+            $($(#[$attribute])+ pub $name: $type,)+
         }
 
         impl Features {
@@ -53,6 +53,10 @@ features! {
     /// sound has 0 at any pan. Channels of equal level have 1 minus their correlation: 1 if they are independent or
     /// opposite. In silence it is 0.
     width: [f32; BAND_COUNT] = [0.0; BAND_COUNT], mixed;
+    /// The level of each semitone from A0 to C8, 0..1, without the partials of lower notes: 1 for the loudest note of
+    /// the last seconds, 0 at 34 dB below it.
+    #[serde(serialize_with = "numbers")]
+    notes: [f32; NOTE_COUNT] = [0.0; NOTE_COUNT], mixed;
     /// Mean height of the bands below 144 Hz, 0..1.
     bass: f32 = 0.0, mixed;
     /// Mean height of the bands from 144 Hz to 1.85 kHz, 0..1.
@@ -144,6 +148,11 @@ impl Features {
     }
 }
 
+/// Serializes an array that is longer than serde's own arrays.
+fn numbers<S: Serializer>(array: &[f32; NOTE_COUNT], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(array)
+}
+
 trait Numbers: Sized {
     fn mixed(self, other: Self, amount: f32) -> Self;
     fn number_alone(self) -> Option<f32>;
@@ -202,21 +211,11 @@ pub struct TimedFeatures {
     pub spectrum: [f32; SPECTRUM_POINTS],
     /// One hop of the mean of both channels, -8..8. A waveform consists of four such hops ([`Tables`](super::Tables)).
     pub wave: [f32; WAVE_PER_HOP],
-    /// The level of each semitone from A0 to C8, 0..1, without the partials of lower notes: 1 for the loudest note of
-    /// the last seconds, 0 at 34 dB below it.
-    pub notes: [f32; NOTE_COUNT],
 }
 
 impl TimedFeatures {
     /// Creates a moment with silent tables.
     pub const fn new(time: f64, number: u64, features: Features) -> Self {
-        Self {
-            time,
-            number,
-            features,
-            spectrum: [0.0; SPECTRUM_POINTS],
-            wave: [0.0; WAVE_PER_HOP],
-            notes: [0.0; NOTE_COUNT],
-        }
+        Self { time, number, features, spectrum: [0.0; SPECTRUM_POINTS], wave: [0.0; WAVE_PER_HOP] }
     }
 }

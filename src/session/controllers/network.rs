@@ -5,10 +5,11 @@ use std::time::{Duration, Instant};
 use crate::clock;
 use crate::commands;
 use crate::config::ControllerSettings;
+use crate::frame::levels_of;
 use crate::session::waker::Waker;
 use mariana_control::osc::{OscReceiver, OscSender, ReceiverState, Sample};
 use mariana_control::{Board, InputQueue};
-use mariana_field::graph::SoundInput;
+use mariana_field::graph::{LevelList, SoundInput};
 use mariana_music::{Features, SongMoment};
 
 pub(super) struct Network {
@@ -98,14 +99,12 @@ pub(super) fn sent_addresses() -> impl Iterator<Item = String> {
 
 /// Returns the sound values that scenes read, each with its OSC address. A list of numbers is one message.
 fn sample(features: &Features, song: &SongMoment) -> Sample {
-    let mut sample = vec![
-        ("/sound/bands".to_owned(), features.bands.to_vec()),
-        ("/sound/chroma".to_owned(), song.chroma.to_vec()),
-    ];
-    let single = SoundInput::ALL.into_iter().map(SoundInput::name).filter(|name| !name.contains('('));
+    let list = |list: LevelList| (list.name(), levels_of(list, features, song).to_vec());
     let number = |name: &str| features.number(name).or_else(|| song.number(name));
-    sample.extend(single.filter_map(|name| Some((format!("/sound/{name}"), vec![number(name)?]))));
-    sample
+    let single = SoundInput::ALL.into_iter().map(SoundInput::name);
+    let single = single.filter_map(|name| Some((name, vec![number(name)?])));
+    let values = LevelList::ALL.into_iter().map(list).chain(single);
+    values.map(|(name, values)| (format!("/sound/{name}"), values)).collect()
 }
 
 #[cfg(test)]
@@ -116,8 +115,8 @@ mod tests {
     fn every_sound_value_is_sent() {
         let features = Features { bass: 0.5, ..Features::SILENCE };
         let sample = sample(&features, &SongMoment::UNKNOWN);
-        let single = SoundInput::ALL.iter().filter(|input| !input.name().starts_with("chroma(")).count();
-        assert_eq!(sample.len(), single + 2, "a sound value is missing in the sample");
+        let values = SoundInput::ALL.len() + LevelList::ALL.len();
+        assert_eq!(sample.len(), values, "a sound value is missing in the sample");
         assert!(sample.contains(&("/sound/bass".to_owned(), vec![0.5])));
     }
 }

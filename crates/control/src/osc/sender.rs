@@ -130,7 +130,7 @@ mod tests {
         let place = socket.local_addr().unwrap().to_string().parse().unwrap();
         let sender = OscSender::start(place, 200.0, || {}).unwrap();
         sender
-            .put(vec![("/sound/bass".to_owned(), vec![0.5]), ("/sound/bands".to_owned(), vec![f32::NAN; 3])]);
+            .put(vec![("/sound/bass".to_owned(), vec![0.5]), ("/sound/band".to_owned(), vec![f32::NAN; 3])]);
         for _ in 0..3 {
             let mut buffer = [0; 1_500];
             let (length, _) = socket.recv_from(&mut buffer).unwrap();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::interval::Interval;
 use super::node::Input;
 use super::table::{TableData, unit};
-use super::{BAND_COUNT, SoundInputs};
+use super::{LevelList, Levels, SoundInputs};
 
 /// Reads a scene's textures on the CPU.
 pub trait TextureReader: std::fmt::Debug + Send + Sync {
@@ -17,7 +17,7 @@ pub trait TextureReader: std::fmt::Debug + Send + Sync {
 pub(super) static SILENT: FrameInputs = FrameInputs {
     time: 0.0,
     sound: SoundInputs::SILENCE,
-    bands: [0.0; BAND_COUNT],
+    levels: Levels::SILENCE,
     eye: [0.0; 3],
     params: Vec::new(),
     hoisted: Vec::new(),
@@ -35,8 +35,8 @@ pub struct FrameInputs {
     pub time: f32,
     /// The sound's numbers.
     pub sound: SoundInputs,
-    /// The frequency bands, low to high.
-    pub bands: [f32; BAND_COUNT],
+    /// The levels that scenes read by number.
+    pub levels: Levels,
     /// Position of the eye.
     pub eye: [f32; 3],
     /// The scene's parameters by number; missing parameters are 0.
@@ -80,7 +80,10 @@ impl FrameInputs {
                 let (lo, hi) = input.range();
                 Interval { lo, hi }
             }
-            Input::Band(_) => Interval::UNIT,
+            Input::Level(level) => {
+                let (lo, hi) = level.range();
+                Interval { lo, hi }
+            }
             Input::Param(i) => params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => Interval::ANY,
             Input::EyeX | Input::EyeY | Input::EyeZ | Input::Hoisted(_) => Interval::ANY,
@@ -93,7 +96,7 @@ impl FrameInputs {
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => 0.0,
             Input::T => self.time,
             Input::Sound(input) => self.sound[input],
-            Input::Band(i) => self.bands.get(usize::from(i)).copied().unwrap_or(0.0),
+            Input::Level(level) => self.levels[level],
             Input::EyeX => self.eye[0],
             Input::EyeY => self.eye[1],
             Input::EyeZ => self.eye[2],
@@ -102,30 +105,19 @@ impl FrameInputs {
         }
     }
 
-    /// Returns the band with the number floor(index), clamped to the existing bands; band 0 for a NaN.
-    pub fn band(&self, index: f32) -> f32 {
-        self.bands[Self::band_number(index)]
+    /// Returns a level of a list ([`LevelList::nearest`]).
+    pub fn level(&self, list: LevelList, index: f32) -> f32 {
+        self.levels[list.nearest(index)]
     }
 
-    /// Returns the number of the band that [`FrameInputs::band`] reads.
-    pub fn band_number(index: f32) -> usize {
-        (index.max(0.0) as usize).min(BAND_COUNT - 1)
-    }
-
-    /// Returns bounds of [`FrameInputs::band`].
-    pub fn band_bounds(&self, index: Interval) -> Interval {
+    /// Returns bounds of [`FrameInputs::level`].
+    pub fn level_bounds(&self, list: LevelList, index: Interval) -> Interval {
+        let (least, most) = list.range();
         if self.ranges.is_some() {
-            return Interval::UNIT;
+            return Interval { lo: least, hi: most };
         }
-        let (first, last) = if index.is_any() {
-            (0, BAND_COUNT - 1)
-        } else {
-            (Self::band_number(index.lo), Self::band_number(index.hi))
-        };
-        self.bands[first..=last]
-            .iter()
-            .map(|&band| Interval::point(band))
-            .fold(Interval::point(self.bands[first]), |bounds, band| bounds.hull(band))
+        let index = if index.is_any() { Interval { lo: 0.0, hi: f32::INFINITY } } else { index };
+        self.levels.bounds(list.nearest(index.lo), list.nearest(index.hi))
     }
 
     /// Reads a channel of a texture, clamped to 0..1. Returns 0 without a reader.

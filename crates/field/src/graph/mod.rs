@@ -15,6 +15,7 @@ mod frame_inputs;
 mod fuse;
 mod gradient_interval;
 mod interval;
+mod levels;
 mod node;
 mod numbers;
 mod op;
@@ -34,7 +35,8 @@ pub use evaluate::Point;
 pub use frame_inputs::{FrameInputs, TextureReader};
 pub use gradient_interval::{GradientInterval, Pieces};
 pub use interval::{Interval, LIBRARY_ERROR};
-pub use node::{BAND_COUNT, Input, Node, NodeId};
+pub use levels::{LEVEL_COUNT, Level, LevelList, Levels, levels_glsl};
+pub use node::{Input, Node, NodeId};
 pub use numbers::{CELL_HASH_GLSL, CELL_MAX, SMALLEST, TANH_MAX, cell_hash};
 pub use op::{BoundsKernel, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::{InputsUsed, Order};
@@ -139,7 +141,11 @@ impl Graph {
 
     /// True if any node, used or not, reads a number that the analysis of the whole song gives.
     pub fn reads_song(&self) -> bool {
-        self.nodes.iter().any(|node| matches!(node, Node::Input(input) if input.comes_from_song()))
+        self.nodes.iter().any(|node| match node {
+            Node::Input(input) => input.comes_from_song(),
+            Node::Unary(op, _) => op.level_list().is_some_and(LevelList::comes_from_song),
+            _ => false,
+        })
     }
 
     /// True if any node, used or not, reads one of [`Op::CURVES`].

@@ -1,7 +1,7 @@
 //! Nodes of the expression graph.
 
-use super::SoundInput;
 use super::op::Op;
+use super::{Level, SoundInput};
 
 /// Identifies a node of one [`super::Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
@@ -18,9 +18,6 @@ impl NodeId {
         Self(u32::try_from(position).unwrap_or(u32::MAX))
     }
 }
-
-/// Number of frequency bands that scenes can read.
-pub const BAND_COUNT: usize = 32;
 
 /// A number that an expression reads from outside the graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -41,8 +38,8 @@ pub enum Input {
     T,
     /// One of the numbers that describe the sound.
     Sound(SoundInput),
-    /// One of the frequency bands.
-    Band(u8),
+    /// One of the levels that scenes read by number, such as `band(3)`.
+    Level(Level),
     /// Position of the eye, x.
     EyeX,
     /// Position of the eye, y.
@@ -79,11 +76,12 @@ impl Input {
 
     /// True for a number that the analysis of the whole song computes. Before, live analysis computes the tempo and the
     /// phase.
-    pub const fn comes_from_song(self) -> bool {
+    pub fn comes_from_song(self) -> bool {
         match self {
             Input::Sound(input) => {
                 input.is_of_song() || matches!(input, SoundInput::Tempo | SoundInput::Phase)
             }
+            Input::Level(level) => level.in_list().0.comes_from_song(),
             _ => false,
         }
     }
@@ -101,7 +99,7 @@ impl Input {
             Input::EyeY => 8,
             Input::EyeZ => 9,
             Input::Sound(input) => 0x10 + input as u32,
-            Input::Band(i) => 0x100 | i as u32,
+            Input::Level(level) => 0x100 | level.place() as u32,
             Input::Param(i) => 0x1_0000 | i as u32,
             Input::Hoisted(i) => 0x2_0000 | i as u32,
         }
@@ -123,7 +121,7 @@ impl std::fmt::Display for Input {
             Input::EyeY => "EYE.Y",
             Input::EyeZ => "EYE.Z",
             Input::Sound(input) => return f.write_str(&input.name().to_uppercase()),
-            Input::Band(i) => return write!(f, "BAND({i})"),
+            Input::Level(level) => return f.write_str(&level.to_string().to_uppercase()),
             Input::Param(i) => return write!(f, "PARAM({i})"),
             Input::Hoisted(i) => return write!(f, "HOISTED({i})"),
         })

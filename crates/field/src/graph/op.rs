@@ -22,6 +22,7 @@
 
 use super::frame_inputs::FrameInputs;
 use super::interval::Interval;
+use super::levels::LevelList;
 use super::numbers::{
     SMALLEST, arc_slope, atan2, cell_hash, div, length_slopes, modulo, pow, round, sqrt, tanh, truth, unit,
 };
@@ -335,12 +336,13 @@ operators! {
         value |a, _, _| truth(a == 0.0), bounds |a, _, _| rules::not(a), slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "float($a == 0.0)";
-    /// The band with the number floor(a), clamped to 0..=31; band 0 for a NaN.
+    /// The band with the number floor(a), clamped to the list ([`LevelList::nearest`]); band 0 for a NaN.
     Band = 40 "BAND" READS_FRAME.and(EXPENSIVE),
-        value |a, _, frame| frame.band(a), bounds |a, _, frame| frame.band_bounds(a),
+        value |a, _, frame| frame.level(LevelList::Band, a),
+        bounds |a, _, frame| frame.level_bounds(LevelList::Band, a),
         slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
-        glsl "table_band($a)";
+        glsl "level_of_band($a)";
     /// The spectrum at a in 0..1, low to high, clamped; a cubic B-spline ([`TableData`](super::TableData)).
     Spectrum = 41 "SPECTRUM" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.spectrum.at(a, 0.0),
@@ -356,6 +358,34 @@ operators! {
         slope_bounds |a, _, _, frame| frame.waveform.slope_bounds(a, Interval::point(0.0)),
         glsl "table_waveform($a)";
 
+    /// Like [`Op::Band`], for the levels of notes.
+    Note = 43 "NOTE" READS_FRAME.and(EXPENSIVE),
+        value |a, _, frame| frame.level(LevelList::Note, a),
+        bounds |a, _, frame| frame.level_bounds(LevelList::Note, a),
+        slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        glsl "level_of_note($a)";
+    /// The same for the levels of pitch classes.
+    Chroma = 44 "CHROMA" READS_FRAME.and(EXPENSIVE),
+        value |a, _, frame| frame.level(LevelList::Chroma, a),
+        bounds |a, _, frame| frame.level_bounds(LevelList::Chroma, a),
+        slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        glsl "level_of_chroma($a)";
+    /// The same for the places of bands between the channels.
+    Pan = 45 "PAN" READS_FRAME.and(EXPENSIVE),
+        value |a, _, frame| frame.level(LevelList::Pan, a),
+        bounds |a, _, frame| frame.level_bounds(LevelList::Pan, a),
+        slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        glsl "level_of_pan($a)";
+    /// The same for the difference between the channels in each band.
+    Width = 46 "WIDTH" READS_FRAME.and(EXPENSIVE),
+        value |a, _, frame| frame.level(LevelList::Width, a),
+        bounds |a, _, frame| frame.level_bounds(LevelList::Width, a),
+        slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        glsl "level_of_width($a)";
     /// a + b.
     Add = 64 "ADD" COMMUTATIVE,
         value |a, b, _| a + b, bounds |a, b, _| rules::add(a, b), slopes |_, _, _, _| (1.0, 1.0),
@@ -499,6 +529,22 @@ pub const FIRST_BINARY: u8 = 64;
 impl Op {
     /// The operators that read a curve of the sound. Frames hold the curves only if a scene uses these operators.
     pub const CURVES: [Op; 3] = [Op::Spectrum, Op::Waveform, Op::History];
+
+    /// Returns the operator that reads a level of the list.
+    pub const fn of_levels(list: LevelList) -> Self {
+        match list {
+            LevelList::Band => Op::Band,
+            LevelList::Note => Op::Note,
+            LevelList::Chroma => Op::Chroma,
+            LevelList::Pan => Op::Pan,
+            LevelList::Width => Op::Width,
+        }
+    }
+
+    /// Returns the list of levels that the operator reads.
+    pub fn level_list(self) -> Option<LevelList> {
+        LevelList::ALL.into_iter().find(|list| Self::of_levels(*list) == self)
+    }
 
     /// Returns the operator's number.
     pub const fn number(self) -> u8 {

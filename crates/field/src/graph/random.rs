@@ -1,6 +1,6 @@
 //! Random expressions for property tests.
 
-use super::{SoundInput, SoundInputs};
+use super::{Levels, SoundInput, SoundInputs};
 use std::sync::Arc;
 
 use proptest::prelude::*;
@@ -71,7 +71,7 @@ const INPUTS: [Input; 12] = [
     Input::NZ,
     Input::T,
     Input::Sound(SoundInput::VolumeLeft),
-    Input::Band(7),
+    Input::Sound(SoundInput::Bass),
     Input::Param(1),
     Input::Sound(SoundInput::Beat),
     Input::X,
@@ -134,7 +134,7 @@ pub(crate) fn frame() -> FrameInputs {
             SoundInput::BassDrive => 1.5,
             _ => (input as u8 as f32 + 1.0) / 16.0,
         }),
-        bands: std::array::from_fn(|i| (i as f32 * 0.7).cos() * 0.5),
+        levels: Levels::each(|list, i| (list as u8 as f32 + i as f32 * 0.7).cos() * 0.5),
         eye: [1.5, 2.0, -4.0],
         params: vec![1.0, -2.5],
         spectrum: TableData::row(wave(64, 0.3)),

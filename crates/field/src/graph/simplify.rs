@@ -6,7 +6,7 @@
 //! comment.
 
 use super::Graph;
-use super::frame_inputs::{FrameInputs, SILENT};
+use super::frame_inputs::SILENT;
 use super::node::{Input, Node, NodeId};
 use super::op::{Op, Properties};
 
@@ -33,9 +33,9 @@ impl Graph {
     pub(super) fn simplified_unary(&mut self, op: Op, a: NodeId) -> NodeId {
         let node = self.node(a);
         if let Node::Constant(value) = node {
-            if op == Op::Band {
-                // A band with a constant number, such as band(3), is an input.
-                return self.input(Input::Band(FrameInputs::band_number(value) as u8));
+            if let Some(list) = op.level_list() {
+                // A level with a constant number, such as band(3), is an input.
+                return self.input(Input::Level(list.nearest(value)));
             }
             if let Some(folded) = fold(op, value, 0.0) {
                 return self.constant(folded);

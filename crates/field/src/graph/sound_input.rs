@@ -1,9 +1,8 @@
 //! The numbers of the sound that scenes read by name, one row each. A row gives the number's name and description for
 //! the language, tapes, GLSL, the uniform block, bounds, and `mariana eval --set`.
 //!
-//! The numbers from `bar` on describe the whole song. Bands and tables (`band(i)`, `spectrum(u)`) are in
-//! [`FrameInputs`](super::FrameInputs). The twelve numbers of the function `chroma(i)` are rows here, because
-//! they need no operator.
+//! The numbers from `bar` on describe the whole song. Levels that are read by number (`band(i)`) are in
+//! [`LevelList`](super::LevelList), tables (`spectrum(u)`) in [`FrameInputs`](super::FrameInputs).
 
 use std::ops::{Index, IndexMut};
 
@@ -115,30 +114,12 @@ sound_inputs! {
     /// Time until the next drop.
     ToDrop, "to_drop", 0.0..1000.0 else 1000.0,
         "seconds until the next drop; 1000 while unknown and after the last drop";
-    /// Level of C.
-    ChromaC, "chroma(0)", 0.0..1.0, "level of C, 0..1";
-    /// Level of C sharp.
-    ChromaCSharp, "chroma(1)", 0.0..1.0, "level of C sharp, 0..1";
-    /// Level of D.
-    ChromaD, "chroma(2)", 0.0..1.0, "level of D, 0..1";
-    /// Level of E flat.
-    ChromaEFlat, "chroma(3)", 0.0..1.0, "level of E flat, 0..1";
-    /// Level of E.
-    ChromaE, "chroma(4)", 0.0..1.0, "level of E, 0..1";
-    /// Level of F.
-    ChromaF, "chroma(5)", 0.0..1.0, "level of F, 0..1";
-    /// Level of F sharp.
-    ChromaFSharp, "chroma(6)", 0.0..1.0, "level of F sharp, 0..1";
-    /// Level of G.
-    ChromaG, "chroma(7)", 0.0..1.0, "level of G, 0..1";
-    /// Level of G sharp.
-    ChromaGSharp, "chroma(8)", 0.0..1.0, "level of G sharp, 0..1";
-    /// Level of A.
-    ChromaA, "chroma(9)", 0.0..1.0, "level of A, 0..1";
-    /// Level of B flat.
-    ChromaBFlat, "chroma(10)", 0.0..1.0, "level of B flat, 0..1";
-    /// Level of B.
-    ChromaB, "chroma(11)", 0.0..1.0, "level of B, 0..1";
+    /// Number of the line of lyrics.
+    Line, "line", 0.0..10000.0, "number of the line of lyrics that is sung, from 1; 0 while none is sung";
+    /// Number of the word in the line of lyrics.
+    Word, "word", 0.0..1000.0, "number of the word in its line, from 1; 0 while none is sung";
+    /// Position in the line of lyrics.
+    LinePhase, "line_phase", 0.0..1.0, "position in the line of lyrics, 0..1";
 }
 
 impl SoundInput {
@@ -156,22 +137,6 @@ impl SoundInput {
     pub const fn doc(self) -> &'static str {
         ROWS[self as usize].3
     }
-
-    /// The levels of the pitch classes, C first, which `chroma(i)` reads.
-    pub const CHROMA: [Self; 12] = [
-        Self::ChromaC,
-        Self::ChromaCSharp,
-        Self::ChromaD,
-        Self::ChromaEFlat,
-        Self::ChromaE,
-        Self::ChromaF,
-        Self::ChromaFSharp,
-        Self::ChromaG,
-        Self::ChromaGSharp,
-        Self::ChromaA,
-        Self::ChromaBFlat,
-        Self::ChromaB,
-    ];
 
     /// True for a number that describes the whole song. Until the song is analysed, such a number has its value in
     /// silence.
@@ -261,9 +226,6 @@ mod tests {
                     .iter()
                     .all(|v| (least..=most).contains(&input.clamp(*v)))
             );
-        }
-        for (class, input) in SoundInput::CHROMA.into_iter().enumerate() {
-            assert_eq!(input.name(), format!("chroma({class})"));
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! All other functions are in the library, which is written in the language.
 
-use crate::graph::{Input, Op, SoundInput};
+use crate::graph::{Input, LevelList, Op, SoundInput};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum InputValue {
@@ -130,8 +130,7 @@ pub(super) enum Builtin {
     Length,
     Dot,
     Construct(u8),
-    Band,
-    Chroma,
+    Levels(LevelList),
     Table(Op),
     History,
     Texture,
@@ -161,7 +160,11 @@ const fn each(name: &'static str, op: Op, doc: &'static str) -> BuiltinRow {
     function(name, "a", Builtin::Each(op), (1, 1), doc)
 }
 
-use Builtin::{Atan, Band, Chroma, Construct, Dot, History, Length, Pair, Pow, Round, Table, Texture};
+const fn levels(list: LevelList) -> BuiltinRow {
+    function(list.name(), "i", Builtin::Levels(list), (1, 1), list.doc())
+}
+
+use Builtin::{Atan, Construct, Dot, History, Length, Pair, Pow, Round, Table, Texture};
 
 pub(super) const BUILTINS: &[BuiltinRow] = &[
     each("abs", Op::Abs, "the magnitude"),
@@ -231,14 +234,11 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         (2, 2),
         "a pseudo-random number in 0..1 for the cell (floor(a), floor(b))",
     ),
-    function("band", "i", Band, (1, 1), "the level of one of the 32 frequency bands, low to high, 0..1"),
-    function(
-        "chroma",
-        "i",
-        Chroma,
-        (1, 1),
-        "the level of pitch class i of the song, 0..1 (i is 0 for C to 11 for B); in each beat the strongest has level 1",
-    ),
+    levels(LevelList::Band),
+    levels(LevelList::Note),
+    levels(LevelList::Chroma),
+    levels(LevelList::Pan),
+    levels(LevelList::Width),
     function(
         "spectrum",
         "u",

@@ -191,7 +191,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::graph::{Point, TableData, random};
+    use crate::graph::{Levels, Point, TableData, random};
 
     const SIDE: usize = 4;
 
@@ -224,7 +224,7 @@ mod tests {
         let frame = random::frame();
         let spectrum: Vec<f32> = frame.spectrum.values().iter().map(|value| value.abs()).collect();
         FrameInputs {
-            bands: frame.bands.map(f32::abs),
+            levels: Levels::each(|list, number| frame.levels.of(list)[number].abs()),
             spectrum: TableData::row(spectrum),
             history: TableData::EMPTY,
             ..frame

@@ -139,11 +139,13 @@ impl Reads {
         let mut tables = Vec::new();
         for op in &self.tables {
             match op {
-                Op::Band => numbers.extend(inputs.bands.iter().map(|band| band.to_bits())),
                 Op::Spectrum => tables.push(inputs.spectrum.clone()),
                 Op::Waveform => tables.push(inputs.waveform.clone()),
                 Op::History => tables.push(inputs.history.clone()),
-                _ => {}
+                op => {
+                    let levels = op.level_list().map_or(&[][..], |list| inputs.levels.of(list));
+                    numbers.extend(levels.iter().map(|level| level.to_bits()));
+                }
             }
         }
         RegionKey { numbers, tables }

@@ -1,4 +1,4 @@
-use crate::graph::{SoundInput, SoundInputs};
+use crate::graph::{LevelList, SoundInput, SoundInputs};
 use proptest::prelude::*;
 
 use super::*;
@@ -16,7 +16,7 @@ pub(super) fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..Default::default()
     };
-    for (band, value) in inputs.bands.iter_mut().enumerate() {
+    for (band, value) in inputs.levels.of_mut(LevelList::Band).iter_mut().enumerate() {
         *value = loud * (0.5 + 0.5 * (band as f32 * 1.7 + time).sin());
     }
     inputs.hoisted = world.hoisted.values(&inputs);
@@ -291,7 +291,7 @@ fn surfaces_are_within_the_bounds_of_the_frame() {
         let inputs = inputs_of(&world, time, loud);
         let tree = plan.build(&inputs, &RegionOptions::default());
         let (low, high) = tree.bounds.expect("bounds");
-        let (middle, radius) = (4.0 * time.sin(), 0.5 + inputs.bands[3]);
+        let (middle, radius) = (4.0 * time.sin(), 0.5 + inputs.levels.of(LevelList::Band)[3]);
         assert!(low[0] <= middle - radius && high[0] >= middle + radius, "{low:?} {high:?}");
         assert!(high[0] - low[0] < 3.0 * radius + 1.0, "{low:?} {high:?}: the ball moves through 8 units");
     }
@@ -305,7 +305,7 @@ fn keys_contain_only_inputs_of_the_distance() {
     let plan = RegionPlan::new(&world);
     let key = |band: usize| {
         let mut inputs = inputs_of(&world, 0.0, 0.0);
-        inputs.bands[band] = 0.25;
+        inputs.levels.of_mut(LevelList::Band)[band] = 0.25;
         inputs.hoisted = world.hoisted.values(&inputs);
         plan.key(&inputs)
     };

@@ -2,7 +2,7 @@
 //!
 //! The generated text relies on declarations in the surrounding shader: `cell_hash`
 //! ([`crate::graph::CELL_HASH_GLSL`]), the frame's inputs ([`input_name`]), and, if they are used, `float
-//! table_band(float)`, `float table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float,
+//! table_level(float)`, `float table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float,
 //! float)` and `vec4 read_texture(int, float, float)`.
 
 use std::collections::HashSet;
@@ -22,7 +22,7 @@ pub fn literal(value: f32) -> String {
 /// The name of an input in the generated code. `p` and `n` are arguments of the function; the other names are uniforms.
 ///
 /// `frame_time` is a float. `frame_heard` holds the sound's numbers, `frame_params` the parameters and `frame_hoisted`
-/// the values that are computed once per frame, four to a vec4. `frame_bands` is 32 vec4 with one band each, in x.
+/// the values that are computed once per frame, four to a vec4. `frame_levels` holds the levels that scenes read by number, one in the x of each vec4.
 /// `camera_position` is a vec4 with the eye in xyz.
 pub fn input_name(input: Input) -> String {
     let packed =
@@ -39,7 +39,7 @@ pub fn input_name(input: Input) -> String {
         Input::EyeX => "camera_position.x".into(),
         Input::EyeY => "camera_position.y".into(),
         Input::EyeZ => "camera_position.z".into(),
-        Input::Band(index) => format!("frame_bands[{index}].x"),
+        Input::Level(level) => format!("frame_levels[{}].x", level.place()),
         Input::Param(index) => packed("frame_params", usize::from(index)),
         Input::Hoisted(index) => packed("frame_hoisted", usize::from(index)),
     }

@@ -8,7 +8,7 @@
 //! where parts of a formula jump, so that the bounds for noise are those of its smooth parts.
 
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, TableData, cell_hash};
+use crate::graph::{FrameInputs, Levels, TableData, cell_hash};
 use crate::graph::{SoundInput, SoundInputs};
 use crate::lang::Param;
 use crate::tape::{Dual, GradientBatch, Tape};
@@ -272,7 +272,10 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
         FrameInputs {
             time: 200.0 * random(0),
             sound: SoundInputs::each(|input| tried(input, random(1 + input as usize))),
-            bands: std::array::from_fn(|band| random(128 + band)),
+            levels: Levels::each(|list, number| {
+                let (least, most) = list.range();
+                least + (most - least) * random(128 + list.first() + number)
+            }),
             params: turned.map(|(i, param)| param.min + (param.max - param.min) * random(64 + i)).collect(),
             spectrum: TableData::row(row(1_000, COLUMNS)),
             waveform: TableData::row(

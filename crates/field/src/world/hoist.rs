@@ -113,7 +113,7 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoist
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::{SoundInput, SoundInputs};
+    use crate::graph::{LevelList, SoundInput, SoundInputs};
     use crate::lang::{compile, no_includes};
     use crate::tape::{PointEvaluator, Tape, TapeOptions};
     use crate::world::World;
@@ -143,7 +143,7 @@ mod tests {
             params: vec![1.25],
             ..Default::default()
         };
-        inputs.bands[3] = 0.75;
+        inputs.levels.of_mut(LevelList::Band)[3] = 0.75;
         inputs.hoisted = world.hoisted.values(&inputs);
         assert_eq!(inputs.hoisted.len(), 3, "the radius and two coordinates of the ball's place");
         let options = TapeOptions::default();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
-use crate::graph::{Point, SoundInput, SoundInputs, random};
+use crate::graph::{LevelList, Point, SoundInput, SoundInputs, random};
 use crate::region::Surfaces;
 use crate::region::{RegionOptions, RegionPlan, run_texels};
 use crate::world::testing::{SPEAKERS, world_of};
@@ -58,7 +58,7 @@ fn frame_of(world: &World, time: f32, loud: f32) -> FrameInputs {
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..Default::default()
     };
-    for (band, value) in frame.bands.iter_mut().enumerate() {
+    for (band, value) in frame.levels.of_mut(LevelList::Band).iter_mut().enumerate() {
         *value = loud * (0.5 + 0.5 * (band as f32 * 1.7 + time).sin());
     }
     frame.hoisted = world.hoisted.values(&frame);

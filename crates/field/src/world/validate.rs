@@ -3,7 +3,7 @@
 use naga::front::glsl::{Frontend, Options};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use crate::graph::{BAND_COUNT, CELL_HASH_GLSL, SoundInput};
+use crate::graph::{CELL_HASH_GLSL, LEVEL_COUNT, SoundInput, levels_glsl};
 use crate::limits::LIMITS;
 
 /// Returns the declarations that the generated functions need, in a form that naga accepts.
@@ -11,15 +11,16 @@ fn surroundings() -> String {
     format!(
         "#version 450\n\
          layout(std140, set = 0, binding = 0) uniform Inputs {{\n    vec4 camera_position;\n    float frame_time;\n    vec4 frame_heard[{}];\n    \
-         vec4 frame_bands[{}];\n    vec4 frame_params[{}];\n    vec4 frame_hoisted[{}];\n}};\n\
-         float table_band(float a) {{ return a; }}\nfloat table_spectrum(float a) {{ return a; }}\n\
+         vec4 frame_levels[{}];\n    vec4 frame_params[{}];\n    vec4 frame_hoisted[{}];\n}};\n\
+         {}float table_spectrum(float a) {{ return a; }}\n\
          float table_waveform(float a) {{ return a; }}\nfloat table_history(float a, float b) {{ return a + b; }}\n\
          vec4 read_texture(int i, float u, float v) {{ return vec4(u, v, float(i), 1.0); }}\n\
          vec4 sample_texture(int i, vec2 uv, vec2 dx, vec2 dy) {{ return vec4(uv, dx + dy); }}\n{CELL_HASH_GLSL}\n",
         SoundInput::ALL.len().div_ceil(4),
-        BAND_COUNT,
+        LEVEL_COUNT,
         LIMITS.scene_params_max.div_ceil(4),
         LIMITS.hoisted_max.div_ceil(4),
+        levels_glsl(),
     )
 }
 

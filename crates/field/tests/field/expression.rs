@@ -1,7 +1,7 @@
 //! Random expressions, and the effect of rounding on them.
 
 use mariana_field::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Point, TableData};
-use mariana_field::graph::{SoundInput, SoundInputs};
+use mariana_field::graph::{LEVEL_COUNT, LevelList, Levels, SoundInput, SoundInputs, levels_glsl};
 
 /// A small generator of reproducible random numbers (splitmix64; Steele et al. 2014).
 pub(crate) struct Random(pub u64);
@@ -26,9 +26,13 @@ impl Random {
 /// Builds about `operators` operators. All operators are equally likely. Most operands are recent results, so that few
 /// results stay unused.
 pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operators: usize) -> NodeId {
-    const OF_FRAME: [Input; 4] =
-        [Input::T, Input::Sound(SoundInput::VolumeLeft), Input::Band(7), Input::Param(1)];
-    let inputs = [&Input::OF_POINT[..], &OF_FRAME].concat();
+    let of_frame = [
+        Input::T,
+        Input::Sound(SoundInput::VolumeLeft),
+        Input::Level(LevelList::Band.nearest(7.0)),
+        Input::Param(1),
+    ];
+    let inputs = [&Input::OF_POINT[..], &of_frame].concat();
     let mut unused: Vec<NodeId> = Vec::new();
     let leaf = |random: &mut Random, graph: &mut Graph| match random.below(10) {
         0 => {
@@ -70,12 +74,12 @@ pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operator
     root
 }
 
-/// Returns the inputs of a frame with some sound; [`TABLES_GLSL`] contains the same tables.
+/// Returns the inputs of a frame with some sound; [`tables_glsl`] contains the same tables.
 pub(crate) fn frame() -> FrameInputs {
     FrameInputs {
         time: 12.5,
         sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.25), (SoundInput::VolumeRight, 0.75)]),
-        bands: std::array::from_fn(|i| i as f32 * 0.0625 - 0.5),
+        levels: levels(),
         params: vec![1.0, -2.5],
         spectrum: TableData::row(vec![0.5, 0.25, 0.75, 1.0, 0.125]),
         waveform: TableData::row(vec![-0.5, 0.25, -0.75, 1.0]),
@@ -84,15 +88,30 @@ pub(crate) fn frame() -> FrameInputs {
     }
 }
 
-/// GLSL declarations that the generated code needs, with the same values as in [`frame`].
-pub(crate) const TABLES_GLSL: &str = "\
+/// Returns levels that differ from place to place and have short decimals.
+fn levels() -> Levels {
+    let mut levels = Levels::SILENCE;
+    for list in LevelList::ALL {
+        for (number, level) in levels.of_mut(list).iter_mut().enumerate() {
+            *level = (list.first() + number) as f32 * 0.0625 - 0.5;
+        }
+    }
+    levels
+}
+
+/// Returns the GLSL declarations that the generated code needs, with the same values as in [`frame`].
+pub(crate) fn tables_glsl() -> String {
+    let levels =
+        levels().numbers().iter().map(|level| format!("vec4({level:?})")).collect::<Vec<_>>().join(", ");
+    let count = LEVEL_COUNT;
+    format!("const vec4 frame_levels[{count}] = vec4[{count}]({levels});\n{}{CURVES_GLSL}", levels_glsl())
+}
+
+const CURVES_GLSL: &str = "\
 const float frame_time = 12.5;
 const vec4 frame_heard[1] = vec4[1](vec4(0.25, 0.75, 0.0, 0.0));
 const vec4 frame_params[1] = vec4[1](vec4(1.0, -2.5, 0.0, 0.0));
-const vec4 frame_bands[8] = vec4[8](vec4(-0.5), vec4(-0.4375), vec4(-0.375), vec4(-0.3125), vec4(-0.25),
-    vec4(-0.1875), vec4(-0.125), vec4(-0.0625));
 float unit(float v) { return v > 0.0 ? min(v, 1.0) : 0.0; }
-float table_band(float i) { return floor(i > 0.0 ? min(i, 31.0) : 0.0) * 0.0625 - 0.5; }
 float entry(int table, int row, int at, int count) {
     const float entries[15] = float[15](0.5, 0.25, 0.75, 1.0, 0.125, -0.5, 0.25, -0.75, 1.0, 0.5, 0.25, 0.75, 1.0, 0.0, 0.375);
     at = at < 0 ? -at : at >= count ? 2 * (count - 1) - at : at;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::expression::Random;
-use mariana_field::graph::{FrameInputs, Point, SoundInput, SoundInputs, TableData};
+use mariana_field::graph::{FrameInputs, Levels, Point, SoundInput, SoundInputs, TableData};
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use mariana_field::world::{Alignment, BlendKind, World, blended_params};
@@ -29,7 +29,7 @@ fn inputs(params: Vec<f32>) -> FrameInputs {
     FrameInputs {
         time: 20.0,
         sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.2), (SoundInput::VolumeRight, 0.2)]),
-        bands: std::array::from_fn(|band| 0.4 + 0.3 * (1.7 * band as f32).sin()),
+        levels: Levels::each(|_, number| 0.4 + 0.3 * (1.7 * number as f32).sin()),
         spectrum: TableData::row(heights(512)),
         waveform: TableData::row(heights(512)),
         history: TableData::rows(heights(128 * 240), 128),

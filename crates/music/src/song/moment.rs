@@ -46,6 +46,13 @@ pub struct SongMoment {
     pub to_section: f32,
     /// Seconds until the next drop, 0..1000; 1000 if none follows.
     pub to_drop: f32,
+    /// The number of the line of lyrics that is sung, from 1; 0 if none is sung. The structure does not contain the
+    /// lyrics, so this and the next two numbers are 0 until their owner writes them.
+    pub line: f32,
+    /// The number of the word in its line, from 1; 0 if no line is sung.
+    pub word: f32,
+    /// Position in the line of lyrics, 0..1.
+    pub line_phase: f32,
     /// Strength of each pitch class, C first, relative to the strongest in the beat. Values are interpolated linearly
     /// between the middles of beats.
     pub chroma: [f32; PITCH_CLASSES.len()],
@@ -68,10 +75,13 @@ impl SongMoment {
         to_bar: NEVER,
         to_section: NEVER,
         to_drop: NEVER,
+        line: 0.0,
+        word: 0.0,
+        line_phase: 0.0,
         chroma: [0.0; PITCH_CLASSES.len()],
     };
 
-    /// Returns the value called `name` in scenes, such as `bar` or `chroma(3)`.
+    /// Returns the value called `name` in scenes, such as `bar`.
     pub fn number(&self, name: &str) -> Option<f32> {
         Some(match name {
             "bar" => self.bar,
@@ -88,10 +98,10 @@ impl SongMoment {
             "to_bar" => self.to_bar,
             "to_section" => self.to_section,
             "to_drop" => self.to_drop,
-            _ => {
-                let class: usize = name.strip_prefix("chroma(")?.strip_suffix(')')?.parse().ok()?;
-                *self.chroma.get(class)?
-            }
+            "line" => self.line,
+            "word" => self.word,
+            "line_phase" => self.line_phase,
+            _ => return None,
         })
     }
 }
@@ -165,6 +175,7 @@ impl At<'_> {
             to_section: ahead.section,
             to_drop: ahead.drop,
             chroma: self.chroma(),
+            ..SongMoment::UNKNOWN
         }
     }
 

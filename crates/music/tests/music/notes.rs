@@ -27,7 +27,7 @@ fn measure(moments: &[TimedFeatures], track: &Track, figures: &mut Figures) {
         let (time, features) = (moment.time, moment.features);
         let mut truth = [false; NOTE_COUNT];
         sounding(&track.notes, time).for_each(|note| truth[note] = true);
-        for (level, is_true) in moment.notes.iter().zip(truth) {
+        for (level, is_true) in features.notes.iter().zip(truth) {
             let found = *level >= SOUNDS;
             figures.notes[0] += usize::from(found && is_true);
             figures.notes[1] += usize::from(found);
@@ -90,7 +90,7 @@ fn notes_of_other_timbres_are_found() {
 fn silence_and_noise_have_no_chord_and_no_certain_melody() {
     for frames in [vec![[0.0; 2]; 96_000], vec![[f32::NAN; 2]; 96_000]] {
         let moments = analyze_by(Analyzer::new(RATE, Alignment::Trailing), &frames);
-        assert!(moments.iter().all(|moment| moment.notes == [0.0; NOTE_COUNT]));
+        assert!(moments.iter().all(|moment| moment.features.notes == [0.0; NOTE_COUNT]));
         assert!(moments.iter().all(|moment| moment.features.melody_certainty == 0.0));
     }
 }

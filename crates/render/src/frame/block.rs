@@ -1,12 +1,12 @@
 //! Packs a frame into the shaders' `FrameBlock` (std140: all members are vec4, see `shaders/frame_block.glsl`).
 
 use super::Frame;
-use mariana_field::graph::SoundInput;
+use mariana_field::graph::{LEVEL_COUNT, SoundInput};
 use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
 use mariana_field::world::{LightKind, PLANES_MAX, World};
-use mariana_music::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
+use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
@@ -20,7 +20,7 @@ const HOISTED_QUADS: usize = FIELD_LIMITS.hoisted_max.div_ceil(4);
 
 /// Number of vec4 in the block.
 pub const FRAME_BLOCK_VECTORS: usize =
-    HEAD + PLANES_MAX + LIGHT * LIGHTS_MAX + HEARD_QUADS + BAND_COUNT + PARAM_QUADS + HOISTED_QUADS;
+    HEAD + PLANES_MAX + LIGHT * LIGHTS_MAX + HEARD_QUADS + LEVEL_COUNT + PARAM_QUADS + HOISTED_QUADS;
 
 /// The block of one frame.
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
@@ -30,7 +30,7 @@ pub fn block_defines() -> [String; 9] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
-        format!("BAND_COUNT {BAND_COUNT}"),
+        format!("LEVEL_COUNT {LEVEL_COUNT}"),
         format!("HEARD_QUADS {HEARD_QUADS}"),
         format!("PARAM_QUADS {PARAM_QUADS}"),
         format!("HOISTED_QUADS {HOISTED_QUADS}"),
@@ -98,7 +98,7 @@ impl Frame {
         put(&mut rest, PLANES_MAX, planes);
         put(&mut rest, LIGHT * LIGHTS_MAX, lights.flat_map(light));
         put(&mut rest, HEARD_QUADS, quads(inputs.sound.numbers()));
-        put(&mut rest, BAND_COUNT, inputs.bands.map(|band| [band, 0.0, 0.0, 0.0]));
+        put(&mut rest, LEVEL_COUNT, inputs.levels.numbers().iter().map(|level| [*level, 0.0, 0.0, 0.0]));
         put(&mut rest, PARAM_QUADS, quads(&inputs.params));
         put(&mut rest, HOISTED_QUADS, quads(&inputs.hoisted));
         for value in block.as_flattened_mut() {
@@ -184,6 +184,6 @@ mod tests {
         let bands = bands + HEARD_QUADS;
         assert_eq!(block[bands + 3], [3.0 / 32.0, 0.0, 0.0, 0.0]);
         assert_eq!(block[bands + 7][0], 0.0);
-        assert_eq!(block[bands + BAND_COUNT], [0.5, 4.0, 0.0, 0.0]);
+        assert_eq!(block[bands + LEVEL_COUNT], [0.5, 4.0, 0.0, 0.0]);
     }
 }

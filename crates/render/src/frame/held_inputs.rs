@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use mariana_field::graph::{BAND_COUNT, FrameInputs, SoundInput};
+use mariana_field::graph::{FrameInputs, Level, LevelList, SoundInput};
 use mariana_field::lang::Scene;
 
 /// The name of an input, and the finite value at which the input is held.
@@ -48,7 +48,7 @@ pub struct HeldInputs(Vec<(Place, f32)>);
 enum Place {
     Time,
     Sound(SoundInput),
-    Band(usize),
+    Level(Level),
     Param(usize),
 }
 
@@ -62,7 +62,7 @@ impl HeldInputs {
         let (least, most) = match place {
             Place::Time => (f32::MIN, f32::MAX),
             Place::Sound(input) => input.range(),
-            Place::Band(_) => (0.0, 1.0),
+            Place::Level(level) => level.range(),
             Place::Param(number) => {
                 scene.params.get(number).map_or((f32::MIN, f32::MAX), |param| (param.min, param.max))
             }
@@ -90,7 +90,7 @@ impl HeldInputs {
             let to = match place {
                 Place::Time => Some(&mut inputs.time),
                 Place::Sound(input) => Some(&mut inputs.sound[input]),
-                Place::Band(number) => inputs.bands.get_mut(number),
+                Place::Level(level) => Some(&mut inputs.levels[level]),
                 Place::Param(number) => inputs.params.get_mut(number),
             };
             if let Some(to) = to {
@@ -112,10 +112,8 @@ fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     if let Some(input) = SoundInput::named(name) {
         return Some(Place::Sound(input));
     }
-    if let Some(number) = name.strip_prefix("band(").and_then(|rest| rest.strip_suffix(')')) {
-        return number.trim().parse().ok().filter(|number| *number < BAND_COUNT).map(Place::Band);
-    }
-    None
+    let (list, number) = name.strip_suffix(')')?.split_once('(')?;
+    LevelList::named(list)?.level(number.trim().parse().ok()?).map(Place::Level)
 }
 
 /// Formats the input names of scenes as a list.
@@ -129,9 +127,11 @@ impl fmt::Display for InputNames<'_> {
                 params.push(&param.name);
             }
         }
-        let named = SoundInput::ALL.into_iter().filter(|input| !SoundInput::CHROMA.contains(input));
-        let sounds = named.map(SoundInput::name).collect::<Vec<_>>().join(", ");
-        write!(f, "t, {sounds}, chroma(0) to chroma(11), band(0) to band({})", BAND_COUNT - 1)?;
+        let sounds = SoundInput::ALL.map(SoundInput::name).join(", ");
+        write!(f, "t, {sounds}")?;
+        for list in LevelList::ALL {
+            write!(f, ", {0}(0) to {0}({1})", list.name(), list.count() - 1)?;
+        }
         if params.is_empty() { Ok(()) } else { write!(f, ", {}", params.join(", ")) }
     }
 }
@@ -156,20 +156,30 @@ mod tests {
             mariana_field::lang::compile("own", text, &mut mariana_field::lang::no_includes).scene.unwrap();
         let mut held = HeldInputs::default();
         let mut hold = |text: &str| held.hold(&scene, &text.parse().unwrap());
-        for text in ["size=3", "key=25", "t=-4", "volume.y=0.25", "drop=0.5", "chroma(11)=1", "band(31)=1"] {
+        for text in [
+            "size=3",
+            "key=25",
+            "t=-4",
+            "volume.y=0.25",
+            "drop=0.5",
+            "chroma(11)=1",
+            "band(31)=1",
+            "pan(0)=-1",
+        ] {
             assert_eq!(hold(text), Ok(true), "{text}");
         }
-        for text in ["depth=1", "band(32)=0", "band(x)=0", "chroma(12)=0"] {
+        for text in ["depth=1", "band(32)=0", "band(x)=0", "chroma(12)=0", "note(88)=0"] {
             assert_eq!(hold(text), Ok(false), "{text}");
         }
-        for text in ["size=3.1", "volume.x=-1", "band(0)=2"] {
+        for text in ["size=3.1", "volume.x=-1", "band(0)=2", "pan(0)=2"] {
             assert!(hold(text).is_err(), "{text}");
         }
         let mut inputs = FrameInputs { params: vec![2.0, 20.0], ..FrameInputs::default() };
         held.apply(&mut inputs);
-        assert_eq!((inputs.time, inputs.params[0], inputs.bands[31]), (-4.0, 3.0, 1.0));
+        assert_eq!((inputs.time, inputs.params[0], inputs.levels.of(LevelList::Band)[31]), (-4.0, 3.0, 1.0));
         assert_eq!(inputs.params[1], 25.0, "the scene's own key");
-        let sound = [SoundInput::VolumeRight, SoundInput::Drop, SoundInput::ChromaB, SoundInput::Key];
-        assert_eq!(sound.map(|input| inputs.sound[input]), [0.25, 0.5, 1.0, 0.0]);
+        let sound = [SoundInput::VolumeRight, SoundInput::Drop, SoundInput::Key];
+        assert_eq!(sound.map(|input| inputs.sound[input]), [0.25, 0.5, 0.0]);
+        assert_eq!(inputs.levels.of(LevelList::Chroma)[11], 1.0);
     }
 }

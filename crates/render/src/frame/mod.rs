@@ -13,10 +13,10 @@ pub(crate) mod testing;
 use camera::Camera;
 use held_inputs::HeldInputs;
 use mariana_field::graph::SoundInputs;
-use mariana_field::graph::{FrameInputs, TableData};
+use mariana_field::graph::{FrameInputs, LevelList, Levels, TableData};
 use mariana_field::world::{FrameValues, World};
-use mariana_music::HISTORY_POINTS;
 pub use mariana_music::Sound;
+use mariana_music::{Features, HISTORY_POINTS, SongMoment};
 use orbit_controls::OrbitControls;
 use picture::Picture;
 
@@ -100,7 +100,9 @@ fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInp
     FrameInputs {
         time: finite(time as f32),
         sound: SoundInputs::each(|input| input.clamp(number(input.name()))),
-        bands: features.bands.map(unit),
+        levels: Levels::each(|list, number| {
+            levels_of(list, &features, &song).get(number).copied().unwrap_or(0.0)
+        }),
         spectrum: tables.spectrum.map_or(TableData::EMPTY, TableData::row),
         waveform: tables.waveform.map_or(TableData::EMPTY, TableData::row),
         history: tables.history.map_or(TableData::EMPTY, |rows| {
@@ -113,6 +115,17 @@ fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInp
             })
             .collect(),
         ..FrameInputs::default()
+    }
+}
+
+/// Returns the levels of a list, as the analysis and the song provide them.
+pub fn levels_of<'a>(list: LevelList, features: &'a Features, song: &'a SongMoment) -> &'a [f32] {
+    match list {
+        LevelList::Band => &features.bands,
+        LevelList::Note => &features.notes,
+        LevelList::Chroma => &song.chroma,
+        LevelList::Pan => &features.pan,
+        LevelList::Width => &features.width,
     }
 }
 
@@ -176,14 +189,9 @@ fn finite(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// Clamps a level to the range 0..1 that the language promises. Samples beyond full scale would give levels above 1.
-fn unit(value: f32) -> f32 {
-    finite(value).clamp(0.0, 1.0)
-}
-
 #[cfg(test)]
 mod tests {
-    use mariana_field::graph::SoundInput;
+    use mariana_field::graph::{LevelList, SoundInput};
     use mariana_music::{Features, SongMoment};
 
     /// Finds inputs that the analysis does not compute. Their value would always be 0, without an error.
@@ -199,6 +207,9 @@ mod tests {
                 "exactly one of analysis and song must provide `{name}`"
             );
         }
-        assert_eq!(mariana_field::graph::BAND_COUNT, mariana_music::BAND_COUNT);
+        for list in LevelList::ALL {
+            let levels = super::levels_of(list, &Features::SILENCE, &SongMoment::UNKNOWN);
+            assert_eq!(levels.len(), list.count(), "{list:?}");
+        }
     }
 }

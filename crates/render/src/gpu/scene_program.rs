@@ -23,7 +23,7 @@ use super::program::Program;
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::{block_defines, light_defines};
 use crate::view::scale;
-use mariana_field::graph::CELL_HASH_GLSL;
+use mariana_field::graph::{CELL_HASH_GLSL, levels_glsl};
 use mariana_field::region::{RegionPlan, RegionVariant};
 use mariana_field::tape::interpreter;
 use mariana_field::world::{SceneFeatures, TapeBuffers, World};
@@ -144,6 +144,7 @@ fn common(textures: usize, features: SceneFeatures, counting: Counting) -> Varia
         variant.defines.push(COUNTING_DEFINE.to_owned());
     }
     variant.generated.push(("cell_hash.glsl".into(), CELL_HASH_GLSL.to_owned()));
+    variant.generated.push(("levels.glsl".into(), levels_glsl()));
     // Only views use these two files.
     variant.generated.push(("view_scales.glsl".into(), scale::glsl()));
     variant.generated.push(("view_dispatch.glsl".into(), scale::dispatch_glsl()));

@@ -9,13 +9,7 @@ use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::expr::zip;
 use super::lowering::Lowering;
-use crate::graph::{BAND_COUNT, Graph, Input, NodeId, Op, SoundInput};
-
-/// The index with which a scene reads a band or a pitch class.
-enum Number {
-    Known(usize),
-    Computed(NodeId),
-}
+use crate::graph::{Graph, Input, LevelList, Op};
 
 impl Lowering<'_> {
     pub(super) fn builtin(&mut self, row: &'static BuiltinRow, mark: usize, first: u32, span: Span) -> Value {
@@ -63,8 +57,7 @@ impl Lowering<'_> {
                 Value::scalar(self.graph.dot(a.parts(), b.parts()))
             }
             (Builtin::Construct(len), _) => self.construct(row.name, len, &vectors, span),
-            (Builtin::Band, [Some(a), ..]) => self.band(a, span),
-            (Builtin::Chroma, [Some(a), ..]) => self.chroma(a, span),
+            (Builtin::Levels(list), [Some(a), ..]) => self.level(list, a, span),
             (Builtin::Table(op), [Some(a), ..]) => {
                 self.used_frame(row.name, span);
                 Value::Vector(a.map(|part| self.graph.unary(op, part)))
@@ -122,69 +115,26 @@ impl Lowering<'_> {
         }
     }
 
-    fn band(&mut self, index: Vector, span: Span) -> Value {
-        match self.number_among("band", index, (BAND_COUNT, "there are 32 bands, 0 to 31, low to high"), span)
-        {
-            Some(Number::Known(band)) => Value::scalar(self.graph.input(Input::Band(band as u8))),
-            Some(Number::Computed(part)) => Value::scalar(self.graph.unary(Op::Band, part)),
-            None => Value::Unknown,
-        }
-    }
-
-    /// Reads a pitch class. A computed index is clamped and rounded down, as for bands, and compared with each class.
-    /// Each class has a term, which is 0 if the index differs. The result is the maximum of the terms: it equals their
-    /// sum, but has tighter bounds.
-    fn chroma(&mut self, index: Vector, span: Span) -> Value {
-        let classes = SoundInput::CHROMA;
-        let hint = "there are 12 pitch classes, 0 for C to 11 for B";
-        match self.number_among("chroma", index, (classes.len(), hint), span) {
-            Some(Number::Known(class)) => match classes.get(class) {
-                Some(input) => Value::scalar(self.graph.input(Input::Sound(*input))),
-                None => Value::Unknown,
-            },
-            Some(Number::Computed(part)) => {
-                let (first, last) =
-                    (self.graph.constant(0.0), self.graph.constant(classes.len() as f32 - 1.0));
-                let clamped = self.graph.clamp(part, first, last);
-                let chosen = self.graph.unary(Op::Floor, clamped);
-                let mut value = first;
-                for (class, input) in classes.into_iter().enumerate() {
-                    let (class, input) =
-                        (self.graph.constant(class as f32), self.graph.input(Input::Sound(input)));
-                    let is_it = self.graph.binary(Op::Equal, chosen, class);
-                    let fraction = self.graph.binary(Op::Mul, is_it, input);
-                    value = self.graph.binary(Op::Max, value, fraction);
-                }
-                Value::scalar(value)
-            }
-            None => Value::Unknown,
-        }
-    }
-
-    /// Returns the index in a call of `name`, which reads one of `count` numbers. An index out of range is reported and
-    /// gives `None`.
-    fn number_among(
-        &mut self,
-        name: &'static str,
-        index: Vector,
-        (count, hint): (usize, &'static str),
-        span: Span,
-    ) -> Option<Number> {
+    /// Reads a level of a list. A computed index is clamped to the list and rounded down.
+    fn level(&mut self, list: LevelList, index: Vector, span: Span) -> Value {
+        let name = list.name();
         self.used_frame(name, span);
         if index.len() != 1 {
             let message = format!("`{name}` takes a number, not {}", Value::Vector(index).described());
-            self.reports.add(Diagnostic::new(span, message));
-            return None;
+            return self.reports.add(Diagnostic::new(span, message));
         }
         let part = index.first();
-        let Some(number) = self.known(part) else { return Some(Number::Computed(part)) };
-        if number < 0.0 || number >= count as f32 || number.fract() != 0.0 {
-            let what = if name == "band" { "band" } else { "pitch class" };
-            let message = format!("there is no {what} {number}");
-            self.reports.add(Diagnostic::new(span, message).hint(hint));
-            return None;
+        let Some(number) = self.known(part) else {
+            return Value::scalar(self.graph.unary(Op::of_levels(list), part));
+        };
+        let is_whole = number >= 0.0 && number.fract() == 0.0;
+        match is_whole.then(|| list.level(number as usize)).flatten() {
+            Some(level) => Value::scalar(self.graph.input(Input::Level(level))),
+            None => {
+                let message = format!("there is no {} {number}", list.what());
+                self.reports.add(Diagnostic::new(span, message).hint(list.numbers()))
+            }
         }
-        Some(Number::Known(number as usize))
     }
 
     fn texture(&mut self, mark: usize, first: u32, span: Span) -> Value {

@@ -53,6 +53,8 @@ fn expressions_mean_what_they_mean_in_glsl() {
         ("band(3)", 0.03),
         ("band(z)", 0.03),
         ("chroma(3)", 0.3),
+        ("note(87) + note(z + 39)", 1.29),
+        ("pan(31) + width(31) + width(z + 99)", 0.31),
         // Computed indices are clamped and rounded down.
         ("chroma(z) + chroma(z + 0.9)", 0.6),
         ("chroma(z - 50) + chroma(z + 50) + chroma(z + 1)", 1.1),

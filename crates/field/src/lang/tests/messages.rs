@@ -148,6 +148,8 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("band(32)", "there is no band 32", "band(32)", "0 to 31"),
     ("band(0.5)", "there is no band 0.5", "band(0.5)", "0 to 31"),
     ("chroma(12)", "there is no pitch class 12", "chroma(12)", "11 for B"),
+    ("note(88)", "there is no note 88", "note(88)", "87 for C8"),
+    ("width(-1)", "there is no band -1", "width(-1)", "0 to 31"),
     ("chroma(p)", "`chroma` takes a number, not a vec3", "chroma(p)", ""),
     (
         "length(p - eye) - 1",

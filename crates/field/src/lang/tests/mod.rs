@@ -18,7 +18,7 @@ pub(crate) use shapes::SHAPES;
 
 use super::{Compiled, Scene, compile, no_includes};
 use crate::graph::{FrameInputs, Point};
-use crate::graph::{SoundInput, SoundInputs};
+use crate::graph::{LevelList, Levels, SoundInput, SoundInputs};
 
 pub(super) fn scene(text: &str) -> Scene {
     let compiled = compile("test.scene", text, &mut no_includes);
@@ -34,7 +34,7 @@ pub(super) fn broken(text: &str) -> Compiled {
     compiled
 }
 
-/// Returns the inputs of a frame. Each number of the sound that tests read has a different value: band i is i / 100.
+/// Returns the inputs of a frame. Each number of the sound that tests read has a different value: band i and note i are i / 100.
 pub(super) fn frame(scene: &Scene) -> FrameInputs {
     FrameInputs {
         time: 2.0,
@@ -42,11 +42,12 @@ pub(super) fn frame(scene: &Scene) -> FrameInputs {
             (SoundInput::VolumeLeft, 0.25),
             (SoundInput::VolumeRight, 0.5),
             (SoundInput::Energy, 0.75),
-            (SoundInput::ChromaC, 0.1),
-            (SoundInput::ChromaEFlat, 0.3),
-            (SoundInput::ChromaB, 1.0),
         ]),
-        bands: std::array::from_fn(|index| index as f32 / 100.0),
+        levels: Levels::each(|list, number| match list {
+            LevelList::Chroma => [0.1, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0][number],
+            LevelList::Pan => -0.01 * number as f32,
+            _ => number as f32 / 100.0,
+        }),
         params: scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()
     }
