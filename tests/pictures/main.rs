@@ -5,6 +5,7 @@ mod blends;
 mod fades;
 mod flash_limiter;
 mod flashes;
+mod followed_sounds;
 mod golden;
 mod hardware_path;
 mod light;

@@ -50,6 +50,8 @@ mod points {
     pub(super) const OUTSIDE: f32 = -6.0;
     /// Points for each unit of energy between the music and the middle of the scene's range.
     pub(super) const OFF_MIDDLE: f32 = -1.0;
+    /// Points for a scene that follows what the music has most of.
+    pub(super) const FOLLOWS: f32 = 1.0;
     /// Points for moods that suit the music perfectly.
     pub(super) const MOOD: f32 = 5.0;
     /// Points for each mood that the scene shares with the previous scene.
@@ -191,6 +193,7 @@ impl<'a> Director<'a> {
         points::OUTSIDE * outside
             + points::OFF_MIDDLE * off_middle
             + points::MOOD * moods::fit(&card.about, &change.music)
+            + points::FOLLOWS * moods::moves(&card.about, &change.music)
             + points::SAME_MOOD * shared as f32
             + ago.map_or(0.0, |ago| points::SEEN / (ago + 1) as f32)
             + if taken { points::TAKEN } else { 0.0 }

@@ -59,6 +59,8 @@ pub struct About {
     pub energy: (f32, f32),
     /// Words that describe the mood. Successive scenes should have few of these words in common.
     pub moods: Vec<String>,
+    /// Words for what moves the scene most: `bass`, `onsets`, `level` or `tones`.
+    pub follows: Vec<String>,
     /// The preferred transition to this scene.
     pub enter: Option<TransitionStyle>,
     /// The preferred transition from this scene.
@@ -77,6 +79,7 @@ impl Default for About {
             license: None,
             energy: (0.0, 1.0),
             moods: Vec::new(),
+            follows: Vec::new(),
             enter: None,
             leave: None,
             portal: None,
@@ -96,6 +99,11 @@ impl About {
             "The energy of the music for which the scene is made, as in `0.2 .. 0.6`, from 0 (calm) to 1 (intense).",
         ),
         of_about("moods", Holds::Text, "Words for the scene's mood, in quotes, separated by commas."),
+        of_about(
+            "follows",
+            Holds::Text,
+            "What moves the scene most, in quotes, separated by commas: `bass`, `onsets`, `level` or `tones`.",
+        ),
         of_about(
             "enter",
             Holds::TransitionStyle,

@@ -1,4 +1,4 @@
-//! The meaning of the mood words in scenes' `about` blocks.
+//! The meaning of the words in scenes' `about` blocks: their moods, and what they follow.
 
 use super::character::Character;
 use super::character::Trait::{self, Brightness, Density, Energy, Minor, Percussion, Tempo};
@@ -24,12 +24,30 @@ const MOODS: [(&[&str], Weights); 9] = [
     (&["night", "cold", "cave"], &[(Minor, 1.0), (Brightness, -0.25)]),
 ];
 
-/// Returns how well a scene's moods suit the music, -1..1; 0 if they suit it neither well nor badly. The sum of the
-/// moods' weights is a direction among the properties of music, and the music should lie in this direction.
+/// What a scene follows, and the music in which this moves most.
+const FOLLOWED: [(&[&str], Weights); 4] = [
+    (&["onsets"], &[(Percussion, 1.0), (Density, 0.5)]),
+    (&["bass"], &[(Percussion, 0.5), (Brightness, -0.5)]),
+    (&["level"], &[(Energy, 0.5)]),
+    (&["tones"], &[(Percussion, -1.0), (Density, -0.25)]),
+];
+
+/// Returns how well a scene's moods suit the music, -1..1; 0 if they suit it neither well nor badly.
 pub(super) fn fit(about: &About, music: &Character) -> f32 {
-    let meaning = |mood: &String| MOODS.iter().find(|(words, _)| words.contains(&mood.as_str()));
+    along(&MOODS, &about.moods, music)
+}
+
+/// Returns how much the music moves the scene, -1..1, by what the scene follows; 0 if the scene does not say it.
+pub(super) fn moves(about: &About, music: &Character) -> f32 {
+    along(&FOLLOWED, &about.follows, music)
+}
+
+/// The sum of the words' weights is a direction among the properties of music. Returns how far the music lies in this
+/// direction.
+fn along(meanings: &[(&[&str], Weights)], words: &[String], music: &Character) -> f32 {
+    let meaning = |word: &String| meanings.iter().find(|(names, _)| names.contains(&word.as_str()));
     let mut sum = Character::default();
-    for (_, wants) in about.moods.iter().filter_map(meaning) {
+    for (_, wants) in words.iter().filter_map(meaning) {
         wants.iter().for_each(|(which, weight)| sum.add(*which, *weight));
     }
     sum.along(music)
@@ -51,11 +69,21 @@ mod tests {
             .iter()
             .map(|(words, _)| words)
             .chain([&OUTSIDE_SHOWS])
+            .chain(FOLLOWED.iter().map(|(words, _)| words))
             .map(|words| words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "))
             .collect();
         for row in rows {
             assert!(page.contains(&format!("\n| {row} | ")), "{row}");
         }
+    }
+
+    #[test]
+    fn percussion_suits_scenes_that_follow_onsets() {
+        let about = |follows: &str| About { follows: vec![follows.to_owned()], ..About::default() };
+        let mut drums = Character::default();
+        drums.add(Percussion, 1.0);
+        assert!(moves(&about("onsets"), &drums) > 0.5 && moves(&about("tones"), &drums) < -0.5);
+        assert_eq!(moves(&about("rain"), &drums), 0.0);
     }
 
     #[test]

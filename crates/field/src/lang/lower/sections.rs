@@ -363,14 +363,17 @@ impl SceneBuilder<'_> {
             _ => None,
         };
         let style = |name: &str| number(name, 0).and_then(TransitionStyle::numbered);
-        let words = text("moods").unwrap_or_default();
-        let words = words.split(',').map(str::trim).filter(|word| !word.is_empty());
+        let words = |name: &str| -> Vec<String> {
+            let words = text(name).unwrap_or_default();
+            words.split(',').map(str::trim).filter(|word| !word.is_empty()).map(str::to_lowercase).collect()
+        };
         About {
             title: text("title"),
             author: text("author"),
             license: text("license"),
             energy: (number("energy", 0).unwrap_or(0.0), number("energy", 1).unwrap_or(1.0)),
-            moods: words.map(str::to_lowercase).collect(),
+            moods: words("moods"),
+            follows: words("follows"),
             enter: style("enter"),
             leave: style("leave"),
             portal,
