@@ -5,10 +5,8 @@ pub use mariana_settings::limits::LIMITS as SETTING_LIMITS;
 pub use mariana_settings::{
     Choice, Choices, DisplayChoices, FollowChoice, Kept, KeptSettings, KnobEdit, KnobMemory, KnobsError,
     LastShow, PerformanceFiles, QualityChoice, Setting, SettingRow, Settings, SettingsError, SettingsFile,
-    Values, with_settings,
+    Snapshot, Values, with_settings,
 };
-
-use std::collections::BTreeMap;
 
 use crate::program_cache::ProgramCache;
 use crate::sending::SenderTarget;
@@ -99,8 +97,8 @@ pub struct PlaySettings {
     pub fullscreen: bool,
     /// Position in the first track at the start, in seconds.
     pub begin_at: f64,
-    /// Values of the sliders that were moved in the first scene, by name.
-    pub sliders: BTreeMap<String, f32>,
+    /// Values of the sliders that were moved in the first scene, and the sounds that move sliders.
+    pub moved: Snapshot,
     /// True if this run is saved, so that the next run can continue it.
     pub remembered: bool,
     /// Size of the window at the start, in pixels.

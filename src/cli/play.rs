@@ -1,6 +1,5 @@
 //! The command without a subcommand: plays and shows music in a window.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args};
@@ -15,6 +14,7 @@ use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::config::{
     Choices, ControllerSettings, Folders, LastShow, ListenChoice, Memory, PlaySettings, SettingsFile,
+    Snapshot,
 };
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
@@ -183,7 +183,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
             midi: arguments.midi,
             remote: arguments.remote,
         },
-        sliders: BTreeMap::new(),
+        moved: Snapshot::default(),
         remembered: !arguments.new && !arguments.gl_info,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
         // Ignore the saved position if the size was given, because the position fits only the saved size.
@@ -209,7 +209,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
     };
     let scene = SceneChoice { view: arguments.view.view, ..chosen };
     if !arguments.new {
-        settings.sliders = file.settings().sliders.get(&scene.source.title()).cloned().unwrap_or_default();
+        settings.moved = file.settings().moved(&scene.source.title());
     }
     let goes_on = songs.is_empty() && !arguments.new && !arguments.once && settings.choices.last_tracks;
     let last_tracks = file.last_tracks().filter(|_| goes_on);

@@ -51,6 +51,7 @@ impl Announcer {
     }
 
     pub(crate) fn answer_fraction(&mut self, text: String, fraction: Option<f32>) {
+        tracing::debug!("answer: {text}");
         self.shown = Some(Sentence::new(text, fraction, clock::now()));
     }
 

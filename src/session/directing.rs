@@ -68,7 +68,7 @@ impl Playback {
             }
         }
         self.scene.follow(moment.song_time);
-        self.scene.follow_controllers(moment.song_time);
+        self.scene.follow_controllers(&moment);
         self.follow_master_output(moment.song_time);
     }
 

@@ -87,6 +87,22 @@ impl Session {
         self.follow_editor();
     }
 
+    /// Opens the editor, which writes the binding of a parameter into the text.
+    pub(super) fn write_binding(&mut self, name: &str) {
+        let sliders = self.playback.scene.scenes().sliders();
+        let slider = sliders.iter().rfind(|slider| slider.name == name);
+        let Some(bound) = slider.and_then(|slider| slider.bound.clone()) else {
+            return self.playback.reports.answer(format!("{name} follows no sound: bind it first"));
+        };
+        if self.interface.ui_state.panels.open() != Some(Panel::Editor) {
+            self.toggle_panel(Panel::Editor);
+        }
+        if let Some(editor) = &mut self.interface.ui_state.editor {
+            editor.write_binding(name, &bound.binding);
+        }
+        self.follow_editor();
+    }
+
     pub(super) fn follow_editor(&mut self) {
         let Some(editor) = &mut self.interface.ui_state.editor else { return };
         let commands = editor.take_commands();

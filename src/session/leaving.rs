@@ -1,13 +1,12 @@
 //! The state saved for the next run: volume, window, scene, sliders, tracks and position. It is written soon after each
 //! change, because a blocking driver can prevent a normal end of the program.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::{Playback, Session};
 use crate::clock;
-use crate::config::{LastShow, PlaySettings};
+use crate::config::{LastShow, PlaySettings, Snapshot};
 use crate::scenes::SceneSource;
 use mariana_player::ListedTracks;
 
@@ -31,7 +30,7 @@ pub(super) struct Legacy {
 struct Left {
     show: LastShow,
     scene: String,
-    sliders: BTreeMap<String, f32>,
+    moved: Snapshot,
 }
 
 impl Left {
@@ -90,7 +89,7 @@ impl Session {
         let before = || Left {
             show: remembered.last_show.clone().unwrap_or_default(),
             scene: left.scene.clone(),
-            sliders: remembered.sliders.get(&left.scene).cloned().unwrap_or_default(),
+            moved: remembered.moved(&left.scene),
         };
         if self.legacy.takes(&left, before, now) {
             self.playback.write_left(left);
@@ -128,7 +127,7 @@ impl Session {
         Left {
             show,
             scene: self.playback.scene.scenes().name().unwrap_or_default(),
-            sliders: self.playback.scene.shown_parameters().moved(),
+            moved: self.playback.scene.shown_parameters().moved(),
         }
     }
 
@@ -142,13 +141,18 @@ impl Session {
 }
 
 impl Playback {
-    fn write_left(&mut self, Left { show, scene, sliders }: Left) {
+    fn write_left(&mut self, Left { show, scene, moved }: Left) {
         self.listening.remember(move |settings| {
             settings.last_show = Some(show.clone());
-            if sliders.is_empty() {
+            if moved.sliders.is_empty() {
                 settings.sliders.remove(&scene);
             } else {
-                settings.sliders.insert(scene.clone(), sliders.clone());
+                settings.sliders.insert(scene.clone(), moved.sliders.clone());
+            }
+            if moved.bindings.is_empty() {
+                settings.bindings.remove(&scene);
+            } else {
+                settings.bindings.insert(scene.clone(), moved.bindings.clone());
             }
         });
     }
@@ -180,7 +184,7 @@ mod tests {
         let left = |seconds: f64, volume: f32| Left {
             show: LastShow { seconds, volume: Some(volume), ..LastShow::default() },
             scene: "orb".to_owned(),
-            sliders: BTreeMap::new(),
+            moved: Snapshot::default(),
         };
         let mut legacy = Legacy::default();
         let mut takes = |now, wanted: Left| legacy.takes(&wanted, || left(90.0, 1.0), at(now));

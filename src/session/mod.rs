@@ -36,6 +36,7 @@ pub(crate) mod scene;
 pub(crate) mod screen;
 mod sending;
 mod settings;
+mod snapshots;
 pub(crate) mod sound;
 mod title;
 mod typing_times;
@@ -100,6 +101,7 @@ pub(crate) struct Session {
     /// When text was last shown while no frame of a scene was ready, and the size of the window then.
     waited: Option<(Instant, (u32, u32))>,
     legacy: leaving::Legacy,
+    snapshots: snapshots::Snapshots,
     // The last field, because the fields above hold OpenGL objects and must be dropped first.
     screen: Box<dyn Screen>,
 }
@@ -250,7 +252,7 @@ impl Session {
         }
         self.update_settings();
         self.interface.update_controllers(&mut self.playback);
-        self.playback.tell_recording();
+        self.take_written();
         let now = clock::now();
         self.playback.reports.update(now);
         for sentence in self.screen.update() {

@@ -2,11 +2,19 @@
 
 use std::time::Instant;
 
-use super::Playback;
+use super::{Playback, Session};
 use crate::clock;
 use crate::session::scene::Performed;
 use crate::show::Finish;
 use mariana_player::Moment;
+
+impl Session {
+    /// Takes the results of the threads that write shows.
+    pub(super) fn take_written(&mut self) {
+        self.playback.tell_recording();
+        self.update_snapshots();
+    }
+}
 
 impl Playback {
     pub(super) fn toggle_recording(&mut self) {

@@ -89,7 +89,7 @@ impl Opening<'_> {
         let (choice, title) = (scene, first.source.title());
         // Request the scene first: the driver compiles its program while everything else is created.
         let mut scene = start_scene(&*screen, (settings, choice), loaders, first, waker)?;
-        scene.parameters_mut().remember(&title, &settings.sliders);
+        scene.parameters_mut().remember(&title, &settings.moved);
         let of_fonts = waker.clone();
         let mut overlay = Overlay::new(screen.gl(), screen.scale(), move || of_fonts.wake());
         paint_waiting(&mut *screen, &mut overlay, &title, OverlayContent::default())?;
@@ -143,6 +143,7 @@ impl Opening<'_> {
             chose_output: false,
             waited: None,
             legacy: Default::default(),
+            snapshots: Default::default(),
             screen,
         })
     }

@@ -181,7 +181,7 @@ impl Showing {
 }
 
 /// The name of a scene in shows, independent of the current folder.
-fn named(source: &SceneSource) -> String {
+pub(super) fn named(source: &SceneSource) -> String {
     match source {
         SceneSource::File(path) => {
             let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());

@@ -14,7 +14,7 @@ use crate::ui::controllers_panel::ControllersPanel;
 use crate::ui::corner_handles::CornerHandles;
 use crate::ui::editor::Editor;
 use crate::ui::file_browser::FileBrowser;
-use crate::ui::overlay::{Bar, Notice, OverlayContent, PanelSwitches, Problem, Tracks, Welcome};
+use crate::ui::overlay::{Bar, Notice, OverlayContent, PanelSwitches, Problem, SnapshotRow, Tracks, Welcome};
 use crate::ui::scene_browser::SceneBrowser;
 use crate::ui::settings_panel::SettingsPanel;
 use mariana_music::SongStructure;
@@ -31,6 +31,7 @@ pub(crate) struct UiState {
     pub(super) editor: Option<Editor>,
     pub(super) controllers: Option<ControllersPanel>,
     pub(super) corners: Option<CornerHandles>,
+    pub(super) snapshots: SnapshotRow,
     /// The part of the window that shows a small frame beside the panels, while an output shows the frame.
     pub(super) picture: Option<Area>,
     /// Hide everything except requested panels and errors.
@@ -81,6 +82,7 @@ impl UiState {
             editor: None,
             controllers: None,
             corners: None,
+            snapshots: SnapshotRow::default(),
             picture: None,
             clean,
             bare: false,
@@ -115,6 +117,7 @@ impl UiState {
         content.learning = controllers.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
         content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
         content.corners = self.corners;
+        content.snapshots = self.snapshots;
         content.picture = self.picture;
         content.hides_pointer =
             (self.is_quiet() || !seen.awake) && open.is_none() && content.params.is_none();

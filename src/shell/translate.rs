@@ -73,7 +73,7 @@ fn key_of(key: &WinitKey) -> Key {
     }
 }
 
-const NAMED: [(WinitNamed, NamedKey); 22] = [
+const NAMED: [(WinitNamed, NamedKey); 27] = [
     (WinitNamed::Space, NamedKey::Space),
     (WinitNamed::Enter, NamedKey::Enter),
     (WinitNamed::Escape, NamedKey::Escape),
@@ -89,7 +89,12 @@ const NAMED: [(WinitNamed, NamedKey); 22] = [
     (WinitNamed::ArrowUp, NamedKey::ArrowUp),
     (WinitNamed::ArrowDown, NamedKey::ArrowDown),
     (WinitNamed::F1, NamedKey::F1),
+    (WinitNamed::F2, NamedKey::F2),
     (WinitNamed::F3, NamedKey::F3),
+    (WinitNamed::F4, NamedKey::F4),
+    (WinitNamed::F5, NamedKey::F5),
+    (WinitNamed::F6, NamedKey::F6),
+    (WinitNamed::F7, NamedKey::F7),
     (WinitNamed::F8, NamedKey::F8),
     (WinitNamed::F9, NamedKey::F9),
     (WinitNamed::F11, NamedKey::F11),
@@ -98,10 +103,20 @@ const NAMED: [(WinitNamed, NamedKey); 22] = [
     (WinitNamed::MediaTrackPrevious, NamedKey::MediaTrackPrevious),
 ];
 
-/// Returns the letter at the key's position on a Latin keyboard, for letters that the editor's commands use.
+/// Returns the letter or digit at the key's position on a Latin keyboard, if a command uses it.
 fn latin_at(key: PhysicalKey) -> Option<char> {
     let PhysicalKey::Code(code) = key else { return None };
     Some(match code {
+        KeyCode::Digit0 => '0',
+        KeyCode::Digit1 => '1',
+        KeyCode::Digit2 => '2',
+        KeyCode::Digit3 => '3',
+        KeyCode::Digit4 => '4',
+        KeyCode::Digit5 => '5',
+        KeyCode::Digit6 => '6',
+        KeyCode::Digit7 => '7',
+        KeyCode::Digit8 => '8',
+        KeyCode::Digit9 => '9',
         KeyCode::KeyA => 'a',
         KeyCode::KeyC => 'c',
         KeyCode::KeyE => 'e',

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
+mod bindings;
 mod changes;
 mod controllers;
 mod editor;
@@ -16,6 +17,7 @@ mod scenes;
 mod sends;
 mod settings;
 mod shows;
+mod snapshots;
 mod song;
 mod songs;
 mod stage;

@@ -12,7 +12,10 @@ use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::osc::{Sender, sent_number};
 use crate::support::session::{self, App};
 use image::RgbaImage;
+use mariana::commands::{Bind, Command};
+use mariana_control::{Curve, SoundBinding};
 use mariana_testing::process::output_of;
+use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
 const MOMENTS: usize = 20;
@@ -165,6 +168,36 @@ fn recorded_actions_are_rendered_again_bit_for_bit() {
         pictures.push((5.0 * number as f64, after));
     }
     place.compare(app, &pictures);
+}
+
+#[test]
+fn a_slider_that_follows_the_sound_is_rendered_again_bit_for_bit() {
+    apart!();
+    let place = Place::new();
+    // Bass that rises and falls every eight seconds.
+    let level = |at: f32| 0.8 * (0.5 - 0.5 * (at * std::f32::consts::TAU / 8.0).cos());
+    let bass = (0..8_000 * SECONDS as usize).map(|at| {
+        let at = at as f32 / 8_000.0;
+        level(at) * (at * 80.0 * std::f32::consts::TAU).sin()
+    });
+    write_wav(&place.song, 8_000, 2, bass.flat_map(|sample| [sample, sample]));
+    let app = place.open(&["--fade", "0"]);
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    let (input, curve) = ("bass".to_owned(), Curve::Root);
+    let binding = Some(SoundBinding { input, low: 0.0, high: 1.0, curve, smoothing: 0.0 });
+    app.command(Command::Bind(Bind { name: "red".to_owned(), binding }));
+    app.press(&["F9"]);
+    let (mut pictures, mut last) = (Vec::new(), app.picture());
+    for number in 1..=6 {
+        // At 1, 4, 7, ... seconds the level differs.
+        let time = f64::from(3 * number - 2);
+        place.go_to(&app, time);
+        last = settled(&app, &last, &format!("{time} s"));
+        pictures.push((time, last.clone()));
+    }
+    let show = place.compare(app, &pictures);
+    assert!(show.contains("set red = "), "{show}");
 }
 
 #[test]

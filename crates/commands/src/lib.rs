@@ -24,13 +24,13 @@ mod table;
 
 use std::sync::OnceLock;
 
-pub use state::ShowState;
+pub use state::{ShowState, SnapshotKeys};
 pub use table::{
-    Binding, Command, Delay, Files, MovedCorner, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, SetSetting,
+    Bind, Binding, Command, Delay, Files, MovedCorner, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, SetSetting,
     TurnedNumbers, VOLUME_STEP,
 };
 
-use crate::input::{Key, Modifiers};
+use crate::input::{Key, KeyPress, Modifiers};
 use mariana_control::action::{Action, ActionRow, ActionValue, ValueType};
 
 /// A new state for a switch.
@@ -115,6 +115,8 @@ pub enum Control {
     Number(fn(f32) -> Command, Option<f32>),
     /// A scene.
     Scene(fn(SceneName) -> Command),
+    /// A number counted from 1.
+    Numbered(fn(usize) -> Command),
 }
 
 /// A command's entry in the table.
@@ -156,6 +158,7 @@ impl Row {
             Control::Level(_) => ValueType::Level,
             Control::Number(..) => ValueType::Number,
             Control::Scene(_) => ValueType::Choice,
+            Control::Numbered(_) => ValueType::Index,
         };
         Some(ActionRow { name, takes, meaning: self.words() })
     }
@@ -186,6 +189,11 @@ impl Command {
                 ActionValue::Number(number) => SceneName::Number(number.round().max(0.0) as usize),
                 ActionValue::Nothing => return None,
             }),
+            Control::Numbered(command) => command(match &action.given {
+                ActionValue::Text(text) => text.trim().parse().ok()?,
+                ActionValue::Number(number) => number.round().max(0.0) as usize,
+                ActionValue::Nothing => return None,
+            }),
         })
     }
 
@@ -211,6 +219,17 @@ impl Command {
         }
         let shifted = binding.shifted.as_ref().filter(|_| held.shift_key() && place == 0);
         shifted.or(binding.keys.get(place).map(|(_, command)| command)).cloned()
+    }
+
+    /// Returns the command for a key press, including commands of Shift and a digit key.
+    pub fn of_press(press: &KeyPress, held: Modifiers) -> Option<Self> {
+        let digit = press.latin.and_then(|latin| latin.to_digit(10)).filter(|_| held == Modifiers::SHIFT);
+        let of_digit = |digit: u32| {
+            // On some keyboards, digits need Shift: there the digit has its own command.
+            let command = bindings().find_map(|binding| binding.digits)?;
+            (!press.repeat).then(|| command(digit as usize))
+        };
+        Self::of_key(&press.key, held, press.repeat).or_else(|| digit.and_then(of_digit))
     }
 
     /// Returns the binding with a key that sends exactly this command.
@@ -299,6 +318,24 @@ mod tests {
     }
 
     #[test]
+    fn shift_and_a_digit_key_recall_a_snapshot() {
+        let press = |text: &str, latin, repeat| KeyPress {
+            key: Key::Character(text.to_owned()),
+            latin,
+            text: None,
+            repeat,
+        };
+        let of = |press: &KeyPress, held| Command::of_press(press, held);
+        assert_eq!(of(&press("!", Some('1'), false), Modifiers::SHIFT), Some(Command::Snapshot(1)));
+        assert_eq!(of(&press("!", Some('1'), true), Modifiers::SHIFT), None);
+        assert_eq!(of(&press("1", Some('1'), false), NONE), Some(Command::SceneAt(0)));
+        assert_eq!(of(&press("!", Some('1'), false), Modifiers::SHIFT | Modifiers::ALT), None);
+        // On a French keyboard, Shift types the digits.
+        assert_eq!(of(&press("1", Some('1'), false), Modifiers::SHIFT), Some(Command::SceneAt(0)));
+        assert_eq!(of(&press("V", Some('v'), false), Modifiers::SHIFT), Some(Command::PreviousView));
+    }
+
+    #[test]
     fn keys_with_ctrl_or_alt_are_no_letters() {
         assert_eq!(pressed("s", NONE, false), Some(Command::Shuffle(Switch::Toggle)));
         for held in [Modifiers::CONTROL, Modifiers::ALT, Modifiers::SUPER | Modifiers::SHIFT] {
@@ -369,5 +406,9 @@ mod tests {
         assert_eq!(of("scene", ActionValue::Number(3.0)), Some(Command::Scene(SceneName::Number(3))));
         assert_eq!(of("scene", ActionValue::Nothing), None);
         assert_eq!(of("no_such_name", ActionValue::Nothing), None);
+        let text = |text: &str| ActionValue::Text(text.to_owned());
+        assert_eq!(of("snapshot", ActionValue::Number(3.0)), Some(Command::Snapshot(3)));
+        assert_eq!(of("snapshot", text("2")), Some(Command::Snapshot(2)));
+        assert_eq!(of("snapshot", text("two")), None);
     }
 }

@@ -17,6 +17,8 @@ pub struct ShowState {
     pub recording: bool,
     /// Manual scene changes are cuts, not fades.
     pub cuts: bool,
+    /// The effect of the snapshot keys.
+    pub snapshots: SnapshotKeys,
     /// The image is black, or fading to black.
     pub black: bool,
     /// The image is frozen.
@@ -31,4 +33,13 @@ pub struct ShowState {
     pub position: Option<f32>,
     /// The volume of the song, 0..1; `None` while an input is the source.
     pub volume: Option<f32>,
+}
+
+/// The effect of the snapshot keys.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct SnapshotKeys {
+    /// The next key takes its snapshot, even if there is one.
+    pub takes: bool,
+    /// Snapshots are recalled over a bar, not at once.
+    pub morphs: bool,
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::{Control, Panel, Row, SceneName, Switch};
 use crate::input::{Key, NamedKey};
+use mariana_control::SoundBinding;
 use mariana_control::midi::Target;
 use mariana_player::track::Repeat;
 use mariana_scenes::SceneSource;
@@ -342,6 +343,49 @@ commands! {
             "Tab or Shift+Tab", "the scene's sliders; Shift+Tab moves through the bar"
         )],
     }
+    /// Binds a parameter of the current scene to a sound, or ends the binding.
+    Bind(Bind) {}
+    /// Writes the binding of this parameter into the scene's text, in the editor.
+    WriteBinding(String) {}
+    /// Recalls the snapshot of the sliders with this number, from 1. The first time, takes the snapshot.
+    Snapshot(usize) {
+        name: Some("snapshot"),
+        control: Some(Control::Numbered(C::Snapshot)),
+        for_phones: false,
+        bindings: &[Binding {
+            digits: Some(C::Snapshot),
+            written: "Shift+1 to Shift+8",
+            help: "recall this snapshot of the sliders; the first press takes it",
+            ..Binding::ONCE
+        }],
+    }
+    /// Makes the next snapshot key take its snapshot, even if there is one.
+    TakeNext(Switch) {
+        name: Some("take_next"),
+        control: Some(Control::Switch(C::TakeNext)),
+        is_on: Some(|state| state.snapshots.takes),
+        for_phones: false,
+        bindings: &[keys!(
+            Key::Named(NamedKey::F2) => C::TakeNext(Toggle),
+            "F2", "the next snapshot key takes its snapshot again"
+        )],
+    }
+    /// Recalls snapshots over a bar or at once.
+    Morph(Switch) {
+        name: Some("morph"),
+        control: Some(Control::Switch(C::Morph)),
+        is_on: Some(|state| state.snapshots.morphs),
+        bindings: &[keys!(
+            Key::Named(NamedKey::F4) => C::Morph(Toggle), "F4", "recall snapshots over a bar, or at once"
+        )],
+    }
+    /// Writes the scene's snapshots as a show file with a cue for each snapshot.
+    WriteSnapshots {
+        name: Some("write_snapshots"),
+        control: Some(Control::Press(|| C::WriteSnapshots)),
+        for_phones: false,
+        help: "write the scene's snapshots as a show file with a cue for each snapshot",
+    }
     /// Shows or hides the line of scene information.
     ToggleSceneLine {
         bindings: &[keys!(Key::Character("i") => C::ToggleSceneLine, "I", "show or hide scene information")],
@@ -427,12 +471,14 @@ pub struct Binding {
     pub written: &'static str,
     /// The help text, such as "enter or leave full screen".
     pub help: &'static str,
+    /// Returns the command of a digit key, by its digit, while Shift is held.
+    pub digits: Option<fn(usize) -> Command>,
     /// True if a held key repeats the command.
     pub repeats: bool,
 }
 
 impl Binding {
-    const ONCE: Self = Self { keys: &[], shifted: None, written: "", help: "", repeats: false };
+    const ONCE: Self = Self { keys: &[], shifted: None, written: "", help: "", digits: None, repeats: false };
 }
 
 /// Files to open.
@@ -442,6 +488,15 @@ pub struct Files {
     pub files: Vec<PathBuf>,
     /// True to append the tracks to the list, false to replace it.
     pub append: bool,
+}
+
+/// A parameter of the current scene with its new binding.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bind {
+    /// The parameter's name.
+    pub name: String,
+    /// The binding; `None` ends the present binding.
+    pub binding: Option<SoundBinding>,
 }
 
 /// New values for numbers in a scene's text.

@@ -13,6 +13,8 @@ pub enum ValueType {
     Number,
     /// A name, or a number counted from 1.
     Choice,
+    /// A number counted from 1.
+    Index,
 }
 
 /// An action in the table.
@@ -64,8 +66,10 @@ impl ActionRow {
             (ValueType::Level, ActionValue::Number(number)) => {
                 action(ActionValue::Number(number.clamp(0.0, 1.0)))
             }
-            (ValueType::Level | ValueType::Choice, ActionValue::Nothing) => None,
-            (ValueType::Switch | ValueType::Number | ValueType::Choice, given) => action(given),
+            (ValueType::Level | ValueType::Choice | ValueType::Index, ActionValue::Nothing) => None,
+            (ValueType::Switch | ValueType::Number | ValueType::Choice | ValueType::Index, given) => {
+                action(given)
+            }
         }
     }
 }

@@ -21,12 +21,22 @@ pub enum ChangedBy {
     Show,
     /// A recorded performance.
     Recording,
+    /// A sound to which the parameter is bound.
+    Sound,
 }
 
 impl ChangedBy {
     /// All variants.
-    pub const ALL: [Self; 7] =
-        [Self::Text, Self::Slider, Self::Midi, Self::Osc, Self::Phone, Self::Show, Self::Recording];
+    pub const ALL: [Self; 8] = [
+        Self::Text,
+        Self::Slider,
+        Self::Midi,
+        Self::Osc,
+        Self::Phone,
+        Self::Show,
+        Self::Recording,
+        Self::Sound,
+    ];
 
     /// Returns the label next to a slider.
     pub fn name(self) -> &'static str {
@@ -38,6 +48,7 @@ impl ChangedBy {
             Self::Phone => "phone",
             Self::Show => "show",
             Self::Recording => "recording",
+            Self::Sound => "sound",
         }
     }
 }

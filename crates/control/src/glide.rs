@@ -10,6 +10,8 @@ pub struct Glide {
     since: f64,
     /// The smoothing time in seconds; 0 jumps to the target.
     seconds: f32,
+    /// True for a soft ramp that ends after `seconds`.
+    is_ramp: bool,
 }
 
 /// A movement ends after this many smoothing times, when less than a thousandth (e⁻⁷) of the distance is left.
@@ -18,13 +20,19 @@ const TIMES: f64 = 7.0;
 impl Glide {
     /// Returns a constant value.
     pub fn at(value: f32) -> Self {
-        Self { from: value, to: value, since: 0.0, seconds: 0.0 }
+        Self { from: value, to: value, since: 0.0, seconds: 0.0, is_ramp: false }
     }
 
     /// Starts a movement from the value at the time `now` to the value `to`, with a smoothing time of `seconds`.
     #[must_use]
     pub fn towards(self, to: f32, seconds: f32, now: f64) -> Self {
-        Self { from: self.value(now), to, since: now, seconds: seconds.max(0.0) }
+        Self { from: self.value(now), to, since: now, seconds: seconds.max(0.0), is_ramp: false }
+    }
+
+    /// Starts a movement that ends after `seconds`: slow at both ends, and half-way in the middle.
+    #[must_use]
+    pub fn ramp(self, to: f32, seconds: f32, now: f64) -> Self {
+        Self { is_ramp: true, ..self.towards(to, seconds, now) }
     }
 
     /// Returns the value at the time `now`, in seconds. Before the movement starts, returns the start value.
@@ -32,7 +40,8 @@ impl Glide {
         if !self.moves(now) {
             return self.to;
         }
-        let rest = (-(now - self.since).max(0.0) / f64::from(self.seconds)).exp();
+        let gone = (now - self.since).max(0.0) / f64::from(self.seconds);
+        let rest = if self.is_ramp { 1.0 - gone * gone * (3.0 - 2.0 * gone) } else { (-gone).exp() };
         let (from, to) = (f64::from(self.from), f64::from(self.to));
         (to + (from - to) * rest) as f32
     }
@@ -44,7 +53,8 @@ impl Glide {
 
     /// True while the value still moves at `now`.
     pub fn moves(&self, now: f64) -> bool {
-        self.from != self.to && now - self.since < TIMES * f64::from(self.seconds)
+        let times = if self.is_ramp { 1.0 } else { TIMES };
+        self.from != self.to && now - self.since < times * f64::from(self.seconds)
     }
 }
 
@@ -65,6 +75,14 @@ mod tests {
             3.0,
             "without smoothing the value jumps"
         );
+    }
+
+    #[test]
+    fn a_ramp_ends_after_its_time() {
+        let ramp = Glide::at(1.0).ramp(3.0, 2.0, 10.0);
+        assert_eq!([9.0, 10.0, 11.0, 12.0, 13.0].map(|now| ramp.value(now)), [1.0, 1.0, 2.0, 3.0, 3.0]);
+        assert!(ramp.moves(11.9) && !ramp.moves(12.0));
+        assert_eq!(Glide::at(1.0).ramp(3.0, 0.0, 10.0).value(10.0), 3.0);
     }
 
     proptest! {

@@ -13,6 +13,7 @@
 //! - Devices and sockets run on their own threads. The show never waits for them.
 
 pub mod action;
+mod binding;
 mod changed_by;
 mod glide;
 mod input_queue;
@@ -23,9 +24,11 @@ pub mod osc;
 mod present;
 mod slider;
 
+pub use binding::{Bound, SoundBinding};
 pub use changed_by::ChangedBy;
 pub use glide::Glide;
 pub use input_queue::{Amount, InputBatch, InputQueue, ParamChange, Refusals};
+pub use midi::Curve;
 pub use model::{Directed, Model, Param, Reading, Turn};
 pub use present::{Board, Present};
 pub use slider::Slider;

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{ChangedBy, Glide};
+use super::binding::Following;
+use super::{Bound, ChangedBy, Glide, SoundBinding};
 use crate::limits::LIMITS;
 
 /// A parameter as declared in a scene's text. `min <= default <= max`, all finite.
@@ -80,6 +81,8 @@ struct Held {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Model {
     scenes: BTreeMap<String, BTreeMap<String, Held>>,
+    /// The bindings of each scene, including bindings that another controller has replaced.
+    bindings: BTreeMap<String, BTreeMap<String, Following>>,
 }
 
 impl Model {
@@ -107,15 +110,103 @@ impl Model {
             }
             _ => Glide::at(seen.value).towards(to, seconds, now),
         };
-        let held =
-            Held { changed_by: turn.changed_by, glide, during: directed.map(|directed| directed.part) };
-        match self.scenes.get_mut(scene) {
-            Some(params) => drop(params.insert(param.name.to_owned(), held)),
-            None => {
-                let params = BTreeMap::from([(param.name.to_owned(), held)]);
-                self.scenes.insert(scene.to_owned(), params);
-            }
+        self.hold(scene, param.name, turn.changed_by, glide, directed);
+    }
+
+    /// Moves a parameter to the value `to` within `seconds`, as a soft ramp. A value that is not finite is ignored.
+    pub fn morph(
+        &mut self,
+        scene: &str,
+        param: &Param<'_>,
+        turn: Turn,
+        directed: Option<Directed>,
+        now: f64,
+    ) {
+        let Turn { to, seconds, changed_by } = turn;
+        if to.is_finite() && seconds.is_finite() {
+            let seen = self.read(scene, param, directed, now);
+            let glide = Glide::at(seen.value).ramp(param.clamped(to), seconds, now);
+            self.hold(scene, param.name, changed_by, glide, directed);
         }
+    }
+
+    fn hold(
+        &mut self,
+        scene: &str,
+        name: &str,
+        changed_by: ChangedBy,
+        glide: Glide,
+        directed: Option<Directed>,
+    ) {
+        let held = Held { changed_by, glide, during: directed.map(|directed| directed.part) };
+        put(&mut self.scenes, scene, name, held);
+    }
+
+    /// Lets a parameter follow a sound, from its present value and within `seconds`. Ignores a binding with a number
+    /// that is not finite.
+    pub fn bind(
+        &mut self,
+        scene: &str,
+        param: &Param<'_>,
+        (binding, seconds): (SoundBinding, f32),
+        directed: Option<Directed>,
+        now: f64,
+    ) {
+        let Some(binding) = binding.mended() else { return };
+        let seen = self.read(scene, param, directed, now).value;
+        // The glide keeps the value that unbinding restores.
+        let before = self.held(scene, param.name).map_or(param.default, |held| held.glide.target());
+        self.hold(scene, param.name, ChangedBy::Sound, Glide::at(before), directed);
+        put(&mut self.bindings, scene, param.name, Following::new(binding, seen, seconds, now));
+    }
+
+    /// Removes a binding. If the sound moves the parameter, it returns to its value before the binding.
+    pub fn unbind(&mut self, scene: &str, param: &Param<'_>) {
+        if let Some(bindings) = self.bindings.get_mut(scene) {
+            bindings.remove(param.name);
+        }
+        let Some(held) = self.held(scene, param.name).filter(|held| held.changed_by == ChangedBy::Sound)
+        else {
+            return;
+        };
+        if param.clamped(held.glide.target()) == param.default {
+            self.release(scene, param.name);
+        } else {
+            put(&mut self.scenes, scene, param.name, Held { changed_by: ChangedBy::Slider, ..held });
+        }
+    }
+
+    /// Moves all bound parameters. `input` returns an input's value at `now`, 0..1; `None` for an unknown input.
+    pub fn hear(&mut self, now: f64, input: impl Fn(&str) -> Option<f32>) {
+        for following in self.bindings.values_mut().flat_map(BTreeMap::values_mut) {
+            let value = input(&following.binding.input).unwrap_or(0.0);
+            following.hear(value, now);
+        }
+    }
+
+    /// Returns the binding of a parameter.
+    pub fn bound(&self, scene: &str, name: &str) -> Option<Bound> {
+        let binding = self.following(scene, name)?.binding.clone();
+        let is_active = self.held(scene, name).is_some_and(|held| held.changed_by == ChangedBy::Sound);
+        Some(Bound { binding, is_active })
+    }
+
+    /// Returns the bindings of a scene that move their parameters, by parameter name.
+    pub fn bindings(&self, scene: &str) -> BTreeMap<String, SoundBinding> {
+        let names = self.bindings.get(scene).into_iter().flat_map(BTreeMap::keys);
+        let active =
+            names.filter_map(|name| Some((name, self.bound(scene, name).filter(|bound| bound.is_active)?)));
+        active.map(|(name, bound)| (name.clone(), bound.binding)).collect()
+    }
+
+    /// True if a sound moves a parameter of the scene.
+    pub fn follows_sound(&self, scene: &str) -> bool {
+        let params = self.scenes.get(scene).into_iter().flat_map(BTreeMap::values);
+        params.into_iter().any(|held| held.changed_by == ChangedBy::Sound)
+    }
+
+    fn following(&self, scene: &str, name: &str) -> Option<&Following> {
+        self.bindings.get(scene)?.get(name)
     }
 
     /// Resets a parameter to the value in the scene's text.
@@ -132,7 +223,10 @@ impl Model {
                 Reading { value: directed.value, changed_by: ChangedBy::Show }
             }
             (Some(held), _) => {
-                Reading { value: param.clamped(held.glide.value(now)), changed_by: held.changed_by }
+                let following =
+                    self.following(scene, param.name).filter(|_| held.changed_by == ChangedBy::Sound);
+                let value = following.map_or_else(|| held.glide.value(now), |following| following.value(now));
+                Reading { value: param.clamped(value), changed_by: held.changed_by }
             }
             (None, Some(directed)) => Reading { value: directed.value, changed_by: ChangedBy::Show },
             (None, None) => Reading { value: param.clamped(param.default), changed_by: ChangedBy::Text },
@@ -146,13 +240,18 @@ impl Model {
 
     /// True if a parameter of the scene still moves at `now`.
     pub fn moves(&self, scene: &str, now: f64) -> bool {
-        self.scenes.get(scene).is_some_and(|params| params.values().any(|held| held.glide.moves(now)))
+        let params = self.scenes.get(scene);
+        let bindings = self.bindings.get(scene);
+        params.is_some_and(|params| params.values().any(|held| held.glide.moves(now)))
+            || bindings.is_some_and(|bindings| bindings.values().any(|following| following.moves(now)))
     }
 
-    /// Returns the changed parameters of a scene with their targets and origins.
+    /// Returns the changed parameters of a scene with their targets and origins. The target of a bound parameter is its
+    /// value before the binding.
     pub fn turned(&self, scene: &str) -> impl Iterator<Item = (&str, f32, ChangedBy)> {
         let params = self.scenes.get(scene).into_iter().flatten();
-        params.map(|(name, held)| (&**name, held.glide.target(), held.changed_by))
+        let targets = params.map(|(name, held)| (&**name, held.glide.target(), held.changed_by));
+        targets.filter(|(_, target, _)| target.is_finite())
     }
 
     /// Restores a value from an earlier run. The scene's text may have changed since that run.
@@ -163,14 +262,32 @@ impl Model {
         }
     }
 
+    /// Restores a binding from an earlier run, which leads back to the restored value of the parameter.
+    pub fn remember_binding(&mut self, scene: &str, name: &str, binding: SoundBinding) {
+        let Some(binding) = binding.mended() else { return };
+        // NaN means the text's default, which is not known yet.
+        let before = self.held(scene, name).map_or(f32::NAN, |held| held.glide.target());
+        let held = Held { changed_by: ChangedBy::Sound, glide: Glide::at(before), during: None };
+        put(&mut self.scenes, scene, name, held);
+        put(&mut self.bindings, scene, name, Following::new(binding, 0.0, 0.0, 0.0));
+    }
+
     fn held(&self, scene: &str, name: &str) -> Option<Held> {
         self.scenes.get(scene)?.get(name).copied()
+    }
+}
+
+fn put<T>(scenes: &mut BTreeMap<String, BTreeMap<String, T>>, scene: &str, name: &str, value: T) {
+    match scenes.get_mut(scene) {
+        Some(params) => drop(params.insert(name.to_owned(), value)),
+        None => drop(scenes.insert(scene.to_owned(), BTreeMap::from([(name.to_owned(), value)]))),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Curve;
 
     const SIZE: Param<'static> = Param { name: "size", min: 0.0, max: 4.0, default: 1.0 };
 
@@ -268,6 +385,71 @@ mod tests {
         model.turn("orb", &SIZE, Turn { seconds: 1e9, ..turn(ChangedBy::Osc, 4.0) }, None, 0.0);
         let gone = f64::from(LIMITS.smoothing_seconds_max) * 7.0;
         assert!(model.moves("orb", gone - 1.0) && !model.moves("orb", gone));
+    }
+
+    fn by_bass(low: f32, high: f32, smoothing: f32) -> SoundBinding {
+        SoundBinding { input: "bass".to_owned(), low, high, curve: Curve::Linear, smoothing }
+    }
+
+    #[test]
+    fn a_bound_parameter_follows_its_input_until_a_controller_turns_it() {
+        let mut model = Model::default();
+        model.turn("orb", &SIZE, turn(ChangedBy::Slider, 2.0), None, 0.0);
+        model.bind("orb", &SIZE, (by_bass(0.0, 8.0, 0.0), 0.0), None, 1.0);
+        let hear = |model: &mut Model, now, value| {
+            model.hear(now, |name| (name == "bass").then_some(value));
+            read(model, None, now)
+        };
+        assert_eq!(hear(&mut model, 1.0, 0.25), (2.0, ChangedBy::Sound));
+        assert_eq!(hear(&mut model, 1.1, 1.0), (4.0, ChangedBy::Sound), "the value stays in the range");
+        assert_eq!(model.bindings("orb").len(), 1);
+        assert_eq!(model.turned("orb").collect::<Vec<_>>(), [("size", 2.0, ChangedBy::Sound)]);
+        model.turn("orb", &SIZE, turn(ChangedBy::Midi, 1.5), None, 2.0);
+        assert_eq!(hear(&mut model, 2.0, 0.0), (1.5, ChangedBy::Midi));
+        let bound = model.bound("orb", "size").unwrap();
+        assert!(!bound.is_active && model.bindings("orb").is_empty());
+        model.bind("orb", &SIZE, (bound.binding, 0.0), None, 3.0);
+        assert_eq!(hear(&mut model, 3.0, 0.125), (1.0, ChangedBy::Sound));
+        model.unbind("orb", &SIZE);
+        assert_eq!(read(&model, None, 3.0), (1.5, ChangedBy::Slider));
+        assert_eq!(model.bound("orb", "size"), None);
+    }
+
+    #[test]
+    fn a_binding_is_smoothed_and_begins_at_the_present_value() {
+        let mut model = Model::default();
+        model.bind("orb", &SIZE, (by_bass(4.0, 0.0, 1.0), 0.0), None, 0.0);
+        for step in 0..=10 {
+            model.hear(f64::from(step) / 10.0, |_| Some(0.0));
+        }
+        let one = 4.0 - 3.0 / std::f32::consts::E;
+        assert!((read(&model, None, 1.0).0 - one).abs() < 1e-5 && model.moves("orb", 1.0));
+        // A recalled binding takes over within its time.
+        model.bind("orb", &SIZE, (by_bass(0.0, 4.0, 0.0), 2.0), None, 8.0);
+        let before = read(&model, None, 8.0).0;
+        model.hear(9.0, |_| Some(0.0));
+        assert!((read(&model, None, 9.0).0 - 0.5 * before).abs() < 1e-5);
+        assert_eq!(read(&model, None, 10.0).0, 0.0);
+        model.bind("orb", &SIZE, (by_bass(f32::NAN, 4.0, 0.0), 0.0), None, 11.0);
+        assert_eq!(model.bindings("orb")["size"].low, 0.0, "such a binding is ignored");
+    }
+
+    #[test]
+    fn a_show_takes_a_bound_parameter_over_with_its_next_movement() {
+        let mut model = Model::default();
+        let directed = |part| Some(Directed { value: 3.0, part });
+        model.bind("orb", &SIZE, (by_bass(0.0, 4.0, 0.0), 0.0), directed(1), 0.0);
+        model.hear(1.0, |_| Some(0.5));
+        assert_eq!(read(&model, directed(1), 1.0), (2.0, ChangedBy::Sound));
+        assert_eq!(read(&model, directed(2), 1.0), (3.0, ChangedBy::Show));
+    }
+
+    #[test]
+    fn a_morph_takes_its_time() {
+        let mut model = Model::default();
+        let slow = Turn { seconds: 2.0, ..turn(ChangedBy::Slider, 3.0) };
+        model.morph("orb", &SIZE, slow, None, 0.0);
+        assert_eq!([0.0, 1.0, 2.0].map(|now| read(&model, None, now).0), [1.0, 2.0, 3.0]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::ChangedBy;
+use crate::{Bound, ChangedBy};
 
 /// A parameter that the user can move.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -19,6 +19,9 @@ pub struct Slider {
     pub default: f32,
     /// The origin of the last change.
     pub changed_by: ChangedBy,
+    /// The sound that moves the parameter, or moved it until another controller took over.
+    #[serde(skip)]
+    pub bound: Option<Bound>,
 }
 
 impl Slider {
@@ -72,6 +75,7 @@ mod tests {
             max,
             default: 0.5,
             changed_by: ChangedBy::Text,
+            bound: None,
         };
         let unit = slider(0.0, 1.0);
         assert_eq!([-1.0, 0.25, 7.0, f32::NAN].map(|value| unit.clamped(value)), [0.0, 0.25, 1.0, 0.5]);

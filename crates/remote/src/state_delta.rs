@@ -135,6 +135,7 @@ mod tests {
             max: 4.0,
             default: 1.0,
             changed_by: ChangedBy::Midi,
+            bound: None,
         };
         Present {
             scene: "orb".into(),

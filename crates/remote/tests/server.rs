@@ -34,7 +34,15 @@ struct Place {
 }
 
 fn size(value: f32) -> Slider {
-    Slider { name: "size".into(), value, min: 0.0, max: 4.0, default: 1.0, changed_by: ChangedBy::Text }
+    Slider {
+        name: "size".into(),
+        value,
+        min: 0.0,
+        max: 4.0,
+        default: 1.0,
+        changed_by: ChangedBy::Text,
+        bound: None,
+    }
 }
 
 fn present(value: f32) -> Present {

@@ -36,7 +36,7 @@ pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
 pub use performances::{Kept, PerformanceFiles};
 pub use setting_rows::{SettingRow, Values};
-pub use settings::{Settings, SettingsError, SettingsFile};
+pub use settings::{Settings, SettingsError, SettingsFile, Snapshot};
 
 /// The rendering quality in the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

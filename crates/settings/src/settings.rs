@@ -22,6 +22,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use mariana_control::SoundBinding;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use serde::{Deserialize, Serialize};
 
@@ -55,9 +56,36 @@ pub struct Settings {
     /// The values of moved sliders, by scene and parameter.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub sliders: BTreeMap<String, BTreeMap<String, f32>>,
+    /// The sounds that move sliders, by scene and parameter.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub bindings: BTreeMap<String, BTreeMap<String, SoundBinding>>,
+    /// The snapshots of sliders, by scene and number.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub snapshots: BTreeMap<String, BTreeMap<String, Snapshot>>,
     /// The extra delay of the image by device id, in milliseconds, on top of the latency that the device reports.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub latency_ms: BTreeMap<String, f64>,
+}
+
+impl Settings {
+    /// Returns the moved sliders of the scene with this title, and their sounds.
+    pub fn moved(&self, title: &str) -> Snapshot {
+        Snapshot {
+            sliders: self.sliders.get(title).cloned().unwrap_or_default(),
+            bindings: self.bindings.get(title).cloned().unwrap_or_default(),
+        }
+    }
+}
+
+/// All sliders of a scene at a moment.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Snapshot {
+    /// The values, by parameter.
+    pub sliders: BTreeMap<String, f32>,
+    /// The sounds that move sliders, by parameter.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub bindings: BTreeMap<String, SoundBinding>,
 }
 
 fn is_untouched(choices: &Choices) -> bool {
@@ -238,8 +266,14 @@ fn read(path: &Path) -> Result<Found, SettingsError> {
     let (mut settings, strange): (Settings, _) = understood(&table);
     let range = -PLAYER_LIMITS.latency_ms_max..=PLAYER_LIMITS.latency_ms_max;
     settings.latency_ms.retain(|_, shift| range.contains(shift));
-    for sliders in settings.sliders.values_mut() {
+    let snapshots = settings.snapshots.values_mut().flat_map(BTreeMap::values_mut);
+    let (sliders, bindings): (Vec<_>, Vec<_>) =
+        snapshots.map(|one| (&mut one.sliders, &mut one.bindings)).unzip();
+    for sliders in settings.sliders.values_mut().chain(sliders) {
         sliders.retain(|_, value| value.is_finite());
+    }
+    for bindings in settings.bindings.values_mut().chain(bindings) {
+        bindings.retain(|_, binding| binding.clone().mended().is_some());
     }
     Ok(Found { table, settings, strange })
 }

@@ -28,7 +28,7 @@ impl UserInput {
                 self.held = *held;
                 None
             }
-            Input::Key(press) => Command::of_key(&press.key, self.held, press.repeat),
+            Input::Key(press) => Command::of_press(press, self.held),
             _ => self.pointer.take(input, now).map(|gesture| match gesture {
                 Gesture::DoubleClick => Command::Fullscreen(Switch::Toggle),
                 Gesture::Drag(way) => Command::TurnCamera(way),

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::scenes::SceneSource;
-use mariana_control::{ChangedBy, Param, Slider};
+use mariana_control::{Bound, ChangedBy, Param, Slider};
 use mariana_field::world::World;
 
 pub(super) struct Knob {
@@ -36,6 +36,7 @@ impl SceneKnobs {
                 max: param.max,
                 default: param.default,
                 changed_by: ChangedBy::Text,
+                bound: None,
             };
             (slider, Knob { place, scene: scene.clone() })
         });
@@ -49,6 +50,13 @@ impl SceneKnobs {
 
     pub(super) fn sliders_mut(&mut self) -> &mut [Slider] {
         &mut self.sliders
+    }
+
+    /// Updates the bindings that the sliders show. `bound` returns the binding of a scene's parameter.
+    pub(super) fn note_bound(&mut self, bound: impl Fn(&str, &str) -> Option<Bound>) {
+        for (slider, knob) in self.sliders.iter_mut().zip(&self.knobs) {
+            slider.bound = bound(&knob.scene, &slider.name);
+        }
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = (&Slider, &Knob)> {

@@ -14,6 +14,7 @@
 mod active_clips;
 mod ahead;
 mod awaited_edit;
+mod beat_count;
 mod camera;
 mod composer;
 mod context_change;

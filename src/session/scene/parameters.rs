@@ -1,15 +1,21 @@
 //! The parameters of scenes. All controllers change one model; sliders and frames read it. A frame is drawn with the
 //! values of one moment, which is set between frames and never during a frame.
 
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::active_clips::ActiveClips;
+use super::beat_count::BeatCount;
 use super::knobs::param_of;
 use super::prepared_scene::PreparedScene;
 use crate::clock;
-use mariana_control::{ChangedBy, Model, ParamChange, Reading, Turn};
+use crate::config::Snapshot;
+use crate::frame::sound_inputs;
+use mariana_control::{ChangedBy, Model, ParamChange, Reading, SoundBinding, Turn};
+use mariana_field::graph::UnitInput;
+use mariana_player::Moment;
 
 pub(crate) struct Parameters {
     model: Model,
@@ -18,6 +24,7 @@ pub(crate) struct Parameters {
     now: f64,
     /// The moment of the shown frame, in seconds of the song.
     song_time: f64,
+    beats: BeatCount,
     turned: Option<TurnedNumbers>,
     /// Counts the changes after which a frame of the same moment would look different.
     revision: u64,
@@ -34,7 +41,7 @@ impl Parameters {
     /// Starts with the values of `model`, whose clock started at `begun`.
     pub(super) fn new(model: Model, begun: Instant) -> Self {
         let now = clock::since(begun).as_secs_f64();
-        Self { model, begun, now, song_time: 0.0, turned: None, revision: 0 }
+        Self { model, begun, now, song_time: 0.0, beats: BeatCount::default(), turned: None, revision: 0 }
     }
 
     pub(super) fn kept(self) -> (Model, Instant) {
@@ -42,7 +49,8 @@ impl Parameters {
     }
 
     pub(super) fn take_over(&mut self, (model, begun): (Model, Instant)) {
-        *self = Self { revision: self.revision, turned: self.turned.take(), ..Self::new(model, begun) };
+        let (beats, turned) = (self.beats, self.turned.take());
+        *self = Self { revision: self.revision, beats, turned, ..Self::new(model, begun) };
     }
 
     pub(super) fn revision(&self) -> u64 {
@@ -53,8 +61,17 @@ impl Parameters {
         self.song_time
     }
 
-    pub(super) fn go_to(&mut self, song_time: f64) {
-        (self.now, self.song_time) = (clock::since(self.begun).as_secs_f64(), song_time);
+    pub(super) fn go_to(&mut self, moment: &Moment) {
+        let Moment { song_time, features, song, .. } = moment;
+        (self.now, self.song_time) = (clock::since(self.begun).as_secs_f64(), *song_time);
+        self.beats.note(features.phase, song.beat_in_bar);
+        let sound = LazyCell::new(|| sound_inputs(features, song));
+        let beats = self.beats.beats();
+        self.model.hear(self.now, |name| Some(UnitInput::named(name)?.value(&sound, beats)));
+    }
+
+    pub(super) fn follow_sound(&self, scene: &PreparedScene) -> bool {
+        scene.knobs.titles().into_iter().any(|title| self.model.follows_sound(title))
     }
 
     pub(super) fn note_turning(&mut self) {
@@ -74,6 +91,7 @@ impl Parameters {
                 slider.value.to_bits() != reading.value.to_bits() && reading.changed_by != ChangedBy::Show;
             (slider.value, slider.changed_by) = (reading.value, reading.changed_by);
         }
+        scene.knobs.note_bound(|scene, name| self.model.bound(scene, name));
         if is_turned {
             self.revision += 1;
         }
@@ -124,6 +142,70 @@ impl Parameters {
         self.update_sliders(scene, clips);
     }
 
+    /// Binds a parameter to a sound, or ends its binding. Returns `false` for an unknown name.
+    pub(super) fn bind(
+        &mut self,
+        scene: &mut PreparedScene,
+        clips: &ActiveClips<'_>,
+        name: &str,
+        binding: Option<SoundBinding>,
+    ) -> bool {
+        let Some((slider, knob)) = scene.knobs.place_of(name).and_then(|place| scene.knobs.get(place)) else {
+            return false;
+        };
+        match binding {
+            Some(binding) => {
+                let directed = clips.moves(self.song_time).of(knob, &slider.name, scene.split());
+                self.model.bind(&knob.scene, &param_of(slider), (binding, 0.0), directed, self.now);
+            }
+            None => self.model.unbind(&knob.scene, &param_of(slider)),
+        }
+        self.update_sliders(scene, clips);
+        self.revision += 1;
+        true
+    }
+
+    /// All sliders of the scene, and the sounds that move them; in a blend, of the incoming scene.
+    pub(super) fn snapshot(&self, scene: &PreparedScene, clips: &ActiveClips<'_>) -> Snapshot {
+        let (title, moves) = (scene.title(), clips.moves(self.song_time));
+        let begin = scene.resources.world().blended.unwrap_or(0);
+        let own = scene.knobs.iter().filter(|(_, knob)| knob.place >= begin);
+        let sliders = own.map(|(slider, knob)| {
+            let directed = moves.of(knob, &slider.name, scene.split());
+            (slider.name.clone(), self.model.target(&knob.scene, &param_of(slider), directed))
+        });
+        Snapshot { sliders: sliders.collect(), bindings: self.bindings(scene, &title) }
+    }
+
+    /// Moves all sliders of the scene to a snapshot within `seconds`. Sliders that are not in the snapshot stay.
+    pub(super) fn recall(
+        &mut self,
+        scene: &mut PreparedScene,
+        clips: &ActiveClips<'_>,
+        snapshot: &Snapshot,
+        seconds: f32,
+    ) {
+        let (split, moves) = (scene.split(), clips.moves(self.song_time));
+        let begin = scene.resources.world().blended.unwrap_or(0);
+        for (slider, knob) in scene.knobs.iter().filter(|(_, knob)| knob.place >= begin) {
+            let (param, directed) = (param_of(slider), moves.of(knob, &slider.name, split));
+            if let Some(binding) = snapshot.bindings.get(param.name) {
+                self.model.bind(&knob.scene, &param, (binding.clone(), seconds), directed, self.now);
+            } else if let Some(to) = snapshot.sliders.get(param.name) {
+                let turn = Turn { to: *to, seconds, changed_by: ChangedBy::Slider };
+                self.model.morph(&knob.scene, &param, turn, directed, self.now);
+            }
+        }
+        self.update_sliders(scene, clips);
+        self.revision += 1;
+    }
+
+    fn bindings(&self, scene: &PreparedScene, title: &str) -> BTreeMap<String, SoundBinding> {
+        let mut bindings = self.model.bindings(title);
+        bindings.retain(|name, _| scene.knobs.place_of(name).is_some());
+        bindings
+    }
+
     /// The value to which a parameter moves, and the controller that set this value.
     pub(super) fn target(
         &self,
@@ -136,21 +218,25 @@ impl Parameters {
         Some((self.model.target(&knob.scene, &param_of(slider), directed), slider.changed_by))
     }
 
-    /// Restores saved values of the scene with this title, by parameter name.
-    pub(crate) fn remember(&mut self, title: &str, moved: &BTreeMap<String, f32>) {
-        for (name, value) in moved {
+    /// Restores the saved values and bindings of the scene with this title.
+    pub(crate) fn remember(&mut self, title: &str, moved: &Snapshot) {
+        for (name, value) in &moved.sliders {
             self.model.remember(title, name, *value);
+        }
+        for (name, binding) in &moved.bindings {
+            self.model.remember_binding(title, name, binding.clone());
         }
     }
 
-    /// The parameters of a scene that differ from its text, by name.
-    pub(super) fn moved(&self, scene: &PreparedScene) -> BTreeMap<String, f32> {
+    /// The parameters of a scene that differ from its text, and the bindings.
+    pub(super) fn moved(&self, scene: &PreparedScene) -> Snapshot {
         let title = scene.title();
         let turned = self.model.turned(&title).filter(|(name, value, _)| {
             let slider = scene.knobs.sliders().iter().find(|slider| slider.name == *name);
             slider.is_some_and(|slider| slider.default.to_bits() != value.to_bits())
         });
-        turned.map(|(name, value, _)| (name.to_owned(), value)).collect()
+        let sliders = turned.map(|(name, value, _)| (name.to_owned(), value)).collect();
+        Snapshot { sliders, bindings: self.bindings(scene, &title) }
     }
 
     /// All parameters at `time` seconds of the song: set by controllers and clips, otherwise the text's defaults.
@@ -228,14 +314,14 @@ mod tests {
         assert_eq!(parameters.target(&scene, &clips, "size"), Some((2.5, ChangedBy::Midi)));
         assert!(parameters.revision() > 0, "the same moment looks different");
         let moved = parameters.moved(&scene);
-        assert_eq!(moved.get("size"), Some(&2.5));
+        assert_eq!(moved.sliders.get("size"), Some(&2.5));
         // A slider moved back to the text's default follows the text again.
         if let Some(slider) = scene.knobs.sliders_mut().first_mut() {
             slider.value = slider.default;
         }
         parameters.note_moved(&mut scene, &clips);
         assert_eq!(parameters.target(&scene, &clips, "size"), Some((1.0, ChangedBy::Text)));
-        assert!(parameters.moved(&scene).is_empty());
+        assert_eq!(parameters.moved(&scene), Snapshot::default());
         let mut again = Parameters::new(Model::default(), Instant::now());
         again.remember(&scene.title(), &moved);
         assert_eq!(again.numbers(&scene, &clips, 0.0), [2.5]);

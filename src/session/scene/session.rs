@@ -34,6 +34,7 @@ use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use crate::view::ViewChoice;
 use mariana_control::Model;
 use mariana_music::Sound;
+use mariana_player::Moment;
 
 pub(crate) struct SceneSession {
     scenes: PreparedScenes,
@@ -408,11 +409,11 @@ impl SceneSession {
         Performed::at(time, &self.scenes, &self.show, how, self.preparation.choice().sdf)
     }
 
-    pub(crate) fn follow_controllers(&mut self, song_time: f64) {
+    pub(crate) fn follow_controllers(&mut self, moment: &Moment) {
         if self.composer.is_between_scenes() {
             return;
         }
-        self.parameters.go_to(song_time);
+        self.parameters.go_to(moment);
         self.shown_parameters_mut().update_sliders();
         if self.shown_parameters().are_turning() {
             self.parameters.note_turning();
@@ -508,6 +509,7 @@ impl SceneSession {
         self.show.has_prepared_show()
             || self.composer.fading().follows_song()
             || shown.is_none_or(|scene| scene.moves || scene.is_blend())
+            || self.shown_parameters().follow_sound()
     }
 
     fn mode(&self) -> Option<Mode> {

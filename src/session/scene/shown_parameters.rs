@@ -1,11 +1,10 @@
 //! Read and write access to the parameters of the shown scene.
 
-use std::collections::BTreeMap;
-
 use super::parameters::Parameters;
 use super::prepared_scene::PreparedScene;
 use super::show_follower::ShowFollower;
-use mariana_control::{ChangedBy, ParamChange};
+use crate::config::Snapshot;
+use mariana_control::{ChangedBy, ParamChange, SoundBinding};
 
 /// Read access to the parameters of the shown scene.
 pub(crate) struct ShownParameters<'a> {
@@ -19,14 +18,25 @@ impl ShownParameters<'_> {
         self.scene.is_some_and(|scene| self.parameters.is_turning(scene))
     }
 
+    pub(super) fn follow_sound(&self) -> bool {
+        self.scene.is_some_and(|scene| self.parameters.follow_sound(scene))
+    }
+
     pub(crate) fn target(&self, name: &str) -> Option<(f32, ChangedBy)> {
         let scene = self.scene?;
         let (clips, _) = self.show.clips(scene, self.parameters.song_time());
         self.parameters.target(scene, &clips, name)
     }
 
-    pub(crate) fn moved(&self) -> BTreeMap<String, f32> {
+    pub(crate) fn moved(&self) -> Snapshot {
         self.scene.map(|scene| self.parameters.moved(scene)).unwrap_or_default()
+    }
+
+    /// A snapshot of the sliders; `None` if the scene has no sliders.
+    pub(crate) fn snapshot(&self) -> Option<Snapshot> {
+        let scene = self.scene?;
+        let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+        Some(self.parameters.snapshot(scene, &clips)).filter(|snapshot| !snapshot.sliders.is_empty())
     }
 }
 
@@ -49,6 +59,19 @@ impl TurnedParameters<'_> {
         let Some(scene) = self.scene else { return false };
         let (clips, _) = self.show.clips(scene, self.parameters.song_time());
         self.parameters.turn(scene, &clips, change)
+    }
+
+    pub(crate) fn bind(self, name: &str, binding: Option<SoundBinding>) -> bool {
+        let Some(scene) = self.scene else { return false };
+        let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+        self.parameters.bind(scene, &clips, name, binding)
+    }
+
+    pub(crate) fn recall(self, snapshot: &Snapshot, seconds: f32) {
+        if let Some(scene) = self.scene {
+            let (clips, _) = self.show.clips(scene, self.parameters.song_time());
+            self.parameters.recall(scene, &clips, snapshot, seconds);
+        }
     }
 
     pub(crate) fn note_moved(self) {

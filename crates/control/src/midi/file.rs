@@ -77,7 +77,7 @@ fn whole() -> [f32; 2] {
 
 const HEAD: &str = "\
 # MIDI mappings, as learned in the window (J). Edit this file only while Mariana is not running.
-# `range` is in fractions of the parameter's range, `smoothing` in seconds; `curve` is linear, slow, fast or soft.
+# `range` is in fractions of the parameter's range, `smoothing` in seconds; `curve` is linear, slow, fast, soft or root.
 
 ";
 

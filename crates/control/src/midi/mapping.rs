@@ -40,11 +40,13 @@ pub enum Curve {
     Fast,
     /// Fine control at both ends.
     Soft,
+    /// The square root: raises small values.
+    Root,
 }
 
 impl Curve {
     /// All curves.
-    pub const ALL: [Self; 4] = [Self::Linear, Self::Slow, Self::Fast, Self::Soft];
+    pub const ALL: [Self; 5] = [Self::Linear, Self::Slow, Self::Fast, Self::Soft, Self::Root];
 
     /// Returns the curve's name in files and panels.
     pub fn name(self) -> &'static str {
@@ -53,6 +55,20 @@ impl Curve {
             Self::Slow => "slow",
             Self::Fast => "fast",
             Self::Soft => "soft",
+            Self::Root => "root",
+        }
+    }
+
+    /// Returns the curve of `x`, an expression of the scene language.
+    pub fn expression(self, x: &str) -> String {
+        let is_word = x.chars().all(|c| c.is_ascii_alphanumeric() || "_.".contains(c));
+        let factor = if is_word { x.to_owned() } else { format!("({x})") };
+        match self {
+            Self::Linear => x.to_owned(),
+            Self::Slow => format!("{factor} ^ 2"),
+            Self::Fast => format!("{factor} * (2 - {factor})"),
+            Self::Soft => format!("smoothstep(0, 1, {x})"),
+            Self::Root => format!("sqrt({x})"),
         }
     }
 
@@ -63,6 +79,7 @@ impl Curve {
             Self::Slow => x * x,
             Self::Fast => x * (2.0 - x),
             Self::Soft => x * x * (3.0 - 2.0 * x),
+            Self::Root => x.max(0.0).sqrt(),
         }
     }
 }
@@ -247,7 +264,7 @@ fn actions_of<'a>(
     let (times, given) = match row.takes {
         ValueType::Press | ValueType::Switch => (presses, ActionValue::Nothing),
         ValueType::Level | ValueType::Number => (1, ActionValue::Number(mapping.leads_to(moved.value))),
-        ValueType::Choice => match value {
+        ValueType::Choice | ValueType::Index => match value {
             Some(name) => (presses, ActionValue::Text(name.to_owned())),
             // Programs are numbered from 0, scenes from 1.
             None => (presses.min(1), ActionValue::Number((moved.value * 127.0).round() + 1.0)),

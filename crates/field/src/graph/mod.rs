@@ -26,6 +26,7 @@ mod slope_rules;
 mod sound_input;
 mod table;
 mod table_extremes;
+mod unit_input;
 
 pub use build::PRODUCT_EXPONENT_MAX;
 pub use choice::Choice;
@@ -42,6 +43,7 @@ pub use op::{BoundsKernel, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::{InputsUsed, Order};
 pub use sound_input::{SoundInput, SoundInputs};
 pub use table::TableData;
+pub use unit_input::UnitInput;
 
 #[cfg(test)]
 pub(crate) mod random;

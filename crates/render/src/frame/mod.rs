@@ -93,13 +93,18 @@ impl Frame {
     }
 }
 
+/// Returns the numbers that scenes read from the sound of a moment. Every number is within its range.
+pub fn sound_inputs(features: &Features, song: &SongMoment) -> SoundInputs {
+    let number = |name: &str| features.number(name).or_else(|| song.number(name)).unwrap_or(0.0);
+    SoundInputs::each(|input| input.clamp(number(input.name())))
+}
+
 fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInputs {
     let Sound { features, tables, song } = sound;
-    let number = |name: &str| features.number(name).or_else(|| song.number(name)).unwrap_or(0.0);
     let declared = world.scene.params.iter().enumerate();
     FrameInputs {
         time: finite(time as f32),
-        sound: SoundInputs::each(|input| input.clamp(number(input.name()))),
+        sound: sound_inputs(&features, &song),
         levels: Levels::each(|list, number| {
             levels_of(list, &features, &song).get(number).copied().unwrap_or(0.0)
         }),

@@ -1,6 +1,7 @@
 //! Makes the rows of the panel from the state of the controllers.
 
 use super::{ControllerRow, ControllersState};
+use crate::overlay::SNAPSHOTS;
 use mariana_commands as commands;
 use mariana_control::Param;
 use mariana_control::action::ValueType;
@@ -58,6 +59,11 @@ pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
                 "choose a scene by program change".to_owned(),
                 None,
             );
+        } else if row.takes == ValueType::Index {
+            for number in (1..=SNAPSHOTS).map(|number| number.to_string()) {
+                let name = format!("{} {number}", row.name);
+                add(&mut rows, action(Some(number)), name, "take or recall with a pad".to_owned(), None);
+            }
         } else {
             add(&mut rows, action(None), row.name.replace('_', " "), row.meaning.to_owned(), None);
         }

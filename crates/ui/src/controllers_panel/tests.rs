@@ -1,13 +1,22 @@
 //! Tests of keys in the panel, and of the texts of its rows.
 
 use super::*;
+use crate::overlay::SNAPSHOTS;
 use mariana_commands as commands;
 use mariana_control::ChangedBy;
 use mariana_control::midi::Source;
 use mariana_remote::RemoteState;
 
 fn slider() -> Slider {
-    Slider { name: "size".into(), value: 1.0, min: 0.0, max: 4.0, default: 1.0, changed_by: ChangedBy::Midi }
+    Slider {
+        name: "size".into(),
+        value: 1.0,
+        min: 0.0,
+        max: 4.0,
+        default: 1.0,
+        changed_by: ChangedBy::Midi,
+        bound: None,
+    }
 }
 
 fn size() -> Target {
@@ -55,7 +64,9 @@ fn every_target_has_a_row_with_its_mappings_below() {
         "{below:?}"
     );
     let targets = panel.rows().iter().filter(|row| matches!(row, ControllerRow::Target { .. })).count();
-    assert_eq!(targets, 1 + commands::for_controllers().len() + 1);
+    // One parameter, two rows for scenes, and a row for each snapshot.
+    let more_rows = 1 + 1 + (SNAPSHOTS - 1);
+    assert_eq!(targets, commands::for_controllers().len() + more_rows);
     let last = panel.rows().last();
     assert!(
         matches!(last, Some(ControllerRow::Knob { words, .. }) if words.starts_with("fog in city")),

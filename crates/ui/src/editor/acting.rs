@@ -266,7 +266,7 @@ impl Editor {
         true
     }
 
-    fn edit(&mut self, change: impl FnOnce(&mut Editing) -> Result<(), Refused>) {
+    pub(super) fn edit(&mut self, change: impl FnOnce(&mut Editing) -> Result<(), Refused>) {
         let done = self.texts.edit(change);
         self.proposals.close();
         self.tell_refusal(done);

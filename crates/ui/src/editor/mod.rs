@@ -21,6 +21,7 @@
 //! | `Notice` | the message line |
 
 mod acting;
+mod binding;
 mod document;
 mod documents;
 mod files;
@@ -43,6 +44,7 @@ mod turning;
 use std::io;
 use std::ops::Range;
 
+use binding::ToWrite;
 pub(crate) use document::{Document, Owner, Question};
 use finding::{Find, Finding};
 use focus::Focus;
@@ -146,6 +148,7 @@ pub struct Editor {
     held_numbers: HeldNumbers,
     picture: Picture,
     notice: Notice,
+    to_write: Option<ToWrite>,
     revision: u64,
 }
 
@@ -177,6 +180,7 @@ impl Editor {
             held_numbers: HeldNumbers::default(),
             picture: Picture::default(),
             notice: Notice::default(),
+            to_write: None,
             revision: 0,
         })
     }
@@ -208,6 +212,7 @@ impl Editor {
         while let Some(text) = self.clipboard.pasted() {
             self.put_in(text.as_bytes());
         }
+        self.write_waiting();
         if self.texts.take_findings() {
             self.held_numbers.check(&mut self.texts);
             self.revision += 1;

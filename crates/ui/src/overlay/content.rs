@@ -13,7 +13,8 @@ use crate::file_browser::FileBrowser;
 use crate::overlay::NextScene;
 use crate::scene_browser::SceneBrowser;
 use crate::settings_panel::SettingsPanel;
-use mariana_control::Slider;
+use mariana_commands::SnapshotKeys;
+use mariana_control::{Slider, SoundBinding};
 use mariana_render::placement::Area;
 
 /// Everything over the frame. Every part is optional, and the default is empty.
@@ -27,6 +28,8 @@ pub struct OverlayContent<'a> {
     pub notice: Option<Notice<'a>>,
     /// The scene's parameters, which the user can move.
     pub params: Option<&'a mut [Slider]>,
+    /// The snapshots of the parameters.
+    pub snapshots: SnapshotRow,
     /// Shows the table of keys.
     pub help: bool,
     /// A line that stays visible as long as this field contains it.
@@ -60,6 +63,18 @@ pub struct OverlayContent<'a> {
     /// True if the pointer is hidden over the frame.
     pub hides_pointer: bool,
 }
+
+/// The snapshots of a scene's parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct SnapshotRow {
+    /// For each number, from 1, whether its snapshot has been taken.
+    pub taken: [bool; SNAPSHOTS],
+    /// The effect of the numbers.
+    pub keys: SnapshotKeys,
+}
+
+/// Number of snapshots of a scene.
+pub const SNAPSHOTS: usize = 8;
 
 /// The sound sources.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -185,7 +200,12 @@ impl OverlayContent<'_> {
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
             (&slider.name, numbers, slider.changed_by).hash(&mut hasher);
+            let bound = slider.bound.as_ref();
+            bound.map(|bound| (&bound.binding.input, bound.binding.curve, bound.is_active)).hash(&mut hasher);
+            let numbers = |binding: &SoundBinding| [binding.low, binding.high, binding.smoothing];
+            bound.map(|bound| numbers(&bound.binding).map(f32::to_bits)).hash(&mut hasher);
         }
+        self.params.is_some().then_some(self.snapshots).hash(&mut hasher);
         hasher.finish()
     }
 }
@@ -225,6 +245,7 @@ mod tests {
             max: 2.0,
             default: 1.0,
             changed_by: ChangedBy::Text,
+            bound: None,
         }];
         let mut seen = std::collections::BTreeSet::new();
         let list = |present| SourceList { names: vec!["a".into(), "b".into()], present };

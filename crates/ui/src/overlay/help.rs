@@ -45,6 +45,8 @@ pub(super) fn draw(painter: &Painter, space: Rect) -> Rect {
         table = Table::new(painter, (style::TEXT_SIZE * shrink).max(SIZE_MIN), table.columns);
     }
     let rect = Rect::from_center_size(space.center(), table.size() + 2.0 * style::PADDING);
+    // Where even the smallest text has no room, show the first keys.
+    let rect = rect.translate(vec2(0.0, (space.top() - rect.top()).max(0.0)));
     style::ground(painter, rect);
     table.draw(painter, rect.shrink2(style::PADDING));
     rect

@@ -8,7 +8,9 @@
 
 mod assisted;
 mod bar;
+mod binding;
 mod browser;
+mod chips;
 mod content;
 mod controllers;
 mod corners;
@@ -28,6 +30,7 @@ mod preview;
 mod problem;
 mod rooms;
 mod settings;
+mod snapshots;
 mod sources;
 mod style;
 mod switches;
@@ -44,7 +47,7 @@ use egui_glow::Painter;
 
 pub use assisted::Assistance;
 pub use bar::Bar;
-pub use content::{Notice, OverlayContent, Problem, SourceList};
+pub use content::{Notice, OverlayContent, Problem, SNAPSHOTS, SnapshotRow, SourceList};
 pub use events::{FileListEvent, SceneListEvent, SettingEvent, UiEvent};
 pub use now_playing::NowPlaying;
 use panels::{LaidOut, Panels, pressed};

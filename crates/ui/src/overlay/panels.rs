@@ -13,8 +13,8 @@ use super::events::UiEvent;
 use super::fonts::Fallback;
 use super::rooms::Rooms;
 use super::{
-    assisted, bar, browser, controllers, corners, editor, files, help, params, preview, problem, settings,
-    sources, style, tracks, welcome,
+    assisted, bar, binding, browser, controllers, corners, editor, files, help, params, preview, problem,
+    settings, sources, style, tracks, welcome,
 };
 use mariana_render::system_fonts::SystemFonts;
 
@@ -43,6 +43,7 @@ struct Kept {
     selected_file: Option<usize>,
     seen_setting: Option<settings::Seen>,
     seen_changed_by: Option<controllers::Seen>,
+    binding: binding::OpenBinding,
     next: preview::PreviewPicture,
 }
 
@@ -167,8 +168,7 @@ fn show(
     }
     let mut changed = false;
     let help = content.help.then(|| help::draw(&front, space));
-    if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
-        let (rect, moved) = params::show(context, side, help, (sliders, content.learning), events);
+    if let Some((rect, moved)) = show_params(context, side, help, content, &mut kept.binding, events) {
         panels.push(rect);
         changed = moved;
         leave_beside(&mut left, rect);
@@ -201,6 +201,20 @@ fn show(
     }
     assisted::ring(context, &front);
     changed
+}
+
+/// Shows the sliders of a scene that has some. Returns their area, and true if a value changed.
+fn show_params(
+    context: &Context,
+    side: Rect,
+    help: Option<Rect>,
+    content: &mut OverlayContent<'_>,
+    open: &mut binding::OpenBinding,
+    events: &mut Vec<UiEvent>,
+) -> Option<(Rect, bool)> {
+    let sliders = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty())?;
+    let shown = params::Shown { sliders, learning: content.learning, snapshots: content.snapshots };
+    Some(params::show(context, side, help, shown, open, events))
 }
 
 /// Shows the open list in the middle, and discards the state of closed lists. Returns the areas.

@@ -2,8 +2,10 @@
 
 use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::binding::{self, OpenBinding};
+use super::content::SnapshotRow;
 use super::events::UiEvent;
-use super::{assisted, style};
+use super::{assisted, snapshots, style};
 use mariana_commands::Command;
 use mariana_control::Slider;
 
@@ -18,6 +20,13 @@ const RESET_SIZE: f32 = 16.0;
 /// Step for keys and screen readers, as a fraction of the range.
 const STEP: f64 = 0.05;
 
+/// The scene's sliders, the parameter for which a control is being learned, and the snapshots.
+pub(super) struct Shown<'a> {
+    pub sliders: &'a mut [Slider],
+    pub learning: Option<&'a str>,
+    pub snapshots: SnapshotRow,
+}
+
 pub(super) fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }
@@ -28,7 +37,8 @@ pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     cover: Option<Rect>,
-    (sliders, learning): (&mut [Slider], Option<&str>),
+    Shown { sliders, learning, snapshots }: Shown<'_>,
+    open: &mut OpenBinding,
     events: &mut Vec<UiEvent>,
 ) -> (Rect, bool) {
     let width = width(space.width() + 2.0 * style::MARGIN);
@@ -45,16 +55,27 @@ pub(super) fn show(
             .show(ui, |ui| {
                 // A window of a few pixels leaves no width.
                 ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-                let height = space.height() - 2.0 * style::PADDING.y;
+                let height = (space.height() - 2.0 * style::PADDING.y).max(0.0);
+                // Without this, the panel keeps the height of its last layout when a list of sounds opens.
+                ui.set_max_height(height);
                 egui::ScrollArea::vertical()
                     .max_height(height)
                     .show(ui, |ui| {
                         ui.set_width((ui.available_width() - LANE).max(0.0));
                         let rows = sliders.iter_mut().enumerate();
-                        rows.fold(false, |changed, (i, slider)| {
+                        let changed = rows.fold(false, |changed, (i, slider)| {
                             let is_learning = learning == Some(&*slider.name);
-                            ui.push_id(i, |ui| row(ui, slider, is_learning, events)).inner || changed
-                        })
+                            let of_row = |ui: &mut Ui| {
+                                let moved = row(ui, slider, is_learning, open, events);
+                                if open.is_of(&slider.name) {
+                                    binding::show(ui, slider, open, events);
+                                }
+                                moved
+                            };
+                            ui.push_id(i, of_row).inner || changed
+                        });
+                        snapshots::show(ui, snapshots, events);
+                        changed
                     })
                     .inner
             })
@@ -65,7 +86,13 @@ pub(super) fn show(
 
 /// Draws a parameter's name, value and slider. Returns true if the value changed. After a click on the name, the next
 /// moved control is mapped to the parameter.
-fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiEvent>) -> bool {
+fn row(
+    ui: &mut Ui,
+    slider: &mut Slider,
+    is_learning: bool,
+    open: &mut OpenBinding,
+    events: &mut Vec<UiEvent>,
+) -> bool {
     let before = slider.value;
     slider.value = slider.clamped(slider.value);
     let full = ui.available_width();
@@ -77,8 +104,9 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiE
         pos2(line.right() - 0.5 * RESET_SIZE, line.center().y),
         vec2(RESET_SIZE, RESET_SIZE),
     );
+    let wave = reset.translate(vec2(-RESET_SIZE - 4.0, 0.0));
     let value = painter.text(
-        pos2(reset.left() - 4.0, line.center().y),
+        pos2(wave.left() - 6.0, line.center().y),
         Align2::RIGHT_CENTER,
         slider.value_text(),
         style::monospace(style::SMALL_SIZE),
@@ -95,7 +123,12 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiE
     );
     let color = if is_learning || label.hovered() { style::ACCENT } else { style::TEXT };
     painter.galley_with_override_text_color(label.rect.min, name, color);
-    let words = if is_learning { "move a knob" } else { slider.changed_by_words() };
+    let bound = binding::words(slider);
+    let words = if is_learning {
+        "move a knob"
+    } else {
+        bound.as_deref().unwrap_or_else(|| slider.changed_by_words())
+    };
     let font = style::proportional(style::SMALL_SIZE);
     let words = style::line(painter, words, font, style::DIM, (room - size.x - 8.0).max(0.0));
     let at = pos2(label.rect.right() + 8.0, line.center().y - 0.5 * words.size().y);
@@ -106,7 +139,8 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiE
     if label.clicked() {
         events.push(UiEvent::Command(Command::LearnParameter(slider.name.clone())));
     }
-    if changed_by_user {
+    binding::button(ui, wave, slider, open);
+    if changed_by_user && bound.is_none() {
         let response = ui.interact(reset, ui.scope_id().with("reset"), Sense::click());
         let color = if response.hovered() { style::TEXT } else { style::DIM };
         let font = style::monospace(style::TEXT_SIZE);
@@ -118,6 +152,16 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiE
         }
     }
 
+    rail(ui, slider);
+    ui.add_space(2.0);
+    slider.value.to_bits() != before.to_bits()
+}
+
+const RESET_SIGN: &str = "↺";
+
+/// Draws a slider without its name, and changes its value.
+pub(super) fn rail(ui: &mut Ui, slider: &mut Slider) {
+    let full = ui.available_width();
     let (hold, response) = ui.allocate_exact_size(vec2(full, HOLD_HEIGHT), Sense::click_and_drag());
     let rail = Rect::from_center_size(hold.center(), vec2(full - 2.0 * KNOB_RADIUS, RAIL_HEIGHT));
     if response.double_clicked() {
@@ -133,11 +177,7 @@ fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, events: &mut Vec<UiE
         slider.value = slider.clamped(wanted as f32);
     }
     draw_rail(ui, slider, rail, &response);
-    ui.add_space(2.0);
-    slider.value.to_bits() != before.to_bits()
 }
-
-const RESET_SIGN: &str = "↺";
 
 fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {
     let painter = ui.painter();

@@ -24,6 +24,7 @@ use mariana_testing::process::wait_until;
 use mariana_testing::tiny_font::{TinyFont, folder_of};
 
 mod assisted;
+mod binding;
 mod controllers;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
@@ -81,6 +82,7 @@ fn sliders(count: usize) -> Vec<Slider> {
         max: 4.0,
         default: 1.0,
         changed_by: ChangedBy::Text,
+        bound: None,
     };
     (0..count).map(slider).collect()
 }

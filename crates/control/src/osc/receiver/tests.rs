@@ -17,6 +17,7 @@ fn hearing() -> Hearing {
         max: 4.0,
         default: 1.0,
         changed_by: ChangedBy::Midi,
+        bound: None,
     };
     board.put(Present {
         scene: "orb".into(),

@@ -38,6 +38,7 @@ fn panel() -> ControllersPanel {
         max: 4.0,
         default: 1.0,
         changed_by: ChangedBy::Midi,
+        bound: None,
     };
     let mut panel = ControllersPanel::default();
     panel.update(&ControllersState {

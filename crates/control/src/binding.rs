@@ -1,0 +1,115 @@
+//! Parameters that follow a sound.
+
+use serde::{Deserialize, Serialize};
+
+use crate::limits::LIMITS;
+use crate::{Curve, Glide};
+
+/// A rule by which a parameter follows an input: `low + (high - low) * curve(input)`.
+///
+/// The model does not know the inputs. The show gives their values, from 0 to 1, to [`Model::hear`](crate::Model::hear).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SoundBinding {
+    /// The name of the input.
+    pub input: String,
+    /// The parameter's value where the input is 0.
+    pub low: f32,
+    /// The parameter's value where the input is 1. It may be less than `low`.
+    pub high: f32,
+    /// The response curve.
+    #[serde(default)]
+    pub curve: Curve,
+    /// The smoothing time in seconds; 0 follows at once.
+    #[serde(default)]
+    pub smoothing: f32,
+}
+
+impl SoundBinding {
+    /// Returns the parameter's value for an input from 0 to 1.
+    pub fn value(&self, input: f32) -> f32 {
+        let input = if input.is_finite() { input.clamp(0.0, 1.0) } else { 0.0 };
+        self.low + (self.high - self.low) * self.curve.at(input)
+    }
+
+    /// Returns the binding with its smoothing time in its limits, or `None` if one of its numbers is not finite.
+    pub fn mended(mut self) -> Option<Self> {
+        let is_finite = [self.low, self.high, self.smoothing].iter().all(|number| number.is_finite());
+        self.smoothing = self.smoothing.clamp(0.0, LIMITS.smoothing_seconds_max);
+        is_finite.then_some(self)
+    }
+
+    /// Returns the binding as an expression of the scene language, where `input` is the input's expression.
+    /// The expression leaves out the smoothing, because an expression has no memory.
+    pub fn expression(&self, input: &str) -> String {
+        let curved = self.curve.expression(input);
+        if (self.low, self.high) == (0.0, 1.0) {
+            curved
+        } else {
+            format!("mix({}, {}, {curved})", self.low, self.high)
+        }
+    }
+}
+
+/// A binding of a parameter, as a slider shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bound {
+    /// The binding.
+    pub binding: SoundBinding,
+    /// True while the sound moves the parameter; false since another controller has changed the parameter.
+    pub is_active: bool,
+}
+
+/// A binding with its present value.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Following {
+    pub binding: SoundBinding,
+    /// The binding's value, smoothed.
+    value: Glide,
+    /// The parameter's value when the binding began.
+    from: f32,
+    /// The weight of the binding's value, which rises to 1.
+    weight: Glide,
+}
+
+impl Following {
+    /// Begins at the parameter's value `from`. The parameter passes to the binding's value within `seconds`.
+    pub(crate) fn new(binding: SoundBinding, from: f32, seconds: f32, now: f64) -> Self {
+        let weight = Glide::at(0.0).ramp(1.0, seconds, now);
+        Self { value: Glide::at(from), weight, from, binding }
+    }
+
+    pub(crate) fn hear(&mut self, input: f32, now: f64) {
+        self.value = self.value.towards(self.binding.value(input), self.binding.smoothing, now);
+    }
+
+    pub(crate) fn value(&self, now: f64) -> f32 {
+        let (value, weight) = (self.value.value(now), self.weight.value(now));
+        // Exact at the end: other code compares bits.
+        if weight >= 1.0 { value } else { self.from + (value - self.from) * weight }
+    }
+
+    pub(crate) fn moves(&self, now: f64) -> bool {
+        self.value.moves(now) || self.weight.moves(now)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_binding_maps_its_input_by_range_and_curve() {
+        let binding =
+            |low, high, curve| SoundBinding { input: "bass".to_owned(), low, high, curve, smoothing: 0.0 };
+        let up = binding(0.5, 2.5, Curve::Slow);
+        assert_eq!([0.0, 0.5, 1.0, 7.0, f32::NAN].map(|x| up.value(x)), [0.5, 1.0, 2.5, 2.5, 0.5]);
+        assert_eq!(binding(1.0, 0.0, Curve::Root).value(0.25), 0.5);
+        assert_eq!(up.expression("bass"), "mix(0.5, 2.5, bass ^ 2)");
+        assert_eq!(up.expression("melody / 88"), "mix(0.5, 2.5, (melody / 88) ^ 2)");
+        assert_eq!(binding(0.0, 1.0, Curve::Fast).expression("bass"), "bass * (2 - bass)");
+        assert_eq!(binding(f32::NAN, 1.0, Curve::Fast).mended(), None);
+        let long = SoundBinding { smoothing: 1e9, ..up };
+        assert_eq!(long.mended().unwrap().smoothing, LIMITS.smoothing_seconds_max);
+    }
+}

@@ -1,0 +1,178 @@
+//! The sound that moves a slider: a button in the slider's row, and the list of sounds below the row.
+
+use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2};
+
+use super::chips::{self, Chip};
+use super::events::UiEvent;
+use super::{params, style};
+use mariana_commands::{Bind, Command};
+use mariana_control::{Bound, ChangedBy, Curve, Slider, SoundBinding};
+use mariana_field::graph::UnitInput;
+
+/// The smoothing times to choose from, in seconds.
+const TIMES: [(f32, &str); 5] =
+    [(0.0, "at once"), (0.1, "0.1 s"), (0.3, "0.3 s"), (1.0, "1 s"), (3.0, "3 s")];
+
+/// The slider whose sounds are listed.
+#[derive(Debug, Default)]
+pub(super) struct OpenBinding {
+    name: Option<String>,
+    lists_all: bool,
+}
+
+impl OpenBinding {
+    pub(super) fn is_of(&self, name: &str) -> bool {
+        self.name.as_deref() == Some(name)
+    }
+
+    fn toggle(&mut self, name: &str) {
+        *self = Self { name: (!self.is_of(name)).then(|| name.to_owned()), lists_all: false };
+    }
+}
+
+/// The name of the sound that moves the slider; `None` if no sound moves it.
+pub(super) fn words(slider: &Slider) -> Option<String> {
+    let bound = slider.bound.as_ref().filter(|_| slider.changed_by == ChangedBy::Sound)?;
+    Some(UnitInput::named(&bound.binding.input).map_or_else(|| bound.binding.input.clone(), UnitInput::label))
+}
+
+/// Draws the button that opens the list of sounds.
+pub(super) fn button(ui: &Ui, rect: Rect, slider: &Slider, open: &mut OpenBinding) {
+    let response = ui.interact(rect, ui.scope_id().with("bind"), Sense::click());
+    let is_active = slider.bound.as_ref().is_some_and(|bound| bound.is_active);
+    let is_open = open.is_of(&slider.name);
+    let color = match (is_active, response.hovered() || is_open) {
+        (true, _) => style::ACCENT,
+        (false, true) => style::TEXT,
+        (false, false) => style::DIM,
+    };
+    if is_open {
+        ui.painter().rect_filled(rect, 4.0, style::RAIL);
+    }
+    ui.painter().add(Shape::line(wave(rect.shrink(2.0)), Stroke::new(1.6, color)));
+    response.widget_info(|| {
+        WidgetInfo::selected(egui::Role::Button, true, is_open, format!("bind {} to a sound", slider.name))
+    });
+    if response.clicked() {
+        open.toggle(&slider.name);
+    }
+}
+
+fn wave(rect: Rect) -> Vec<Pos2> {
+    let at = |step: u8| {
+        let x = f32::from(step) / 16.0;
+        let y = (x * std::f32::consts::TAU).sin();
+        pos2(rect.left() + x * rect.width(), rect.center().y - 0.4 * y * rect.height())
+    };
+    (0..=16).map(at).collect()
+}
+
+/// Draws the settings of the slider's binding, and the list of sounds.
+pub(super) fn show(ui: &mut Ui, slider: &Slider, open: &mut OpenBinding, events: &mut Vec<UiEvent>) {
+    let bind = |binding| UiEvent::Command(Command::Bind(Bind { name: slider.name.clone(), binding }));
+    if let Some(bound) = &slider.bound {
+        if let Some(changed) = settings(ui, slider, &bound.binding) {
+            events.push(bind(Some(changed)));
+        }
+        match chips::row(ui, "acts", &acts(slider, bound)) {
+            Some(0) if bound.is_active => {
+                events.push(bind(None));
+                *open = OpenBinding::default();
+            }
+            Some(0) => events.push(bind(Some(bound.binding.clone()))),
+            Some(_) => events.push(UiEvent::Command(Command::WriteBinding(slider.name.clone()))),
+            None => {}
+        }
+        ui.add_space(2.0);
+    }
+    let chosen = slider.bound.as_ref().filter(|bound| bound.is_active).map(|bound| &*bound.binding.input);
+    if let Some(input) = inputs(ui, &slider.name, chosen, open) {
+        let before = slider.bound.as_ref().map(|bound| bound.binding.clone());
+        let (low, high) = range_of(slider);
+        let plain = SoundBinding { input: String::new(), low, high, curve: Curve::Linear, smoothing: 0.0 };
+        events.push(bind(Some(SoundBinding { input: input.name(), ..before.unwrap_or(plain) })));
+    }
+    ui.add_space(6.0);
+}
+
+/// The range of a new binding: from the present value to the greatest value, so that silence changes nothing.
+fn range_of(slider: &Slider) -> (f32, f32) {
+    let value = slider.clamped(slider.value);
+    if value < slider.max { (value, slider.max) } else { (slider.min, slider.max) }
+}
+
+fn acts(slider: &Slider, bound: &Bound) -> [Chip<'static>; 2] {
+    let name = &slider.name;
+    let first = match bound.is_active {
+        true => Chip::new("unbind", format!("end the binding of {name}"), false),
+        false => Chip::new("bind again", format!("bind {name} again"), false),
+    };
+    [first, Chip::new("write into the scene", format!("write the binding of {name} into the scene"), false)]
+}
+
+/// Draws range, curve and smoothing. Returns the binding if one of them changed.
+fn settings(ui: &mut Ui, slider: &Slider, binding: &SoundBinding) -> Option<SoundBinding> {
+    let mut changed = None;
+    for (end, value) in [("low", binding.low), ("high", binding.high)] {
+        let mut rail = Slider {
+            name: format!("{} of {}", end, slider.name),
+            value: slider.clamped(value),
+            default: if end == "low" { slider.min } else { slider.max },
+            bound: None,
+            ..slider.clone()
+        };
+        caption(ui, end, &rail.value_text());
+        let before = rail.value;
+        ui.push_id(end, |ui| params::rail(ui, &mut rail));
+        if rail.value.to_bits() != before.to_bits() {
+            let mut new = binding.clone();
+            *(if end == "low" { &mut new.low } else { &mut new.high }) = rail.value;
+            changed = Some(new);
+        }
+    }
+    let curve = |curve: Curve| {
+        Chip::new(curve.name(), format!("curve of {}: {}", slider.name, curve.name()), curve == binding.curve)
+    };
+    if let Some(place) = chips::row(ui, "curve", &Curve::ALL.map(curve)) {
+        let curve = Curve::ALL.get(place).copied().unwrap_or_default();
+        changed = Some(SoundBinding { curve, ..binding.clone() });
+    }
+    let time = |(seconds, words): (f32, &'static str)| {
+        Chip::new(words, format!("smoothing of {}: {words}", slider.name), seconds == binding.smoothing)
+    };
+    if let Some(place) = chips::row(ui, "smoothing", &TIMES.map(time)) {
+        let smoothing = TIMES.get(place).map_or(0.0, |(seconds, _)| *seconds);
+        changed = Some(SoundBinding { smoothing, ..binding.clone() });
+    }
+    changed
+}
+
+fn caption(ui: &mut Ui, left: &str, right: &str) {
+    let font = style::proportional(style::SMALL_SIZE);
+    let (line, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 14.0), Sense::hover());
+    let painter = ui.painter();
+    painter.text(line.left_center(), egui::Align2::LEFT_CENTER, left, font, style::DIM);
+    let font = style::monospace(style::SMALL_SIZE);
+    painter.text(line.right_center(), egui::Align2::RIGHT_CENTER, right, font, style::DIM);
+}
+
+/// Draws the list of sounds. Returns the clicked one.
+fn inputs(ui: &mut Ui, name: &str, chosen: Option<&str>, open: &mut OpenBinding) -> Option<UnitInput> {
+    let others = UnitInput::others().filter(|input| open.lists_all || chosen == Some(&*input.name()));
+    let listed: Vec<UnitInput> = UnitInput::first().chain(others).collect();
+    let labels: Vec<String> = listed.iter().map(|input| input.label()).collect();
+    let mut chips: Vec<Chip<'_>> = listed
+        .iter()
+        .zip(&labels)
+        .map(|(input, label)| {
+            Chip::new(label, format!("bind {name} to {label}"), chosen == Some(&*input.name()))
+        })
+        .collect();
+    if !open.lists_all {
+        chips.push(Chip::new("more…", format!("more sounds for {name}"), false));
+    }
+    let place = chips::row(ui, "sounds", &chips)?;
+    let input = listed.get(place).copied();
+    open.lists_all |= input.is_none();
+    input
+}

@@ -1,0 +1,61 @@
+//! Small buttons side by side, in as many lines as needed.
+
+use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
+
+use super::style;
+
+/// Height of a chip in points.
+const HEIGHT: f32 = 20.0;
+const PADDING: f32 = 6.0;
+const GAP: f32 = 3.0;
+
+/// A button of a row.
+pub(super) struct Chip<'a> {
+    pub text: &'a str,
+    /// The name for screen readers.
+    pub name: String,
+    /// True for a chosen value, which is filled.
+    pub is_chosen: bool,
+    /// True for the number of a snapshot that has not been taken.
+    pub is_dim: bool,
+}
+
+impl<'a> Chip<'a> {
+    pub(super) fn new(text: &'a str, name: String, is_chosen: bool) -> Self {
+        Self { text, name, is_chosen, is_dim: false }
+    }
+}
+
+/// Draws a row of chips. Returns the index of the clicked chip.
+pub(super) fn row(ui: &mut Ui, id: &str, chips: &[Chip<'_>]) -> Option<usize> {
+    let mut clicked = None;
+    ui.push_id(id, |ui| {
+        ui.spacing_mut().item_spacing = vec2(GAP, GAP);
+        ui.horizontal_wrapped(|ui| {
+            for (place, chip) in chips.iter().enumerate() {
+                if draw(ui, chip) {
+                    clicked = Some(place);
+                }
+            }
+        });
+    });
+    clicked
+}
+
+fn draw(ui: &mut Ui, chip: &Chip<'_>) -> bool {
+    let font = style::proportional(style::SMALL_SIZE);
+    let plain = if chip.is_dim { style::DIM } else { style::BUTTON };
+    let galley = style::line(ui.painter(), chip.text, font, plain, ui.max_rect().width() - 2.0 * PADDING);
+    let size = vec2(galley.size().x + 2.0 * PADDING, HEIGHT);
+    let (rect, response): (Rect, _) = ui.allocate_exact_size(size, Sense::click());
+    let (fill, color) = match (chip.is_chosen, response.hovered()) {
+        (true, _) => (style::ACCENT, style::ON_ACCENT),
+        (false, true) => (style::AHEAD, style::TEXT),
+        (false, false) => (style::RAIL, plain),
+    };
+    ui.painter().rect_filled(rect, 4.0, fill);
+    let place = rect.center() - 0.5 * galley.size();
+    ui.painter().galley_with_override_text_color(place, galley, color);
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, chip.is_chosen, &chip.name));
+    response.clicked()
+}

@@ -1,0 +1,112 @@
+//! Tests of the sounds that move sliders, and of the snapshots, with the pointer.
+
+use super::*;
+use crate::overlay::content::SnapshotRow;
+use egui::accesskit::{NodeId, TreeUpdate};
+use mariana_commands::Bind;
+use mariana_control::{Bound, Curve, SoundBinding};
+
+/// The middle of the control with this name for screen readers.
+fn place(update: &TreeUpdate, name: &str) -> Option<Pos2> {
+    let by_name = |(_, node): &&(NodeId, egui::accesskit::Node)| node.label() == Some(name);
+    let bounds = update.nodes.iter().find(by_name)?.1.bounds()?;
+    Some(Pos2::new((0.5 * (bounds.x0 + bounds.x1)) as f32, (0.5 * (bounds.y0 + bounds.y1)) as f32))
+}
+
+struct Desk {
+    stage: Stage,
+    sliders: Vec<Slider>,
+    snapshots: SnapshotRow,
+}
+
+impl Desk {
+    fn new(screen: Vec2) -> Self {
+        let stage = Stage::new(screen);
+        stage.panels.context().enable_accesskit();
+        let mut desk = Self { stage, sliders: sliders(2), snapshots: SnapshotRow::default() };
+        desk.frame(Vec::new());
+        desk
+    }
+
+    fn frame(&mut self, events: Vec<Event>) -> LaidOut {
+        let snapshots = self.snapshots;
+        let content = OverlayContent { params: Some(&mut self.sliders), snapshots, ..Default::default() };
+        self.stage.frame(events, content)
+    }
+
+    /// Clicks the control with this name for screen readers.
+    fn click(&mut self, name: &str) -> Vec<UiEvent> {
+        self.frame(Vec::new());
+        let update = self.frame(Vec::new()).output.platform_output.accesskit_update.unwrap();
+        let at = place(&update, name).unwrap_or_else(|| panic!("no control '{name}'"));
+        assert!(self.stage.screen.contains(at), "'{name}' is outside the window");
+        let button = |pressed| Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        self.stage.seconds += 2.0;
+        let events = [vec![Event::PointerMoved(at)], vec![button(true)], vec![button(false)]];
+        events.into_iter().flat_map(|events| self.frame(events).events).collect()
+    }
+}
+
+fn bind(binding: Option<SoundBinding>) -> Vec<UiEvent> {
+    vec![UiEvent::Command(Command::Bind(Bind { name: "knob 1".to_owned(), binding }))]
+}
+
+#[test]
+fn two_clicks_bind_a_slider_and_more_clicks_shape_the_binding() {
+    for screen in [SCREEN, Vec2::new(640.0, 360.0)] {
+        let mut desk = Desk::new(screen);
+        assert_eq!(desk.click("bind knob 1 to a sound"), []);
+        let binding = SoundBinding {
+            input: "bass".to_owned(),
+            low: 0.0,
+            high: 4.0,
+            curve: Curve::Linear,
+            smoothing: 0.0,
+        };
+        assert_eq!(desk.click("bind knob 1 to bass"), bind(Some(binding.clone())));
+        desk.sliders[1].bound = Some(Bound { binding: binding.clone(), is_active: true });
+        desk.sliders[1].changed_by = ChangedBy::Sound;
+        let texts = drawn(&desk.frame(Vec::new())).1;
+        assert!(place_of(&texts, "bass").area() > 50.0, "the row does not name its sound");
+        let root = SoundBinding { curve: Curve::Root, ..binding.clone() };
+        assert_eq!(desk.click("curve of knob 1: root"), bind(Some(root)));
+        let soft = SoundBinding { smoothing: 0.3, ..binding.clone() };
+        assert_eq!(desk.click("smoothing of knob 1: 0.3 s"), bind(Some(soft)));
+        let write = [UiEvent::Command(Command::WriteBinding("knob 1".to_owned()))];
+        assert_eq!(desk.click("write the binding of knob 1 into the scene"), write);
+        // The middle of the rail.
+        let low = SoundBinding { low: 2.0, ..binding.clone() };
+        assert_eq!(desk.click("low of knob 1"), bind(Some(low)));
+        assert_eq!(desk.click("end the binding of knob 1"), bind(None));
+    }
+}
+
+#[test]
+fn the_list_of_sounds_has_all_sounds_on_request() {
+    let mut desk = Desk::new(SCREEN);
+    desk.click("bind knob 0 to a sound");
+    assert_eq!(desk.click("more sounds for knob 0"), []);
+    let UiEvent::Command(Command::Bind(Bind { binding: Some(binding), .. })) =
+        desk.click("bind knob 0 to loudness").remove(0)
+    else {
+        panic!("no binding")
+    };
+    assert_eq!(binding.input, "loudness");
+}
+
+#[test]
+fn the_row_of_snapshots_takes_and_recalls() {
+    let mut desk = Desk::new(Vec2::new(640.0, 360.0));
+    let command = |command| vec![UiEvent::Command(command)];
+    assert_eq!(desk.click("take snapshot 8"), command(Command::Snapshot(8)));
+    desk.snapshots.taken[1] = true;
+    assert_eq!(desk.click("recall snapshot 2"), command(Command::Snapshot(2)));
+    assert_eq!(desk.click("take the next snapshot again"), command(Command::TakeNext(Switch::Toggle)));
+    assert_eq!(desk.click("recall snapshots over a bar"), command(Command::Morph(Switch::Toggle)));
+    assert_eq!(desk.click("write the snapshots as a show"), command(Command::WriteSnapshots));
+}

@@ -1,0 +1,140 @@
+//! Snapshots of the sliders, and the sounds that move sliders.
+
+use std::collections::BTreeMap;
+
+use super::{Playback, Session};
+use crate::commands::{Bind, SnapshotKeys};
+use crate::config::{PerformanceFiles, Snapshot};
+use crate::session::recording::named;
+use crate::show::{print, snapshot_cues};
+use crate::ui::overlay::{SNAPSHOTS, SnapshotRow};
+
+/// Duration of a bar while the tempo is unknown, in seconds.
+const BAR_SECONDS: f32 = 2.0;
+const BEATS_IN_BAR: f32 = 4.0;
+
+/// The effect of the snapshot keys, and the show files of snapshots.
+#[derive(Default)]
+pub(super) struct Snapshots {
+    pub keys: SnapshotKeys,
+    files: Option<PerformanceFiles>,
+    written: u64,
+}
+
+impl Session {
+    /// Recalls a snapshot. Takes it the first time, and when the user wants the next snapshot to be taken.
+    pub(super) fn press_snapshot(&mut self, number: usize) {
+        let takes = std::mem::take(&mut self.snapshots.keys.takes);
+        match self.playback.snapshot(number).filter(|_| !takes) {
+            Some(snapshot) => {
+                let seconds = if self.snapshots.keys.morphs { self.playback.bar_seconds() } else { 0.0 };
+                self.playback.scene.shown_parameters_mut().recall(&snapshot, seconds);
+                self.playback.reports.answer(format!("snapshot {number}"));
+            }
+            None => self.playback.take_snapshot(number),
+        }
+    }
+
+    pub(super) fn toggle_take(&mut self) {
+        self.snapshots.keys.takes = !self.snapshots.keys.takes;
+        let words = match self.snapshots.keys.takes {
+            true => "the next snapshot key takes its snapshot again: press Shift+1 to Shift+8",
+            false => "snapshot keys recall their snapshots",
+        };
+        self.playback.reports.answer(words.to_owned());
+    }
+
+    pub(super) fn toggle_morph(&mut self) {
+        self.snapshots.keys.morphs = !self.snapshots.keys.morphs;
+        let words = match self.snapshots.keys.morphs {
+            true => "snapshots change the sliders over a bar",
+            false => "snapshots change the sliders at once",
+        };
+        self.playback.reports.answer(words.to_owned());
+    }
+
+    /// Writes the scene's snapshots as a show file in the folder of recordings.
+    pub(super) fn write_snapshots(&mut self) {
+        let Some(source) = self.playback.scene.scenes().shown_source() else { return };
+        let (title, scene) = (source.title(), named(source));
+        let Some(snapshots) = self.playback.listening.settings().snapshots.get(&title) else {
+            let words = "this scene has no snapshots: press Shift+1 to take one";
+            return self.playback.reports.answer(words.to_owned());
+        };
+        let comments = [
+            format!("The snapshots of {title}. Enter shows the next one."),
+            "Perform it with `mariana SONG --show FILE`.".to_owned(),
+        ];
+        let cues = snapshot_cues(&scene, snapshots.values().map(|snapshot| &snapshot.sliders));
+        let folders = &self.interface.folders;
+        let files = self.snapshots.files.get_or_insert_with(|| PerformanceFiles::among(folders));
+        self.snapshots.written += 1;
+        if !files.keep(self.snapshots.written, &format!("{title} snapshots"), move || print(&cues, &comments))
+        {
+            let words = "there is no folder for show files: set the environment variable HOME";
+            self.playback.reports.answer(words.to_owned());
+        }
+    }
+
+    fn tell_snapshots(&mut self) {
+        let Some(written) = self.snapshots.files.as_ref().and_then(PerformanceFiles::poll) else { return };
+        let words = match written {
+            Ok(path) => format!("written: {}; start it with --show FILE", path.display()),
+            Err(error) => format!("{error}: the snapshots are not written; free some disk space"),
+        };
+        tracing::info!("{words}");
+        self.playback.reports.answer(words);
+    }
+
+    /// Updates the row of snapshots below the sliders, and reports a written show file.
+    pub(super) fn update_snapshots(&mut self) {
+        let mut taken = [false; SNAPSHOTS];
+        for number in self.playback.snapshot_numbers() {
+            if let Some(taken) = number.checked_sub(1).and_then(|place| taken.get_mut(place)) {
+                *taken = true;
+            }
+        }
+        self.interface.ui_state.snapshots = SnapshotRow { taken, keys: self.snapshots.keys };
+        self.tell_snapshots();
+    }
+}
+
+impl Playback {
+    pub(super) fn bind(&mut self, Bind { name, binding }: Bind) {
+        if !self.scene.shown_parameters_mut().bind(&name, binding) {
+            self.reports.answer(format!("this scene has no parameter '{name}'"));
+        }
+    }
+
+    /// The numbers of the shown scene's snapshots, from 1.
+    pub(super) fn snapshot_numbers(&self) -> impl Iterator<Item = usize> {
+        let title = self.scene.scenes().name().unwrap_or_default();
+        let saved = self.listening.settings().snapshots.get(&title);
+        saved.into_iter().flat_map(BTreeMap::keys).filter_map(|number| number.parse().ok())
+    }
+
+    fn snapshot(&self, number: usize) -> Option<Snapshot> {
+        let title = self.scene.scenes().name()?;
+        self.listening.settings().snapshots.get(&title)?.get(&number.to_string()).cloned()
+    }
+
+    fn take_snapshot(&mut self, number: usize) {
+        if !(1..=SNAPSHOTS).contains(&number) {
+            return self.reports.answer(format!("there is no snapshot {number}: use 1 to {SNAPSHOTS}"));
+        }
+        let Some(snapshot) = self.scene.shown_parameters().snapshot() else {
+            return self.reports.answer("this scene has no sliders to take a snapshot of".to_owned());
+        };
+        let title = self.scene.scenes().name().unwrap_or_default();
+        self.listening.remember(move |settings| {
+            let of_scene = settings.snapshots.entry(title.clone()).or_default();
+            of_scene.insert(number.to_string(), snapshot.clone());
+        });
+        self.reports.answer(format!("snapshot {number} is taken: Shift+{number} recalls it"));
+    }
+
+    fn bar_seconds(&self) -> f32 {
+        let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
+        if tempo > 0.0 { BEATS_IN_BAR * 60.0 / tempo } else { BAR_SECONDS }
+    }
+}
