@@ -76,6 +76,9 @@ impl Session {
                 self.interface.show_scene_in_editor(&mut self.playback);
             }
             Command::ReloadScene => self.playback.scene.library_mut().load_again(),
+            Command::Surprise(number) => self.surprise(number),
+            Command::SurpriseBack => self.surprise_back(),
+            Command::KeepSurprise => self.keep_surprise(),
             Command::TurnNumbers(turned) => {
                 self.playback.scene.parameters_mut().turn_numbers(&turned.file, turned.values)
             }

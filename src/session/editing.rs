@@ -32,10 +32,15 @@ impl Session {
         if !open {
             editor.close_probed();
         }
-        if open {
-            editor.show_scene(self.playback.scene.library().wanted());
+        let wanted = self.playback.scene.library().wanted();
+        let is_unsaved = self.surprises.is_unsaved(wanted);
+        if open && !is_unsaved {
+            editor.show_scene(wanted);
         }
         self.follow_editor();
+        if open && is_unsaved {
+            self.keep_surprise();
+        }
     }
 
     /// Takes input for the editor. Returns `true` if the text consumed the input.
@@ -81,8 +86,9 @@ impl Session {
         if editor.tells_mistakes() {
             self.interface.typing_times.note_mistake();
         }
-        if open {
-            editor.show_scene(self.playback.scene.library().wanted());
+        let wanted = self.playback.scene.library().wanted();
+        if open && !self.surprises.is_unsaved(wanted) {
+            editor.show_scene(wanted);
         }
         self.follow_editor();
     }

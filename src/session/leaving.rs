@@ -103,9 +103,9 @@ impl Session {
             fullscreen,
             size: self.screen.size().filter(|_| !fullscreen).or(before.size),
             place: self.screen.place().or(before.place),
-            scene: name_of(
+            scene: name_of(self.surprises.lasting(
                 self.playback.scene.scenes().shown_source().unwrap_or(self.playback.scene.library().wanted()),
-            )
+            ))
             .or(before.scene),
             volume: before.volume,
             track: if self.choices.last_tracks { before.track } else { 0 },

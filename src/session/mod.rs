@@ -38,9 +38,11 @@ mod sending;
 mod settings;
 mod snapshots;
 pub(crate) mod sound;
+mod surprising;
 mod title;
 mod typing_times;
 mod ui_state;
+mod variations;
 pub mod waker;
 
 pub use error::SessionError;
@@ -102,6 +104,7 @@ pub(crate) struct Session {
     waited: Option<(Instant, (u32, u32))>,
     legacy: leaving::Legacy,
     snapshots: snapshots::Snapshots,
+    surprises: variations::Surprises,
     // The last field, because the fields above hold OpenGL objects and must be dropped first.
     screen: Box<dyn Screen>,
 }

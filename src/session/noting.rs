@@ -9,10 +9,11 @@ use crate::show::Finish;
 use mariana_player::Moment;
 
 impl Session {
-    /// Takes the results of the threads that write shows.
+    /// Takes the results of the threads that write shows and scenes.
     pub(super) fn take_written(&mut self) {
         self.playback.tell_recording();
         self.update_snapshots();
+        self.update_surprises();
     }
 }
 

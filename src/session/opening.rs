@@ -144,6 +144,7 @@ impl Opening<'_> {
             waited: None,
             legacy: Default::default(),
             snapshots: Default::default(),
+            surprises: Default::default(),
             screen,
         })
     }

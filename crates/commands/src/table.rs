@@ -238,6 +238,32 @@ commands! {
     ShowScene(Box<SceneSource>) {}
     /// Reloads the scene. Unsaved edits in the editor are shown too.
     ReloadScene {}
+    /// Shows a variation of the scene, made from this number; 0 takes a new number.
+    Surprise(f32) {
+        name: Some("surprise"),
+        control: Some(Control::Number(C::Surprise, Some(0.0))),
+        bindings: &[keys!(
+            Key::Named(NamedKey::F5) => C::Surprise(0.0), "F5", "surprise me: another variation of this scene"
+        )],
+    }
+    /// Returns to the variation before, and at last to the scene itself.
+    SurpriseBack {
+        name: Some("surprise_back"),
+        control: Some(Control::Press(|| C::SurpriseBack)),
+        bindings: &[keys!(
+            Key::Named(NamedKey::F6) => C::SurpriseBack,
+            "F6", "back to the variation before, and at last to the scene itself"
+        )],
+    }
+    /// Saves the shown variation as a scene of the user.
+    KeepSurprise {
+        name: Some("keep_surprise"),
+        control: Some(Control::Press(|| C::KeepSurprise)),
+        for_phones: false,
+        bindings: &[keys!(
+            Key::Named(NamedKey::F7) => C::KeepSurprise, "F7", "save this variation as a scene of your own"
+        )],
+    }
     /// Changes numbers in a scene's text and shows the result without parsing the text again.
     TurnNumbers(TurnedNumbers) {}
     /// Marks the scenes with these titles, and removes all other marks.

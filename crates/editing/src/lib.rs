@@ -15,6 +15,7 @@ mod find;
 mod history;
 pub mod limits;
 mod movement;
+mod mutation;
 mod numbers;
 mod triples;
 
@@ -26,5 +27,6 @@ pub use editing::{Editing, Refused};
 pub use find::find;
 pub use history::Change;
 pub use movement::Move;
+pub use mutation::mutated;
 pub use numbers::{Number, TurnSpeed, numbers_before};
 pub use triples::{Triple, TripleKind, triples, written_part};

@@ -1,0 +1,163 @@
+//! "Surprise me": random variations of the shown scene, which exist only as drafts until the user keeps one.
+//!
+//! A variation is made from the text of the scene and a number, so the number makes it again. It is a scene of its own
+//! with its own sliders: the scene that it varies is never changed.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread::Builder;
+
+use super::Session;
+use super::variations::{Variation, vary, words_of};
+use crate::documents::{FileEvent, FileThread};
+use crate::scenes::SceneSource;
+
+/// Greatest number that a controller may send. Greater numbers are not exact in a message.
+const NUMBER_MAX: u64 = 1 << 24;
+/// Number of variations to try if the loader refuses one.
+const TRIES: u64 = 8;
+
+impl Session {
+    /// Shows the variation with this number of the scene; 0 takes a new number.
+    pub(super) fn surprise(&mut self, number: f32) {
+        if self.surprises.coming.is_some() {
+            return;
+        }
+        let wanted = match self.playback.scene.library().wanted() {
+            SceneSource::Blend(blend) => blend.to.source.clone(),
+            source => source.clone(),
+        };
+        if !self.surprises.is_unsaved(&wanted) {
+            self.forget_surprises();
+            self.surprises.original = Some(wanted);
+        }
+        let Some(original) = self.surprises.original.clone() else { return };
+        let own_scenes = self.interface.folders.data.as_ref().map(|data| data.join("scenes"));
+        let folder = original.file().and_then(Path::parent).map(Path::to_owned).or(own_scenes);
+        let Some(folder) = folder else {
+            let words = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";
+            return self.playback.reports.answer(words.to_owned());
+        };
+        let is_number = number.is_finite() && number >= 1.0;
+        let number = if is_number { (number as u64).min(NUMBER_MAX) } else { self.surprises.next_number() };
+        let tries = if is_number { 1 } else { TRIES };
+        let (tell, coming) = channel();
+        let (drafts, waker) = (self.interface.drafts.clone(), self.interface.waker.clone());
+        // Reading and checking a scene may take longer than a frame.
+        let started = Builder::new().name("surprise".into()).spawn(move || {
+            let _ = tell.send(vary(&original, &folder, &drafts, number..number + tries));
+            waker.wake();
+        });
+        match started {
+            Ok(_) => self.surprises.coming = Some(coming),
+            Err(error) => self.playback.reports.answer(format!("cannot vary the scene: {error}")),
+        }
+    }
+
+    /// Shows the variation before, and at last the scene itself.
+    pub(super) fn surprise_back(&mut self) {
+        let wanted = self.playback.scene.library().wanted();
+        let last = self.surprises.variation(wanted).is_some().then(|| self.surprises.shown.pop()).flatten();
+        let Some(last) = last else {
+            return self
+                .playback
+                .reports
+                .answer("this is the scene itself: press F5 for a variation".to_owned());
+        };
+        let (source, words) = match (self.surprises.shown.last(), self.surprises.original.clone()) {
+            (Some(before), _) => (SceneSource::File(before.file.clone()), words_of(before.number)),
+            (None, Some(original)) => (original, "the scene itself again".to_owned()),
+            (None, None) => return,
+        };
+        self.playback.scene.show_source(source);
+        self.playback.reports.answer(words);
+        if !self.surprises.shown.iter().any(|one| one.file == last.file) {
+            self.interface.drafts.remove(&last.file);
+        }
+    }
+
+    /// Saves the shown variation in the folder of the scene that it varies; for a shipped scene, of the user's scenes.
+    pub(super) fn keep_surprise(&mut self) {
+        let wanted = self.playback.scene.library().wanted();
+        let Some(Variation { file, text, .. }) = self.surprises.variation(wanted) else {
+            let words = "only a variation can be kept: press F5 for a variation";
+            return self.playback.reports.answer(words.to_owned());
+        };
+        if self.surprises.keeping.is_some() {
+            return;
+        }
+        let (file, text) = (file.clone(), text.clone());
+        if self.surprises.files.is_none() {
+            let waker = self.interface.waker.clone();
+            match FileThread::start(&self.interface.folders, move || waker.wake()) {
+                Ok(files) => self.surprises.files = Some(files),
+                Err(error) => {
+                    return self.playback.reports.answer(format!("cannot save the variation: {error}"));
+                }
+            }
+        }
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if let Some((files, folder)) = self.surprises.files.as_ref().zip(file.parent()) {
+            files.create(folder, &name, text.as_bytes().into());
+            self.surprises.keeping = Some(file);
+        }
+    }
+
+    pub(super) fn update_surprises(&mut self) {
+        match self.surprises.coming.as_ref().map(Receiver::try_recv) {
+            Some(Ok(Ok(variation))) => {
+                self.surprises.coming = None;
+                self.show_variation(variation);
+            }
+            Some(Ok(Err(words))) => {
+                self.surprises.coming = None;
+                self.playback.reports.answer(words);
+            }
+            Some(Err(TryRecvError::Disconnected)) => self.surprises.coming = None,
+            Some(Err(TryRecvError::Empty)) | None => {}
+        }
+        while let Some(event) = self.surprises.files.as_ref().and_then(FileThread::file_events) {
+            match event {
+                FileEvent::Created { file } => self.take_kept(file),
+                FileEvent::Failed { reason, .. } => {
+                    (self.surprises.keeping, self.surprises.is_unkeepable) = (None, true);
+                    self.playback.reports.answer(reason);
+                }
+                _ => {}
+            }
+        }
+        // A recorded show names its scenes by their files.
+        let shown = self.playback.scene.scenes().shown_source();
+        let may_keep = self.playback.is_recording() && !self.surprises.is_unkeepable;
+        if may_keep && shown.is_some_and(|shown| self.surprises.is_unsaved(shown)) {
+            self.keep_surprise();
+        }
+    }
+
+    fn show_variation(&mut self, variation: Variation) {
+        let Variation { number, file, text } = &variation;
+        self.interface.drafts.set(file, text.as_bytes().into());
+        self.playback.scene.show_source(SceneSource::File(file.clone()));
+        self.playback.reports.answer(words_of(*number));
+        self.surprises.is_unkeepable = false;
+        self.surprises.shown.push(variation);
+    }
+
+    /// Shows the saved file of a variation. From now on it is a scene like any other.
+    fn take_kept(&mut self, file: PathBuf) {
+        let Some(kept) = self.surprises.keeping.take() else { return };
+        self.surprises.shown.retain(|one| one.file != kept);
+        self.interface.drafts.remove(&kept);
+        let is_shown = self.playback.scene.library().wanted().file() == Some(&kept);
+        if file != kept && is_shown {
+            self.playback.scene.show_source(SceneSource::File(file.clone()));
+        }
+        self.playback.reports.answer(format!("kept as {}", file.display()));
+    }
+
+    fn forget_surprises(&mut self) {
+        for variation in self.surprises.shown.drain(..) {
+            self.interface.drafts.remove(&variation.file);
+        }
+    }
+}
