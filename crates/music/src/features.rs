@@ -23,6 +23,15 @@ macro_rules! features {
                 Self { $($name: $between(self.$name, other.$name, amount),)+ }
             }
 
+            /// True if the number called `name` in scenes is interpolated linearly between moments.
+            pub(super) fn is_mixed(name: &str) -> bool {
+                match name {
+                    "volume.x" | "volume.y" | "loudness" => true,
+                    $(stringify!($name) => stringify!($between) == "mixed",)+
+                    _ => false,
+                }
+            }
+
             fn row(&self, name: &str) -> Option<f32> {
                 match name {
                     $(stringify!($name) => self.$name.number_alone(),)+

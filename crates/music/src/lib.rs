@@ -46,6 +46,7 @@ mod live_energy;
 mod loudness;
 mod notes;
 mod onset;
+mod parts;
 mod pitch;
 mod repetition;
 mod resolution;
@@ -72,6 +73,7 @@ pub use features::{Features, TimedFeatures};
 pub use gain::Gain;
 pub use live_energy::LiveEnergy;
 pub use loudness::LOUDNESS_FLOOR;
+pub use parts::{KeptNumber, PART_NAMES, PART_TRACK_VERSION, PartListener, PartTrack, PartTracks};
 pub use scale::{
     BAND_COUNT, BAND_HIGHEST_HZ, BAND_LOWEST_HZ, LEVEL_FLOOR_DB, NOTE_COUNT, SPECTRUM_POINTS, WAVE_PER_HOP,
     spectrum_hz, spectrum_place,

@@ -13,6 +13,7 @@
 //! | [`ffmpeg`] | command lines of ffmpeg and ffprobe, with a demuxer for each input | caller |
 //! | [`playlist`], [`track`] | choose tracks and their order, and open them ahead of time | list thread |
 //! | [`lyrics`] | reads lyrics with times | caller |
+//! | [`stems`] | finds and opens the stems of a song | caller |
 //! | [`listed`] | the list as a window shows it | shared, locked briefly |
 //! | [`player`] | the handle for the window; the decoding and analysis threads | |
 //! | [`audible_segments`] | map frames of a segment to song time and features | shared, locked briefly |
@@ -55,6 +56,7 @@ mod server_connection;
 mod server_connection;
 pub mod song;
 pub mod source;
+pub mod stems;
 mod supervisor;
 pub mod track;
 mod worker;

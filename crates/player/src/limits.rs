@@ -27,6 +27,8 @@ pub struct Limits {
     pub cover_bytes_max: usize,
     /// Maximum size of lyrics, in bytes.
     pub lyrics_bytes_max: u64,
+    /// Maximum number of files of a folder that are examined for stems.
+    pub stem_files_max: usize,
     /// Maximum time, in seconds, that ffmpeg may take to deliver the next data of a file.
     pub ffmpeg_wait_seconds: f64,
     /// Maximum length of a track, in seconds, for which a loudness shape is measured.
@@ -49,6 +51,7 @@ pub const LIMITS: Limits = Limits {
     name_letters_max: 300,
     cover_bytes_max: 1 << 24,
     lyrics_bytes_max: 1 << 20,
+    stem_files_max: 10_000,
     ffmpeg_wait_seconds: 10.0,
     shape_seconds_max: 3.0 * 3_600.0,
     latency_ms_max: 5_000.0,

@@ -86,6 +86,14 @@ pub enum DecodeError {
         /// The file's name.
         name: String,
     },
+    /// The container has no audio track with this number.
+    #[error("{name} has no audio track {number}; export the file again with all its tracks")]
+    NoTrack {
+        /// The file's name.
+        name: String,
+        /// The number, from 1.
+        number: usize,
+    },
     /// The stream was recognised but cannot be decoded.
     #[error("{name} is damaged: {what}; fetch or export the file again")]
     Damaged {

@@ -1,5 +1,5 @@
 //! Decoding of audio files to stereo frames. [`Decoder`] finds the container by its content and picks the first audio
-//! track that can be decoded. It yields the track's frames, mixed down to stereo ([`downmix`]), at the rate of the
+//! track that can be decoded, or a given track. It yields the track's frames, mixed down to stereo ([`downmix`]), at the rate of the
 //! file. [`native`] decodes common formats. Files whose format or codec is not supported by `native` go to [`ffmpeg`],
 //! if it is installed. Damaged files do not go to `ffmpeg`.
 
@@ -71,7 +71,7 @@ impl Decoder {
     pub fn open(path: &Path) -> Result<Self, DecodeError> {
         let input = Input::file(path)?;
         let name = input.name();
-        let refusal = match NativeDecoder::open(input) {
+        let refusal = match NativeDecoder::open(input, None) {
             Err(refusal) if refusal.is_unsupported() => refusal,
             opened => return Ok(Self(By::Native(Box::new(opened?)))),
         };
@@ -79,9 +79,18 @@ impl Decoder {
         Ok(Self(By::Ffmpeg(Box::new(decoder))))
     }
 
+    /// Opens one of a file's audio tracks, numbered from 0, and decodes its first packet.
+    ///
+    /// # Errors
+    /// Fails if the file has no such track, or its format needs ffmpeg.
+    pub fn open_track(path: &Path, track: usize) -> Result<Self, DecodeError> {
+        let decoder = NativeDecoder::open(Input::file(path)?, Some(track))?;
+        Ok(Self(By::Native(Box::new(decoder))))
+    }
+
     /// Opens an embedded file.
     pub fn from_bytes(name: &str, bytes: &'static [u8]) -> Result<Self, DecodeError> {
-        let decoder = NativeDecoder::open(Input::Bytes { name: name.into(), bytes })?;
+        let decoder = NativeDecoder::open(Input::Bytes { name: name.into(), bytes }, None)?;
         Ok(Self(By::Native(Box::new(decoder))))
     }
 

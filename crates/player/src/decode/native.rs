@@ -62,8 +62,9 @@ impl RawPlace {
 }
 
 impl NativeDecoder {
-    pub(super) fn open(input: Input) -> Result<Self, DecodeError> {
-        let mut reader = PacketReader::open(&input)?;
+    /// Opens the audio track with this index, or the first track that can be decoded.
+    pub(super) fn open(input: Input, track: Option<usize>) -> Result<Self, DecodeError> {
+        let mut reader = PacketReader::open(&input, track)?;
         let mut first = Vec::new();
         let Some(block) = reader.next(&mut first)? else {
             return Err(reader.damaged("no sound in it could be decoded"));
@@ -154,7 +155,7 @@ impl NativeDecoder {
     fn restart(&mut self) -> Result<(), DecodeError> {
         self.forget();
         self.skipped_before = 0;
-        self.reader = PacketReader::open(&self.input)?;
+        self.reader = PacketReader::open(&self.input, self.reader.track())?;
         self.raw = RawPlace::START;
         (self.position, self.from) = (0, 0);
         Ok(())

@@ -61,6 +61,8 @@ pub(super) struct PacketReader {
     format: Box<dyn FormatReader>,
     edits: Vec<TrackEdit>,
     fragmented: bool,
+    /// Index of the chosen audio track; `None` for the first that can be decoded.
+    track: Option<usize>,
     stream: Stream,
     mixer: Mixer,
     mpeg_header: Option<[u8; 3]>,
@@ -87,11 +89,13 @@ struct Mixer {
 }
 
 impl PacketReader {
-    pub(super) fn open(input: &Input) -> Result<Self, DecodeError> {
+    /// Opens the audio track with this index, or the first track that can be decoded.
+    pub(super) fn open(input: &Input, track: Option<usize>) -> Result<Self, DecodeError> {
         let opened = input.open()?;
         let name = input.name();
         Ok(Self {
-            stream: Stream::choose(&name, opened.format.as_ref())?,
+            stream: Stream::choose(&name, opened.format.as_ref(), track)?,
+            track,
             name,
             input: input.clone(),
             format: opened.format,
@@ -171,8 +175,14 @@ impl PacketReader {
         }
     }
 
+    pub(super) fn track(&self) -> Option<usize> {
+        self.track
+    }
+
     fn begin_link(&mut self) -> Result<bool, DecodeError> {
-        let Ok(stream) = Stream::choose(&self.name, self.format.as_ref()) else { return Ok(false) };
+        let Ok(stream) = Stream::choose(&self.name, self.format.as_ref(), self.track) else {
+            return Ok(false);
+        };
         self.stream = stream;
         self.link_begins = true;
         Ok(true)
@@ -416,9 +426,18 @@ impl Mixer {
 }
 
 impl Stream {
-    fn choose(name: &str, format: &dyn FormatReader) -> Result<Self, DecodeError> {
+    fn choose(name: &str, format: &dyn FormatReader, chosen: Option<usize>) -> Result<Self, DecodeError> {
         let mut tracks: Vec<&Track> = format.tracks().iter().collect();
-        tracks.sort_by_key(|track| !track.flags.contains(TrackFlags::DEFAULT));
+        match chosen {
+            Some(number) => {
+                tracks.retain(|track| matches!(track.codec_params, Some(CodecParameters::Audio(_)) | None));
+                tracks = tracks.into_iter().skip(number).take(1).collect();
+                if tracks.is_empty() {
+                    return Err(DecodeError::NoTrack { name: name.into(), number: number + 1 });
+                }
+            }
+            None => tracks.sort_by_key(|track| !track.flags.contains(TrackFlags::DEFAULT)),
+        }
         let mut refusal = None;
         for track in tracks {
             let made = match &track.codec_params {

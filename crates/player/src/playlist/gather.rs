@@ -6,7 +6,6 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::cue::DISC_FRAMES;
 use super::error::{PlaylistError, name_of};
 use super::lists::{Cut, Item, Kind};
 use super::natural;
@@ -14,6 +13,7 @@ use super::text::Reference;
 use crate::limits::LIMITS;
 use crate::listed::ListedTrack;
 use crate::song::{Song, track_name};
+use crate::stems::is_folder_of_stems;
 
 /// Extensions of the files that are taken from a folder, in lower case.
 pub const AUDIO_EXTENSIONS: &[&str] = &[
@@ -47,13 +47,15 @@ impl Entry {
             Song::Embedded { name, .. } => ((*name).to_owned(), None),
             Song::File(path) => (name_of(path), Some(path.clone())),
         };
-        let seconds = |disc: u64| disc as f64 / DISC_FRAMES as f64;
-        let length = |cut: Cut| Some(seconds(cut.end?.saturating_sub(cut.start)));
+        let length = |cut: Cut| {
+            let (start, end) = cut.seconds();
+            cut.end.map(|_| (end - start).max(0.0))
+        };
         ListedTrack {
             name: track_name(self.artist.as_deref(), self.title.as_deref(), &name),
             duration: self.duration.or_else(|| self.cut.and_then(length)),
             file,
-            start: self.cut.map(|cut| seconds(cut.start)),
+            start: self.cut.map(|cut| cut.seconds().0),
         }
     }
 }
@@ -192,7 +194,8 @@ impl Gathered {
                     }
                     let path = child.path();
                     let hidden = child.file_name().as_encoded_bytes().first() == Some(&b'.');
-                    if !hidden && (path.is_dir() || (is_audio(&path) && path.is_file())) {
+                    let is_folder = path.is_dir() && !is_folder_of_stems(&path);
+                    if !hidden && (is_folder || (is_audio(&path) && path.is_file())) {
                         found.push((child.file_name().to_string_lossy().into_owned(), path));
                     }
                 }

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use super::cue;
+use super::cue::{self, DISC_FRAMES};
 use super::error::{PlaylistError, name_of};
 use super::text::{Reference, decode, lines, resolve};
 use crate::limits::LIMITS;
@@ -18,6 +18,14 @@ pub struct Cut {
     pub start: u64,
     /// The end of the part (exclusive). `None` is the end of the file.
     pub end: Option<u64>,
+}
+
+impl Cut {
+    /// Start and end in seconds; the end of the file is infinite.
+    pub fn seconds(self) -> (f64, f64) {
+        let seconds = |disc: u64| disc as f64 / DISC_FRAMES as f64;
+        (seconds(self.start), self.end.map_or(f64::INFINITY, seconds))
+    }
 }
 
 /// An item of a list.

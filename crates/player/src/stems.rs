@@ -1,0 +1,221 @@
+//! The stems of a song: files or tracks with its separated parts.
+//!
+//! | place, beside `song.flac` | written by |
+//! |---|---|
+//! | `song.stems/drums.wav` | the user; any audio format |
+//! | `separated/<model>/song/drums.wav` | demucs |
+//! | the tracks of `song.stem.mp4` or `song.stem.m4a` | Native Instruments' Stem Creator |
+//!
+//! The first place that has a stem is used. Upper and lower case do not matter in the names of stems.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use mariana_music::PART_NAMES;
+
+use crate::decode::{DecodeError, Decoder};
+use crate::limits::LIMITS;
+use crate::playlist::AUDIO_EXTENSIONS;
+use crate::song::Song;
+
+/// The parts in the tracks of a stem file, after the track with the mix.
+const TRACKS: [&str; 4] = ["drums", "bass", "other", "vocals"];
+
+/// Reasons why stems cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum StemsError {
+    /// A folder of stems has no usable file.
+    #[error("{} has no stems: name its audio files drums, bass, vocals and other, for example drums.wav", folder.display())]
+    None {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder cannot be read.
+    #[error("cannot read the stems in {}: check the folder's permissions", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// Two files have the name of the same part.
+    #[error("{} is not used, because {} is the stem of the same part: remove one of them", unused.display(), used.display())]
+    Two {
+        /// The file that is used.
+        used: PathBuf,
+        /// The other file.
+        unused: PathBuf,
+    },
+}
+
+/// A stem of a song.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stem {
+    /// Index of the part in [`PART_NAMES`].
+    pub part: usize,
+    path: PathBuf,
+    /// Index among the file's audio tracks; `None` for a file with one stem.
+    track: Option<usize>,
+}
+
+impl Stem {
+    /// Opens the stem for decoding from its start.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be decoded.
+    pub fn open(&self) -> Result<Decoder, DecodeError> {
+        match self.track {
+            Some(track) => Decoder::open_track(&self.path, track),
+            None => Decoder::open(&self.path),
+        }
+    }
+
+    /// Name of the part.
+    pub fn name(&self) -> &'static str {
+        PART_NAMES.get(self.part).copied().unwrap_or_default()
+    }
+
+    /// The stem's file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// Returns the stems of a song, in the order of [`PART_NAMES`], and everything that is wrong with them. A song without
+/// stems has none, and nothing is wrong.
+pub fn stems_of(song: &Song) -> (Vec<Stem>, Vec<StemsError>) {
+    let Song::File(path) = song else { return (Vec::new(), Vec::new()) };
+    let mut errors = Vec::new();
+    for folder in folders(path) {
+        match in_folder(&folder, &mut errors) {
+            Ok(stems) if stems.is_empty() => errors.push(StemsError::None { folder }),
+            Ok(stems) => return (stems, errors),
+            Err(source) => errors.push(StemsError::Folder { folder, source }),
+        }
+    }
+    let mut stems = Vec::new();
+    if is_stem_file(path) {
+        for (part, name) in PART_NAMES.iter().enumerate() {
+            let track = TRACKS.iter().position(|track| track == name).map(|track| track + 1);
+            stems.push(Stem { part, path: path.clone(), track });
+        }
+    }
+    (stems, errors)
+}
+
+/// Returns the command that separates a song into stems at a place where [`stems_of`] finds them.
+pub fn separating_command(song: &Path) -> String {
+    let folder = song.parent().unwrap_or(Path::new("")).join(SEPARATED);
+    let quoted = |path: &Path| format!("'{}'", path.display().to_string().replace('\'', r"'\''"));
+    format!("demucs --out {} {}", quoted(&folder), quoted(song))
+}
+
+/// True if a folder has stems by its name. Playlists leave such folders out.
+pub fn is_folder_of_stems(path: &Path) -> bool {
+    let above = path.parent().and_then(Path::parent).and_then(Path::file_name);
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(STEMS))
+        || above == Some(OsStr::new(SEPARATED))
+}
+
+const STEMS: &str = "stems";
+const SEPARATED: &str = "separated";
+
+/// The folders that may have the stems of a song and exist.
+fn folders(song: &Path) -> Vec<PathBuf> {
+    let mut folders = vec![song.with_extension(STEMS)];
+    let name = song.file_stem().unwrap_or_default();
+    let separated = song.with_file_name(SEPARATED);
+    let models = fs::read_dir(separated).into_iter().flatten().flatten().take(LIMITS.stem_files_max);
+    let mut models: Vec<PathBuf> = models.map(|model| model.path().join(name)).collect();
+    models.sort();
+    folders.append(&mut models);
+    folders.retain(|folder| folder.is_dir());
+    folders
+}
+
+fn in_folder(folder: &Path, errors: &mut Vec<StemsError>) -> io::Result<Vec<Stem>> {
+    let entries = fs::read_dir(folder)?.flatten().take(LIMITS.stem_files_max);
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    files.sort();
+    let mut stems: Vec<Stem> = Vec::new();
+    for (part, name) in PART_NAMES.iter().enumerate() {
+        let is_stem = |path: &&PathBuf| {
+            let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+            path.file_stem().is_some_and(|stem| stem.eq_ignore_ascii_case(name))
+                && AUDIO_EXTENSIONS.iter().any(|known| ending.eq_ignore_ascii_case(known))
+        };
+        let mut of_part = files.iter().filter(is_stem);
+        let Some(used) = of_part.next() else { continue };
+        stems.push(Stem { part, path: used.clone(), track: None });
+        errors.extend(of_part.map(|unused| StemsError::Two { used: used.clone(), unused: unused.clone() }));
+    }
+    Ok(stems)
+}
+
+fn is_stem_file(path: &Path) -> bool {
+    let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
+    name.ends_with(".stem.mp4") || name.ends_with(".stem.m4a")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn places(stems: &[Stem]) -> Vec<(&str, String, Option<usize>)> {
+        let name = |stem: &Stem| stem.path.file_name().unwrap().to_string_lossy().into_owned();
+        stems.iter().map(|stem| (stem.name(), name(stem), stem.track)).collect()
+    }
+
+    #[test]
+    fn stems_are_found_beside_the_song_and_in_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |path: &str| {
+            let path = folder.path().join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(&path, "").unwrap();
+            path
+        };
+        let song = Song::File(file("My.song.flac"));
+        assert!(matches!(stems_of(&song), (stems, errors) if stems.is_empty() && errors.is_empty()));
+        file("separated/htdemucs/My.song/other.mp3");
+        file("separated/htdemucs/My.song/vocals.mp3");
+        let (stems, errors) = stems_of(&song);
+        assert_eq!(
+            places(&stems),
+            [("vocals", "vocals.mp3".into(), None), ("other", "other.mp3".into(), None)]
+        );
+        assert!(errors.is_empty(), "{errors:?}");
+        for stem in ["DRUMS.Wav", "drums.flac", "bass.txt", "bass 2.wav"] {
+            file(&format!("My.song.stems/{stem}"));
+        }
+        let (stems, errors) = stems_of(&song);
+        assert_eq!(places(&stems), [("drums", "DRUMS.Wav".into(), None)]);
+        assert!(matches!(&errors[..], [StemsError::Two { .. }]), "{errors:?}");
+
+        let song = Song::File(file("set.STEM.mp4"));
+        let tracks: Vec<_> = stems_of(&song).0.iter().map(|stem| (stem.name(), stem.track)).collect();
+        assert_eq!(tracks, [("drums", Some(1)), ("bass", Some(2)), ("vocals", Some(4)), ("other", Some(3))]);
+
+        let song = Song::File(file("bare.wav"));
+        file("bare.stems/mix.wav");
+        let (stems, errors) = stems_of(&song);
+        assert!(stems.is_empty() && errors[0].to_string().contains("drums.wav"), "{errors:?}");
+    }
+
+    #[test]
+    fn folders_of_stems_are_recognised_and_the_command_writes_them() {
+        for (path, is_stems) in [
+            ("a/song.stems", true),
+            ("a/song.Stems", true),
+            ("a/separated/htdemucs/song", true),
+            ("a/separated/htdemucs", false),
+            ("a/stems", false),
+        ] {
+            assert_eq!(is_folder_of_stems(Path::new(path)), is_stems, "{path}");
+        }
+        let command = separating_command(Path::new("/m/it's.flac"));
+        assert_eq!(command, r"demucs --out '/m/separated' '/m/it'\''s.flac'");
+    }
+}
