@@ -2,8 +2,9 @@
 
 #include "levels.glsl"
 
-// The spectrum, the waveform, then the rows of the history (crates/render/src/frame/sound_tables.rs): cubic
-// B-splines. Each texel holds the polynomial between two entries, constant term first. All zero without sound.
+// The spectrum, the waveform, the numbers of the song's parts, then the rows of the history
+// (crates/render/src/frame/sound_tables.rs). The curves are cubic B-splines: each texel holds the polynomial between two
+// entries, constant term first. The numbers are in x. All zero without sound.
 uniform samplerBuffer sound_tables;
 
 // Returns the number of the piece at the coordinate u in a row of `pieces` pieces. x is the position in the piece,
@@ -33,6 +34,11 @@ float table_waveform(float u) {
     return table_row(SPECTRUM_POINTS - 1, WAVEFORM_POINTS - 1, u);
 }
 
+float table_part(float index) {
+    int number = int(clamp(index, 0.0, float(PART_NUMBERS - 1)));
+    return texelFetch(sound_tables, SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + number).x;
+}
+
 // Blends the four rows around an age. The buffer has one extra row before the first row of the history.
 float table_history(float u, float age) {
     const int PIECES = HISTORY_POINTS - 1;
@@ -41,7 +47,7 @@ float table_history(float u, float age) {
     float along = frame_clock.z + (age > 0.0 ? min(age, 1.0) : 0.0) * frame_clock.w;
     int upper = int(along);
     float y = along - float(upper);
-    int at = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + upper * PIECES + piece;
+    int at = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + PART_NUMBERS + upper * PIECES + piece;
     float sum = 0.0;
     // frame_reach.z is 0. Without this term, compilers unroll the loop, and four rows occupy registers at once.
     int rows = 4 + int(frame_reach.z);

@@ -21,4 +21,5 @@ pub mod session;
 pub mod shell;
 pub mod show;
 pub mod song_structures;
+pub mod stems;
 pub mod y4m;

@@ -34,6 +34,10 @@ pub struct Limits {
     pub structure_bytes_max: usize,
     /// Maximum number of song structures on disk; the least recently used ones are deleted first.
     pub structures_kept_max: usize,
+    /// Maximum size of the parts of a song on disk, in bytes (usually 1.8 MB for each minute).
+    pub parts_bytes_max: usize,
+    /// Maximum number of songs whose parts are on disk; the least recently used ones are deleted first.
+    pub parts_kept_max: usize,
     /// Maximum estimated size of the prepared scenes, in bytes.
     pub prepared_bytes_max: u64,
     /// Longest wait for a video encoder that makes no progress, in seconds.
@@ -65,6 +69,8 @@ pub const LIMITS: Limits = Limits {
     thumbnails_ahead_max: 100,
     structure_bytes_max: 1 << 24,
     structures_kept_max: 500,
+    parts_bytes_max: 1 << 27,
+    parts_kept_max: 20,
     program_cache_bytes_max: 1 << 26,
     prepared_bytes_max: 1 << 27,
     encoder_wait_seconds: 300.0,

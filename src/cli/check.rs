@@ -13,7 +13,7 @@ use crate::gpu::renderer::Counting;
 use crate::gpu::scene_program::{SCENE_SHADER, compiled_variant_of};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{SceneError, SceneSource};
-use mariana_field::graph::{Graph, Input, NodeId};
+use mariana_field::graph::{Graph, Input, Node, NodeId, Op, PartInput};
 use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, render_all};
 use mariana_field::region::RegionPlan;
 use mariana_field::tape::{Tape, TapeOptions};
@@ -231,8 +231,19 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         .filter(|input| input.of_point().is_none())
         .map(|input| name_of(scene, *input))
         .collect();
+    let mut by_index = false;
+    for node in graph.order(roots)?.nodes {
+        let Node::Unary(Op::Part, index) = graph.node(node) else { continue };
+        let known = graph.as_constant(index).and_then(|index| PartInput::at(PartInput::clamped(index)));
+        by_index |= known.is_none();
+        names.extend(known.map(|input| input.to_string()));
+    }
     // Tables that are read at a computed index are not in the list of inputs.
-    names.extend(used.tables.iter().map(|table| table.name().to_lowercase()));
+    let tables = used.tables.iter().filter(|table| **table != Op::Part || by_index);
+    names.extend(tables.map(|table| match table {
+        Op::Part => "bands of parts".to_owned(),
+        other => other.name().to_lowercase(),
+    }));
     names.dedup();
     Ok(if names.is_empty() { "nothing".into() } else { names.join(", ") })
 }

@@ -62,10 +62,8 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let start = Instant::now();
     let ready = request.scene.source.ready()?;
     let scene_ms = milliseconds(start.elapsed());
-    if ready.world.scene.graph.reads_song() {
-        song.know_song();
-        sound.song = song.place_in_song(request.at);
-    }
+    song.know_for(&ready.world.scene.graph);
+    sound = song.placed(request.at, sound);
     let frame = Frame::new(&ready.world, request.at, sound.clone(), request.size);
     let following = following_frames(request, &ready, &mut song, &sound)?;
 

@@ -11,6 +11,7 @@ use crate::frame::orbit_controls::OrbitControls;
 use crate::frame::{Frame, FrameOptions};
 use crate::scenes::{ReadyScene, SceneBlend, SceneError, SceneSource, camera_number};
 use crate::show::{Clip, Held, PreparedShow, ShowError, Timeline};
+use mariana_field::graph::Graph;
 use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
 
@@ -96,8 +97,9 @@ impl ShowPainter {
         })
     }
 
-    pub(super) fn reads_song(&self) -> bool {
-        self.scenes.iter().any(|read| read.ready.world.scene.graph.reads_song())
+    /// The graphs of all scenes.
+    pub(super) fn graphs(&self) -> impl Iterator<Item = &Graph> {
+        self.scenes.iter().map(|read| &read.ready.world.scene.graph)
     }
 
     pub(super) fn headless_renderer(&mut self) -> &mut HeadlessRenderer {

@@ -1,8 +1,11 @@
 //! Features of a song at given times. The song is decoded, and analysed in the same way as during playback.
 
+use std::sync::Arc;
+
+use mariana_field::graph::{Graph, Op};
 use mariana_music::{
-    Alignment, Analyzer, FeatureTrack, Features, Gain, SongMoment, SongStructure, Sound, StereoFrame,
-    TimedFeatures,
+    Alignment, Analyzer, FeatureTrack, Features, Gain, PartTracks, SongMoment, SongStructure, Sound,
+    StereoFrame, TimedFeatures,
 };
 use mariana_player::decode::{DecodeError, Decoder};
 use mariana_player::song::{Song, display_name};
@@ -10,7 +13,9 @@ use mariana_player::source::FrameSource;
 use mariana_player::track::scale;
 
 use super::error::ExportError;
+use super::print::tell;
 use crate::song_structures::{StructureCache, structure_of};
+use crate::stems::{Parts, PartsCache, SongOfParts};
 
 /// Length of sound analysed before the first requested time, in seconds: enough for the smoothing to settle.
 const PRE_ROLL: f64 = 20.0;
@@ -30,6 +35,7 @@ pub struct SongFeatures {
     ended: bool,
     song: Song,
     structure: Option<SongStructure>,
+    parts: Option<Arc<PartTracks>>,
 }
 
 impl SongFeatures {
@@ -57,15 +63,18 @@ impl SongFeatures {
         }
         let track = FeatureTrack::new(TRACK_SECONDS);
         let (block, song) = (Vec::new(), song.clone());
-        Ok(Self { decoder, name, analyzer, track, block, frames, ended: false, song, structure: None })
+        let (ended, structure, parts) = (false, None, None);
+        Ok(Self { decoder, name, analyzer, track, block, frames, ended, song, structure, parts })
     }
 
-    /// Opens the same song again for times from `start` seconds on. Keeps the song's structure if it is known.
+    /// Opens the same song again for times from `start` seconds on. Keeps the song's structure and parts if they are
+    /// known.
     ///
     /// # Errors
     /// Fails if the song cannot be decoded.
     pub fn beside(&self, start: f64, gain: Gain) -> Result<Self, DecodeError> {
-        Ok(Self { structure: self.structure.clone(), ..Self::open_with(&self.song, start, gain)? })
+        let (structure, parts) = (self.structure.clone(), self.parts.clone());
+        Ok(Self { structure, parts, ..Self::open_with(&self.song, start, gain)? })
     }
 
     /// Finds the whole song's structure, in the cache or by decoding. Later results contain the position in the song.
@@ -79,15 +88,40 @@ impl SongFeatures {
         self.structure.get_or_insert_with(|| structure_of(song, &StructureCache::of_user()))
     }
 
+    /// Reads what a scene with this graph needs besides the sound of a moment: the whole song's structure, and its parts.
+    pub fn know_for(&mut self, graph: &Graph) {
+        if graph.reads_song() {
+            self.know_song();
+        }
+        if graph.reads(&Op::PARTS) {
+            self.know_parts();
+        }
+    }
+
+    /// Reads the parts of the song from its stems, and reports what is wrong with them. Later results contain the parts.
+    pub fn know_parts(&mut self) {
+        if self.parts.is_some() {
+            return;
+        }
+        let info = self.decoder.info();
+        let (duration, scene_gain) = (info.duration, info.scene_gain);
+        let song = SongOfParts { song: &self.song, cut: None, duration, scene_gain };
+        let Parts { tracks, problems, .. } =
+            song.read(&PartsCache::of_user(), &|| true, &|_| {}).unwrap_or_default();
+        problems.iter().for_each(|problem| tell(&problem.to_string()));
+        self.parts = Some(Arc::new(tracks));
+    }
+
     /// Returns the position of `time` in the whole song. Call [`SongFeatures::know_song`] before this.
     pub fn place_in_song(&self, time: f64) -> SongMoment {
         self.structure.as_ref().map_or(SongMoment::UNKNOWN, |structure| structure.moment(time))
     }
 
-    /// Returns `sound`, which was measured at `time`, with the position in the whole song, its tempo and its phase.
-    /// Call [`SongFeatures::know_song`] before this.
+    /// Returns `sound`, which was measured at `time`, with the position in the whole song, its tempo and its phase, and
+    /// with the song's parts. Call [`SongFeatures::know_for`] before this.
     pub fn placed(&self, time: f64, sound: Sound) -> Sound {
-        Sound { song: self.place_in_song(time), features: self.guided(time, sound.features), ..sound }
+        let parts = self.parts.as_ref().map(|parts| parts.at(time)).unwrap_or_default();
+        Sound { song: self.place_in_song(time), features: self.guided(time, sound.features), parts, ..sound }
     }
 
     /// Returns the features with the tempo and phase of the whole song, if its structure is known.

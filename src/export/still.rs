@@ -95,9 +95,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
         Some(show) => {
             let prepared_show = show.prepared_show(&mut song, request.at)?;
             let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
-            if painter.reads_song() {
-                song.know_song();
-            }
+            painter.graphs().for_each(|graph| song.know_for(graph));
             let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
             painter.draw((request.at, sound), held, request.size)?;
@@ -123,10 +121,8 @@ fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> R
         Some(blend) => blend.of(ready, request.at, &sound)?,
         None => ready,
     };
-    if ready.world.scene.graph.reads_song() {
-        song.know_song();
-        sound = song.placed(request.at, sound);
-    }
+    song.know_for(&ready.world.scene.graph);
+    sound = song.placed(request.at, sound);
     require_inputs(&[&ready.world.scene], &request.set)?;
     let mut painter = Painter::of_ready(&request.scene, ready)?;
     painter.hold(&request.set)?;

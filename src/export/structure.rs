@@ -13,6 +13,7 @@ use mariana_music::{SongListener, SongStructure, StereoFrame, Tonality};
 use mariana_player::decode::DecodeError;
 use mariana_player::song::{Song, display_name};
 use mariana_player::source::FrameSource;
+use mariana_player::stems::{Stem, separating_command, stems_of};
 
 /// Options of the output.
 #[derive(Debug, Clone)]
@@ -69,15 +70,35 @@ pub fn tell_structure(request: &StructureRequest, out: &mut dyn Write) -> Result
     if !request.reported {
         return Ok(());
     }
+    let stems = stems_line(&request.song);
     let text = if request.json {
         serde_json::to_string(&structure).map_err(|error| ExportError::Print(error.into()))? + "\n"
     } else {
-        text(&name, &structure)
+        text(&name, &structure) + &stems
     };
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => other.map_err(ExportError::Print),
     }
+}
+
+/// Returns a line about the stems of a song; empty if it has none and no program on the path makes them.
+fn stems_line(song: &Song) -> String {
+    let (stems, problems) = stems_of(song);
+    let problems: String = problems.iter().map(|problem| format!("{problem}\n")).collect();
+    let names: Vec<&str> = stems.iter().map(Stem::name).collect();
+    match song {
+        _ if !names.is_empty() => format!("stems: {}\n{problems}", names.join(", ")),
+        Song::File(path) if is_installed("demucs") => {
+            format!("no stems: to make them, run {}\n{problems}", separating_command(path))
+        }
+        _ => problems,
+    }
+}
+
+fn is_installed(program: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
 }
 
 fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {

@@ -110,9 +110,7 @@ pub fn write_video(
     if request.limit_flashes {
         painter.headless_renderer().add_flash_limiter(&request.scene.shaders)?;
     }
-    if painter.reads_song() {
-        song.know_song();
-    }
+    painter.graphs().for_each(|graph| song.know_for(graph));
     let writer = FrameWriter::start(Sink::open(request)?)?;
     let mut holding = Holding::new(request.gain, request.start);
     let (mut drawn, mut written) = (0, 0);

@@ -182,7 +182,12 @@ impl Playback {
         let hears_curves = self.scene.scenes().hear_curves();
         let curves = if hears_curves { self.listening.curves() } else { Default::default() };
         let Shown { moment, size, .. } = wanted;
-        let sound = mariana_music::Sound { features: moment.features, tables: curves, song: moment.song };
+        let sound = mariana_music::Sound {
+            features: moment.features,
+            tables: curves,
+            song: moment.song,
+            parts: self.listening.parts(moment),
+        };
         let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
         let Level { quality, edges, .. } = level;
         let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
@@ -233,6 +238,15 @@ impl Playback {
             tracing::debug!("warming up: {error}");
         }
         Ok(updated?)
+    }
+
+    /// Reads the parts of the song while scenes need them.
+    pub(super) fn follow_parts(&mut self) {
+        self.listening.want_parts(self.scene.scenes().hear_parts());
+        if self.listening.parts_arrive() {
+            // While paused, nothing else tells that the frame is outdated.
+            self.scene.composer_mut().outdate();
+        }
     }
 
     pub(super) fn moment(&mut self) -> Option<Moment> {

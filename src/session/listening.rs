@@ -9,8 +9,10 @@ use crate::config::{Choices, Settings};
 use crate::demo_track::is_demo;
 use crate::session::announcer::{TrackOrder, words_of};
 use crate::session::direction::Playing;
+use crate::session::heard_parts::HeardParts;
 use crate::session::sound::Sound;
 use crate::song_structures::SongReader;
+use crate::stems::Parts;
 use crate::ui::overlay::OverlayContent;
 use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
@@ -25,6 +27,7 @@ pub(crate) struct Listening {
     sound: Sound,
     /// Analyses whole tracks; `None` if its thread could not start.
     songs: Option<SongReader>,
+    parts: HeardParts,
     energy: LiveEnergy,
     taps: TapTempo,
     /// The last reading of a device's clock, which has priority over tapped beats.
@@ -41,12 +44,13 @@ pub(crate) struct Listening {
 }
 
 impl Listening {
-    pub(crate) fn new(sound: Sound, songs: Option<SongReader>) -> Self {
+    pub(crate) fn new(sound: Sound, songs: Option<SongReader>, stems: Option<SongReader<Parts>>) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
         let (clock, clock_now) = (None, (0.0, clock::now()));
         Self {
             sound,
             songs,
+            parts: HeardParts::new(stems),
             energy,
             taps,
             clock,
@@ -220,6 +224,26 @@ impl Listening {
         Some(now)
     }
 
+    /// Sets whether a scene reads parts of the song.
+    pub(crate) fn want_parts(&mut self, wanted: bool) {
+        self.parts.want(wanted);
+    }
+
+    /// Returns true when the parts of the current song become known. Then reports problems with its stems.
+    pub(crate) fn parts_arrive(&mut self) -> bool {
+        if !self.sound.plays_song() {
+            return false;
+        }
+        let Some(parts) = self.parts.arrived(self.track) else { return false };
+        parts.problems.iter().for_each(|problem| self.sound.report(&problem.to_string()));
+        true
+    }
+
+    /// Returns the numbers of the song's parts at a moment; none for an input, and while they are unknown.
+    pub(crate) fn parts(&self, moment: Moment) -> Vec<f32> {
+        if self.sound.plays_song() { self.parts.at(moment.track, moment.song_time) } else { Vec::new() }
+    }
+
     /// Follows the `clock` of a device: a reading and the device's time in seconds. `None` stops following.
     pub(crate) fn set_clock(&mut self, clock: Option<(ClockReading, f64)>) {
         self.clock = clock.map(|(reading, _)| reading);
@@ -273,6 +297,7 @@ impl Listening {
         if let Some(songs) = &self.songs {
             songs.want([&status.track].into_iter().chain(&status.next));
         }
+        self.parts.request([&status.track].into_iter().chain(&status.next));
         Some(PlayerStatus { paused: self.paused, ..status })
     }
 

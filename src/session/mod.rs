@@ -16,6 +16,7 @@ mod editing;
 mod error;
 pub(crate) mod frame_senders;
 mod frame_times;
+mod heard_parts;
 mod inspecting;
 pub(crate) mod lay;
 mod leaving;
@@ -258,9 +259,7 @@ impl Session {
         self.take_written();
         let now = clock::now();
         self.playback.reports.update(now);
-        for sentence in self.screen.update() {
-            self.playback.reports.say(sentence);
-        }
+        self.screen.update().into_iter().for_each(|sentence| self.playback.reports.say(sentence));
         let to_send = self.playback.send(&mut *self.screen, now)?;
         let edited = self.playback.scene.saves_samples(now);
         // After an edit, finish the frame in progress before restoring its samples.
@@ -285,6 +284,7 @@ impl Session {
             .filter(|_| self.screen.shows_words());
         let moment = self.playback.moment();
         self.playback.direct(moment);
+        self.playback.follow_parts();
         let moves = self.playback.pace.note_wanted(moment, self.playback.scene.revision(), now);
         if self.playback.holds_picture() {
             self.playback.record_again(now);

@@ -35,6 +35,7 @@ use crate::session::screen::Screen;
 use crate::session::sound::{Sound, Start};
 use crate::session::waker::Waker;
 use crate::song_structures::{SongReader, StructureCache};
+use crate::stems::{Parts, PartsCache, start_reader};
 use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Overlay, OverlayContent};
 use crate::ui::pointer_rest::PointerRest;
@@ -104,7 +105,7 @@ impl Opening<'_> {
         let direction = start_direction(settings, waker)?;
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         let playback = Playback {
-            listening: Listening::new(sound, songs),
+            listening: Listening::new(sound, songs, start_stem_reader(&folders, waker)),
             scene,
             direction,
             live: None,
@@ -224,6 +225,13 @@ fn start_song_reader(folders: &Folders, waker: &Waker) -> Option<SongReader> {
     let waker = waker.clone();
     let started = SongReader::start(StructureCache::among(folders), move || waker.wake());
     started.inspect_err(|error| tracing::warn!("cannot analyse whole songs: {error}")).ok()
+}
+
+/// Starts the reading of stems. Without the thread, the parts of songs stay silent.
+fn start_stem_reader(folders: &Folders, waker: &Waker) -> Option<SongReader<Parts>> {
+    let waker = waker.clone();
+    let started = start_reader(PartsCache::among(folders), move || waker.wake());
+    started.inspect_err(|error| tracing::warn!("cannot read the stems of songs: {error}")).ok()
 }
 
 fn output_of(settings: &PlaySettings) -> Target {

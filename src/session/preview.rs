@@ -94,7 +94,8 @@ impl Session {
             none => none.insert(PictureReader::new(self.screen.gl(), SIZE)?),
         };
         let begun = clock::now();
-        let sound = Sound { features: moment.features, tables: Default::default(), song: moment.song };
+        let parts = self.playback.listening.parts(moment);
+        let sound = Sound { features: moment.features, tables: Default::default(), song: moment.song, parts };
         let heard = (moment.song_time, sound);
         let drawn = self.playback.scene.preview(
             &mut self.playback.renderer,

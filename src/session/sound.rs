@@ -372,6 +372,11 @@ impl Sound {
         self.kept.change(change);
     }
 
+    /// Reports a problem, once.
+    pub(crate) fn report(&mut self, problem: &str) {
+        self.reported_problems.add(problem);
+    }
+
     pub(crate) fn take_reported_problems(&mut self) -> Vec<String> {
         while let Some(error) = self.kept.poll() {
             self.reported_problems.add(&error.to_string());

@@ -4,6 +4,7 @@
 //! structure: scenes read 0 for all its values. Errors are only logged, because the player reports them.
 
 mod cache;
+mod cached_files;
 mod reader;
 
 use mariana_music::{SongListener, SongStructure};
@@ -12,6 +13,7 @@ use mariana_player::source::{FrameSource, SourceError};
 use mariana_player::track::Content;
 
 pub use cache::StructureCache;
+pub use cached_files::{CachedFiles, FileKey};
 pub use reader::SongReader;
 
 /// Returns the structure of a song, from the cache or by decoding the song now.

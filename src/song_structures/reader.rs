@@ -1,4 +1,4 @@
-//! Analyses whole songs during a show, on a thread of low priority: first the current track, then the next track. The
+//! Reads whole songs during a show, on a thread of low priority: first the current track, then the next track. The
 //! thread abandons a track that is no longer wanted at once.
 
 use std::collections::VecDeque;
@@ -18,30 +18,34 @@ const NICENESS: i32 = 19;
 /// Niceness for the first song, which already plays. Next to a software renderer, a higher niceness would starve it.
 const FIRST_NICENESS: i32 = 5;
 
-/// The analysis thread. Dropping this value ends the thread.
+/// The thread that reads songs and finds a `T` for each track. Dropping this value ends the thread.
 #[derive(Debug)]
-pub struct SongReader {
-    shared: Arc<Shared>,
+pub struct SongReader<T = SongStructure> {
+    shared: Arc<Shared<T>>,
 }
 
-#[derive(Debug, Default)]
-struct Shared {
-    state: Mutex<State>,
+#[derive(Debug)]
+struct Shared<T> {
+    state: Mutex<State<T>>,
     changed: Condvar,
+    /// Maximum number of results in memory.
+    known_max: usize,
 }
 
-#[derive(Debug, Default)]
-struct State {
+#[derive(Debug)]
+struct State<T> {
     /// Wanted tracks, the most urgent first.
     wanted: Vec<Arc<TrackInfo>>,
-    /// Structures by track id, the newest last; `None` for a track that cannot be decoded.
-    known: VecDeque<(u64, Option<Arc<SongStructure>>)>,
+    /// Results by track id, the newest last; `None` for a track that cannot be decoded.
+    known: VecDeque<(u64, Option<Arc<T>>)>,
+    /// The beginning of the result for a track, while the rest is being found.
+    begun: Option<(u64, Arc<T>)>,
     over: bool,
 }
 
-impl State {
-    fn find(&self, track: u64) -> Option<&Option<Arc<SongStructure>>> {
-        self.known.iter().find(|(known, _)| *known == track).map(|(_, structure)| structure)
+impl<T> State<T> {
+    fn find(&self, track: u64) -> Option<&Option<Arc<T>>> {
+        self.known.iter().find(|(known, _)| *known == track).map(|(_, found)| found)
     }
 
     fn next(&self) -> Option<&Arc<TrackInfo>> {
@@ -50,22 +54,44 @@ impl State {
 }
 
 impl SongReader {
-    /// Starts the thread, which waits for tracks. It calls `wake` after each analysed track.
+    /// Starts a thread that finds the structures of tracks. It calls `wake` after each analysed track.
     ///
     /// # Errors
     /// Fails if the system cannot start a thread.
     pub fn start(cache: StructureCache, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        let shared = Arc::new(Shared::default());
+        let structure = move |track: &TrackInfo, go_on: &(dyn Fn() -> bool + Sync), _: &dyn Fn(_)| {
+            let reopen = &track.reopen;
+            find(reopen.content(), || reopen.open(), &cache, go_on)
+        };
+        Self::of("songs", KNOWN_MAX, structure, wake)
+    }
+}
+
+impl<T: Send + Sync + 'static> SongReader<T> {
+    /// Starts a thread called `name` that finds something for each track and keeps up to `known_max` results. `find`
+    /// returns `None` as soon as its second argument returns false, and `Some(None)` for a track without a result. It
+    /// may pass the beginning of a result to its third argument. The thread calls `wake` after each track.
+    ///
+    /// # Errors
+    /// Fails if the system cannot start a thread.
+    pub fn of(
+        name: &'static str,
+        known_max: usize,
+        find: impl Fn(&TrackInfo, &(dyn Fn() -> bool + Sync), &dyn Fn(T)) -> Option<Option<T>> + Send + 'static,
+        wake: impl Fn() + Send + 'static,
+    ) -> io::Result<Self> {
+        let state = State { wanted: Vec::new(), known: VecDeque::new(), begun: None, over: false };
+        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new(), known_max });
         let of_thread = shared.clone();
-        std::thread::Builder::new().name("songs".into()).spawn(move || {
+        std::thread::Builder::new().name(name.into()).spawn(move || {
             lower_priority(FIRST_NICENESS);
             while let Some(track) = of_thread.next() {
                 let begun = Instant::now();
                 let go_on = || of_thread.wants_most(&track);
-                let reopen = &track.reopen;
-                if let Some(found) = find(reopen.content(), || reopen.open(), &cache, &go_on) {
-                    let known = if found.is_some() { "is known" } else { "is not known" };
-                    tracing::info!("the song {} {known} after {:.0?}", track.name, begun.elapsed());
+                let publish = |begun| of_thread.lock().begun = Some((track.id, Arc::new(begun)));
+                if let Some(found) = find(&track, &go_on, &publish) {
+                    let known = if found.is_some() { "known" } else { "not known" };
+                    tracing::info!("{name}: {} is {known} after {:.0?}", track.name, begun.elapsed());
                     of_thread.tell(track.id, found);
                     wake();
                     lower_priority(NICENESS);
@@ -83,7 +109,7 @@ impl SongReader {
             if track.reopen.is_possible() {
                 state.wanted.push(track.clone());
             } else {
-                // Silence has replaced a removed track under the same id: forget the structure of that track.
+                // Silence has replaced a removed track under the same id: forget the result of that track.
                 state.known.retain(|(known, _)| *known != track.id);
             }
         }
@@ -92,27 +118,29 @@ impl SongReader {
         }
     }
 
-    /// Returns the structure of the track with this id ([`TrackInfo::id`]), once it is known.
-    pub fn get(&self, track: u64) -> Option<Arc<SongStructure>> {
-        self.shared.lock().find(track).cloned().flatten()
+    /// Returns the result of the track with this id ([`TrackInfo::id`]), or its beginning, once it is known.
+    pub fn get(&self, track: u64) -> Option<Arc<T>> {
+        let state = self.shared.lock();
+        let begun = || state.begun.as_ref().filter(|(of, _)| *of == track).map(|(_, begun)| begun.clone());
+        state.find(track).cloned().unwrap_or_else(begun)
     }
 }
 
-impl Drop for SongReader {
+impl<T> Drop for SongReader<T> {
     fn drop(&mut self) {
         self.shared.lock().over = true;
         self.shared.changed.notify_one();
     }
 }
 
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
+impl<T> Shared<T> {
+    fn lock(&self) -> MutexGuard<'_, State<T>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Waits for a track to analyse; `None` at the end.
     fn next(&self) -> Option<Arc<TrackInfo>> {
-        let nothing_to_do = |state: &mut State| !state.over && state.next().is_none();
+        let nothing_to_do = |state: &mut State<T>| !state.over && state.next().is_none();
         let state = self.changed.wait_while(self.lock(), nothing_to_do);
         let state = state.unwrap_or_else(PoisonError::into_inner);
         if state.over { None } else { state.next().cloned() }
@@ -123,13 +151,13 @@ impl Shared {
         !state.over && state.next().is_some_and(|next| next.id == track.id)
     }
 
-    fn tell(&self, track: u64, structure: Option<SongStructure>) {
-        let structure = structure.map(Arc::new);
+    fn tell(&self, track: u64, found: Option<T>) {
         let mut state = self.lock();
-        if state.known.len() == KNOWN_MAX {
+        state.begun = None;
+        if state.known.len() == self.known_max {
             state.known.pop_front();
         }
-        state.known.push_back((track, structure));
+        state.known.push_back((track, found.map(Arc::new)));
     }
 }
 

@@ -130,7 +130,8 @@ fn only_the_oldest_beyond_the_limit_are_forgotten() {
     for name in ["a.song", "b.song", "c.song", "other.txt"] {
         fs::write(folder.path().join(name), name).unwrap();
     }
-    cache::forget_oldest(Some(folder.path()), 1);
+    let folder_path = Some(folder.path().to_owned());
+    CachedFiles { folder: folder_path, ending: "song", bytes_max: 99, kept_max: 1 }.forget_oldest();
     let left = kept_files(folder.path());
     assert_eq!(left.len(), 2, "{left:?}");
     assert!(left.iter().any(|path| path.ends_with("other.txt")));

@@ -12,6 +12,7 @@ mod scene_textures;
 mod shows;
 mod song_numbers;
 mod standard_streams;
+mod stems;
 mod videos;
 
 #[path = "../support/mod.rs"]

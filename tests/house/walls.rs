@@ -155,6 +155,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("view", &[]),
     ("program_cache", &["atomic_file", "ending", "gpu", "limits"]),
     ("song_structures", &["atomic_file", "config", "limits"]),
+    ("stems", &["config", "limits", "song_structures"]),
     ("sending", &["limits", "y4m"]),
     ("y4m", &[]),
     ("show", &["scenes"]),
@@ -179,6 +180,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "sending",
             "show",
             "song_structures",
+            "stems",
             "thumbnails",
             "ui",
             "view",
@@ -214,6 +216,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "limits",
             "show",
             "song_structures",
+            "stems",
             "y4m",
         ],
     ),
@@ -239,7 +242,7 @@ pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
     ("egui", &["session", "shell"]),
     ("mpris_server", &["shell"]),
     // Drawing code may use features of the sound, but not the source of the sound.
-    ("mariana_player", &["cli", "demo_track", "export", "session", "shell", "song_structures"]),
+    ("mariana_player", &["cli", "demo_track", "export", "session", "shell", "song_structures", "stems"]),
 ];
 
 /// Folders without I/O, clocks and threads, so that the same input always gives the same output.

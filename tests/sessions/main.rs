@@ -21,6 +21,7 @@ mod snapshots;
 mod song;
 mod songs;
 mod stage;
+mod stems;
 mod surprises;
 mod views;
 mod walls;

@@ -6,7 +6,8 @@ use std::ops::Range;
 use std::sync::LazyLock;
 
 use mariana_field::lang::{
-    Accuracy, DefaultValue, Entry, WordKind, entries, inputs, keywords, section_fields,
+    Accuracy, DefaultValue, Entry, WordKind, entries, inputs, is_part, keywords, part_inputs, parts,
+    section_fields,
 };
 
 use crate::buffer::Buffer;
@@ -40,14 +41,17 @@ const DECLARING: [&str; 7] = ["fn", "let", "param", "material", "object", "light
 /// Maximum length of a declaration's head, in bytes.
 const HEAD_MAX: usize = 110;
 
+fn plain(name: &str, head: String, text: &str) -> Proposal {
+    Proposal {
+        name: name.to_owned(),
+        about: About { head, text: text.to_owned(), facts: String::new(), is_function: false },
+    }
+}
+
 static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
     let functions =
         entries().into_iter().map(|entry| Proposal { name: entry.name.to_owned(), about: of_entry(entry) });
-    let plain = |name: &str, head: String, text: &str| Proposal {
-        name: name.to_owned(),
-        about: About { head, text: text.to_owned(), facts: String::new(), is_function: false },
-    };
-    let inputs = inputs().map(|(name, doc)| plain(name, name.to_owned(), doc));
+    let inputs = inputs().chain(parts()).map(|(name, doc)| plain(name, name.to_owned(), doc));
     let fields = section_fields().flat_map(|(section, fields)| {
         fields.iter().map(move |field| {
             let default = match (field.doc, field.default) {
@@ -64,6 +68,10 @@ static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
     all
 });
 
+/// The inputs of a part of the song, for the names behind `drums.`.
+static OF_PARTS: LazyLock<Vec<Proposal>> =
+    LazyLock::new(|| part_inputs().map(|(name, doc)| plain(name, format!("part.{name}"), doc)).collect());
+
 fn of_entry(entry: Entry) -> About {
     let accuracy = match entry.accuracy {
         Some(Accuracy::Exact) => "exact",
@@ -75,7 +83,7 @@ fn of_entry(entry: Entry) -> About {
 }
 
 /// Returns candidates for the name that ends at `offset`, best first, and the byte range that a candidate replaces.
-/// Requires two typed letters, unless the user `asked` with Ctrl+Space.
+/// Requires two typed letters, unless the user `asked` with Ctrl+Space or the name follows a part of the song.
 pub fn proposals(
     buffer: &Buffer,
     colors: &mut Colors,
@@ -94,7 +102,12 @@ pub fn proposals(
     let is_no_name =
         inside.is_some_and(|word| matches!(word.kind, WordKind::Comment | WordKind::Text | WordKind::Number));
     let behind_point = from.checked_sub(1).and_then(|at| before.get(at)) == Some(&b'.');
-    if is_no_name || behind_point || (!asked && typed.len() < 2) {
+    let part = before.get(..from.saturating_sub(1)).filter(|_| behind_point).map(|before| {
+        let first = before.iter().rposition(|byte| !is_letter(byte)).map_or(0, |at| at + 1);
+        String::from_utf8_lossy(before.get(first..).unwrap_or_default()).into_owned()
+    });
+    let is_of_part = part.is_some_and(|name| is_part(&name) && !is_declared(buffer, &name));
+    if is_no_name || (behind_point && !is_of_part) || (!asked && !is_of_part && typed.len() < 2) {
         return (range, Vec::new());
     }
     let typed = String::from_utf8_lossy(typed).to_lowercase();
@@ -108,11 +121,12 @@ pub fn proposals(
             None
         }
     };
-    let own = own_names(buffer, range.start);
+    let own = if is_of_part { Vec::new() } else { own_names(buffer, range.start) };
+    let language = if is_of_part { &OF_PARTS } else { &LANGUAGE };
     let mut found: Vec<(usize, usize, &Proposal)> = own
         .iter()
         .map(|one| (0, one))
-        .chain(LANGUAGE.iter().map(|one| (1, one)))
+        .chain(language.iter().map(|one| (1, one)))
         .filter_map(|(whose, one)| Some((rank(&one.name)?, whose, one)))
         .collect();
     found.sort_by_key(|(rank, whose, one)| (*rank, one.name.len(), *whose));
@@ -176,6 +190,10 @@ fn declaration(buffer: &Buffer, line: usize) -> About {
         comment.insert(0, words.trim_start_matches('#').trim().to_owned());
     }
     About { head, text: comment.join(" "), facts: "declared in this scene".to_owned(), is_function }
+}
+
+fn is_declared(buffer: &Buffer, name: &str) -> bool {
+    (0..buffer.line_count()).any(|line| declared(buffer.line(line)).is_some_and(|(own, _)| own == name))
 }
 
 /// Returns the documentation of `name`: its declaration in the text or, without a declaration, the language's entry.
@@ -253,6 +271,17 @@ mod tests {
         for text in ["# sph", "include \"sph", "1e", "p.xy", "/* sph"] {
             assert_eq!(names(text, false), [""; 0], "{text}");
         }
+    }
+
+    #[test]
+    fn the_inputs_of_a_part_are_proposed_behind_its_point() {
+        let found = names("object o { shape = box(p, drums.", false);
+        assert!(found.len() == LIMITS.proposals_max || found.contains(&"volume".to_owned()), "{found:?}");
+        assert_eq!(names("bass.mel", false), ["melody", "melody_certainty"]);
+        assert_eq!(names("vocals.ban", false), ["band"]);
+        assert_eq!(names("vocals.sphere", false), [""; 0]);
+        assert_eq!(names("let drums = vec2(1)\ndrums.mel", false), [""; 0]);
+        assert!(names("voca", false).contains(&"vocals".to_owned()));
     }
 
     #[test]

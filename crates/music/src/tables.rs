@@ -46,6 +46,8 @@ pub struct Sound {
     pub tables: Tables,
     /// The position in the song.
     pub song: SongMoment,
+    /// The numbers of the song's parts, in the order in which scenes number them; empty without stems.
+    pub parts: Vec<f32>,
 }
 
 impl From<Features> for Sound {

@@ -419,6 +419,11 @@ impl SceneComposer {
         self.revision += 1;
     }
 
+    /// Requests a new frame: an input has changed that neither the sound's features nor the parameters show.
+    pub(crate) fn outdate(&mut self) {
+        self.revision += 1;
+    }
+
     pub(super) fn revision(&self) -> u64 {
         self.revision + self.views.revision() + self.camera.revision()
     }

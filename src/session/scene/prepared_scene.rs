@@ -14,6 +14,7 @@ use crate::gpu::program::Program;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{ReadyScene, SceneSource};
+use mariana_field::graph::Op;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawingChoice {
@@ -51,6 +52,8 @@ pub(super) struct PreparedScene {
     pub tree: FirstTree,
     pub moves: bool,
     pub hears_curves: bool,
+    /// True if the scene reads parts of the song.
+    pub hears_parts: bool,
     pub knobs: SceneKnobs,
     pub since: Instant,
     /// True if this version only turns the numbers of the shown scene back into constants.
@@ -96,7 +99,8 @@ impl PreparedScene {
             .then(|| Interpreter::for_scene(ready.world.features, &ready.buffers, &ready.plan, gl.info()));
         let knobs = SceneKnobs::of(&source, &ready.world);
         let graph = &ready.world.scene.graph;
-        let (moves, hears_curves) = (graph.moves_by_itself(), graph.reads_curves());
+        let (moves, hears_curves, hears_parts) =
+            (graph.moves_by_itself(), graph.reads(&Op::CURVES), graph.reads(&Op::PARTS));
         let resources = SceneResources::upload_after(last, gl, ready.world, ready.buffers, ready.plan)?;
         Ok(Self {
             id,
@@ -112,6 +116,7 @@ impl PreparedScene {
             tree: FirstTree::Coming,
             moves,
             hears_curves,
+            hears_parts,
             knobs,
             since: clock::now(),
             settles: ready.settles,

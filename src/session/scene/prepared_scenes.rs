@@ -117,6 +117,12 @@ impl PreparedScenes {
         self.shown.is_none() || drawn.into_iter().flatten().any(|scene| scene.hears_curves)
     }
 
+    /// True if a scene reads parts of the song. Scenes that are prepared in advance count too, because it takes time to
+    /// read the parts.
+    pub(crate) fn hear_parts(&self) -> bool {
+        self.all().any(|scene| scene.hears_parts)
+    }
+
     /// Keeps a scene until it has faded out. Replaces a scene that is still fading out.
     pub(super) fn fade_out(&mut self, scene: PreparedScene) {
         self.end_fade();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::interval::Interval;
 use super::node::Input;
 use super::table::{TableData, unit};
-use super::{LevelList, Levels, SoundInputs};
+use super::{LevelList, Levels, PartInput, SoundInputs};
 
 /// Reads a scene's textures on the CPU.
 pub trait TextureReader: std::fmt::Debug + Send + Sync {
@@ -18,6 +18,7 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     time: 0.0,
     sound: SoundInputs::SILENCE,
     levels: Levels::SILENCE,
+    parts: Vec::new(),
     eye: [0.0; 3],
     params: Vec::new(),
     hoisted: Vec::new(),
@@ -37,6 +38,8 @@ pub struct FrameInputs {
     pub sound: SoundInputs,
     /// The levels that scenes read by number.
     pub levels: Levels,
+    /// The numbers of the song's parts, in the order of [`PartInput::index`]; missing numbers are 0.
+    pub parts: Vec<f32>,
     /// Position of the eye.
     pub eye: [f32; 3],
     /// The scene's parameters by number; missing parameters are 0.
@@ -118,6 +121,25 @@ impl FrameInputs {
         }
         let index = if index.is_any() { Interval { lo: 0.0, hi: f32::INFINITY } } else { index };
         self.levels.bounds(list.nearest(index.lo), list.nearest(index.hi))
+    }
+
+    /// Returns the number of the song's parts with the index floor(index), clamped to the existing numbers.
+    pub fn part(&self, index: f32) -> f32 {
+        self.parts.get(PartInput::clamped(index)).copied().unwrap_or(0.0)
+    }
+
+    /// Returns bounds of [`FrameInputs::part`].
+    pub fn part_bounds(&self, index: Interval) -> Interval {
+        let (first, last) = if index.is_any() {
+            (0, PartInput::COUNT - 1)
+        } else {
+            (PartInput::clamped(index.lo), PartInput::clamped(index.hi))
+        };
+        let value = |at: usize| match (&self.ranges, PartInput::at(at)) {
+            (Some(_), Some(input)) => Interval { lo: input.range().0, hi: input.range().1 },
+            _ => Interval::point(self.parts.get(at).copied().unwrap_or(0.0)),
+        };
+        (first..=last).fold(value(first), |bounds, at| bounds.hull(value(at)))
     }
 
     /// Reads a channel of a texture, clamped to 0..1. Returns 0 without a reader.

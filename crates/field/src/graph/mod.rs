@@ -20,6 +20,7 @@ mod node;
 mod numbers;
 mod op;
 mod order;
+mod part;
 mod rules;
 mod simplify;
 mod slope_rules;
@@ -41,6 +42,7 @@ pub use node::{Input, Node, NodeId};
 pub use numbers::{CELL_HASH_GLSL, CELL_MAX, SMALLEST, TANH_MAX, cell_hash};
 pub use op::{BoundsKernel, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::{InputsUsed, Order};
+pub use part::{Part, PartInput, PartNumber};
 pub use sound_input::{SoundInput, SoundInputs};
 pub use table::TableData;
 pub use unit_input::UnitInput;
@@ -150,11 +152,11 @@ impl Graph {
         })
     }
 
-    /// True if any node, used or not, reads one of [`Op::CURVES`].
-    pub fn reads_curves(&self) -> bool {
+    /// True if any node, used or not, reads one of these tables, such as [`Op::CURVES`] or [`Op::PARTS`].
+    pub fn reads(&self, tables: &[Op]) -> bool {
         self.nodes
             .iter()
-            .any(|node| matches!(node, Node::Unary(op, _) | Node::Binary(op, ..) if Op::CURVES.contains(op)))
+            .any(|node| matches!(node, Node::Unary(op, _) | Node::Binary(op, ..) if tables.contains(op)))
     }
 
     /// Returns the value of a constant node.

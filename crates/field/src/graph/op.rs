@@ -357,6 +357,13 @@ operators! {
         slopes |a, _, _, frame| frame.waveform.slopes(a, 0.0),
         slope_bounds |a, _, _, frame| frame.waveform.slope_bounds(a, Interval::point(0.0)),
         glsl "table_waveform($a)";
+    /// The number of the parts of the song with the index floor(a), clamped; the first for a NaN
+    /// ([`PartInput`](super::PartInput)).
+    Part = 47 "PART" READS_FRAME.and(EXPENSIVE),
+        value |a, _, frame| frame.part(a), bounds |a, _, frame| frame.part_bounds(a),
+        slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        glsl "table_part($a)";
 
     /// Like [`Op::Band`], for the levels of notes.
     Note = 43 "NOTE" READS_FRAME.and(EXPENSIVE),
@@ -529,6 +536,8 @@ pub const FIRST_BINARY: u8 = 64;
 impl Op {
     /// The operators that read a curve of the sound. Frames hold the curves only if a scene uses these operators.
     pub const CURVES: [Op; 3] = [Op::Spectrum, Op::Waveform, Op::History];
+    /// The operator that reads the parts of the song.
+    pub const PARTS: [Op; 1] = [Op::Part];
 
     /// Returns the operator that reads a level of the list.
     pub const fn of_levels(list: LevelList) -> Self {

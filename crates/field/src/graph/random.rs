@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
-use super::{FrameInputs, Graph, Input, Node, NodeId, Op, TableData, TextureReader};
+use super::{FrameInputs, Graph, Input, Node, NodeId, Op, PartInput, TableData, TextureReader};
 
 pub(crate) const SPECIALS: [f32; 24] = [
     0.0,
@@ -135,6 +135,7 @@ pub(crate) fn frame() -> FrameInputs {
             _ => (input as u8 as f32 + 1.0) / 16.0,
         }),
         levels: Levels::each(|list, i| (list as u8 as f32 + i as f32 * 0.7).cos() * 0.5),
+        parts: (0..PartInput::COUNT).map(|i| (i as f32 * 0.37).cos().abs()).collect(),
         eye: [1.5, 2.0, -4.0],
         params: vec![1.0, -2.5],
         spectrum: TableData::row(wave(64, 0.3)),

@@ -60,6 +60,8 @@ pub(super) enum Expr {
     Not(ExprId),
     Binary(BinaryOp, ExprId, ExprId),
     Swizzle(ExprId, Symbol),
+    /// A band of a part of the song: the part's name and the band's index.
+    PartBand(Symbol, ExprId),
     /// A function's name, the index in `extra` of the first argument, and the number of arguments.
     Call(Symbol, u32, u32),
     If(ExprId, ExprId, ExprId),

@@ -47,7 +47,7 @@ pub use about::{About, TransitionStyle};
 pub use changing::{Turning, changed_numbers, number_place};
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, Holds, MaterialRange};
-pub use library::{Accuracy, Entry, PICTURES, entries, inputs};
+pub use library::{Accuracy, Entry, PICTURES, entries, inputs, is_part, part_inputs, parts};
 pub use lower::section_fields;
 pub(crate) use material::material_members;
 pub use material::{Material, material_glsl};

@@ -110,7 +110,7 @@ fn kind_of_name(name: &str) -> WordKind {
         return WordKind::Keyword;
     }
     let Some(symbol) = library.names.get(name) else { return WordKind::Name };
-    if library::input_index(symbol).is_some() {
+    if library::input_index(symbol).is_some() || library.parts.contains(&symbol) {
         WordKind::Input
     } else if library::builtin_index(symbol).is_some()
         || library.by_symbol.get(symbol.index()).is_some_and(|function| *function != 0)
@@ -152,6 +152,8 @@ mod tests {
             (Comment, "# ball"),
         ];
         assert_eq!(seen(line, false), (expected.to_vec(), false));
+        let found = seen("drums.beat", false).0;
+        assert_eq!(found, [(Input, "drums"), (Sign, "."), (Input, "beat")]);
         assert_eq!(
             seen("include \"a b.scene\" $ max", false).0,
             [(Keyword, "include"), (Text, "\"a b.scene\""), (Unknown, "$"), (Function, "max")]

@@ -139,6 +139,7 @@ impl Reads {
         let mut tables = Vec::new();
         for op in &self.tables {
             match op {
+                Op::Part => numbers.extend(inputs.parts.iter().map(|number| number.to_bits())),
                 Op::Spectrum => tables.push(inputs.spectrum.clone()),
                 Op::Waveform => tables.push(inputs.waveform.clone()),
                 Op::History => tables.push(inputs.history.clone()),

@@ -1,6 +1,6 @@
 //! Random expressions, and the effect of rounding on them.
 
-use mariana_field::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Point, TableData};
+use mariana_field::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, PartInput, Point, TableData};
 use mariana_field::graph::{LEVEL_COUNT, LevelList, Levels, SoundInput, SoundInputs, levels_glsl};
 
 /// A small generator of reproducible random numbers (splitmix64; Steele et al. 2014).
@@ -80,6 +80,7 @@ pub(crate) fn frame() -> FrameInputs {
         time: 12.5,
         sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.25), (SoundInput::VolumeRight, 0.75)]),
         levels: levels(),
+        parts: (0..PartInput::COUNT).map(|i| i as f32 * 0.015625 - 0.5).collect(),
         params: vec![1.0, -2.5],
         spectrum: TableData::row(vec![0.5, 0.25, 0.75, 1.0, 0.125]),
         waveform: TableData::row(vec![-0.5, 0.25, -0.75, 1.0]),
@@ -112,6 +113,7 @@ const float frame_time = 12.5;
 const vec4 frame_heard[1] = vec4[1](vec4(0.25, 0.75, 0.0, 0.0));
 const vec4 frame_params[1] = vec4[1](vec4(1.0, -2.5, 0.0, 0.0));
 float unit(float v) { return v > 0.0 ? min(v, 1.0) : 0.0; }
+float table_part(float i) { return floor(i > 0.0 ? min(i, 223.0) : 0.0) * 0.015625 - 0.5; }
 float entry(int table, int row, int at, int count) {
     const float entries[15] = float[15](0.5, 0.25, 0.75, 1.0, 0.125, -0.5, 0.25, -0.75, 1.0, 0.5, 0.25, 0.75, 1.0, 0.0, 0.375);
     at = at < 0 ? -at : at >= count ? 2 * (count - 1) - at : at;

@@ -1,7 +1,7 @@
 //! Packs a frame into the shaders' `FrameBlock` (std140: all members are vec4, see `shaders/frame_block.glsl`).
 
 use super::Frame;
-use mariana_field::graph::{LEVEL_COUNT, SoundInput};
+use mariana_field::graph::{LEVEL_COUNT, PartInput, SoundInput};
 use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
@@ -26,7 +26,7 @@ pub const FRAME_BLOCK_VECTORS: usize =
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
 /// The defines of `shaders/frame_block.glsl`: the lengths of the block's arrays and of the sound tables.
-pub fn block_defines() -> [String; 9] {
+pub fn block_defines() -> [String; 10] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
@@ -37,6 +37,7 @@ pub fn block_defines() -> [String; 9] {
         format!("SPECTRUM_POINTS {SPECTRUM_POINTS}"),
         format!("WAVEFORM_POINTS {WAVEFORM_POINTS}"),
         format!("HISTORY_POINTS {HISTORY_POINTS}"),
+        format!("PART_NUMBERS {}", PartInput::COUNT),
     ]
 }
 

@@ -3,13 +3,13 @@
 use std::fmt;
 use std::str::FromStr;
 
-use mariana_field::graph::{FrameInputs, Level, LevelList, SoundInput};
+use mariana_field::graph::{FrameInputs, Level, LevelList, Part, PartInput, SoundInput};
 use mariana_field::lang::Scene;
 
 /// The name of an input, and the finite value at which the input is held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// The name in the scene language: `t`, `volume.x`, `band(3)`, or a parameter of the scene.
+    /// The name in the scene language: `t`, `volume.x`, `band(3)`, `drums.beat`, or a parameter of the scene.
     pub name: String,
     /// The value.
     pub value: f32,
@@ -49,6 +49,7 @@ enum Place {
     Time,
     Sound(SoundInput),
     Level(Level),
+    Part(PartInput),
     Param(usize),
 }
 
@@ -63,6 +64,7 @@ impl HeldInputs {
             Place::Time => (f32::MIN, f32::MAX),
             Place::Sound(input) => input.range(),
             Place::Level(level) => level.range(),
+            Place::Part(input) => input.range(),
             Place::Param(number) => {
                 scene.params.get(number).map_or((f32::MIN, f32::MAX), |param| (param.min, param.max))
             }
@@ -91,6 +93,11 @@ impl HeldInputs {
                 Place::Time => Some(&mut inputs.time),
                 Place::Sound(input) => Some(&mut inputs.sound[input]),
                 Place::Level(level) => Some(&mut inputs.levels[level]),
+                Place::Part(input) => {
+                    // Without stems, the numbers of the parts are missing.
+                    inputs.parts.resize(PartInput::COUNT, 0.0);
+                    inputs.parts.get_mut(input.index())
+                }
                 Place::Param(number) => inputs.params.get_mut(number),
             };
             if let Some(to) = to {
@@ -112,6 +119,9 @@ fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     if let Some(input) = SoundInput::named(name) {
         return Some(Place::Sound(input));
     }
+    if let Some(input) = PartInput::named(name) {
+        return Some(Place::Part(input));
+    }
     let (list, number) = name.strip_suffix(')')?.split_once('(')?;
     LevelList::named(list)?.level(number.trim().parse().ok()?).map(Place::Level)
 }
@@ -132,6 +142,9 @@ impl fmt::Display for InputNames<'_> {
         for list in LevelList::ALL {
             write!(f, ", {0}(0) to {0}({1})", list.name(), list.count() - 1)?;
         }
+        let parts = Part::ALL.map(|part| format!("{}.", part.name())).join(", ");
+        let last = PartInput::sounds().last().map_or("", SoundInput::name);
+        write!(f, ", {parts} before volume.x to {last} or a band")?;
         if params.is_empty() { Ok(()) } else { write!(f, ", {}", params.join(", ")) }
     }
 }
@@ -165,13 +178,24 @@ mod tests {
             "chroma(11)=1",
             "band(31)=1",
             "pan(0)=-1",
+            "drums.band(3)=1",
+            "vocals.melody=60",
         ] {
             assert_eq!(hold(text), Ok(true), "{text}");
         }
-        for text in ["depth=1", "band(32)=0", "band(x)=0", "chroma(12)=0", "note(88)=0"] {
+        let unknown = [
+            "depth=1",
+            "band(32)=0",
+            "band(x)=0",
+            "chroma(12)=0",
+            "note(88)=0",
+            "drums.key=0",
+            "horns.beat=0",
+        ];
+        for text in unknown {
             assert_eq!(hold(text), Ok(false), "{text}");
         }
-        for text in ["size=3.1", "volume.x=-1", "band(0)=2", "pan(0)=2"] {
+        for text in ["size=3.1", "volume.x=-1", "band(0)=2", "pan(0)=2", "vocals.melody=89"] {
             assert!(hold(text).is_err(), "{text}");
         }
         let mut inputs = FrameInputs { params: vec![2.0, 20.0], ..FrameInputs::default() };
@@ -181,5 +205,8 @@ mod tests {
         let sound = [SoundInput::VolumeRight, SoundInput::Drop, SoundInput::Key];
         assert_eq!(sound.map(|input| inputs.sound[input]), [0.25, 0.5, 0.0]);
         assert_eq!(inputs.levels.of(LevelList::Chroma)[11], 1.0);
+        let parts = ["drums.band(3)", "vocals.melody", "bass.band(3)"];
+        let held = parts.map(|name| inputs.part(PartInput::named(name).unwrap().index() as f32));
+        assert_eq!(held, [1.0, 60.0, 0.0]);
     }
 }

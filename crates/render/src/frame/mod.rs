@@ -13,7 +13,7 @@ pub(crate) mod testing;
 use camera::Camera;
 use held_inputs::HeldInputs;
 use mariana_field::graph::SoundInputs;
-use mariana_field::graph::{FrameInputs, LevelList, Levels, TableData};
+use mariana_field::graph::{FrameInputs, LevelList, Levels, PartInput, TableData};
 use mariana_field::world::{FrameValues, World};
 pub use mariana_music::Sound;
 use mariana_music::{Features, HISTORY_POINTS, SongMoment};
@@ -100,7 +100,8 @@ pub fn sound_inputs(features: &Features, song: &SongMoment) -> SoundInputs {
 }
 
 fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInputs {
-    let Sound { features, tables, song } = sound;
+    let Sound { features, tables, song, parts } = sound;
+    let part = |(at, value): (usize, &f32)| PartInput::at(at).map_or(0.0, |input| input.clamp(*value));
     let declared = world.scene.params.iter().enumerate();
     FrameInputs {
         time: finite(time as f32),
@@ -108,6 +109,7 @@ fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInp
         levels: Levels::each(|list, number| {
             levels_of(list, &features, &song).get(number).copied().unwrap_or(0.0)
         }),
+        parts: parts.iter().take(PartInput::COUNT).enumerate().map(part).collect(),
         spectrum: tables.spectrum.map_or(TableData::EMPTY, TableData::row),
         waveform: tables.waveform.map_or(TableData::EMPTY, TableData::row),
         history: tables.history.map_or(TableData::EMPTY, |rows| {
@@ -216,5 +218,7 @@ mod tests {
             let levels = super::levels_of(list, &Features::SILENCE, &SongMoment::UNKNOWN);
             assert_eq!(levels.len(), list.count(), "{list:?}");
         }
+        let parts = mariana_field::graph::Part::ALL.map(mariana_field::graph::Part::name);
+        assert_eq!(parts, mariana_music::PART_NAMES);
     }
 }

@@ -1,6 +1,6 @@
-//! Packs the sound tables for the shaders: spectrum, waveform, rows of the history (`shaders/scene_inputs.glsl`).
+//! Packs the sound tables for the shaders: spectrum, waveform, numbers of the song's parts, rows of the history (`shaders/scene_inputs.glsl`).
 
-use mariana_field::graph::{FrameInputs, Op, TableData};
+use mariana_field::graph::{FrameInputs, Op, PartInput, TableData};
 use mariana_field::world::World;
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
@@ -9,19 +9,22 @@ pub fn are_read_by(world: &World) -> bool {
     let roots: Vec<_> = world.roots.all().collect();
     // The graph of a world has been checked, so there is no error here.
     let used = world.graph.inputs_used(&roots).unwrap_or_default();
-    Op::CURVES.iter().any(|table| used.tables.contains(table))
+    Op::CURVES.iter().chain(&Op::PARTS).any(|table| used.tables.contains(table))
 }
 
-/// The texels: one polynomial per piece. A table of an unexpected length is replaced by silence.
+/// The texels: one polynomial per piece, and one number of the parts in the first component of each texel. A table of an unexpected length is replaced by silence.
 pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
     const HISTORY_PIECES: usize = HISTORY_POINTS - 1;
     let mut texels = Vec::new();
     append(&mut texels, &inputs.spectrum, SPECTRUM_POINTS - 1);
     append(&mut texels, &inputs.waveform, WAVEFORM_POINTS - 1);
+    let numbers = (0..PartInput::COUNT).map(|at| inputs.parts.get(at).copied().unwrap_or(0.0));
+    texels.extend(numbers.map(|number| [number, 0.0, 0.0, 0.0]));
     let rows = inputs.history.rows_of_pieces().filter(|row| row.len() == HISTORY_PIECES);
     texels.extend(rows.flatten().map(polynomial));
     // Shaders always read four rows.
-    texels.resize(texels.len().max(SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + 4 * HISTORY_PIECES), [0.0; 4]);
+    let first_row = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + PartInput::COUNT;
+    texels.resize(texels.len().max(first_row + 4 * HISTORY_PIECES), [0.0; 4]);
     texels
 }
 
@@ -47,12 +50,15 @@ mod tests {
         let inputs = FrameInputs {
             spectrum: TableData::row(vec![0.25; SPECTRUM_POINTS]),
             waveform: TableData::row(vec![9.0; 3]),
+            parts: vec![0.125, 0.75],
             history: TableData::scrolling(vec![0.5; 3 * HISTORY_POINTS], HISTORY_POINTS, 0.5, 1.0),
             ..FrameInputs::default()
         };
         let texels = texels(&inputs);
         let (spectrum, rest) = texels.split_at(SPECTRUM_POINTS - 1);
-        let (waveform, history) = rest.split_at(WAVEFORM_POINTS - 1);
+        let (waveform, rest) = rest.split_at(WAVEFORM_POINTS - 1);
+        let (parts, history) = rest.split_at(PartInput::COUNT);
+        assert_eq!([parts[0][0], parts[1][0], parts[2][0]], [0.125, 0.75, 0.0]);
         assert!(spectrum.iter().all(|piece| *piece == [0.25, 0.0, 0.0, 0.0]));
         assert!(
             waveform.iter().all(|points| *points == [0.0; 4]),
@@ -61,7 +67,8 @@ mod tests {
         assert_eq!(history.len(), 6 * (HISTORY_POINTS - 1), "one row before, two after");
         assert!(history.iter().all(|piece| *piece == [0.5, 0.0, 0.0, 0.0]));
         let silence = super::texels(&FrameInputs::default());
-        assert_eq!(silence.len(), SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + 4 * (HISTORY_POINTS - 1));
+        let curves = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1;
+        assert_eq!(silence.len(), curves + PartInput::COUNT + 4 * (HISTORY_POINTS - 1));
     }
 
     #[test]
@@ -83,6 +90,8 @@ mod tests {
             ("length(p) - 1 - band(3)", false),
             ("length(p) - 1 - spectrum(y)", true),
             ("length(p) - 1 - spectrum(0.5)", false),
+            ("length(p) - 1 - drums.band(3) - vocals.melody", false),
+            ("length(p) - 1 - drums.band(x)", true),
             (
                 "object a { shape = sphere(p, 1) material = m }\nmaterial m { color = vec3(history(x, y)) }",
                 true,

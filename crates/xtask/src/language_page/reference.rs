@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use mariana_field::lang::{Accuracy, Entry, Holds, Material, entries, inputs};
+use mariana_field::lang::{Accuracy, Entry, Holds, Material, entries, inputs, part_inputs, parts};
 
 use mariana_field::lang::PICTURES;
 
@@ -14,6 +14,12 @@ pub fn text() -> String {
     for (name, doc) in inputs() {
         line(&mut text, format_args!("| `{name}` | {doc} |", doc = cell(doc)));
     }
+    text.push_str("\n| part | what it is |\n|---|---|\n");
+    for (name, doc) in parts() {
+        line(&mut text, format_args!("| `{name}` | {doc} |", doc = cell(doc)));
+    }
+    let names: Vec<String> = part_inputs().map(|(name, _)| format!("`{name}`")).collect();
+    line(&mut text, format_args!("\nEach part has the inputs {}.", names.join(", ")));
     text.push_str("\n## Fields of a material\n\n| field | what it is | default |\n|---|---|---|\n");
     for field in Material::FIELDS {
         let kind = if field.holds == Holds::Vector { " (vec3)" } else { "" };

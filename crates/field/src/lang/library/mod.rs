@@ -11,12 +11,13 @@ use std::sync::LazyLock;
 pub use pictures::PICTURES;
 
 use super::ast::{Ast, Function, Item};
-use super::builtin::{BUILTINS, FOLDS, INPUTS};
+use super::builtin::{BUILTINS, FOLDS, INPUTS, InputRow};
 use super::diagnostic::Diagnostics;
 use super::lexer;
 use super::parser;
 use super::symbol::{Interner, Symbol};
 use super::token::RESERVED;
+use crate::graph::{LevelList, Part, PartInput};
 use crate::limits::LIMITS;
 
 pub(super) const TEXTS: &[(&str, &str)] = &[
@@ -59,6 +60,8 @@ pub struct Entry {
 pub(super) struct Library {
     /// Reserved words, inputs, built-in functions and the library's names, in this order.
     pub names: Interner,
+    /// The names of the song's parts.
+    pub parts: [Symbol; Part::ALL.len()],
     pub ast: Ast,
     pub functions: Vec<Function>,
     /// For each symbol: 1 + the function's index; 0 if the symbol is no function.
@@ -92,6 +95,7 @@ fn build() -> Library {
     for name in brought {
         names.intern(name);
     }
+    let parts = Part::ALL.map(|part| names.intern(part.name()));
     // Ignore the diagnostics: a test checks that these texts have no mistakes.
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
     let (mut ast, mut functions) = (Ast::default(), Vec::new());
@@ -113,12 +117,31 @@ fn build() -> Library {
             folds[symbol.index()] = *tail as u8 + 1;
         }
     }
-    Library { names, ast, functions, by_symbol, folds }
+    Library { names, parts, ast, functions, by_symbol, folds }
 }
 
 /// Returns the name and description of each input.
 pub fn inputs() -> impl Iterator<Item = (&'static str, &'static str)> {
     INPUTS.iter().map(|row| (row.name, row.doc))
+}
+
+/// Returns the name and description of each part of the song.
+pub fn parts() -> impl Iterator<Item = (&'static str, &'static str)> {
+    Part::ALL.into_iter().map(|part| (part.name(), part.doc()))
+}
+
+/// True for the name of a part of the song, such as `drums`.
+pub fn is_part(name: &str) -> bool {
+    Part::ALL.iter().any(|part| part.name() == name)
+}
+
+/// Returns the name and description of each input that a part of the song has: `volume` in `drums.volume`.
+pub fn part_inputs() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let names: Vec<&str> =
+        PartInput::sounds().map(|input| input.name().split('.').next().unwrap_or_default()).collect();
+    let of_parts = move |row: &&InputRow| names.contains(&row.name);
+    let band = (LevelList::Band.name(), LevelList::Band.doc());
+    INPUTS.iter().filter(of_parts).map(|row| (row.name, row.doc)).chain([band])
 }
 
 /// Returns all functions that a scene can call: the built-in ones, then the library in the order of its texts.

@@ -9,7 +9,13 @@ use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::expr::zip;
 use super::lowering::Lowering;
-use crate::graph::{Graph, Input, LevelList, Op};
+use crate::graph::{Graph, Input, LevelList, NodeId, Op};
+
+/// The index with which a scene reads a level of a list.
+pub(super) enum Number {
+    Known(usize),
+    Computed(NodeId),
+}
 
 impl Lowering<'_> {
     pub(super) fn builtin(&mut self, row: &'static BuiltinRow, mark: usize, first: u32, span: Span) -> Value {
@@ -115,26 +121,35 @@ impl Lowering<'_> {
         }
     }
 
-    /// Reads a level of a list. A computed index is clamped to the list and rounded down.
     fn level(&mut self, list: LevelList, index: Vector, span: Span) -> Value {
+        match self.level_number(list, index, span) {
+            Some(Number::Known(number)) => match list.level(number) {
+                Some(level) => Value::scalar(self.graph.input(Input::Level(level))),
+                None => Value::Unknown,
+            },
+            Some(Number::Computed(part)) => Value::scalar(self.graph.unary(Op::of_levels(list), part)),
+            None => Value::Unknown,
+        }
+    }
+
+    /// Returns the number of a level of a list. A number out of range is reported and gives `None`. The reader clamps a
+    /// computed number to the list and rounds it down.
+    pub(super) fn level_number(&mut self, list: LevelList, index: Vector, span: Span) -> Option<Number> {
         let name = list.name();
         self.used_frame(name, span);
         if index.len() != 1 {
             let message = format!("`{name}` takes a number, not {}", Value::Vector(index).described());
-            return self.reports.add(Diagnostic::new(span, message));
+            self.reports.add(Diagnostic::new(span, message));
+            return None;
         }
         let part = index.first();
-        let Some(number) = self.known(part) else {
-            return Value::scalar(self.graph.unary(Op::of_levels(list), part));
-        };
-        let is_whole = number >= 0.0 && number.fract() == 0.0;
-        match is_whole.then(|| list.level(number as usize)).flatten() {
-            Some(level) => Value::scalar(self.graph.input(Input::Level(level))),
-            None => {
-                let message = format!("there is no {} {number}", list.what());
-                self.reports.add(Diagnostic::new(span, message).hint(list.numbers()))
-            }
+        let Some(number) = self.known(part) else { return Some(Number::Computed(part)) };
+        if number < 0.0 || number >= list.count() as f32 || number.fract() != 0.0 {
+            let message = format!("there is no {} {number}", list.what());
+            self.reports.add(Diagnostic::new(span, message).hint(list.numbers()));
+            return None;
         }
+        Some(Number::Known(number as usize))
     }
 
     fn texture(&mut self, mark: usize, first: u32, span: Span) -> Value {

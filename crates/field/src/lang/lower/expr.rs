@@ -32,7 +32,10 @@ impl Lowering<'_> {
                     self.spine.push(inner);
                     inner = left;
                 }
-                Expr::Swizzle(of, _) => {
+                Expr::Swizzle(of, name) => {
+                    if let Some(value) = self.part_input(of, name, span) {
+                        break value;
+                    }
                     self.spine.push(inner);
                     inner = of;
                 }
@@ -72,7 +75,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn expr_below(&mut self, id: ExprId, span: Span) -> Value {
+    pub(super) fn expr_below(&mut self, id: ExprId, span: Span) -> Value {
         match self.ast.expr(id) {
             Expr::Number(value) => return self.written_number(value, id),
             Expr::Name(symbol) => {
@@ -118,6 +121,7 @@ impl Lowering<'_> {
                 }
             },
             Expr::If(condition, yes, no) => self.choice(condition, yes, no, span),
+            Expr::PartBand(part, index) => self.part_band(part, index, span),
             Expr::Block(first, count, result) => self.block(first, count, result, span),
             Expr::Call(name, first, count) => {
                 if self.budget.depth >= self.limits.scene_depth_max {
@@ -324,9 +328,7 @@ impl Lowering<'_> {
             }
         };
         let text = self.name(components);
-        let set = text.bytes().next().and_then(component).map(|(set, _)| set);
-        let one_set = text.bytes().all(|byte| component(byte).map(|(set, _)| set) == set);
-        if set.is_none() || !one_set || text.len() > 4 {
+        if !is_swizzle(text) {
             let message =
                 format!("`.{}` does not name components", text.chars().take(20).collect::<String>());
             let wrong = Diagnostic::new(span, message);
@@ -356,6 +358,11 @@ impl Lowering<'_> {
                 .reports
                 .add(unknown.hint(format!("`{name}` is a function: call it, as in `{name}(…)`")));
         }
+        if self.part(symbol).is_some() {
+            let hint =
+                format!("`{name}` is a part of the song: read one of its inputs, as in `{name}.volume`");
+            return self.reports.add(unknown.hint(hint));
+        }
         let globals = self.declared.globals.iter().enumerate();
         let globals = globals.filter(|(_, global)| !matches!(global.value, GlobalValue::None));
         let globals = globals.map(|(index, _)| self.names.name(Symbol(index as u32)));
@@ -378,6 +385,12 @@ impl Lowering<'_> {
         let shared = self.library.by_symbol.get(symbol.index()).is_some_and(|&index| index > 0);
         own || shared || library::builtin_index(symbol).is_some()
     }
+}
+
+/// True for up to four letters of one set of components.
+pub(super) fn is_swizzle(text: &str) -> bool {
+    let set = text.bytes().next().and_then(component).map(|(set, _)| set);
+    set.is_some() && text.len() <= 4 && text.bytes().all(|byte| component(byte).map(|(set, _)| set) == set)
 }
 
 /// Returns the set (`xyzw`, `rgba` or `stpq`) that contains a component's letter, and the letter's index in the set.

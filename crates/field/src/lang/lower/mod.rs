@@ -13,6 +13,7 @@ mod expr;
 mod lights;
 mod lowering;
 mod objects;
+mod parts;
 mod reports;
 mod scene;
 mod scope;

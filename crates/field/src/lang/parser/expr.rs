@@ -3,6 +3,7 @@
 use super::super::ast::{BinaryOp, Expr, ExprId};
 use super::super::diagnostic::Diagnostic;
 use super::super::source::Span;
+use super::super::symbol::Symbol;
 use super::super::token::{Kind, word};
 use super::Parser;
 use super::items::Habit;
@@ -139,6 +140,10 @@ impl Parser<'_> {
                 break;
             }
             let components = self.advance().symbol;
+            if self.kind() == Kind::OpenParen && (self.in_parens || !self.token().newline) {
+                inner = self.part_band(inner, components, start);
+                continue;
+            }
             let span = self.since(start);
             inner = self.ast.push(Expr::Swizzle(inner, components), span);
         }
@@ -256,6 +261,24 @@ impl Parser<'_> {
             return self.ast.push(Expr::Error, span);
         }
         self.ast.push(Expr::Call(name.symbol, first, count), span)
+    }
+
+    /// Parses the index in `part.band(index)`, from the opening parenthesis.
+    fn part_band(&mut self, of: ExprId, function: Symbol, start: Span) -> ExprId {
+        let index = self.parenthesized();
+        let span = self.since(start);
+        match self.ast.expr(of) {
+            Expr::Error => self.ast.push(Expr::Error, span),
+            Expr::Name(part) if self.names.name(function) == "band" => {
+                self.ast.push(Expr::PartBand(part, index), span)
+            }
+            _ => {
+                let message = format!("there is no function `.{}`", self.names.name(function));
+                let hint = "only parts of the song have a function behind a point: `drums.band(3)`";
+                self.report(Diagnostic::new(span, message).hint(hint));
+                self.ast.push(Expr::Error, span)
+            }
+        }
     }
 
     /// Moves the entries of `lists` from `mark` on into the tree, and returns their first index and their count.

@@ -47,6 +47,7 @@ fn shown(ast: &Ast, names: &Interner, id: ExprId) -> String {
         Expr::Binary(op, a, b) => format!("({} {} {})", op.sign(), show(a), show(b)),
         Expr::Swizzle(a, components) => format!("{}.{}", show(a), names.name(components)),
         Expr::If(a, b, c) => format!("(if {} {} {})", show(a), show(b), show(c)),
+        Expr::PartBand(part, index) => format!("{}.band({})", names.name(part), show(index)),
         Expr::Call(name, first, count) => {
             let arguments: Vec<String> = (0..count).map(|index| show(extra(first + index))).collect();
             format!("{}({})", names.name(name), arguments.join(" "))

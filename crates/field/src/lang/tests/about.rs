@@ -14,7 +14,7 @@ fn about(text: &str) -> About {
 fn about_describes_the_scene() {
     let said = about(
         "let low = 0.125\nabout { title = \"The sea\" author = \"A. N. Other\" license = \"CC0\"\n\
-         energy = low .. 2 * 0.25; moods = \" calm, Wet,,\"\n enter = melt leave = cut }\ny",
+         energy = low .. 2 * 0.25; moods = \" calm, Wet,,\"\n follows = \"Bass\" enter = melt leave = cut }\ny",
     );
     let wanted = About {
         title: Some("The sea".to_owned()),
@@ -22,6 +22,7 @@ fn about_describes_the_scene() {
         license: Some("CC0".to_owned()),
         energy: (0.125, 0.5),
         moods: vec!["calm".to_owned(), "wet".to_owned()],
+        follows: vec!["bass".to_owned()],
         enter: Some(TransitionStyle::Melt),
         leave: Some(TransitionStyle::Cut),
         portal: None,

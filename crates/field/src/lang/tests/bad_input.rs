@@ -19,6 +19,7 @@ fn deep_nesting_of_every_form_gives_a_message_and_no_overflow() {
         "!".repeat(deep) + "x",
         "x^".repeat(deep) + "x",
         "abs(".repeat(deep) + "1" + &")".repeat(deep),
+        "drums.band(".repeat(deep / 2) + "1" + &")".repeat(deep / 2),
         "{".repeat(deep) + "1" + &"}".repeat(deep),
         "if x > 0 then 1 else ".repeat(deep / 4) + "1",
         "union(for i in 0..1: ".repeat(deep / 4) + "x" + &")".repeat(deep / 4),

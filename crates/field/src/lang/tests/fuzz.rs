@@ -27,6 +27,8 @@ const PIECES: &[&str] = &[
     "^",
     ".xyz",
     "band(",
+    "drums.",
+    "bass.band(",
     "union(",
     "1e39",
     "9999",

@@ -12,12 +12,14 @@ mod meaning;
 #[cfg(test)]
 mod messages;
 #[cfg(test)]
+mod parts;
+#[cfg(test)]
 mod shapes;
 
 pub(crate) use shapes::SHAPES;
 
 use super::{Compiled, Scene, compile, no_includes};
-use crate::graph::{FrameInputs, Point};
+use crate::graph::{FrameInputs, PartInput, Point};
 use crate::graph::{LevelList, Levels, SoundInput, SoundInputs};
 
 pub(super) fn scene(text: &str) -> Scene {
@@ -48,6 +50,8 @@ pub(super) fn frame(scene: &Scene) -> FrameInputs {
             LevelList::Pan => -0.01 * number as f32,
             _ => number as f32 / 100.0,
         }),
+        // Each number of a part is its index / 1000.
+        parts: (0..PartInput::COUNT).map(|index| index as f32 / 1000.0).collect(),
         params: scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()
     }

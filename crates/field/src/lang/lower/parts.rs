@@ -1,0 +1,103 @@
+//! Inputs of a part of the song: `drums.volume`, `vocals.band(3)`.
+
+use super::super::ast::{Expr, ExprId};
+use super::super::builtin::uses;
+use super::super::diagnostic::Diagnostic;
+use super::super::library;
+use super::super::source::Span;
+use super::super::suggest;
+use super::super::symbol::Symbol;
+use super::super::value::{Value, Vector};
+use super::builtins::Number;
+use super::declared::GlobalValue;
+use super::expr::is_swizzle;
+use super::lowering::Lowering;
+use crate::graph::{LevelList, NodeId, Op, Part, PartInput, PartNumber};
+
+impl Lowering<'_> {
+    /// Returns the part with this name, unless the scene declares a value of the same name.
+    pub(super) fn part(&self, symbol: Symbol) -> Option<Part> {
+        let place = self.library.parts.iter().position(|part| *part == symbol)?;
+        let global = self.declared.global(symbol);
+        let is_own = self.reports.library_call.is_none()
+            && (global.broken || !matches!(global.value, GlobalValue::None));
+        if is_own || self.scope.local(symbol).is_some() { None } else { Part::ALL.get(place).copied() }
+    }
+
+    /// Returns the value of `of.name` if `of` is a part of the song. Returns `None` for components of a vector.
+    pub(super) fn part_input(&mut self, of: ExprId, name: Symbol, span: Span) -> Option<Value> {
+        let Expr::Name(symbol) = self.ast.expr(of) else { return None };
+        let part = self.part(symbol)?;
+        let text = self.name(name);
+        let numbers = PartInput::sounds().filter(|input| input.name().split('.').next() == Some(text));
+        let indices: Vec<usize> =
+            numbers.map(|input| PartInput { part, number: PartNumber::Sound(input) }.index()).collect();
+        if indices.is_empty() {
+            // `bass.xx` is a vector of the low frequencies.
+            let is_input = library::input_index(symbol).is_some();
+            return if is_input && is_swizzle(text) {
+                None
+            } else {
+                Some(self.no_such_number(part, text, span))
+            };
+        }
+        self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
+        let numbers: Vec<NodeId> = indices.into_iter().map(|index| self.part_number(index)).collect();
+        Some(Vector::from_slice(&numbers).map_or(Value::Unknown, Value::Vector))
+    }
+
+    /// Returns the value of `part.band(index)`.
+    pub(super) fn part_band(&mut self, of: Symbol, index: ExprId, span: Span) -> Value {
+        let Some(part) = self.part(of) else {
+            let message = format!("`{}` has no function `band`", self.name(of));
+            let names = Part::ALL.map(Part::name).join("`, `");
+            let hint =
+                format!("the parts of the song have it: `{names}`, unless the scene uses the name otherwise");
+            return self.reports.add(Diagnostic::new(span, message).hint(hint));
+        };
+        self.inputs.take(uses::FRAME, of, span, &mut self.reports);
+        let index_span = self.ast.span(index);
+        let value = self.expr_below(index, span);
+        let Some(index) = self.number(value, index_span, || "`band`".to_owned()) else {
+            return Value::Unknown;
+        };
+        let first = PartInput::first_band(part).index();
+        Value::scalar(match self.level_number(LevelList::Band, index, index_span) {
+            Some(Number::Known(band)) => self.part_number(first + band),
+            Some(Number::Computed(index)) => {
+                let last = LevelList::Band.count() - 1;
+                let [least, most] = [0.0, last as f32].map(|bound| self.graph.constant(bound));
+                let band = self.graph.clamp(index, least, most);
+                // Round before the sum, which may round up.
+                let band = self.graph.unary(Op::Floor, band);
+                let first = self.graph.constant(first as f32);
+                let number = self.graph.add(first, band);
+                self.graph.unary(Op::Part, number)
+            }
+            None => return Value::Unknown,
+        })
+    }
+
+    fn part_number(&mut self, index: usize) -> NodeId {
+        let index = self.graph.constant(index as f32);
+        self.graph.unary(Op::Part, index)
+    }
+
+    #[cold]
+    fn no_such_number(&mut self, part: Part, name: &str, span: Span) -> Value {
+        let names: Vec<&str> = library::part_inputs().map(|(name, _)| name).collect();
+        let near = suggest::nearest(name, names.iter().copied());
+        let short: String = name.chars().take(60).collect();
+        let unknown = Diagnostic::new(span, format!("`{}` has no input `{short}`", part.name()));
+        let of_song = crate::graph::SoundInput::named(name).is_some();
+        let hint = match near {
+            _ if name == "band" => format!("write the band's number, as in `{}.band(3)`", part.name()),
+            Some(near) => format!("did you mean `{}.{near}`?", part.name()),
+            None if of_song => {
+                format!("`{name}` describes the whole song: read it without `{}.`", part.name())
+            }
+            None => format!("a part of the song has {}", names.join(", ")),
+        };
+        self.reports.add(unknown.hint(hint))
+    }
+}

@@ -1,0 +1,134 @@
+//! Files about songs in the user's cache folder. The name of a file is a hash of the songs' bytes and of what else
+//! decides about the contents. A file contains a line with a checksum, and then the contents. All files may be deleted
+//! at any time; a damaged file is replaced, and the least recently used files are deleted first.
+
+use std::fs::{self, File};
+use std::hash::{DefaultHasher, Hash, Hasher as _};
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use crate::atomic_file::AtomicFile;
+use mariana_player::song::Song;
+
+/// Identifies a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FileKey(u128);
+
+/// A folder of files of one kind.
+#[derive(Debug, Clone)]
+pub struct CachedFiles {
+    /// The folder, which is created at the first write; `None` if nothing is cached.
+    pub folder: Option<PathBuf>,
+    /// The files' extension.
+    pub ending: &'static str,
+    /// Maximum size of the contents of a file, in bytes. Larger contents are not saved.
+    pub bytes_max: usize,
+    /// Maximum number of files.
+    pub kept_max: usize,
+}
+
+impl CachedFiles {
+    /// Returns the key of `songs`, and of the value `about` that else decides about the contents; `None` without a
+    /// folder, for an unreadable song, or if `go_on` returns false.
+    pub fn key<'a>(
+        &self,
+        about: impl Hash,
+        songs: impl IntoIterator<Item = &'a Song>,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<FileKey> {
+        self.folder.as_ref()?;
+        // Two 64-bit hashes. If another version of Rust hashes differently, the songs are analysed again.
+        let mut hashers = [0_u8, 1].map(|first| {
+            let mut hasher = DefaultHasher::new();
+            (first, &about).hash(&mut hasher);
+            hasher
+        });
+        for song in songs {
+            let (mut whole, mut length) = (true, 0_u64);
+            let read = song.read(|piece| {
+                hashers.iter_mut().for_each(|hasher| hasher.write(piece));
+                length += piece.len() as u64;
+                whole = go_on();
+                whole
+            });
+            read.ok().filter(|()| whole)?;
+            hashers.iter_mut().for_each(|hasher| hasher.write_u64(length));
+        }
+        let [a, b] = hashers.map(|hasher| hasher.finish());
+        Some(FileKey((u128::from(a) << 64) | u128::from(b)))
+    }
+
+    /// Returns the contents of a file, if the file exists and `decode` accepts its contents.
+    pub fn load<T>(&self, key: FileKey, decode: impl FnOnce(&[u8]) -> Option<T>) -> Option<T> {
+        let path = self.path(key)?;
+        let bytes = self.read_file(&path).ok()?;
+        let contents = checked(&bytes).and_then(decode);
+        if contents.is_none() {
+            tracing::info!("{} is damaged and will be replaced", path.display());
+        } else {
+            // Update the time of use. If that fails, the cache may delete this file too early.
+            let _ = File::options().write(true).open(path).and_then(|it| it.set_modified(SystemTime::now()));
+        }
+        contents
+    }
+
+    /// Saves a file. After an error, the next run finds no file.
+    pub fn save(&self, key: FileKey, contents: &[u8]) {
+        let Some(path) = self.path(key).filter(|_| contents.len() <= self.bytes_max) else { return };
+        let mut bytes = format!("{:016x}\n", checksum(contents)).into_bytes();
+        bytes.extend_from_slice(contents);
+        let written = path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
+        let written = written.and_then(|()| {
+            AtomicFile::create(&path).and_then(|file| file.write(&bytes)).map_err(|error| error.to_string())
+        });
+        match written {
+            Ok(()) => self.forget_oldest(),
+            Err(reason) => tracing::debug!("a file of the cache cannot be saved: {reason}"),
+        }
+    }
+
+    fn path(&self, FileKey(key): FileKey) -> Option<PathBuf> {
+        Some(self.folder.as_ref()?.join(format!("{key:032x}.{}", self.ending)))
+    }
+
+    fn read_file(&self, path: &Path) -> io::Result<Vec<u8>> {
+        // Opening a device or a pipe could block forever.
+        if !fs::symlink_metadata(path)?.is_file() {
+            return Err(io::ErrorKind::InvalidInput.into());
+        }
+        let (limit, mut bytes) = (self.bytes_max + CHECKSUM_LINE, Vec::new());
+        File::open(path)?.take(limit as u64 + 1).read_to_end(&mut bytes)?;
+        if bytes.len() > limit { Err(io::ErrorKind::FileTooLarge.into()) } else { Ok(bytes) }
+    }
+
+    /// Deletes the least recently used files beyond the limit.
+    pub(super) fn forget_oldest(&self) {
+        let Some(listing) = self.folder.as_ref().and_then(|folder| fs::read_dir(folder).ok()) else { return };
+        let mut files: Vec<(SystemTime, PathBuf)> = listing
+            .flatten()
+            .filter(|entry| entry.path().extension().is_some_and(|ending| ending == self.ending))
+            .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())))
+            .collect();
+        files.sort();
+        let surplus = files.len().saturating_sub(self.kept_max);
+        for (_, path) in files.into_iter().take(surplus) {
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
+/// Length of the first line, including the line feed, in bytes.
+const CHECKSUM_LINE: usize = 17;
+
+fn checked(bytes: &[u8]) -> Option<&[u8]> {
+    let (line, contents) = bytes.split_at_checked(CHECKSUM_LINE)?;
+    let line = std::str::from_utf8(line).ok()?.strip_suffix('\n')?;
+    (u64::from_str_radix(line, 16).ok()? == checksum(contents)).then_some(contents)
+}
+
+fn checksum(bytes: &[u8]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(bytes);
+    hasher.finish()
+}

@@ -1,0 +1,260 @@
+//! The parts of a song, read from its stems: whole, before their sound is heard, so that a window, a still and a video
+//! show the same.
+
+mod cache;
+
+pub use cache::PartsCache;
+
+use mariana_field::graph::PartInput;
+use mariana_music::limits::LIMITS as MUSIC_LIMITS;
+use mariana_music::{KeptNumber, PartListener, PartTracks};
+use mariana_player::decode::{DecodeError, Decoder};
+use mariana_player::playlist::Cut;
+use mariana_player::song::Song;
+use mariana_player::stems::{Stem, StemsError, stems_of};
+use mariana_player::track::{TrackInfo, scale};
+
+use crate::song_structures::SongReader;
+
+/// A stem and its song may differ by this many seconds without a message: encoders pad files.
+const SAME_LENGTH: f64 = 1.0;
+
+/// The parts of a song are published for the first time when this length of them is read, in seconds.
+const FIRST_SECONDS: f64 = 10.0;
+
+/// Number of songs whose parts stay in memory: the current and the next one.
+const SONGS_KEPT: usize = 2;
+
+/// The parts of a song.
+#[derive(Debug, Default)]
+pub struct Parts {
+    /// The features of the parts.
+    pub tracks: PartTracks,
+    /// Everything that is wrong with the stems, once they are complete.
+    pub problems: Vec<StemProblem>,
+    /// False while only the beginning of the song is known.
+    pub are_complete: bool,
+}
+
+/// Reasons why a part of a song is silent, or silent at its end.
+#[derive(Debug, thiserror::Error)]
+pub enum StemProblem {
+    /// The stems cannot be found.
+    #[error(transparent)]
+    Stems(#[from] StemsError),
+    /// A stem cannot be opened.
+    #[error("the part {part} stays silent: {source}")]
+    Open {
+        /// The part's name.
+        part: &'static str,
+        /// The decoder's error.
+        source: DecodeError,
+    },
+    /// A stem ends with a decoding error.
+    #[error("the part {part} is silent from {seconds:.1} s on: {source}")]
+    Decode {
+        /// The part's name.
+        part: &'static str,
+        /// The position of the error, in seconds.
+        seconds: f64,
+        /// The decoder's error.
+        source: DecodeError,
+    },
+    /// A stem exceeds the limit.
+    #[error(
+        "{file} is longer than {:.0} minutes, so the part {part} is silent from there on: cut the song into shorter \
+         pieces",
+        limit / 60.0
+    )]
+    TooLong {
+        /// The part's name.
+        part: &'static str,
+        /// The stem's file.
+        file: String,
+        /// The limit in seconds.
+        limit: f64,
+    },
+    /// A stem is shorter or longer than its song.
+    #[error(
+        "{file} lasts {seconds:.1} s, but its song lasts {song:.1} s: check that it is a stem of this song"
+    )]
+    Length {
+        /// The stem's file.
+        file: String,
+        /// The stem's length in seconds.
+        seconds: f64,
+        /// The song's length in seconds.
+        song: f64,
+    },
+}
+
+/// The song whose parts are read.
+#[derive(Debug, Clone)]
+pub struct SongOfParts<'a> {
+    /// The song.
+    pub song: &'a Song,
+    /// The part of the song that is played; `None` for the whole song.
+    pub cut: Option<Cut>,
+    /// Length of the played part in seconds, if known.
+    pub duration: Option<f64>,
+    /// The factor for samples before analysis, as for the song.
+    pub scene_gain: f32,
+}
+
+/// True while the parts are wanted.
+pub type GoOn<'a> = dyn Fn() -> bool + Sync + 'a;
+
+impl SongOfParts<'_> {
+    /// Takes the parts from the cache, or reads the stems, all at the same time. A song without stems has no parts, and a damaged stem is a silent part.
+    /// Passes the parts of the beginning to `publish`, first after [`FIRST_SECONDS`] of the song and then each time
+    /// their length has doubled. Returns `None` if `go_on` returns false.
+    pub fn read(&self, cache: &PartsCache, go_on: &GoOn<'_>, publish: &dyn Fn(Parts)) -> Option<Parts> {
+        let (stems, errors) = stems_of(self.song);
+        let key = cache.key(self, &stems, go_on);
+        if let Some(tracks) = key.and_then(|key| cache.load(key)).filter(|_| errors.is_empty()) {
+            return Some(Parts { tracks, problems: Vec::new(), are_complete: true });
+        }
+        let mut problems: Vec<StemProblem> = errors.into_iter().map(StemProblem::from).collect();
+        let (from, until) = self.cut.map_or((0.0, f64::INFINITY), Cut::seconds);
+        let mut readings: Vec<StemReading<'_>> = Vec::new();
+        for stem in &stems {
+            match StemReading::open(stem, from, self.scene_gain) {
+                Ok(reading) => readings.push(reading),
+                Err(source) => problems.push(StemProblem::Open { part: stem.name(), source }),
+            }
+        }
+        let mut length = FIRST_SECONDS;
+        while !readings.iter().all(|reading| reading.is_over) {
+            std::thread::scope(|scope| {
+                for reading in &mut readings {
+                    scope.spawn(move || reading.read_to(length.min(until - from), go_on));
+                }
+            });
+            if !go_on() {
+                return None;
+            }
+            if length >= until - from {
+                break;
+            }
+            publish(Parts { tracks: tracks_of(&readings), ..Parts::default() });
+            length *= 2.0;
+        }
+        for reading in &mut readings {
+            reading.finish(self.duration.filter(|_| self.cut.is_none()));
+            problems.append(&mut reading.problems);
+        }
+        let tracks = tracks_of(&readings);
+        // Problems are reported each time, so a stem with a problem is read again.
+        if let Some(key) = key.filter(|_| problems.is_empty()) {
+            cache.save(key, &tracks);
+        }
+        Some(Parts { tracks, problems, are_complete: true })
+    }
+}
+
+fn tracks_of(readings: &[StemReading<'_>]) -> PartTracks {
+    let mut tracks = PartTracks::default();
+    for reading in readings {
+        if let Some(track) = tracks.tracks.get_mut(reading.stem.part) {
+            *track = Some(reading.listener.track().clone());
+        }
+    }
+    tracks
+}
+
+/// A stem that is being read.
+struct StemReading<'a> {
+    stem: &'a Stem,
+    decoder: Decoder,
+    listener: PartListener,
+    scene_gain: f32,
+    frames: usize,
+    /// True once the stem has ended, in whatever way.
+    is_over: bool,
+    /// True if the stem ended at its last frame.
+    is_whole: bool,
+    problems: Vec<StemProblem>,
+}
+
+impl<'a> StemReading<'a> {
+    fn open(stem: &'a Stem, from: f64, scene_gain: f32) -> Result<Self, DecodeError> {
+        let mut decoder = stem.open()?;
+        if from > 0.0 {
+            decoder.seek(from)?;
+        }
+        let listener = PartListener::new(decoder.info().sample_rate, &kept_numbers());
+        let (frames, is_over, is_whole, problems) = (0, false, false, Vec::new());
+        Ok(Self { stem, decoder, listener, scene_gain, frames, is_over, is_whole, problems })
+    }
+
+    fn seconds(&self) -> f64 {
+        self.frames as f64 / f64::from(self.decoder.info().sample_rate)
+    }
+
+    /// Reads until `length` seconds are read, the stem is over, or `go_on` returns false.
+    fn read_to(&mut self, length: f64, go_on: &GoOn<'_>) {
+        let mut block = Vec::new();
+        while !self.is_over && self.seconds() < length && go_on() {
+            block.clear();
+            match self.decoder.next_block(&mut block) {
+                Ok(0) => (self.is_over, self.is_whole) = (true, true),
+                Ok(count) => self.frames += count,
+                Err(source) => {
+                    let (part, seconds) = (self.stem.name(), self.seconds());
+                    self.problems.push(StemProblem::Decode { part, seconds, source });
+                    self.is_over = true;
+                }
+            }
+            scale(&mut block, self.scene_gain);
+            if !self.listener.push(&block) {
+                let (part, limit) = (self.stem.name(), MUSIC_LIMITS.part_seconds_max);
+                self.problems.push(StemProblem::TooLong { part, file: self.file(), limit });
+                self.is_over = true;
+            }
+        }
+    }
+
+    /// Ends the track. Reports a length that differs from the song's.
+    fn finish(&mut self, song: Option<f64>) {
+        self.listener.finish();
+        if let Some(song) = song.filter(|song| self.is_whole && (self.seconds() - song).abs() > SAME_LENGTH) {
+            let (file, seconds) = (self.file(), self.seconds());
+            self.problems.push(StemProblem::Length { file, seconds, song });
+        }
+    }
+
+    fn file(&self) -> String {
+        self.stem.path().file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
+
+/// The numbers of a part, in the order in which scenes number them. The bands follow.
+fn kept_numbers() -> Vec<KeptNumber> {
+    let sounds = PartInput::sounds();
+    sounds
+        .map(|input| {
+            let (least, most) = input.range();
+            KeptNumber { name: input.name(), least, most }
+        })
+        .collect()
+}
+
+/// Starts a thread that reads the parts of tracks during a show. It calls `wake` after each track.
+///
+/// # Errors
+/// Fails if the system cannot start a thread.
+pub fn start_reader(
+    cache: PartsCache,
+    wake: impl Fn() + Send + 'static,
+) -> std::io::Result<SongReader<Parts>> {
+    let find = move |track: &TrackInfo, go_on: &GoOn<'_>, publish: &dyn Fn(Parts)| {
+        let Some(content) = track.reopen.content() else { return Some(None) };
+        let (cut, duration) = (content.cut, track.duration);
+        let song = SongOfParts { song: &content.song, cut, duration, scene_gain: track.scene_gain };
+        Some(Some(song.read(&cache, go_on, publish)?))
+    };
+    SongReader::of("stems", SONGS_KEPT, find, wake)
+}
+
+#[cfg(test)]
+mod tests;
