@@ -59,7 +59,8 @@ impl Playback {
         if let Some(live) = &mut self.live {
             let (features, time) = (&moment.features, moment.song_time);
             let (tempo, phase) = (features.tempo, features.phase);
-            let heard = Hearing { time, energy: moment.song.energy, tempo, phase };
+            let (energy, novelty, drop) = (moment.song.energy, features.live.novelty, moment.song.drop);
+            let heard = Hearing { time, energy, tempo, phase, novelty, drop };
             if let Some(prepared_show) = live.hear(heard).map(Arc::new) {
                 match self.scene.show().has_prepared_show() {
                     true => self.scene.show_mut().extend_prepared_show(prepared_show, None),

@@ -199,7 +199,7 @@ impl Listening {
     }
 
     /// The current sound, with its position in the song and the tapped tempo. For a track that is not yet analysed, the
-    /// song data contain only the energy; for an input, the energy, and the bar if the bar is certain.
+    /// song data contain only the energy; for an input, also what is heard of the bar, harmony and form.
     pub(crate) fn now(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
         self.track = now.track;
@@ -214,7 +214,8 @@ impl Listening {
                 let heard = SongMoment::of_live(energy, &now.features);
                 // Drop the measured bar after taps: it does not match the tapped beats.
                 let is_tapped = self.taps.at(now.song_time).is_some();
-                if is_tapped { SongMoment { energy, ..SongMoment::UNKNOWN } } else { heard }
+                let SongMoment { bar, beat_in_bar, to_beat, to_bar, .. } = SongMoment::UNKNOWN;
+                if is_tapped { SongMoment { bar, beat_in_bar, to_beat, to_bar, ..heard } } else { heard }
             }
         };
         self.taps.apply(now.song_time, &mut now.features);

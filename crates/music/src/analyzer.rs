@@ -335,9 +335,7 @@ impl Analyzer {
         for (value, height) in self.last.spectrum.iter_mut().zip(heights) {
             self.followers.bands.follow(value, height);
         }
-        if let Some(bar) = self.rhythm.bar(pulse, &self.last.spectrum) {
-            (features.bar_beat, features.bar_beats) = (bar.beat, bar.beats);
-        }
+        self.rhythm.hear(pulse, &powers, &mut self.last);
         let frames_per_point = hop / WAVE_PER_HOP;
         mean_of_channels(&history[self.wave_stretch.clone()], frames_per_point, &mut self.last.wave);
     }

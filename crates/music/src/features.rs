@@ -2,6 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
+use super::live::LiveSong;
 use super::loudness::LOUDNESS_FLOOR;
 use super::scale::{BAND_COUNT, LEVEL_FLOOR_DB, NOTE_COUNT, SPECTRUM_POINTS, WAVE_PER_HOP, spectrum_place};
 
@@ -94,6 +95,10 @@ features! {
     bar_beat: f32 = 0.0, held;
     /// The number of beats in the bar; 0 while uncertain.
     bar_beats: f32 = 0.0, held;
+    /// What is heard of the song in live input. For files nothing is known, because the
+    /// [`SongStructure`](super::SongStructure) has it.
+    #[serde(skip)]
+    live: LiveSong = LiveSong::UNKNOWN, mixed;
     /// The leaky integral of `bass` over seconds: b' = bass - b / 4 s, so 1/e of a value is left after 4 s. A scene
     /// that moves with `time + bass_drive` runs faster with each low note, and on average as fast as time.
     bass_drive: f32 = 0.0, mixed;
@@ -180,6 +185,23 @@ impl Numbers for f32 {
 impl<const N: usize> Numbers for [f32; N] {
     fn mixed(self, other: Self, amount: f32) -> Self {
         std::array::from_fn(|i| self[i].mixed(other[i], amount))
+    }
+
+    fn number_alone(self) -> Option<f32> {
+        None
+    }
+}
+
+impl Numbers for LiveSong {
+    /// Keeps the key of `self`.
+    fn mixed(self, other: Self, amount: f32) -> Self {
+        Self {
+            chroma: self.chroma.mixed(other.chroma, amount),
+            key: self.key,
+            build: self.build.mixed(other.build, amount),
+            drop: self.drop.mixed(other.drop, amount),
+            novelty: self.novelty.mixed(other.novelty, amount),
+        }
     }
 
     fn number_alone(self) -> Option<f32> {

@@ -41,8 +41,7 @@ mod gain;
 mod hop_buffer;
 pub mod limits;
 mod lines;
-mod live_bars;
-mod live_energy;
+mod live;
 mod loudness;
 mod notes;
 mod onset;
@@ -71,7 +70,7 @@ pub use analyzer::{Alignment, Analyzer};
 pub use bands::band_edge;
 pub use features::{Features, TimedFeatures};
 pub use gain::Gain;
-pub use live_energy::LiveEnergy;
+pub use live::{LiveEnergy, LiveSong};
 pub use loudness::LOUDNESS_FLOOR;
 pub use parts::{KeptNumber, PART_NAMES, PART_TRACK_VERSION, PartListener, PartTrack, PartTracks};
 pub use scale::{

@@ -1,7 +1,7 @@
 //! Chooses scenes for live input, without knowledge of the music to come.
 //!
 //! When a scene appears, the director chooses the next scene at once, so that the next scene can be prepared. The
-//! next scene appears on a beat after the music gets much louder or calmer, or after a long time.
+//! next scene appears at a drop, on a beat after a new section has begun, or after a long time.
 
 use super::director::{SceneCard, next_scene};
 use super::timeline::{Clip, TimedTransition, Timeline};
@@ -11,8 +11,16 @@ use mariana_field::lang::TransitionStyle;
 const CLIP: [f64; 2] = [12.0, 45.0];
 /// Time constants of the short and the long average of the energy, in seconds.
 const OVER: [f64; 2] = [2.0, 20.0];
-/// The scene changes if the two averages differ by at least this much.
-const NOVEL: f32 = 0.18;
+/// A section is new if the novelty reaches this value and the peaks of the last sections.
+const NOVEL: f32 = 0.8;
+/// Time constant of the decay of those peaks, in seconds.
+const PEAK: f64 = 15.0;
+/// After a section was recognised as new, the scene changes on a beat within this time, in seconds.
+const FRESH: f64 = 1.0;
+/// Minimum time in seconds between a scene change and a change at a drop.
+const BEFORE_DROP: f64 = 4.0;
+/// A drop begins if its value rises by more than this.
+const DROP_RISE: f32 = 0.5;
 /// Below this energy, music is calm and scenes fade slowly. From [`LOUD`] on, scenes cut.
 const CALM: f32 = 0.4;
 const LOUD: f32 = 0.65;
@@ -32,6 +40,10 @@ pub struct Hearing {
     pub tempo: f32,
     /// Position between the last beat and the next, 0..1.
     pub phase: f32,
+    /// How much the last seconds differ from the seconds before ([`LiveSong`](mariana_music::LiveSong)).
+    pub novelty: f32,
+    /// 1 at a drop, then falling to 0.
+    pub drop: f32,
 }
 
 /// Chooses scenes for live input.
@@ -43,12 +55,24 @@ pub struct LiveDirector {
     last: Option<Hearing>,
     /// Averages of the energy, with the time constants of [`OVER`].
     energies: [f32; 2],
+    /// The decaying peak of the novelty.
+    peak: f32,
+    /// The time at which a section was last recognised as new.
+    new_at: f64,
 }
 
 impl LiveDirector {
     /// A director that chooses among these scenes.
     pub fn new(cards: Vec<SceneCard>) -> Self {
-        Self { cards, clips: Vec::new(), seen: Vec::new(), last: None, energies: [0.5; 2] }
+        Self {
+            cards,
+            clips: Vec::new(),
+            seen: Vec::new(),
+            last: None,
+            energies: [0.5; 2],
+            peak: 0.0,
+            new_at: f64::NEG_INFINITY,
+        }
     }
 
     /// Processes the features of a moment. Returns a new timeline if the scene changes.
@@ -56,10 +80,12 @@ impl LiveDirector {
         let step = self.last.map_or(0.0, |last| heard.time - last.time);
         let has_jumped = !(0.0..5.0).contains(&step);
         let is_beat = heard.tempo <= 0.0 || self.last.is_some_and(|last| heard.phase < last.phase);
+        let is_drop = self.last.is_some_and(|last| heard.drop > last.drop + DROP_RISE);
         self.last = Some(heard);
         if self.clips.is_empty() || has_jumped {
             // The input has just started, or has been replaced.
             self.energies = [heard.energy; 2];
+            (self.peak, self.new_at) = (0.0, f64::NEG_INFINITY);
             self.clips.clear();
             return self.enter(heard, TimedTransition::new(TransitionStyle::Fade, 1.0));
         }
@@ -68,7 +94,14 @@ impl LiveDirector {
         }
         let [now, before] = self.energies;
         let since = self.clips.iter().rev().nth(1).map_or(0.0, |clip| heard.time - clip.start);
-        let is_new = (now - before).abs() >= NOVEL;
+        self.peak *= (-step / PEAK).exp() as f32;
+        if heard.novelty >= NOVEL.max(self.peak) {
+            (self.peak, self.new_at) = (heard.novelty, heard.time);
+        }
+        if is_drop && since >= BEFORE_DROP {
+            return self.enter(heard, TimedTransition::CUT);
+        }
+        let is_new = heard.time - self.new_at <= FRESH;
         if !is_beat || since < CLIP[0] || !(is_new || since >= CLIP[1]) {
             return None;
         }
@@ -123,15 +156,17 @@ mod tests {
         LiveDirector::new(ranges.into_iter().enumerate().map(card).collect())
     }
 
-    /// Returns the start and transition of each scene at 120 beats a minute, if `energy` returns the energy at a
-    /// time.
-    fn starts(seconds: usize, energy: impl Fn(f64) -> f32) -> Vec<(f64, TransitionStyle)> {
+    const QUIET: Hearing =
+        Hearing { time: 0.0, energy: 0.3, tempo: 120.0, phase: 0.0, novelty: 0.0, drop: 0.0 };
+
+    /// Returns the start and transition of each scene at 120 beats a minute, if `hearing` returns the energy, the
+    /// novelty and the drop at a time.
+    fn starts(seconds: usize, hearing: impl Fn(f64) -> Hearing) -> Vec<(f64, TransitionStyle)> {
         let mut director = director();
         let mut found = Vec::new();
         for step in 0..seconds * 50 {
             let time = step as f64 / 50.0;
-            let heard =
-                Hearing { time, energy: energy(time), tempo: 120.0, phase: (time * 2.0).fract() as f32 };
+            let heard = Hearing { time, phase: (time * 2.0).fract() as f32, ..hearing(time) };
             if let Some(timeline) = director.hear(heard) {
                 let clip = timeline.at(time + 10.0).clip;
                 found.push((clip.start, clip.transition.kind.style()));
@@ -141,17 +176,35 @@ mod tests {
     }
 
     #[test]
-    fn scenes_change_with_the_energy_or_after_a_while_and_on_a_beat() {
-        let even = starts(200, |_| 0.3);
+    fn scenes_change_at_new_sections_or_after_a_while_and_on_a_beat() {
+        let even = starts(200, |_| QUIET);
         assert!((4..=6).contains(&even.len()), "{even:?}");
         assert!(even.iter().skip(1).all(|(_, style)| *style == TransitionStyle::Fade), "{even:?}");
         assert!(even.iter().all(|(start, _)| (start * 2.0).fract() < 0.05), "on a beat: {even:?}");
-        let loud = starts(60, |time| if time < 30.0 { 0.2 } else { 0.9 });
-        let change = loud.iter().find(|(start, _)| *start > 1.0).unwrap();
-        assert!((30.0..32.0).contains(&change.0) && change.1 == TransitionStyle::Cut, "{loud:?}");
-        // Flickering energy causes no change, and every scene is shown for the minimum time.
-        let flicker = starts(100, |time| if (time * 4.0).fract() < 0.5 { 0.1 } else { 0.9 });
+        // A section begins at 30 s, and its novelty rises and falls.
+        let novelty = |time: f64| (1.5 - 0.3 * (time - 33.0).abs()).max(0.2) as f32;
+        let calm = starts(60, |time| Hearing { novelty: novelty(time), ..QUIET });
+        let louder = starts(60, |time| Hearing {
+            novelty: novelty(time),
+            energy: if time < 30.0 { 0.2 } else { 0.9 },
+            ..QUIET
+        });
+        for (found, style) in [(&calm, TransitionStyle::Fade), (&louder, TransitionStyle::Cut)] {
+            let changes: Vec<_> = found.iter().filter(|(start, _)| (1.0..45.0).contains(start)).collect();
+            assert!(changes.len() == 1 && (30.5..33.0).contains(&changes[0].0), "{found:?}");
+            assert_eq!(changes[0].1, style, "{found:?}");
+        }
+        // Constant novelty marks no section, and every scene is shown for the minimum time.
+        let flicker = starts(100, |time| Hearing { novelty: (3.0 * time).sin() as f32 + 1.0, ..QUIET });
         assert!(flicker.windows(2).all(|pair| pair[1].0 - pair[0].0 >= CLIP[0]), "{flicker:?}");
+    }
+
+    #[test]
+    fn scenes_cut_at_a_drop_at_once() {
+        let drop = |time: f64| if time < 20.3 { 0.0 } else { (1.0 - (time - 20.3) / 4.0).max(0.0) as f32 };
+        let found = starts(30, |time| Hearing { drop: drop(time), ..QUIET });
+        assert_eq!(found[1], (20.3, TransitionStyle::Cut), "{found:?}");
+        assert_eq!(found.len(), 2, "{found:?}");
     }
 
     #[test]
@@ -159,7 +212,7 @@ mod tests {
         let mut director = director();
         let mut hear = |time| {
             director
-                .hear(Hearing { time, energy: 0.5, tempo: 0.0, phase: 0.0 })
+                .hear(Hearing { time, energy: 0.5, tempo: 0.0, ..QUIET })
                 .map(|timeline| timeline.clips().iter().map(|clip| clip.scene.clone()).collect::<Vec<_>>())
         };
         assert_eq!(hear(100.0).map(|scenes| scenes.len()), Some(2));

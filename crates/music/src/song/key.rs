@@ -42,8 +42,27 @@ impl Tonality {
         PITCH_CLASSES.get(usize::from(self.root)).copied().unwrap_or("C")
     }
 
-    fn all() -> impl Iterator<Item = Self> {
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
         [Mode::Major, Mode::Minor].into_iter().flat_map(|mode| (0..12).map(move |root| Self { root, mode }))
+    }
+}
+
+impl Tonality {
+    /// Returns the correlation of pitch class weights, C first, with the profile of this key (Krumhansl 1990).
+    pub(crate) fn fit_as_key(self, classes: &[f32; 12]) -> f32 {
+        let profile = match self.mode {
+            Mode::Major => MAJOR,
+            Mode::Minor => MINOR,
+        };
+        correlation(&turned(classes, self.root), &profile)
+    }
+
+    /// Returns the correlation of pitch class weights, C first, with the tones of this triad.
+    pub(crate) fn fit_as_triad(self, classes: &[f32; 12]) -> f32 {
+        let third = if self.mode == Mode::Major { 4 } else { 3 };
+        let tones: [f32; 12] =
+            std::array::from_fn(|class| if [0, third, 7].contains(&class) { 1.0 } else { 0.0 });
+        correlation(&turned(classes, self.root), &tones)
     }
 }
 
@@ -102,13 +121,7 @@ pub(super) fn key(
     firsts: &[Option<Tonality>],
 ) -> Option<Tonality> {
     let sum = pitches_of(units)?;
-    let fits = |key: &Tonality| {
-        let profile = match key.mode {
-            Mode::Major => MAJOR,
-            Mode::Minor => MINOR,
-        };
-        correlation(&turned(&sum, key.root), &profile)
-    };
+    let fits = |key: &Tonality| key.fit_as_key(&sum);
     let fraction = |of: &[Option<Tonality>], key: &Tonality| {
         of.iter().filter(|chord| chord.as_ref() == Some(key)).count() as f32 / of.len().max(1) as f32
     };
@@ -128,12 +141,7 @@ pub(super) fn chords(units: &[Unit]) -> Vec<Option<Tonality>> {
     let chords: Vec<Option<Tonality>> = Tonality::all().map(Some).chain([None]).collect();
     let fits = |unit: &Unit, chord: &Option<Tonality>| match chord {
         None => CHORD_MIN,
-        Some(chord) => {
-            let third = if chord.mode == Mode::Major { 4 } else { 3 };
-            let tones: [f32; 12] =
-                std::array::from_fn(|class| if [0, third, 7].contains(&class) { 1.0 } else { 0.0 });
-            correlation(&turned(&unit.chroma, chord.root), &tones)
-        }
+        Some(chord) => chord.fit_as_triad(&unit.chroma),
     };
     let mut best = vec![0.0_f32; chords.len()];
     let mut came_from = Vec::with_capacity(units.len());

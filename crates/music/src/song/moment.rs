@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::ahead::{NEVER, ahead, limited};
 use super::place::{Place, place};
 use super::structure::{Section, SongStructure};
-use super::{Mode, PITCH_CLASSES};
+use super::{Mode, PITCH_CLASSES, Tonality};
 use crate::features::Features;
 
 /// The duration of a drop's fade in bars, or in seconds if the song has no bars.
@@ -113,16 +113,29 @@ impl Default for SongMoment {
 }
 
 impl SongMoment {
-    /// Returns the moment of live input: its energy, 0..1, the time of the next beat at a steady tempo, and its
-    /// position in the bar while the position is certain.
+    /// Returns the moment of live input: its energy, 0..1, the time of the next beat at a steady tempo, its position in
+    /// the bar while the position is certain, and the [`LiveSong`](crate::LiveSong).
     pub fn of_live(energy: f32, features: &Features) -> Self {
-        let Features { phase, tempo, bar_beat, bar_beats, .. } = *features;
+        let Features { phase, tempo, bar_beat, bar_beats, live, .. } = *features;
         let is_sure = bar_beat >= 1.0 && bar_beats >= bar_beat;
         let place = f64::from(bar_beat - 1.0 + phase) / f64::from(bar_beats);
         let (bar, beat_in_bar) = if is_sure { (below_one(place), bar_beat) } else { (0.0, 0.0) };
         let after = |beats: f32| if tempo > 0.0 { limited(f64::from(60.0 * beats / tempo)) } else { NEVER };
         let to_bar = if is_sure { after(bar_beats * (1.0 - bar)) } else { NEVER };
-        Self { bar, beat_in_bar, energy: unit(energy), to_beat: after(1.0 - phase), to_bar, ..Self::UNKNOWN }
+        let (key, minor) = numbers_of(live.key);
+        Self {
+            bar,
+            beat_in_bar,
+            energy: unit(energy),
+            build: unit(live.build),
+            drop: unit(live.drop),
+            key,
+            minor,
+            to_beat: after(1.0 - phase),
+            to_bar,
+            chroma: live.chroma.map(unit),
+            ..Self::UNKNOWN
+        }
     }
 }
 
@@ -157,7 +170,7 @@ impl At<'_> {
     fn moment(self) -> SongMoment {
         let (bar, beat_in_bar) = self.place_in_bar().unwrap_or_default();
         let (section, section_phase) = self.place_in_section().unwrap_or_default();
-        let key = self.song.key;
+        let (key, minor) = numbers_of(self.song.key);
         let ahead = ahead(self.song, self.time);
         SongMoment {
             bar,
@@ -167,8 +180,8 @@ impl At<'_> {
             energy: self.energy(),
             build: self.build(),
             drop: self.drop(),
-            key: key.map_or(0.0, |key| f32::from(key.root.min(11))),
-            minor: key.map_or(0.0, |key| if key.mode == Mode::Minor { 1.0 } else { 0.0 }),
+            key,
+            minor,
             progress: fraction(self.time, 0.0, self.song.seconds),
             to_beat: ahead.beat,
             to_bar: ahead.bar,
@@ -254,6 +267,13 @@ impl At<'_> {
         let strongest = unit_of.fractions.iter().copied().fold(0.0, f32::max);
         unit_of.fractions.map(|fraction| if strongest > 0.0 { unit(fraction / strongest) } else { 0.0 })
     }
+}
+
+/// Returns the root of a key, and 1 for minor; 0 without a key.
+fn numbers_of(key: Option<Tonality>) -> (f32, f32) {
+    key.map_or((0.0, 0.0), |key| {
+        (f32::from(key.root.min(11)), if key.mode == Mode::Minor { 1.0 } else { 0.0 })
+    })
 }
 
 /// Returns 1 for A, 2 for B and so on, up to [`LETTERS`].

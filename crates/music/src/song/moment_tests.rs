@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use super::super::{Meter, Mode, PitchFractions, Section, SongBeat, SongStructure, Stretch, Tonality};
 use super::SongMoment;
 use crate::features::Features;
+use crate::live::LiveSong;
 
 /// A song in 4/4 at 120 beats per minute. The first bar begins at 1 s. At 17 s section B begins with a drop.
 fn song() -> SongStructure {
@@ -250,4 +251,15 @@ fn live_bars_are_reported_while_certain() {
     assert_eq!(heard(3.0, 4.0, 0.5), (0.625, 3.0));
     assert_eq!(heard(0.0, 0.0, 0.5), (0.0, 0.0));
     assert!(heard(4.0, 4.0, 1.0).0 < 1.0);
+}
+
+#[test]
+fn live_harmony_builds_and_drops_are_reported() {
+    let key = Some(Tonality { root: 9, mode: Mode::Minor });
+    let live = LiveSong { chroma: [0.25; 12], key, build: 0.5, drop: 0.75, novelty: 3.0 };
+    let moment = SongMoment::of_live(0.4, &Features { live, ..Features::SILENCE });
+    assert_eq!((moment.key, moment.minor, moment.build, moment.drop), (9.0, 1.0, 0.5, 0.75));
+    assert_eq!(moment.chroma, live.chroma);
+    let nothing = SongMoment::of_live(0.0, &Features::SILENCE);
+    assert_eq!(nothing, SongMoment::UNKNOWN);
 }

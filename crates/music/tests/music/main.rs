@@ -6,6 +6,7 @@ mod events;
 #[allow(dead_code)]
 mod forms;
 mod levels_and_curves;
+mod live;
 mod notes;
 mod played;
 mod rhythm;

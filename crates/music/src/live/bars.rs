@@ -5,8 +5,8 @@
 //! beats accumulates the evidence. In 6/8, two dotted beats are reported as half of a bar of four. Bar tracking adds 2
 //! µs to the 29 µs per moment.
 
-use super::rises::LowAndHigh;
-use super::scale::{SPECTRUM_POINTS, spectrum_place};
+use crate::rises::LowAndHigh;
+use crate::scale::{SPECTRUM_POINTS, spectrum_place};
 
 const METERS: [usize; 2] = [4, 3];
 const STATES: usize = 7;
@@ -31,14 +31,14 @@ const REPORTED: (f32, f32) = (0.9, 0.6);
 const PITCHES_HZ: (f64, f64) = (60.0, 1_600.0);
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct LiveBar {
+pub(crate) struct LiveBar {
     /// The number of the beat in its bar, from 1; 0 while uncertain.
-    pub(super) beat: f32,
-    pub(super) beats: f32,
+    pub(crate) beat: f32,
+    pub(crate) beats: f32,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Strokes {
+pub(crate) struct Strokes {
     pub(super) low: f32,
     pub(super) high: f32,
     /// The flux, relative to the largest recent flux.

@@ -18,10 +18,10 @@ pub struct LiveEnergy {
 
 impl LiveEnergy {
     /// Returns the energy, 0..1, at `time` in seconds for the level `level_db`
-    /// ([`Features::level_db`](super::Features)). If `time` is earlier than in the last call, the loudest level does
+    /// ([`Features::level_db`](crate::Features)). If `time` is earlier than in the last call, the loudest level does
     /// not decay.
     pub fn at(&mut self, time: f64, level_db: f32) -> f32 {
-        let level_db = if level_db.is_finite() { level_db } else { super::LEVEL_FLOOR_DB };
+        let level_db = if level_db.is_finite() { level_db } else { crate::LEVEL_FLOOR_DB };
         let time = if time.is_finite() { time } else { 0.0 };
         let (last, mut level, mut loudest) = self.state.unwrap_or((time, level_db, LOUDEST_MIN_DB));
         let passed = (time - last).max(0.0);
