@@ -8,13 +8,14 @@ use mariana_music::{
     StereoFrame, TimedFeatures,
 };
 use mariana_player::decode::{DecodeError, Decoder};
+use mariana_player::lyrics::Lyrics;
 use mariana_player::song::{Song, display_name};
 use mariana_player::source::FrameSource;
 use mariana_player::track::scale;
 
 use super::error::ExportError;
 use super::print::tell;
-use crate::song_structures::{StructureCache, structure_of};
+use crate::song_structures::{StructureCache, lyrics_of, structure_of};
 use crate::stems::{Parts, PartsCache, SongOfParts};
 
 /// Length of sound analysed before the first requested time, in seconds: enough for the smoothing to settle.
@@ -35,6 +36,7 @@ pub struct SongFeatures {
     ended: bool,
     song: Song,
     structure: Option<SongStructure>,
+    lyrics: Option<Lyrics>,
     parts: Option<Arc<PartTracks>>,
 }
 
@@ -63,23 +65,31 @@ impl SongFeatures {
         }
         let track = FeatureTrack::new(TRACK_SECONDS);
         let (block, song) = (Vec::new(), song.clone());
-        let (ended, structure, parts) = (false, None, None);
-        Ok(Self { decoder, name, analyzer, track, block, frames, ended, song, structure, parts })
+        let (ended, structure, lyrics, parts) = (false, None, None, None);
+        Ok(Self { decoder, name, analyzer, track, block, frames, ended, song, structure, lyrics, parts })
     }
 
-    /// Opens the same song again for times from `start` seconds on. Keeps the song's structure and parts if they are
-    /// known.
+    /// Opens the same song again for times from `start` seconds on. Keeps the song's structure, lyrics and parts if
+    /// they are known.
     ///
     /// # Errors
     /// Fails if the song cannot be decoded.
     pub fn beside(&self, start: f64, gain: Gain) -> Result<Self, DecodeError> {
-        let (structure, parts) = (self.structure.clone(), self.parts.clone());
-        Ok(Self { structure, parts, ..Self::open_with(&self.song, start, gain)? })
+        let (structure, lyrics, parts) = (self.structure.clone(), self.lyrics.clone(), self.parts.clone());
+        Ok(Self { structure, lyrics, parts, ..Self::open_with(&self.song, start, gain)? })
     }
 
-    /// Finds the whole song's structure, in the cache or by decoding. Later results contain the position in the song.
+    /// Finds the whole song's structure, in the cache or by decoding, and its lyrics. Later results contain the position
+    /// in the song.
     pub fn know_song(&mut self) {
         self.structure();
+        let song = &self.song;
+        self.lyrics.get_or_insert_with(|| lyrics_of(song));
+    }
+
+    /// Replaces the lyrics of the song.
+    pub fn sing(&mut self, lyrics: Lyrics) {
+        self.lyrics = Some(lyrics);
     }
 
     /// Returns the structure of the whole song. The first call computes the structure.
@@ -114,7 +124,12 @@ impl SongFeatures {
 
     /// Returns the position of `time` in the whole song. Call [`SongFeatures::know_song`] before this.
     pub fn place_in_song(&self, time: f64) -> SongMoment {
-        self.structure.as_ref().map_or(SongMoment::UNKNOWN, |structure| structure.moment(time))
+        let mut moment =
+            self.structure.as_ref().map_or(SongMoment::UNKNOWN, |structure| structure.moment(time));
+        if let Some(lyrics) = &self.lyrics {
+            lyrics.mark(time, &mut moment);
+        }
+        moment
     }
 
     /// Returns `sound`, which was measured at `time`, with the position in the whole song, its tempo and its phase, and

@@ -104,6 +104,9 @@ pub fn write_video(
         return Err(too_long(expected.unwrap_or(0)));
     }
     let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
+    if let Some(lyrics) = &request.lyrics {
+        song.sing(lyrics.clone());
+    }
     let mut captions = request.lyrics.clone().map(|lyrics| LyricCaptions::new(lyrics, request.size));
     let prepared_show = request.showing.prepared_show(&mut song, request.start)?;
     let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;

@@ -205,9 +205,9 @@ impl Listening {
         self.track = now.track;
         let songs = self.songs.as_ref().filter(|_| self.sound.plays_song());
         now.song = match songs.and_then(|songs| songs.get(now.track)) {
-            Some(structure) => {
-                now.features.follow_song(&structure, now.song_time);
-                structure.moment(now.song_time)
+            Some(song) => {
+                now.features.follow_song(&song.structure, now.song_time);
+                song.moment(now.song_time)
             }
             None => {
                 let energy = self.energy.at(now.song_time, now.features.level_db);
@@ -315,7 +315,8 @@ impl Listening {
     }
 
     pub(crate) fn structure(&self, track: u64) -> Option<Arc<SongStructure>> {
-        self.songs.as_ref().filter(|_| self.sound.plays_song())?.get(track)
+        let songs = self.songs.as_ref().filter(|_| self.sound.plays_song())?;
+        Some(songs.get(track)?.structure.clone())
     }
 
     pub(crate) fn live_status(&mut self) -> Option<LiveStatus> {

@@ -7,7 +7,10 @@ mod cache;
 mod cached_files;
 mod reader;
 
-use mariana_music::{SongListener, SongStructure};
+use std::sync::Arc;
+
+use mariana_music::{SongListener, SongMoment, SongStructure};
+use mariana_player::lyrics::{Lyrics, LyricsError};
 use mariana_player::song::Song;
 use mariana_player::source::{FrameSource, SourceError};
 use mariana_player::track::Content;
@@ -22,6 +25,34 @@ pub fn structure_of(song: &Song, cache: &StructureCache) -> SongStructure {
         || Some(song.open().map(|decoder| Box::new(decoder) as Box<dyn FrameSource>).map_err(Into::into));
     let content = Content { song: song.clone(), cut: None };
     find(Some(&content), open, cache, &|| true).flatten().unwrap_or_default()
+}
+
+/// What is known of a whole song.
+#[derive(Debug, Default, PartialEq)]
+pub struct ReadSong {
+    /// The song's structure.
+    pub structure: Arc<SongStructure>,
+    /// The song's lyrics; without lines if it has none.
+    pub lyrics: Lyrics,
+}
+
+impl ReadSong {
+    /// Returns the place of `time` seconds in the song and in its lyrics.
+    pub fn moment(&self, time: f64) -> SongMoment {
+        let mut moment = self.structure.moment(time);
+        self.lyrics.mark(time, &mut moment);
+        moment
+    }
+}
+
+/// Returns the lyrics of a song. Most songs have none; lyrics that cannot be read are only logged.
+pub fn lyrics_of(song: &Song) -> Lyrics {
+    Lyrics::of_song(song).unwrap_or_else(|error| {
+        if !matches!(error, LyricsError::None { .. }) {
+            tracing::info!("a song has no lyrics: {error}");
+        }
+        Lyrics::default()
+    })
 }
 
 /// Returns the structure of `content` from the cache, or of the source that `open` returns. The inner `None` means

@@ -6,8 +6,7 @@ use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use super::{StructureCache, find};
-use mariana_music::SongStructure;
+use super::{ReadSong, StructureCache, find, lyrics_of};
 use mariana_player::track::TrackInfo;
 
 /// Maximum number of structures of earlier tracks in memory.
@@ -20,7 +19,7 @@ const FIRST_NICENESS: i32 = 5;
 
 /// The thread that reads songs and finds a `T` for each track. Dropping this value ends the thread.
 #[derive(Debug)]
-pub struct SongReader<T = SongStructure> {
+pub struct SongReader<T = ReadSong> {
     shared: Arc<Shared<T>>,
 }
 
@@ -54,16 +53,20 @@ impl<T> State<T> {
 }
 
 impl SongReader {
-    /// Starts a thread that finds the structures of tracks. It calls `wake` after each analysed track.
+    /// Starts a thread that analyses tracks and reads their lyrics. It calls `wake` after each track.
     ///
     /// # Errors
     /// Fails if the system cannot start a thread.
     pub fn start(cache: StructureCache, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
-        let structure = move |track: &TrackInfo, go_on: &(dyn Fn() -> bool + Sync), _: &dyn Fn(_)| {
+        let read = move |track: &TrackInfo, go_on: &(dyn Fn() -> bool + Sync), _: &dyn Fn(_)| {
             let reopen = &track.reopen;
-            find(reopen.content(), || reopen.open(), &cache, go_on)
+            let structure = find(reopen.content(), || reopen.open(), &cache, go_on)?;
+            // The times of lyrics are those of the whole file.
+            let whole = reopen.content().filter(|content| content.cut.is_none());
+            let lyrics = whole.map(|content| lyrics_of(&content.song)).unwrap_or_default();
+            Some(structure.map(|structure| ReadSong { structure: Arc::new(structure), lyrics }))
         };
-        Self::of("songs", KNOWN_MAX, structure, wake)
+        Self::of("songs", KNOWN_MAX, read, wake)
     }
 }
 

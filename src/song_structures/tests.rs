@@ -152,6 +152,7 @@ fn the_reader_analyses_the_current_and_the_next_track() {
     let (first, second) = (folder.path().join("a.wav"), folder.path().join("b.wav"));
     write_song(&first, 12, 2);
     write_song(&second, 9, 3);
+    fs::write(folder.path().join("a.lrc"), "[00:02.00]La la").unwrap();
     let cache = StructureCache::in_folder(folder.path().join("kept"));
     let (wake, woken) = channel();
     let reader = SongReader::start(cache.clone(), move || wake.send(()).unwrap_or_default()).unwrap();
@@ -163,8 +164,10 @@ fn the_reader_analyses_the_current_and_the_next_track() {
         let known = reader.get(track.id).expect("the track was analysed");
         let at_once =
             structure_of(&Song::File(path.clone()), &StructureCache::in_folder("/missing/x".into()));
-        assert_eq!(*known, at_once, "the window and a still use different structures");
+        assert_eq!(*known.structure, at_once, "the window and a still use different structures");
     }
+    let lines = tracks.each_ref().map(|track| reader.get(track.id).map(|song| song.moment(3.0).line));
+    assert_eq!(lines, [Some(1.0), Some(0.0)], "only the first song has lyrics");
     // A track that cannot be decoded is tried once, and the thread continues.
     fs::remove_file(&second).unwrap();
     reader.want(&[numbered(&track_of(&first), 8), numbered(&tracks[1], 9)]);

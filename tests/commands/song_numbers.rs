@@ -61,6 +61,32 @@ fn stills_videos_and_text_have_the_same_song_values() {
 }
 
 #[test]
+fn scenes_read_the_line_and_word_that_is_sung() {
+    let place = Workplace::new();
+    write_wall(&place, "song.scene", "vec3(line / 4, word / 4, line_phase)");
+    place.write_tone("song.wav", 440.0, 5.0, [0.1; 2]);
+    place.write("song.lrc", b"[00:00.50]one\n[00:01.00]one <00:02.00>two\n[00:03.00]");
+    let still = |at: &str| {
+        let still = ["still", "song.wav", "song.scene", "--at", at, "-o", "a.png"];
+        place.run(&[&still[..], &LOOK[..]].concat()).done();
+        colour(&place, "a.png")
+    };
+    for (at, values) in
+        [("0.2", [0.0; 3]), ("1.5", [0.5, 0.25, 0.25]), ("2.5", [0.5, 0.5, 0.75]), ("3.5", [0.0; 3])]
+    {
+        let shown = still(at);
+        for (shown, value) in shown.into_iter().zip(values) {
+            assert!((f64::from(shown) - srgb(value)).abs() <= 1.0, "at {at}: {shown:?} shows {values:?}");
+        }
+    }
+    place.write("other.lrc", b"[00:01.00]a\n[00:01.10]b\n[00:01.20]c");
+    let video = ["--lyrics=other.lrc", "--start", "1.5", "--duration", "0.1", "--fps", "10", "-o", "other/"];
+    place.run(&[&["video", "song.wav", "song.scene"], &video[..], &LOOK[..]].concat()).done();
+    let [red, ..] = colour(&place, "other/frame-00000.png");
+    assert!((f64::from(red) - srgb(0.75)).abs() <= 1.0, "the file of --lyrics is the source: {red}");
+}
+
+#[test]
 fn a_song_without_structure_has_neutral_values() {
     let place = Workplace::new();
     write_wall(&place, "song.scene", "vec3(section + beat_in_bar + energy, 0.5, chroma(0) + key + drop)");
