@@ -6,9 +6,10 @@
 use crate::support::program::Workplace;
 use serde_json::Value;
 
-const LOOK: [&str; 4] = ["--size", "32x18", "--tone-map", "none"];
+pub(crate) const LOOK: [&str; 4] = ["--size", "32x18", "--tone-map", "none"];
 
-fn write_wall(place: &Workplace, name: &str, colour: &str) {
+/// Writes a scene whose pictures have this colour, an expression in linear light, everywhere.
+pub(crate) fn write_wall(place: &Workplace, name: &str, colour: &str) {
     let text = format!(
         "material paint {{ color = 0  roughness = 1  emission = {colour} }}\n\
          object wall {{ shape = 5 - p.z  material = paint }}\nsky {{ color = 0  ambient = 0 }}\n\
@@ -18,7 +19,8 @@ fn write_wall(place: &Workplace, name: &str, colour: &str) {
     place.write(name, text);
 }
 
-fn colour(place: &Workplace, name: &str) -> [u8; 3] {
+/// The colour in the middle of an image.
+pub(crate) fn colour(place: &Workplace, name: &str) -> [u8; 3] {
     let picture = image::load_from_memory(&place.read(name)).unwrap().to_rgb8();
     picture.get_pixel(16, 9).0
 }

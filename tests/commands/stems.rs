@@ -3,25 +3,8 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+use crate::song_numbers::{LOOK, colour, write_wall};
 use crate::support::program::Workplace;
-
-const LOOK: [&str; 4] = ["--size", "32x18", "--tone-map", "none"];
-
-fn write_wall(place: &Workplace, name: &str, colour: &str) {
-    let text = format!(
-        "material paint {{ color = 0  roughness = 1  emission = {colour} }}\n\
-         object wall {{ shape = 5 - p.z  material = paint }}\nsky {{ color = 0  ambient = 0 }}\n\
-         light none {{ direction = vec3(0, -1, 0)  color = 0 }}\n\
-         camera {{ position = vec3(0)  target = vec3(0, 0, 5) }}\n"
-    );
-    place.write(name, text);
-}
-
-/// The colour in the middle of an image.
-fn colour(place: &Workplace, name: &str) -> [u8; 3] {
-    let picture = image::load_from_memory(&place.read(name)).unwrap().to_rgb8();
-    picture.get_pixel(16, 9).0
-}
 
 fn stems(place: &Workplace, folder: &str) {
     std::fs::create_dir_all(place.path(folder)).unwrap();
