@@ -31,6 +31,7 @@
 #[cfg(test)]
 extern crate self as mariana_music;
 
+mod activation;
 mod analyzer;
 mod bands;
 mod beat;

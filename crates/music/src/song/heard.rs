@@ -39,6 +39,8 @@ pub(super) struct Heard {
     pub(super) loudness: Option<f32>,
     /// One moment for each hop. Moment n is n hops after the start.
     pub(super) moments: Vec<Moment>,
+    /// The log odds of a beat, every [`crate::activation::STEP_HOPS`] hops.
+    pub(super) beat_odds: Vec<f32>,
     /// Slow moment n ends at (n + 1) · [`SLOW_HOPS`] hops. Its chroma describes an earlier sound, by `chroma_late`.
     pub(super) slow: Vec<SlowMoment>,
     /// The delay of the chroma, in slow moments.

@@ -4,6 +4,7 @@ use super::chroma::FineChroma;
 use super::heard::{Heard, Moment, SLOW_HOPS, SlowMoment, TIMBRE_BANDS};
 use super::structure::SongStructure;
 use crate::StereoFrame;
+use crate::activation::{Activation, STEP_HOPS, WINDOW_HOPS};
 use crate::decimate::Decimator;
 use crate::hop_buffer::{HopBuffer, hop_at};
 use crate::limits::LIMITS;
@@ -35,6 +36,7 @@ pub struct SongListener {
     rate: f64,
     buffer: HopBuffer,
     short: Spectrum,
+    activation: Activation,
     flux: Flux,
     onsets: Onsets,
     rises: Rises,
@@ -96,11 +98,12 @@ impl SongListener {
             decimator.power_gain(hz, rate).max(1e-2)
         };
         let hop_seconds = hop as f64 / rate;
-        let length = short.max(hop + 4 * decimator.step());
+        let length = (WINDOW_HOPS * hop).max(hop + 4 * decimator.step());
         Self {
             rate,
             buffer: HopBuffer::new(length, hop, length - hop),
             short: Spectrum::new(short, |_| 1.0),
+            activation: Activation::new(hop, rate),
             flux: Flux::new(short / 2, bin_hz, hop_seconds),
             onsets: Onsets::new(hop_seconds),
             rises: Rises::new(short / 2, bin_hz, hop_seconds),
@@ -143,6 +146,11 @@ impl SongListener {
             self.take(&silence);
         }
         self.heard.tuning = self.pitches.tuning();
+        let late = self.activation.late();
+        let rest = (0..late).map(|_| self.activation.end());
+        self.heard.beat_odds.extend(rest);
+        // The first results are of moments before the start.
+        self.heard.beat_odds.drain(..late.min(self.heard.beat_odds.len()));
         SongStructure::of(&self.heard)
     }
 
@@ -175,6 +183,10 @@ impl SongListener {
         let (begins, _) = self.onsets.follow(rise, 0.0);
         self.heard.moments.push(Moment { flux, begins, low_rise, high_rise, power, low_power, peak });
         self.hops += 1;
+        if self.hops.is_multiple_of(STEP_HOPS) {
+            let odds = self.activation.follow(self.buffer.newest(WINDOW_HOPS * hop));
+            self.heard.beat_odds.push(odds);
+        }
         if self.hops.is_multiple_of(SLOW_HOPS) {
             let chroma = self.pitches.chroma(self.slow.spectrum().power());
             let timbre = self.timbre.take();

@@ -1,7 +1,7 @@
 //! The structure of a whole song: beats, bars, sections, energy, builds, drops, key and chords.
 //!
 //! ```text
-//! frames ─► SongListener ─┬─ flux, powers of each hop ─┬─► beats ─► bars ─┬─► units ─┬─► sections
+//! frames ─► SongListener ─┬─ flux, odds of a beat ─────┬─► beats ─► bars ─┬─► units ─┬─► sections
 //!                         └─ timbre, chroma ───────────┘                  │          ├─► builds, drops
 //!                                                                         └──────────┴─► key, chords
 //! ```
@@ -10,7 +10,7 @@
 
 /// The version of the analysis. It increases when a change to the analysis gives the same samples another structure, so
 /// that outdated cached structures are not used.
-pub const STRUCTURE_VERSION: u32 = 6;
+pub const STRUCTURE_VERSION: u32 = 7;
 
 mod ahead;
 mod bars;
@@ -21,12 +21,14 @@ mod energy;
 mod harmony;
 mod heard;
 mod key;
+mod levels;
 mod listener;
 mod moment;
 mod place;
 mod pulse;
 mod section_sound;
 mod sections;
+mod strengths;
 mod structure;
 mod units;
 

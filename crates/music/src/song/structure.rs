@@ -5,13 +5,14 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::bars::{Meter, bars};
-use super::beats::{beats, onset_strengths};
+use super::beats::beats;
 use super::drops::{builds_and_drops, eves};
 use super::energy::{ENERGY_STEP, energy, peaks};
 use super::heard::Heard;
 use super::key::{Tonality, chords, key, pitches_of};
 use super::section_sound::{SectionSound, section_sound};
 use super::sections::sections;
+use super::strengths::onset_strengths;
 use super::units::{Unit, units};
 
 /// If a song has no beats, sections may start at multiples of this time, in seconds.
