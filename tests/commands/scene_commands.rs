@@ -48,7 +48,7 @@ fn eval_returns_the_distances_of_the_formula() {
 fn the_shipped_scene_is_checked_and_its_cost_reported() {
     let place = Workplace::new();
     let printed = place.run(&["check", "speakers"]).done();
-    for part in ["speakers.scene", "clauses", "constants", "registers", "volume.x", "bands"] {
+    for part in ["speakers.scene", "clauses", "constants", "registers", "volume.x", "kick, ", ", band, "] {
         assert!(printed.contains(part), "'{part}' is missing: {printed}");
     }
 }

@@ -137,15 +137,12 @@ impl fmt::Display for InputNames<'_> {
                 params.push(&param.name);
             }
         }
-        let sounds = SoundInput::ALL.map(SoundInput::name).join(", ");
-        write!(f, "t, {sounds}")?;
+        params.iter().try_for_each(|param| write!(f, "{param}, "))?;
+        write!(f, "t, {}", SoundInput::ALL.map(SoundInput::name).join(", "))?;
         for list in LevelList::ALL {
             write!(f, ", {0}(0) to {0}({1})", list.name(), list.count() - 1)?;
         }
-        let parts = Part::ALL.map(|part| format!("{}.", part.name())).join(", ");
-        let last = PartInput::sounds().last().map_or("", SoundInput::name);
-        write!(f, ", {parts} before volume.x to {last} or a band")?;
-        if params.is_empty() { Ok(()) } else { write!(f, ", {}", params.join(", ")) }
+        write!(f, ", or a number of a part of the song, such as {}.beat", Part::Drums.name())
     }
 }
 
