@@ -377,6 +377,7 @@ fn random_expressions_agree() {
     const EXPRESSIONS: usize = 2_000;
     const POINTS: usize = 256;
     const PER_SHADER: usize = 50;
+    const LARGEST: f32 = 1e38;
     let point_reader = PointReader { context: Context::new() };
     let mut random = Random(1);
     let mut graph = Graph::new();
@@ -411,7 +412,9 @@ fn random_expressions_agree() {
         for (column, &position) in points.iter().enumerate() {
             let point = Point { position, normal: normals[row] };
             let right = evaluator.at(&point)[0];
+            // Drivers compute powers in parts, which overflow before the result does.
             if !right.is_finite()
+                || right.abs() > LARGEST
                 || spread(&graph, &order, &point, &frame, disturbance, &mut random) > 1e-4 * right.abs()
             {
                 continue;
