@@ -79,8 +79,8 @@ impl SongFeatures {
         Ok(Self { structure, lyrics, parts, ..Self::open_with(&self.song, start, gain)? })
     }
 
-    /// Finds the whole song's structure, in the cache or by decoding, and its lyrics. Later results contain the position
-    /// in the song.
+    /// Finds the whole song's structure, in the cache or by decoding, and its lyrics. Later results contain the
+    /// position in the song.
     pub fn know_song(&mut self) {
         self.structure();
         let song = &self.song;
@@ -98,7 +98,8 @@ impl SongFeatures {
         self.structure.get_or_insert_with(|| structure_of(song, &StructureCache::of_user()))
     }
 
-    /// Reads what a scene with this graph needs besides the sound of a moment: the whole song's structure, and its parts.
+    /// Reads what a scene with this graph needs besides the sound of a moment: the whole song's structure, and its
+    /// parts.
     pub fn know_for(&mut self, graph: &Graph) {
         if graph.reads_song() {
             self.know_song();
@@ -108,7 +109,8 @@ impl SongFeatures {
         }
     }
 
-    /// Reads the parts of the song from its stems, and reports what is wrong with them. Later results contain the parts.
+    /// Reads the parts of the song from its stems, and reports what is wrong with them. Later results contain the
+    /// parts.
     pub fn know_parts(&mut self) {
         if self.parts.is_some() {
             return;

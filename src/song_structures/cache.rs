@@ -1,5 +1,5 @@
-//! A cache of song structures in the user's cache folder. The key is a hash of the song's bytes, the played part and the
-//! version of the analysis. The files contain JSON.
+//! A cache of song structures in the user's cache folder. The key is a hash of the song's bytes, the played part and
+//! the version of the analysis. The files contain JSON.
 
 use std::path::PathBuf;
 

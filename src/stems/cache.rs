@@ -1,5 +1,5 @@
-//! A cache of the parts of songs in the user's cache folder. The key is a hash of the stems' bytes, of what decides about
-//! the analysis, and of the version of the analysis.
+//! A cache of the parts of songs in the user's cache folder. The key is a hash of the stems' bytes, of what decides
+//! about the analysis, and of the version of the analysis.
 
 use std::path::PathBuf;
 

@@ -105,9 +105,9 @@ pub struct SongOfParts<'a> {
 pub type GoOn<'a> = dyn Fn() -> bool + Sync + 'a;
 
 impl SongOfParts<'_> {
-    /// Takes the parts from the cache, or reads the stems, all at the same time. A song without stems has no parts, and a damaged stem is a silent part.
-    /// Passes the parts of the beginning to `publish`, first after [`FIRST_SECONDS`] of the song and then each time
-    /// their length has doubled. Returns `None` if `go_on` returns false.
+    /// Takes the parts from the cache, or reads the stems, all at the same time. A song without stems has no parts, and
+    /// a damaged stem is a silent part. Passes the parts of the beginning to `publish`, first after [`FIRST_SECONDS`]
+    /// of the song and then each time their length has doubled. Returns `None` if `go_on` returns false.
     pub fn read(&self, cache: &PartsCache, go_on: &GoOn<'_>, publish: &dyn Fn(Parts)) -> Option<Parts> {
         let (stems, errors) = stems_of(self.song);
         let key = cache.key(self, &stems, go_on);

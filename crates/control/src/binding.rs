@@ -7,7 +7,8 @@ use crate::{Curve, Glide};
 
 /// A rule by which a parameter follows an input: `low + (high - low) * curve(input)`.
 ///
-/// The model does not know the inputs. The show gives their values, from 0 to 1, to [`Model::hear`](crate::Model::hear).
+/// The model does not know the inputs. The show gives their values, from 0 to 1, to
+/// [`Model::hear`](crate::Model::hear).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoundBinding {

@@ -96,8 +96,8 @@ impl PartTrack {
         bytes.extend(&self.bands);
     }
 
-    /// Reads a track that keeps these numbers from the start of `bytes`, and removes its bytes. Returns `None` for other
-    /// bytes.
+    /// Reads a track that keeps these numbers from the start of `bytes`, and removes its bytes. Returns `None` for
+    /// other bytes.
     pub fn from_bytes(kept: &[KeptNumber], bytes: &mut &[u8]) -> Option<Self> {
         let hop_seconds = f64::from_le_bytes(*taken(bytes, 8)?.first_chunk()?);
         let hops = usize::try_from(u64::from_le_bytes(*taken(bytes, 8)?.first_chunk()?)).ok()?;

@@ -1,9 +1,9 @@
 //! The stereo image of each band: its position between the channels, and its width.
 //!
 //! The sums of |L|² + |R|², |R|² - |L|² and 2·Re(L·R*) over a band are three of the Stokes parameters of the pair of
-//! channels. They give the level difference and the correlation of the channels, the cues of parametric stereo (Breebaart
-//! et al. 2005). The real part of the correlation counts, so that opposite channels are wide. Each sum is averaged over
-//! time before the division: a loud sound sets the image at once, and the phases of noise cancel.
+//! channels. They give the level difference and the correlation of the channels, the cues of parametric stereo
+//! (Breebaart et al. 2005). The real part of the correlation counts, so that opposite channels are wide. Each sum is
+//! averaged over time before the division: a loud sound sets the image at once, and the phases of noise cancel.
 
 use super::scale::BAND_COUNT;
 

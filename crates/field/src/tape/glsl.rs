@@ -1,9 +1,9 @@
 //! GLSL functions generated from a graph and the table of operators.
 //!
-//! The generated text relies on declarations in the surrounding shader: `cell_hash`
-//! ([`crate::graph::CELL_HASH_GLSL`]), the frame's inputs ([`input_name`]), and, if they are used, `float
-//! table_part(float)`, `float table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float, float)`,
-//! `vec4 read_texture(int, float, float)` and the functions of [`crate::graph::levels_glsl`].
+//! The generated text relies on declarations in the surrounding shader: `cell_hash` ([`crate::graph::CELL_HASH_GLSL`]),
+//! the frame's inputs ([`input_name`]), and, if they are used, `float table_part(float)`, `float
+//! table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float, float)`, `vec4 read_texture(int,
+//! float, float)` and the functions of [`crate::graph::levels_glsl`].
 
 use std::collections::HashSet;
 use std::fmt::Write as _;
@@ -22,8 +22,8 @@ pub fn literal(value: f32) -> String {
 /// The name of an input in the generated code. `p` and `n` are arguments of the function; the other names are uniforms.
 ///
 /// `frame_time` is a float. `frame_heard` holds the sound's numbers, `frame_params` the parameters and `frame_hoisted`
-/// the values that are computed once per frame, four to a vec4. `frame_levels` holds the levels that scenes read by number, one in the x of each vec4.
-/// `camera_position` is a vec4 with the eye in xyz.
+/// the values that are computed once per frame, four to a vec4. `frame_levels` holds the levels that scenes read by
+/// number, one in the x of each vec4. `camera_position` is a vec4 with the eye in xyz.
 pub fn input_name(input: Input) -> String {
     let packed =
         |name: &str, index: usize| format!("{name}[{}].{}", index / 4, ["x", "y", "z", "w"][index % 4]);

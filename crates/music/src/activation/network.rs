@@ -105,8 +105,8 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// Reads a file: the bytes `MBN` and 1, the number of blocks, then each sum. A sum has the bias and the scale of each
-    /// output, and the weights. Returns `None` if the file is damaged.
+    /// Reads a file: the bytes `MBN` and 1, the number of blocks, then each sum. A sum has the bias and the scale of
+    /// each output, and the weights. Returns `None` if the file is damaged.
     pub(super) fn read(file: &[u8]) -> Option<Self> {
         let mut reader = Reader(file.strip_prefix(b"MBN\x01")?);
         let [blocks] = reader.bytes(1)?.try_into().ok()?;

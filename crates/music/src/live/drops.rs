@@ -41,8 +41,8 @@ const LOUD_AFTER_BUILD_DB: f32 = 8.0;
 /// Low frequencies that return are at most this far below the level of everything, in decibels. The noise of a build
 /// has less low frequencies.
 const LOW_SHARE_DB: f32 = 7.0;
-/// The confirmed differences of the total level and of the low level, in decibels. The bass of a ballad raises the total
-/// level by up to 8.5 dB.
+/// The confirmed differences of the total level and of the low level, in decibels. The bass of a ballad raises the
+/// total level by up to 8.5 dB.
 const CONFIRMED_JUMP_DB: f32 = 9.0;
 const CONFIRMED_RETURN_DB: f32 = 8.0;
 /// A confirmed drop is at most this far below the loudest level, in decibels.

@@ -1,7 +1,7 @@
 //! Decoding of audio files to stereo frames. [`Decoder`] finds the container by its content and picks the first audio
-//! track that can be decoded, or a given track. It yields the track's frames, mixed down to stereo ([`downmix`]), at the rate of the
-//! file. [`native`] decodes common formats. Files whose format or codec is not supported by `native` go to [`ffmpeg`],
-//! if it is installed. Damaged files do not go to `ffmpeg`.
+//! track that can be decoded, or a given track. It yields the track's frames, mixed down to stereo ([`downmix`]), at
+//! the rate of the file. [`native`] decodes common formats. Files whose format or codec is not supported by `native` go
+//! to [`ffmpeg`], if it is installed. Damaged files do not go to `ffmpeg`.
 
 mod clock;
 mod codecs;

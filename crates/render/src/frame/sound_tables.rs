@@ -1,4 +1,5 @@
-//! Packs the sound tables for the shaders: spectrum, waveform, numbers of the song's parts, rows of the history (`shaders/scene_inputs.glsl`).
+//! Packs the sound tables for the shaders: spectrum, waveform, numbers of the song's parts, rows of the history
+//! (`shaders/scene_inputs.glsl`).
 
 use mariana_field::graph::{FrameInputs, Op, PartInput, TableData};
 use mariana_field::world::World;
@@ -12,7 +13,8 @@ pub fn are_read_by(world: &World) -> bool {
     Op::CURVES.iter().chain(&Op::PARTS).any(|table| used.tables.contains(table))
 }
 
-/// The texels: one polynomial per piece, and one number of the parts in the first component of each texel. A table of an unexpected length is replaced by silence.
+/// The texels: one polynomial per piece, and one number of the parts in the first component of each texel. A table of
+/// an unexpected length is replaced by silence.
 pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
     const HISTORY_PIECES: usize = HISTORY_POINTS - 1;
     let mut texels = Vec::new();

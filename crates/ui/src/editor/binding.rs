@@ -18,7 +18,8 @@ pub(super) struct ToWrite {
 }
 
 impl Editor {
-    /// Replaces the declaration of the parameter `name` by its binding. One undo brings it back. Copies a shipped scene first.
+    /// Replaces the declaration of the parameter `name` by its binding. One undo brings it back. Copies a shipped scene
+    /// first.
     pub fn write_binding(&mut self, name: &str, binding: &SoundBinding) {
         let (name, binding) = (name.to_owned(), binding.clone());
         self.to_write = Some(ToWrite { name, binding, is_copied: false });

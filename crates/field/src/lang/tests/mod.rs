@@ -36,7 +36,8 @@ pub(super) fn broken(text: &str) -> Compiled {
     compiled
 }
 
-/// Returns the inputs of a frame. Each number of the sound that tests read has a different value: band i and note i are i / 100.
+/// Returns the inputs of a frame. Each number of the sound that tests read has a different value: band i and note i are
+/// i / 100.
 pub(super) fn frame(scene: &Scene) -> FrameInputs {
     FrameInputs {
         time: 2.0,
