@@ -142,7 +142,8 @@ impl fmt::Display for InputNames<'_> {
         for list in LevelList::ALL {
             write!(f, ", {0}(0) to {0}({1})", list.name(), list.count() - 1)?;
         }
-        write!(f, ", or a number of a part of the song, such as {}.beat", Part::Drums.name())
+        let parts = Part::ALL.map(Part::name).join(", ");
+        write!(f, ", or a number of a part of the song ({parts}), such as {}.beat", Part::Drums.name())
     }
 }
 
