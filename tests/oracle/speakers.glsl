@@ -55,7 +55,7 @@ float bar_index(float x) {
 }
 
 float bar_distance(vec3 p, float index) {
-    float height = 0.04 + BAR_HEIGHT * table_band(index);
+    float height = 0.04 + BAR_HEIGHT * level_of_band(index);
     vec3 centre = vec3((index - 15.5) * BAR_SPACING, 0.5 * height, BAR_Z);
     return round_box(p - centre, vec3(0.055, 0.5 * height, BAR_HALF_DEPTH) - 0.02, 0.02);
 }
@@ -124,7 +124,7 @@ vec3 bar_hue(float u) {
 
 vec3 bar_light(vec3 p) {
     float index = bar_index(p.x);
-    float level = table_band(index);
+    float level = level_of_band(index);
     return bar_hue((index + 0.5) / 32.0) * (0.25 + 1.3 * level * smoothstep(-0.6, 1.0, p.y / (0.04 + BAR_HEIGHT * level)));
 }
 

@@ -35,7 +35,7 @@ const OF_MODELLERS: [(&str, &str); 2] = [
     ("polynomial", "(1.5*x)^4-5*(1.5*x)^2 + (1.5*y)^4-5*(1.5*y)^2 + (1.5*z)^4-5*(1.5*z)^2 + 11.8"),
 ];
 
-const REPEATING: [&str; 2] = ["city", "lattice"];
+const REPEATING: [&str; 3] = ["city", "lattice", "spiral"];
 
 type Span = (f64, f64);
 
@@ -143,12 +143,6 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
             (value, value)
         }
         "HASH" => (0.0, 1.0),
-        "BAND" => {
-            let number = |v: f64| (v.max(0.0) as usize).min(31);
-            let bands = &frame.levels.of(LevelList::Band)[number(a.0)..=number(a.1)];
-            let heard = bands.iter().map(|band| f64::from(*band));
-            heard.fold((f64::INFINITY, f64::NEG_INFINITY), |all, band| (all.0.min(band), all.1.max(band)))
-        }
         // The result is exact if the interval contains no multiple of b.
         "MOD" if b.0 == b.1 && b.0 > 0.0 => {
             let rounds = (a.0 / b.0).floor();
@@ -160,11 +154,22 @@ fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
         }
         "FRACT" if a.0.floor() == a.1.floor() => out((a.0 - a.0.floor(), a.1 - a.0.floor())),
         "FRACT" => (0.0, 1.0),
+        // The angle jumps along the negative b axis.
+        "ATAN2" if a.0 > 0.0 || a.1 < 0.0 || b.0 > 0.0 => {
+            out(hull([a.0.atan2(b.0), a.0.atan2(b.1), a.1.atan2(b.0), a.1.atan2(b.1)]))
+        }
         "ATAN2" => (-3.2, 3.2),
         // The frames of this test have no sound curves and no parts of a song.
         "PART" | "SPECTRUM" | "WAVEFORM" | "HISTORY" => (0.0, 0.0),
-        _ => ALL,
+        _ => LevelList::named(&name.to_lowercase()).map_or(ALL, |list| level(list, a, frame)),
     }
+}
+
+fn level(list: LevelList, index: Span, frame: &FrameInputs) -> Span {
+    let number = |v: f64| (v.max(0.0) as usize).min(list.count() - 1);
+    let heard =
+        frame.levels.of(list)[number(index.0)..=number(index.1)].iter().map(|level| f64::from(*level));
+    heard.fold((f64::INFINITY, f64::NEG_INFINITY), |all, level| (all.0.min(level), all.1.max(level)))
 }
 
 struct Oracle<'a> {

@@ -1,10 +1,10 @@
 //! How likely a beat is at each moment of a song, by a small network. It was trained on generated music only
-//! (`training`).
+//! (`training_tests`).
 
 mod input;
 mod network;
 #[cfg(test)]
-mod training;
+mod training_tests;
 
 use input::Input;
 use network::Network;

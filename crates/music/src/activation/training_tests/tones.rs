@@ -86,6 +86,16 @@ fn pitch(scale: &[i32; 7], key: i32, step: i32) -> f32 {
     (key + 12 * step.div_euclid(7) + scale[step.rem_euclid(7) as usize]) as f32
 }
 
+/// Returns the step of the scale, above the chord, of a note of an arpeggio.
+fn arpeggio_step(order: usize, index: usize) -> i32 {
+    match order {
+        0 => [0, 2, 4, 7][index % 4],
+        1 => [0, 4, 2, 4][index % 4],
+        2 => [0, 2, 4, 7, 4, 2][index % 6],
+        _ => [7, 4, 2, 0][index % 4],
+    }
+}
+
 /// Plays the tones of the bars `from..to` into the buses.
 pub(super) fn play_tones(
     out: &mut [f32],
@@ -116,19 +126,16 @@ pub(super) fn play_tones(
                 let next = pattern.iter().map(|p| p.0).filter(|p| *p > *place).fold(bar, f32::min);
                 let (from, to) = (at(*place), at(*place + (next - place).min(2.0) * song.legato));
                 let step = chord_at(*place) + if *moves { [0, 4, 7, 2][index % 4] } else { 0 };
-                let low =
-                    pitch(scale, key, step) - 12.0 * f32::from(u8::from(pitch(scale, key, step) > 28.0));
-                instrument.play(out, from, to, low + 3.0, 0.45 * loud, &mut song.noise(n));
+                let tone = pitch(scale, key, step);
+                let tone = if tone > 28.0 { tone - 12.0 } else { tone } + 3.0;
+                instrument.play(out, from, to, tone, 0.45 * loud, &mut song.noise(n));
             }
         }
-        if let (Some(instrument), true) = (&parts.pad, active[1]) {
+        let begins_chord = n % (1.0 / per_bar).max(1.0) as usize == 0;
+        if let (Some(instrument), true) = (&parts.pad, active[1] && begins_chord) {
             let count = per_bar.ceil().max(1.0) as usize;
             for part in 0..count {
                 let place = part as f32 * bar / count as f32;
-                let every = (1.0 / per_bar).max(1.0) as usize;
-                if n % every != 0 {
-                    continue;
-                }
                 let shift = if song.pushed && n > 0 { 0.5 } else { 0.0 };
                 let length = bar / per_bar;
                 for voice in [0, 2, 4] {
@@ -150,12 +157,7 @@ pub(super) fn play_tones(
         if let (Some((instrument, count, order, loud)), true) = (&parts.arpeggio, active[3]) {
             for index in 0..count * time.bar {
                 let place = index as f32 / *count as f32;
-                let turn = match order {
-                    0 => [0, 2, 4, 7][index % 4],
-                    1 => [0, 4, 2, 4][index % 4],
-                    2 => [0, 2, 4, 7, 4, 2][index % 6],
-                    _ => [7, 4, 2, 0][index % 4],
-                };
+                let turn = arpeggio_step(*order, index);
                 let accent = if index % count == 0 { 1.0 } else { song.arpeggio_soft };
                 let (from, to) = (at(place), at(place + song.legato / *count as f32));
                 let tone = pitch(scale, key, chord_at(place) + turn) + 27.0;
@@ -169,14 +171,8 @@ pub(super) fn play_tones(
             {
                 let place = place - from_beat;
                 let (from, to) = (at(place), at(place + length * song.legato));
-                instrument.play(
-                    out,
-                    from,
-                    to,
-                    pitch(scale, key, *step) + 36.0,
-                    0.3 * loud,
-                    &mut song.noise(n),
-                );
+                let tone = pitch(scale, key, *step) + 36.0;
+                instrument.play(out, from, to, tone, 0.3 * loud, &mut song.noise(n));
             }
         }
     }
