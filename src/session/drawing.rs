@@ -244,7 +244,7 @@ impl Playback {
     pub(super) fn follow_parts(&mut self) {
         self.listening.want_parts(self.scene.scenes().hear_parts());
         if self.listening.parts_arrive() {
-            // While paused, nothing else tells that the frame is outdated.
+            // While paused, a frame is drawn only if the last one is outdated.
             self.scene.composer_mut().outdate();
         }
     }

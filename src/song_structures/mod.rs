@@ -1,4 +1,5 @@
-//! Structures of whole songs ([`SongStructure`]), computed by decoding the songs, and cached on disk.
+//! What is known of whole songs: their structures ([`SongStructure`]), computed by decoding the songs and cached on
+//! disk, and their lyrics.
 //!
 //! A song with a decoding error has the structure of the part before the error. A song that cannot be opened has no
 //! structure: scenes read 0 for all its values. Errors are only logged, because the player reports them.

@@ -12,10 +12,6 @@ use std::process::Command;
 use crate::walls::{CRATES, EVERYTHING, IMPURE, OUTSIDE, PURE, ROOMS, UNSAFE};
 
 const LINES_MAX: usize = 600;
-const LONG_FILES: &[(&str, &str)] = &[(
-    "crates/player/tests/decoding/decoding.rs",
-    "measures every format and every kind of damage against one signal",
-)];
 
 const TOP_LEVEL: &[&str] = &[
     ".cargo",
@@ -296,24 +292,8 @@ fn files_stay_small() {
     let folders = ["src", "crates", "shaders", "tests"];
     let texts = folders.into_iter().flat_map(files_under);
     let texts = texts.filter(|file| [".rs", ".glsl", ".vert", ".frag"].iter().any(|end| file.ends_with(end)));
-    let lengths: Vec<(String, usize)> =
-        texts.map(|file| (file.clone(), read(&file).lines().count())).collect();
-    let long: Vec<&String> =
-        lengths.iter().filter(|(_, lines)| *lines > LINES_MAX).map(|(file, _)| file).collect();
-    let excused = |file: &str| LONG_FILES.iter().any(|(name, _)| *name == file);
-    let too_long: Vec<String> =
-        long.iter().filter(|file| !excused(file)).map(|file| (*file).clone()).collect();
-    assert_none(
-        &too_long,
-        "split these files of more than 600 lines, or add a reason to the table LONG_FILES",
-    );
-    for (file, _) in LONG_FILES {
-        assert!(
-            long.iter().any(|name| *name == file),
-            "{file} is not too long any more: delete its row in \
-            LONG_FILES"
-        );
-    }
+    let too_long: Vec<String> = texts.filter(|file| read(file).lines().count() > LINES_MAX).collect();
+    assert_none(&too_long, "split these files of more than 600 lines");
 }
 
 /// Without Git (in an unpacked archive), returns the existing entries that .gitignore does not list.

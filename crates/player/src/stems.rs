@@ -83,8 +83,8 @@ impl Stem {
     }
 }
 
-/// Returns the stems of a song, in the order of [`PART_NAMES`], and everything that is wrong with them. A song without
-/// stems has none, and nothing is wrong.
+/// Returns the stems of a song, in the order of [`PART_NAMES`], and everything that is wrong with them. Both
+/// are empty for a song without stems.
 pub fn stems_of(song: &Song) -> (Vec<Stem>, Vec<StemsError>) {
     let Song::File(path) = song else { return (Vec::new(), Vec::new()) };
     let mut errors = Vec::new();

@@ -55,7 +55,7 @@ level_lists! {
     Chroma, "chroma", 12 of "pitch class", 0.0..1.0,
         "the level of pitch class i, 0..1 (i is 0 for C to 11 for B); in each beat of a song the strongest has level 1",
         "there are 12 pitch classes, 0 for C to 11 for B";
-    /// Places of the bands between the channels.
+    /// The stereo position of each band.
     Pan, "pan", 32 of "band", -1.0..1.0,
         "where the sound of a band is: -1 left, 0 in the middle, 1 right",
         "there are 32 bands, 0 to 31, low to high";
@@ -95,7 +95,7 @@ impl LevelList {
         self.row().doc
     }
 
-    /// Returns a sentence that says which numbers exist.
+    /// Returns the hint for a number that does not exist.
     pub const fn numbers(self) -> &'static str {
         self.row().numbers
     }
@@ -219,7 +219,7 @@ impl Levels {
         &self.0
     }
 
-    /// Returns bounds of the levels at the places `from` to `to`.
+    /// Returns bounds of the levels from `from` to `to`.
     pub(super) fn bounds(&self, from: Level, to: Level) -> Interval {
         self.0[from.place()..=to.place().max(from.place())]
             .iter()

@@ -379,7 +379,7 @@ operators! {
         slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "level_of_chroma($a)";
-    /// The same for the places of bands between the channels.
+    /// The same for the stereo positions of the bands.
     Pan = 45 "PAN" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Pan, a),
         bounds |a, _, frame| frame.level_bounds(LevelList::Pan, a),

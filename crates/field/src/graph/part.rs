@@ -78,7 +78,7 @@ impl PartInput {
         Self { part, number: PartNumber::Band(0) }
     }
 
-    /// The inputs of the sound that each part has: those that do not describe the whole song.
+    /// The inputs of the sound that each part has. The other inputs describe the whole song.
     pub fn sounds() -> impl Iterator<Item = SoundInput> {
         SoundInput::ALL.into_iter().take(SOUNDS)
     }

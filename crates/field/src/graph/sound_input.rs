@@ -115,9 +115,9 @@ sound_inputs! {
     ToDrop, "to_drop", 0.0..1000.0 else 1000.0,
         "seconds until the next drop; 1000 while unknown and after the last drop";
     /// Number of the line of lyrics.
-    Line, "line", 0.0..10000.0, "number of the line of lyrics that is sung, from 1; 0 while none is sung";
+    Line, "line", 0.0..10000.0, "number of the line of lyrics that is sung, from 1; 0 between lines";
     /// Number of the word in the line of lyrics.
-    Word, "word", 0.0..1000.0, "number of the word in its line, from 1; 0 while none is sung";
+    Word, "word", 0.0..1000.0, "number of the word in its line, from 1; 0 between lines";
     /// Position in the line of lyrics.
     LinePhase, "line_phase", 0.0..1.0, "position in the line of lyrics, 0..1";
 }

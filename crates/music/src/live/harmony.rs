@@ -7,7 +7,7 @@
 use crate::scale::NOTE_COUNT;
 use crate::song::{PITCH_CLASSES, Tonality};
 
-const CLASSES: usize = PITCH_CLASSES.len();
+pub(super) const CLASSES: usize = PITCH_CLASSES.len();
 
 /// Time constant of the chroma, in seconds.
 const CHROMA_SECONDS: f64 = 0.3;

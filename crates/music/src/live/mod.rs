@@ -24,7 +24,7 @@ pub use song::LiveSong;
 use bars::LiveBars;
 use builds::Builds;
 use drops::{Drops, Slot};
-use harmony::{Harmony, classes};
+use harmony::{CLASSES, Harmony, classes};
 use novelty::Novelty;
 
 use crate::beat::Beat;
@@ -72,7 +72,7 @@ struct Sums {
     slot: Slot,
     hops: usize,
     powers: [f32; BAND_COUNT],
-    classes: [f32; 12],
+    classes: [f32; CLASSES],
     slots: usize,
 }
 

@@ -3,10 +3,10 @@
 
 use std::collections::VecDeque;
 
+use super::harmony::CLASSES;
 use crate::bands::decibels;
 use crate::scale::BAND_COUNT;
 
-const CLASSES: usize = 12;
 /// Adjacent bands are added in pairs.
 const LEVELS: usize = BAND_COUNT / 2;
 

@@ -1,5 +1,6 @@
 //! Tests of audio files, intact and damaged.
 
 mod by_ffmpeg;
+mod damaged_files;
 mod decoding;
 mod song_taken_away;

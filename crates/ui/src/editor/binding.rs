@@ -34,9 +34,10 @@ impl Editor {
             self.to_write = Some(to_write);
             return;
         }
-        if let Err(words) = place_of(document, &to_write) {
-            return self.tell(words);
-        }
+        let (range, line) = match place_of(document, &to_write) {
+            Ok(place) => place,
+            Err(words) => return self.tell(words),
+        };
         if is_shipped {
             match self.texts.save() {
                 Ok(()) => self.to_write = Some(ToWrite { is_copied: true, ..to_write }),
@@ -44,7 +45,6 @@ impl Editor {
             }
             return;
         }
-        let Ok((range, line)) = place_of(document, &to_write) else { return };
         let (start, length) = (range.start, line.len());
         self.edit(|editing: &mut Editing| {
             editing.settle();
