@@ -88,9 +88,9 @@ struct Played {
     /// Start of the transition, as reported in [`OnStage::start`].
     begun: f64,
     start: f64,
-    /// True if this entry replaces later frames because the song jumped back. The frame before the entry may then be
-    /// less than a millisecond earlier.
-    plays_over: bool,
+    /// True if the frame before the entry may be less than a millisecond earlier, so that the entry's start is written
+    /// with more digits. This is so where the entry replaces later frames because the song jumped back.
+    is_close: bool,
     moves: Vec<Move>,
     lines: BTreeMap<String, Line>,
 }
@@ -119,7 +119,8 @@ impl Performance {
         if plays_over {
             self.forget_from(time);
         }
-        let before = self.last.replace(time).unwrap_or(time);
+        let known = self.last.replace(time);
+        let before = known.unwrap_or(time);
         let last = self.scenes.last().filter(|played| played.is_of(seen));
         if last.is_none_or(Played::is_long) {
             if self.scenes.len() >= LIMITS.entries_max {
@@ -142,7 +143,7 @@ impl Performance {
                 transition,
                 begun,
                 start,
-                plays_over,
+                is_close: plays_over || known.is_some_and(|known| start - known < 1e-3),
                 moves: seen.moves.to_vec(),
                 lines,
             });
@@ -369,7 +370,7 @@ impl Played {
         let TimedTransition { kind, seconds, .. } = self.transition;
         let length = if kind == TransitionKind::Cut { Length::ZERO } else { Length::Seconds(seconds) };
         // Rounding errors must not turn a whole millisecond into the previous millisecond.
-        let ticks = if self.plays_over { 1e6 } else { 1e3 };
+        let ticks = if self.is_close { 1e6 } else { 1e3 };
         let whole = (self.start * ticks).round() / ticks;
         let start = if whole <= self.start { whole } else { (self.start * ticks).floor() / ticks };
         let moves = self.moves.iter().map(|one| setting_of(one, start));

@@ -75,9 +75,18 @@ proptest! {
 /// The cue list must not start the new scene a millisecond early, while the previous frame is still displayed.
 #[test]
 fn a_frame_within_a_millisecond_before_a_step_back_keeps_its_scene() {
+    keeps_both_scenes(&[(8.0, "orb", 8.0), (8.6262, "orb", 8.0), (9.5, "orb", 8.0), (8.6264, "city", 8.6264)]);
+}
+
+#[test]
+fn a_frame_within_a_millisecond_before_a_cut_keeps_its_scene() {
+    keeps_both_scenes(&[(8.0, "orb", 8.0), (8.6262, "orb", 8.0), (8.6264, "city", 8.6264)]);
+}
+
+/// Checks that the recorded frames at 8.6262 s and 8.6264 s keep their scenes.
+fn keeps_both_scenes(notes: &[(f64, &str, f64)]) {
     let mut performance = Performance::default();
-    let notes = [(8.0, "orb", 8.0), (8.6262, "orb", 8.0), (9.5, "orb", 8.0), (8.6264, "city", 8.6264)];
-    for (time, scene, start) in notes {
+    for &(time, scene, start) in notes {
         let picture = Finish::NOTHING;
         let transition = TimedTransition::CUT;
         performance.note(
