@@ -170,11 +170,14 @@ pub struct Transition {
     /// True if the next entry may interrupt the transition. Otherwise the transition is shortened, so that it ends
     /// before the next entry.
     pub unfinished: bool,
+    /// True if the setting [`FADER`] of the entry moves the transition, instead of the time.
+    pub by_fader: bool,
 }
 
 impl Transition {
     /// A cut.
-    pub const CUT: Self = Self { kind: TransitionKind::Cut, length: Length::ZERO, unfinished: false };
+    pub const CUT: Self =
+        Self { kind: TransitionKind::Cut, length: Length::ZERO, unfinished: false, by_fader: false };
 
     /// A transition of this kind and duration.
     pub fn new(kind: impl Into<TransitionKind>, length: Length) -> Self {
@@ -182,10 +185,10 @@ impl Transition {
     }
 }
 
-/// A setting of a parameter, of the camera or of the image, fixed or animated.
+/// A setting of a parameter, of the camera, of the image or of the fader, fixed or animated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// Name of a parameter, or one of [`CAMERA_TURNS`] or [`PICTURE_NUMBERS`].
+    /// Name of a parameter, or one of [`CAMERA_TURNS`], [`PICTURE_NUMBERS`] or [`FADER`].
     pub param: String,
     /// The initial value.
     pub from: f32,
@@ -222,7 +225,16 @@ pub const PICTURE_NUMBERS: [&str; 2] = ["picture brightness", "picture freeze"];
 /// Values of [`PICTURE_NUMBERS`] for an unchanged image.
 pub const PLAIN_PICTURE: [f32; 2] = [1.0, 0.0];
 
-/// True if `name` is a camera setting or an image setting, not a parameter of a scene.
+/// Name of the setting that moves a transition `by fader`: 0 shows the previous entry's scene, 1 the entry's own. The
+/// setting is 0 where no value is set.
+pub const FADER: &str = "deck fader";
+
+/// Returns the settings that belong to no scene.
+pub(super) fn plain_settings() -> impl Iterator<Item = &'static str> {
+    CAMERA_TURNS.into_iter().chain(PICTURE_NUMBERS).chain([FADER])
+}
+
+/// True if `name` is a setting of the camera, the image or the fader, not a parameter of a scene.
 pub(super) fn is_of_no_scene(name: &str) -> bool {
-    CAMERA_TURNS.contains(&name) || PICTURE_NUMBERS.contains(&name)
+    plain_settings().any(|plain| plain == name)
 }

@@ -58,13 +58,13 @@ mod timeline;
 
 pub use bar_lines::BarLines;
 pub use cue_list::{
-    Anchor, CAMERA_TURNS, CueList, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Setting, Step, Transition,
-    TransitionKind, UNTURNED, When,
+    Anchor, CAMERA_TURNS, CueList, Entry, FADER, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Setting, Step,
+    Transition, TransitionKind, UNTURNED, When,
 };
 pub use director::{SceneCard, direct};
 pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
-pub use performance::{Finish, OnStage, Performance, Turned};
+pub use performance::{Finish, OnStage, OtherDeck, Performance, Turned};
 pub use picture::{Held, Picture};
 pub use resolve::resolve;
 pub use scene_facts::{Refusal, Rise, SceneFacts};

@@ -9,6 +9,8 @@
 //! at drop 1 - 1 beat  city    cut
 //! at 2:31.5           "my own/orb.scene"  portal plane over 3 s
 //! at cue              letters  fade over 1 bar
+//! at 3:00             orb  melt by fader
+//!   set deck fader = 0 -> 0.7 over 2 bars -> 0.3 over 1 bar
 //! ```
 //!
 //! Each line is parsed separately, so that a mistake does not hide later mistakes. A line that begins with `->` adds
@@ -17,8 +19,8 @@
 mod words;
 
 use super::cue_list::{
-    Anchor, CAMERA_TURNS, CueList, Entry, Length, PICTURE_NUMBERS, Setting, Step, Transition, TransitionKind,
-    When, is_of_no_scene,
+    Anchor, CueList, Entry, FADER, Length, PICTURE_NUMBERS, Setting, Step, Transition, TransitionKind, When,
+    is_of_no_scene, plain_settings,
 };
 use crate::limits::LIMITS;
 use mariana_field::lang::{Diagnostic, Sources, Span, TransitionStyle, nearest, render_all};
@@ -154,7 +156,7 @@ impl<'a> Reader<'a> {
                 let more = Diagnostic::new(word.span, format!("{} is not expected here", word.shown()));
                 Err(Box::new(more.hint(
                     "an entry is `at WHEN SCENE`, then `camera NAME`, then `cut`, `fade`, `melt` or `portal` \
-                     with `over` and a length",
+                     with `over` and a length, or with `by fader`",
                 )))
             }
         }
@@ -270,9 +272,17 @@ impl<'a> Reader<'a> {
             TransitionStyle::Portal => TransitionKind::Blend(BlendKind::Portal(self.portal_shape()?)),
             style => style.into(),
         };
+        if self.eat("by") {
+            let what = self.named("`fader`")?;
+            if what.text != "fader" {
+                let wrong = Diagnostic::new(what.span, format!("{} cannot move a transition", what.shown()));
+                return Err(Box::new(wrong.hint("write `by fader`, or `over` and a length")));
+            }
+            return Ok(Some(Transition { kind, by_fader: true, ..Transition::CUT }));
+        }
         let length = if self.eat("over") { self.length()? } else { Length::Bars(1.0) };
         let unfinished = self.eat("unfinished");
-        Ok(Some(Transition { kind, length, unfinished }))
+        Ok(Some(Transition { kind, length, unfinished, by_fader: false }))
     }
 
     fn portal_shape(&mut self) -> Read<PortalShape> {
@@ -282,7 +292,7 @@ impl<'a> Reader<'a> {
                 self.at += 1;
                 Ok(shape)
             }
-            _ if word.kind == Kind::Name && word.text != "over" => Err(no_shape(word)),
+            _ if word.kind == Kind::Name && !["over", "by"].contains(&word.text) => Err(no_shape(word)),
             _ => Ok(PortalShape::default()),
         }
     }
@@ -438,13 +448,13 @@ impl<'a> Reader<'a> {
 
 /// True if the values of `param` are in 0..1.
 fn is_fraction(param: &str) -> bool {
-    PICTURE_NUMBERS.contains(&param)
+    PICTURE_NUMBERS.contains(&param) || param == FADER
 }
 
 fn no_shape(word: Word<'_>) -> Box<Diagnostic> {
     let shapes = || BlendKind::ALL.into_iter().filter(|(kind, ..)| matches!(kind, BlendKind::Portal(_)));
     let unknown = Diagnostic::new(word.span, format!("{} is not a portal shape", word.shown()));
-    Box::new(match nearest(word.text, shapes().map(|(_, name, _)| name).chain(["over"])) {
+    Box::new(match nearest(word.text, shapes().map(|(_, name, _)| name).chain(["over", "by"])) {
         near @ Some(_) => unknown.did_you_mean(near),
         None => unknown.hint(format!("the shapes are {}", quoted(shapes().map(|(_, name, _)| name)))),
     })
@@ -453,12 +463,11 @@ fn no_shape(word: Word<'_>) -> Box<Diagnostic> {
 /// Returns the mistake in `set first second` if the second word is unknown; `None` if the line resembles no setting
 /// of two words.
 fn no_second_word(first: Word<'_>, second: Word<'_>) -> Option<Box<Diagnostic>> {
-    let names = || CAMERA_TURNS.into_iter().chain(PICTURE_NUMBERS);
-    let pairs = || names().filter_map(|name| name.split_once(' '));
+    let pairs = || plain_settings().filter_map(|name| name.split_once(' '));
     let words = || pairs().filter(|(group, _)| *group == first.text).map(|(_, word)| word);
     if words().next().is_none() {
         let both = format!("{} {}", first.text, second.text);
-        let near = nearest(&both, names())?;
+        let near = nearest(&both, plain_settings())?;
         let unknown = Diagnostic::new(first.span.to(second.span), format!("there is no `{both}`"));
         return Some(Box::new(unknown.did_you_mean(Some(near))));
     }

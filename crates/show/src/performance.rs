@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 
 use super::cue_list::{
-    Anchor, CAMERA_TURNS, CueList, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Setting, Step, Transition,
-    TransitionKind, UNTURNED, When,
+    Anchor, CAMERA_TURNS, CueList, Entry, FADER, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Setting, Step,
+    Transition, TransitionKind, UNTURNED, When,
 };
 use super::timeline::{Move, TimedTransition};
 use crate::limits::LIMITS;
@@ -40,6 +40,22 @@ pub struct OnStage<'a> {
     pub turns: [f32; 3],
     /// The image settings.
     pub picture: Finish,
+    /// The other deck, from which the fader leads to `scene`; `None` without decks. With decks, `transition` is one by
+    /// fader.
+    pub other: Option<OtherDeck<'a>>,
+}
+
+/// The scene at the beginning of the fader, in one frame.
+#[derive(Debug, Clone)]
+pub struct OtherDeck<'a> {
+    /// Name of the scene in shows.
+    pub scene: &'a str,
+    /// The scene's parameters; empty while the scene is not shown.
+    pub params: Vec<Turned<'a>>,
+    /// Camera changes by the user: the values of [`CAMERA_TURNS`].
+    pub turns: [f32; 3],
+    /// Position of the fader, in 0..1: 0 shows this scene.
+    pub fader: f32,
 }
 
 /// Image settings, applied to the whole frame of any scene.
@@ -121,6 +137,10 @@ impl Performance {
         }
         let known = self.last.replace(time);
         let before = known.unwrap_or(time);
+        let is_close = plays_over || known.is_some_and(|known| time - known < 1e-3);
+        if let Some(other) = &seen.other {
+            self.note_other(time, before, is_close, (seen, other));
+        }
         let last = self.scenes.last().filter(|played| played.is_of(seen));
         if last.is_none_or(Played::is_long) {
             if self.scenes.len() >= LIMITS.entries_max {
@@ -153,30 +173,53 @@ impl Performance {
         }
         self.note_finish(time, before, &seen.picture);
         let Some(played) = self.scenes.last_mut() else { return };
-        let turns = CAMERA_TURNS.into_iter().zip(seen.turns.into_iter().zip(UNTURNED));
-        let is_moved = |name: &str| seen.moves.iter().any(|one| one.param == name);
-        let turns = turns.map(|(name, (value, own))| Turned {
-            name,
-            value,
-            own,
-            is_shown: is_moved(name) && value.to_bits() == own.to_bits(),
+        let turns = turned_camera(seen.turns, seen.moves);
+        let fader = seen.other.as_ref().map(|other| Turned {
+            name: FADER,
+            value: other.fader,
+            own: 0.0,
+            is_shown: false,
         });
-        for Turned { name, value, own, is_shown } in seen.params.iter().copied().chain(turns) {
-            if !played.lines.contains_key(name) {
-                if is_shown {
-                    // Keep the show's animation, which is smoother than recorded frames.
-                    continue;
-                }
-                if played.lines.len() >= LIMITS.settings_max {
+        let params = seen.params.iter().copied();
+        self.is_full |= played.note(time, before, params.chain(turns).chain(fader));
+    }
+
+    /// Records the scene of the other deck, in an entry before the entry of the scene to which the fader leads.
+    fn note_other(
+        &mut self,
+        time: f64,
+        before: f64,
+        is_close: bool,
+        (seen, other): (&OnStage<'_>, &OtherDeck<'_>),
+    ) {
+        let is_in_pair = match self.scenes.as_slice() {
+            [.., from, to] => to.is_of(seen) && from.scene == other.scene && !to.is_long() && !from.is_long(),
+            _ => false,
+        };
+        if !is_in_pair {
+            let is_shown =
+                |last: &Played| last.scene == other.scene && last.camera.is_none() && !last.is_long();
+            if !self.scenes.last().is_some_and(is_shown) {
+                if self.scenes.len() >= LIMITS.entries_max {
                     self.is_full = true;
-                    continue;
+                    return;
                 }
-                let is_moved = played.moves.iter().any(|one| one.param == name);
-                let points = vec![(if is_moved { time } else { played.start }, value)];
-                played.lines.insert(name.to_owned(), Line { own, points });
+                self.scenes.push(Played {
+                    scene: other.scene.to_owned(),
+                    camera: None,
+                    transition: TimedTransition::CUT,
+                    begun: time,
+                    start: time,
+                    is_close,
+                    moves: Vec::new(),
+                    lines: BTreeMap::new(),
+                });
             }
-            let Some(line) = played.lines.get_mut(name) else { continue };
-            line.note(time, before, value);
+        }
+        let from = if is_in_pair { self.scenes.iter_mut().nth_back(1) } else { self.scenes.last_mut() };
+        if let Some(from) = from {
+            let turns = turned_camera(other.turns, &[]);
+            self.is_full |= from.note(time, before, other.params.iter().copied().chain(turns));
         }
     }
 
@@ -279,11 +322,23 @@ impl Performance {
             let breaks_off = next.start < played.start + played.transition.seconds - EXACT;
             if let Some(transition) = entry.transition.as_mut().filter(|one| one.kind != TransitionKind::Cut)
             {
-                transition.unfinished = breaks_off;
+                transition.unfinished = breaks_off && !transition.by_fader;
             }
         }
         CueList { entries }
     }
+}
+
+/// The settings of the camera in a clip with these animations.
+fn turned_camera<'a>(turns: [f32; 3], moves: &[Move]) -> impl Iterator<Item = Turned<'a>> {
+    let is_moved = |name: &str| moves.iter().any(|one| one.param == name);
+    let settings = CAMERA_TURNS.into_iter().zip(turns.into_iter().zip(UNTURNED));
+    settings.map(move |(name, (value, own))| Turned {
+        name,
+        value,
+        own,
+        is_shown: is_moved(name) && value.to_bits() == own.to_bits(),
+    })
 }
 
 impl Line {
@@ -357,6 +412,31 @@ fn setting_of(one: &Move, start: f64) -> Setting {
 }
 
 impl Played {
+    /// Records values of this entry's scene at `time`; `before` is the previous recorded moment. Returns true if a
+    /// limit was reached.
+    fn note<'a>(&mut self, time: f64, before: f64, values: impl Iterator<Item = Turned<'a>>) -> bool {
+        let mut is_full = false;
+        for Turned { name, value, own, is_shown } in values {
+            if !self.lines.contains_key(name) {
+                if is_shown {
+                    // Keep the show's animation, which is smoother than recorded frames.
+                    continue;
+                }
+                if self.lines.len() >= LIMITS.settings_max {
+                    is_full = true;
+                    continue;
+                }
+                let is_moved = self.moves.iter().any(|one| one.param == name);
+                let points = vec![(if is_moved { time } else { self.start }, value)];
+                self.lines.insert(name.to_owned(), Line { own, points });
+            }
+            if let Some(line) = self.lines.get_mut(name) {
+                line.note(time, before, value);
+            }
+        }
+        is_full
+    }
+
     fn is_of(&self, seen: &OnStage<'_>) -> bool {
         (self.scene.as_str(), self.camera.as_deref(), self.begun) == (seen.scene, seen.camera, seen.start)
     }
@@ -367,7 +447,7 @@ impl Played {
     }
 
     fn entry(&self) -> Entry {
-        let TimedTransition { kind, seconds, .. } = self.transition;
+        let TimedTransition { kind, seconds, by_fader, .. } = self.transition;
         let length = if kind == TransitionKind::Cut { Length::ZERO } else { Length::Seconds(seconds) };
         // Rounding errors must not turn a whole millisecond into the previous millisecond.
         let ticks = if self.is_close { 1e6 } else { 1e3 };
@@ -376,7 +456,7 @@ impl Played {
         let moves = self.moves.iter().map(|one| setting_of(one, start));
         let settings = moves.chain(self.lines.iter().filter_map(|(param, line)| line.setting(param, start)));
         let when = When { anchor: Anchor::Time(start), offset: Length::ZERO };
-        let transition = Transition { kind, length, unfinished: false };
+        let transition = Transition { kind, length, unfinished: false, by_fader };
         let entry = Entry::new(when, &self.scene, self.camera.clone(), Some(transition));
         Entry { settings: settings.collect(), ..entry }
     }

@@ -62,7 +62,12 @@ pub fn resolve(
             start,
             scene: entry.scene.clone(),
             camera: entry.camera.clone(),
-            transition: TimedTransition { kind: transition.kind, seconds, unfinished: transition.unfinished },
+            transition: TimedTransition {
+                kind: transition.kind,
+                seconds,
+                unfinished: transition.unfinished,
+                by_fader: transition.by_fader,
+            },
             moves,
         });
     }

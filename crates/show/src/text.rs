@@ -33,7 +33,9 @@ pub fn print(cue_list: &CueList, comments: &[String]) -> String {
             {
                 let _ = write!(text, " {}", kind.name());
             }
-            if transition.kind != TransitionKind::Cut {
+            if transition.by_fader {
+                text.push_str(" by fader");
+            } else if transition.kind != TransitionKind::Cut {
                 let _ = write!(text, " over {}", length(transition.length));
                 text.push_str(if transition.unfinished { " unfinished" } else { "" });
             }

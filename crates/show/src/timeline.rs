@@ -1,6 +1,6 @@
 //! A cue list resolved to seconds of one song.
 
-use super::cue_list::{CAMERA_TURNS, TransitionKind, UNTURNED};
+use super::cue_list::{CAMERA_TURNS, FADER, TransitionKind, UNTURNED};
 use super::picture::{Held, Picture, Pictures};
 use mariana_field::lang::{Param, Scene};
 
@@ -36,15 +36,23 @@ pub struct TimedTransition {
     pub seconds: f64,
     /// True if the next clip may cut the transition off. Otherwise the transition is at most as long as the clip.
     pub unfinished: bool,
+    /// True if [`FADER`] moves the transition, which then lasts as long as the clip. `seconds` is 0.
+    pub by_fader: bool,
 }
 
 impl TimedTransition {
     /// A cut.
-    pub const CUT: Self = Self { kind: TransitionKind::Cut, seconds: 0.0, unfinished: false };
+    pub const CUT: Self =
+        Self { kind: TransitionKind::Cut, seconds: 0.0, unfinished: false, by_fader: false };
 
     /// A transition of this kind and duration.
     pub fn new(kind: impl Into<TransitionKind>, seconds: f64) -> Self {
         Self { kind: kind.into(), seconds, ..Self::CUT }
+    }
+
+    /// A transition of this kind that the fader moves.
+    pub fn by_fader(kind: impl Into<TransitionKind>) -> Self {
+        Self { kind: kind.into(), by_fader: true, ..Self::CUT }
     }
 }
 
@@ -81,7 +89,8 @@ pub struct Moment<'a> {
     pub index: usize,
     /// The current or incoming clip.
     pub clip: &'a Clip,
-    /// The outgoing clip and the progress of the transition, between 0 and 1; `None` outside transitions.
+    /// The outgoing clip and the progress of the transition, between 0 and 1; `None` outside transitions. While the
+    /// fader moves the transition, the progress may go back.
     pub leaving: Option<(&'a Clip, f32)>,
 }
 
@@ -96,9 +105,11 @@ impl Timeline {
         let ends: Vec<f64> = clips.iter().skip(1).map(|clip| clip.start).collect();
         for (index, clip) in clips.iter_mut().enumerate() {
             let left = ends.get(index).map_or(f64::INFINITY, |end| end - clip.start);
-            let is_cut = index == 0 || clip.transition.kind == TransitionKind::Cut;
+            let has_no_length =
+                index == 0 || clip.transition.by_fader || clip.transition.kind == TransitionKind::Cut;
             let most = if clip.transition.unfinished { f64::INFINITY } else { left };
-            clip.transition.seconds = if is_cut { 0.0 } else { clip.transition.seconds.clamp(0.0, most) };
+            clip.transition.seconds =
+                if has_no_length { 0.0 } else { clip.transition.seconds.clamp(0.0, most) };
         }
         let pictures = Pictures::of(&clips);
         Some(Self { clips, pictures })
@@ -130,19 +141,25 @@ impl Timeline {
     /// Returns the state at `time` seconds. Before the start of the first clip, the first clip is already shown.
     pub fn at(&self, time: f64) -> Moment<'_> {
         let index = self.clips.partition_point(|clip| clip.start <= time).saturating_sub(1);
+        let clip = &self.clips[index];
+        self.in_transition(index, clip.progress_at(time))
+    }
+
+    /// Returns the state in which the transition to the last clip has this progress, from 0 to 1.
+    pub fn at_end_with(&self, progress: f32) -> Moment<'_> {
+        self.in_transition(self.clips.len() - 1, progress)
+    }
+
+    fn in_transition(&self, index: usize, progress: f32) -> Moment<'_> {
         let alone = |index: usize| Moment { index, clip: &self.clips[index], leaving: None };
         let moment = alone(index);
-        let Some(before) = index.checked_sub(1) else { return moment };
-        let (gone, length) = (time - moment.clip.start, moment.clip.transition.seconds);
-        if gone >= length {
-            return moment;
+        match index.checked_sub(1) {
+            Some(before) if progress <= 0.0 => alone(before),
+            Some(before) if progress < 1.0 => {
+                Moment { leaving: Some((&self.clips[before], progress)), ..moment }
+            }
+            _ => moment,
         }
-        let fraction = (gone / length) as f32;
-        if fraction > 0.0 {
-            return Moment { leaving: Some((&self.clips[before], fraction)), ..moment };
-        }
-        // The first frame of a transition shows only the outgoing clip.
-        alone(before)
     }
 }
 
@@ -174,6 +191,21 @@ impl Move {
 }
 
 impl Clip {
+    /// Returns the progress of the transition to this clip at `time` seconds of the song: at most 0 before it, and 1
+    /// after it.
+    fn progress_at(&self, time: f64) -> f32 {
+        let TimedTransition { seconds, by_fader, .. } = self.transition;
+        let gone = time - self.start;
+        if by_fader {
+            let moved = self.params_at(time);
+            moved.iter().find(|(name, _)| *name == FADER).map_or(0.0, |(_, value)| *value)
+        } else if gone >= seconds {
+            1.0
+        } else {
+            (gone / seconds) as f32
+        }
+    }
+
     /// Returns the values of all parameters of `scene` at `time` seconds of the song. `other` returns the value of a
     /// parameter that this clip does not animate.
     pub fn numbers_at(&self, scene: &Scene, time: f64, other: impl Fn(&Param) -> f32) -> Vec<f32> {

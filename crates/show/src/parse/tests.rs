@@ -137,7 +137,7 @@ prop_compose! {
         ],
         offset in length(), before in any::<bool>(),
         scene in "[a-z_]{1,8}|[a-z]{1,4}[ /.][a-z]{1,4}", camera in proptest::option::of("[a-z]{1,8}"),
-        (style, unfinished) in (0usize..5, any::<bool>()), shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..14), length(), 0usize..6)),
+        (style, unfinished, by_fader) in (0usize..5, any::<bool>(), any::<bool>()), shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..14), length(), 0usize..7)),
     ) -> Entry {
         let value = |number: i16, name: usize| {
             let number = f32::from(number) / 8.0;
@@ -149,16 +149,18 @@ prop_compose! {
             Length::Bars(number) => Length::Bars(-number),
         };
         let offset = if offset.number() == 0.0 { Length::ZERO } else if before { negative(offset) } else { offset };
-        let transition = TransitionStyle::ALL.get(style).map(|style| Transition {
+        let transition = TransitionStyle::ALL.get(style).map(|style| (*style, by_fader && *style != TransitionStyle::Cut));
+        let transition = transition.map(|(style, by_fader)| Transition {
             kind: match style {
                 TransitionStyle::Portal => TransitionKind::Blend(BlendKind::Portal(SHAPES[shape])),
-                other => (*other).into(),
+                other => other.into(),
             },
-            length: if *style == TransitionStyle::Cut { Length::ZERO } else { over },
-            unfinished: unfinished && *style != TransitionStyle::Cut,
+            length: if by_fader || style == TransitionStyle::Cut { Length::ZERO } else { over },
+            unfinished: unfinished && !by_fader && style != TransitionStyle::Cut,
+            by_fader,
         });
         let settings = swell.into_iter().map(|(from, steps, after, name)| Setting {
-            param: CAMERA_TURNS.iter().chain(&PICTURE_NUMBERS).nth(name).copied().unwrap_or("swell").to_owned(),
+            param: plain_settings().nth(name).unwrap_or("swell").to_owned(),
             from: value(from, name),
             steps: steps.into_iter().map(|(to, over)| Step { to: value(to, name), over }).collect(),
             after: if after.number() == 0.0 { Length::ZERO } else { after },

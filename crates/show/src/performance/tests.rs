@@ -50,6 +50,7 @@ proptest! {
                 moves: &[],
                 turns,
                 picture,
+                other: None,
             });
             seen.push((time, scene, knob, turns, bright));
         }
@@ -75,7 +76,12 @@ proptest! {
 /// The cue list must not start the new scene a millisecond early, while the previous frame is still displayed.
 #[test]
 fn a_frame_within_a_millisecond_before_a_step_back_keeps_its_scene() {
-    keeps_both_scenes(&[(8.0, "orb", 8.0), (8.6262, "orb", 8.0), (9.5, "orb", 8.0), (8.6264, "city", 8.6264)]);
+    keeps_both_scenes(&[
+        (8.0, "orb", 8.0),
+        (8.6262, "orb", 8.0),
+        (9.5, "orb", 8.0),
+        (8.6264, "city", 8.6264),
+    ]);
 }
 
 #[test]
@@ -100,6 +106,7 @@ fn keeps_both_scenes(notes: &[(f64, &str, f64)]) {
                 moves: &[],
                 turns: UNTURNED,
                 picture,
+                other: None,
             },
         );
     }
@@ -125,6 +132,7 @@ fn unchanged_parameters_are_not_written() {
                 moves: &[],
                 turns: UNTURNED,
                 picture: Finish::NOTHING,
+                other: None,
             },
         );
     }
@@ -150,6 +158,7 @@ fn an_animation_of_the_show_is_kept_until_a_user_changes_the_parameter() {
                 moves: &moves,
                 turns: UNTURNED,
                 picture: Finish::NOTHING,
+                other: None,
             },
         );
     }
@@ -171,6 +180,7 @@ fn note_relief(performance: &mut Performance, frame: u32, value: f32) {
             moves: &[],
             turns: UNTURNED,
             picture: Finish::NOTHING,
+            other: None,
         },
     );
 }
@@ -218,8 +228,17 @@ fn note_orb(performance: &mut Performance, time: f64, scene: &str, numbers: [f32
     let picture = Finish { numbers, is_shown: numbers == PLAIN_PICTURE };
     let start = if scene == "orb" { 0.0 } else { 7.0 };
     let (transition, params) = (TimedTransition::CUT, Vec::new());
-    let seen =
-        OnStage { scene, camera: None, transition, start, params, moves: &[], turns: UNTURNED, picture };
+    let seen = OnStage {
+        scene,
+        camera: None,
+        transition,
+        start,
+        params,
+        moves: &[],
+        turns: UNTURNED,
+        picture,
+        other: None,
+    };
     performance.note(time, &seen);
 }
 
@@ -295,7 +314,17 @@ fn only_a_transition_that_was_cut_off_is_unfinished() {
         let params = Vec::new();
         performance.note(
             time,
-            &OnStage { scene, camera: None, transition, start, params, moves: &[], turns: UNTURNED, picture },
+            &OnStage {
+                scene,
+                camera: None,
+                transition,
+                start,
+                params,
+                moves: &[],
+                turns: UNTURNED,
+                picture,
+                other: None,
+            },
         );
     }
     let wanted = "at 0:01    one  cut\nat 0:02    two  fade over 8 s unfinished\nat 0:06    three  fade over 1.5 s\n\
@@ -311,5 +340,85 @@ fn an_initially_dimmed_image_is_set_once() {
     }
     note_orb(&mut performance, 7.5, "city", [0.25, 0.0]);
     let wanted = "at 0:00  orb  cut\n  set picture brightness = 0.25\nat 0:07  city  cut\n";
+    assert_eq!(print(&performance.cue_list(), &[]), wanted);
+}
+
+/// A frame with decks: the scenes at both ends of the fader, the fader, and the values of a parameter of each.
+type DeckPicture = ([&'static str; 2], f32, [f32; 2]);
+
+fn note_decks(performance: &mut Performance, time: f64, start: f64, (scenes, fader, values): DeckPicture) {
+    let [from, to] = scenes;
+    let knob = |value| vec![Turned { name: "knob", value, own: 0.5, is_shown: false }];
+    let shown = |is_shown: bool, value| if is_shown { knob(value) } else { Vec::new() };
+    performance.note(
+        time,
+        &OnStage {
+            scene: to,
+            camera: None,
+            transition: TimedTransition::by_fader(TransitionStyle::Melt),
+            start,
+            params: shown(fader > 0.0, values[1]),
+            moves: &[],
+            turns: UNTURNED,
+            picture: Finish::NOTHING,
+            other: Some(OtherDeck {
+                scene: from,
+                params: shown(fader < 1.0, values[0]),
+                turns: UNTURNED,
+                fader,
+            }),
+        },
+    );
+}
+
+proptest! {
+    #[test]
+    fn the_cue_list_of_two_decks_repeats_each_frame(
+        pictures in proptest::collection::vec((0.001..0.2f64, 0..40usize, -0.5..1.5f32, 0.0..1.0f32, 0.0..1.0f32), 1..80)
+    ) {
+        let mut performance = Performance::default();
+        let (mut time, mut decks, mut start) = (3.0, ["orb", "city"], 3.0);
+        let mut seen: Vec<(f64, DeckPicture)> = Vec::new();
+        for (since, load, fader, one, other) in pictures {
+            time += since;
+            // A new scene is loaded into the deck that is less visible; the fader then leads to this deck.
+            if let Some(scene) = ["gyroid", "heart", "tunnel"].get(load).filter(|scene| !decks.contains(scene)) {
+                (decks, start) = ([decks[1], scene], time);
+            }
+            let picture = (decks, fader.clamp(0.0, 1.0), [one, other]);
+            note_decks(&mut performance, time, start, picture);
+            seen.push((time, picture));
+        }
+        let text = print(&performance.cue_list(), &[]);
+        let cue_list = parse("performed.show", &text).cue_list.unwrap_or_default();
+        let timeline = resolve(&cue_list, &SongStructure::default(), &[], |_, _| None).0.unwrap();
+        for (time, (scenes, fader, values)) in seen {
+            let moment = timeline.at(time);
+            let value = |clip: &crate::Clip| {
+                clip.params_at(time).iter().find(|(name, _)| *name == "knob").map_or(0.5, |(_, value)| *value)
+            };
+            let found = (moment.clip.scene.as_str(), value(moment.clip));
+            match fader {
+                0.0 => prop_assert_eq!((found, moment.leaving), ((scenes[0], values[0]), None), "{}", text),
+                1.0 => prop_assert_eq!((found, moment.leaving), ((scenes[1], values[1]), None), "{}", text),
+                _ => {
+                    let (from, fraction) = moment.leaving.unwrap();
+                    prop_assert_eq!(found, (scenes[1], values[1]), "{}", text);
+                    prop_assert_eq!((from.scene.as_str(), value(from)), (scenes[0], values[0]), "{}", text);
+                    prop_assert_eq!(fraction.to_bits(), fader.to_bits(), "{}", text);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn decks_are_written_as_a_transition_by_fader() {
+    let mut performance = Performance::default();
+    for (time, fader) in [(2.0, 0.0), (2.05, 0.25), (2.1, 1.0)] {
+        note_decks(&mut performance, time, 2.0, (["orb", "city"], fader, [0.5, 0.5]));
+    }
+    let wanted = "at 0:02  orb  cut\nat 0:02  city  melt by fader\n\
+                  \x20 set deck fader = 0 -> 0.25 over 0.05 s -> 1 over 0.05 s\n";
     assert_eq!(print(&performance.cue_list(), &[]), wanted);
 }
