@@ -93,6 +93,21 @@ impl Session {
             Command::Fade(seconds) => self.playback.set_fade(seconds),
             Command::Follow(_) => self.toggle_follow(),
             Command::Keep(_) => self.playback.toggle_keep(),
+            Command::Decks(_) => self.playback.scene.toggle_decks(),
+            Command::Crossfade(position) => self.playback.scene.deck_changes().set_crossfade(position),
+            Command::CrossfadeBy(way) => self.playback.scene.deck_changes().crossfade_by(way),
+            Command::CrossOver => {
+                let seconds = self.playback.scene.composer().fading().seconds();
+                self.playback.scene.deck_changes().cross_over(seconds);
+            }
+            Command::SwapDecks => self.playback.scene.deck_changes().swap(),
+            Command::MixDecks(number) => self.playback.scene.deck_changes().mix_by(number.checked_sub(1)),
+            Command::LoadDeck(loaded) => {
+                self.playback.scene.deck_changes().load(loaded.deck, *loaded.scene);
+            }
+            Command::TakeDeck(number) => {
+                self.playback.scene.deck_changes().take_in_hand(number.saturating_sub(1));
+            }
             Command::NextCue => self.playback.next_cue(),
             Command::Record(_) => self.playback.toggle_recording(),
             Command::ToggleMode => self.playback.scene.toggle_mode(),
@@ -130,7 +145,7 @@ impl Session {
             Command::Set(set) => self.change_setting(set),
             Command::Learn(target) => self.interface.learn(&mut self.playback, target),
             Command::LearnParameter(name) => {
-                let scene = self.playback.scene.scenes().name().unwrap_or_default();
+                let scene = self.playback.scene.parameters_in_hand().title().unwrap_or_default();
                 self.interface.learn(&mut self.playback, Target::Param { scene, name });
             }
             Command::EditMappings(edit) => {
@@ -162,6 +177,8 @@ impl Session {
             kept: self.playback.scene.show().is_locked(),
             recording: self.playback.is_recording(),
             cuts: self.playback.scene.composer().fading().cuts(),
+            decks: self.playback.scene.decks().is_some(),
+            crossfade: self.playback.scene.decks().map(|(decks, now)| decks.crossfade(now)),
             snapshots: self.snapshots.keys,
             black: self.playback.master_output.is_black(),
             frozen: self.playback.master_output.is_frozen(),

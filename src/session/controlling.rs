@@ -28,14 +28,14 @@ impl Session {
         let InputBatch { params, mut actions, knobs, since } = batch.unwrap_or_default();
         let before = self.playback.scene.revision();
         for change in &params {
-            if !self.playback.scene.shown_parameters_mut().turn(change) {
+            if !self.playback.scene.parameters_in_hand_mut().turn(change) {
                 self.playback.controllers.note_unknown();
             }
         }
         let (outcomes, learned) = self.playback.controllers.take_knobs(&knobs, &self.playback.scene);
         for outcome in outcomes {
             match outcome {
-                Outcome::Turn(change) => drop(self.playback.scene.shown_parameters_mut().turn(&change)),
+                Outcome::Turn(change) => drop(self.playback.scene.parameters_in_hand_mut().turn(&change)),
                 Outcome::Act(action) => actions.push(action),
                 Outcome::Waits { name, leads_to, stands } => {
                     let way = if leads_to < stands { "up" } else { "down" };
@@ -46,7 +46,7 @@ impl Session {
         }
         if self.playback.scene.revision() != before {
             self.playback.controllers.note_turned(since, self.playback.scene.revision());
-        } else if self.playback.scene.shown_parameters().are_turning() {
+        } else if self.playback.scene.parameters_in_hand().are_turning() {
             // The parameter moves gradually and still has its old value. The frame `before + 1` shows the first step.
             self.playback.controllers.note_turned(since, before + 1);
         }
@@ -63,7 +63,7 @@ impl Session {
         let state = self.state();
         let (switches, levels) = (commands::switches(&state), commands::levels(&state));
         let tempo = self.playback.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
-        let scene = self.playback.scene.scenes().name().unwrap_or_default();
+        let scene = self.playback.scene.parameters_in_hand().title().unwrap_or_default();
         if self.playback.controllers.wants_scenes(&scene) {
             let scenes = self.playback.numbered_scenes();
             self.playback.controllers.note_scenes(scene.clone(), scenes);
@@ -75,7 +75,7 @@ impl Session {
         };
         let length = playing.duration.unwrap_or_default();
         let present = Present { scene, switches, levels, tempo, track, length, ..Present::default() };
-        self.playback.controllers.put_up(present, self.playback.scene.scenes().sliders());
+        self.playback.controllers.put_up(present, self.playback.scene.parameters_in_hand().sliders());
     }
 }
 
@@ -127,8 +127,8 @@ impl Interface {
 
     fn put_up_controllers(&mut self, playback: &mut Playback) {
         if let Some(panel) = &mut self.ui_state.controllers {
-            let scene = playback.scene.scenes().name().unwrap_or_default();
-            panel.update(&playback.controllers.facts(scene, playback.scene.scenes().sliders()));
+            let scene = playback.scene.parameters_in_hand().title().unwrap_or_default();
+            panel.update(&playback.controllers.facts(scene, playback.scene.parameters_in_hand().sliders()));
         }
     }
 

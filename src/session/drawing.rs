@@ -128,7 +128,7 @@ impl Session {
             self.playback.controllers.note_shown(shown.revision);
         }
         if painted.params_changed {
-            self.playback.scene.shown_parameters_mut().note_moved();
+            self.playback.scene.parameters_in_hand_mut().note_moved();
         }
         self.interface.take_painted(&mut *self.screen, painted);
         if first {

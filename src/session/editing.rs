@@ -95,7 +95,7 @@ impl Session {
 
     /// Opens the editor, which writes the binding of a parameter into the text.
     pub(super) fn write_binding(&mut self, name: &str) {
-        let sliders = self.playback.scene.scenes().sliders();
+        let sliders = self.playback.scene.parameters_in_hand().sliders();
         let slider = sliders.iter().rfind(|slider| slider.name == name);
         let Some(bound) = slider.and_then(|slider| slider.bound.clone()) else {
             return self.playback.reports.answer(format!("{name} follows no sound: bind it first"));

@@ -127,7 +127,7 @@ impl Session {
         Left {
             show,
             scene: self.playback.scene.scenes().name().unwrap_or_default(),
-            moved: self.playback.scene.shown_parameters().moved(),
+            moved: self.playback.scene.parameters_in_hand().moved(),
         }
     }
 

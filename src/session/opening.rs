@@ -298,7 +298,7 @@ pub(super) fn renewed(
     if assisted {
         overlay.assist(Assistance::Begins);
     }
-    scenes.take_over(kept.controllers, kept.wanted);
+    scenes.take_over(kept.taken_over);
     reports.answer("the graphics driver lost its context: the frame is drawn again".to_owned());
     let playback = Playback {
         renderer: renderer(screen.gl(), &session.choices, scene)?,

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use crate::config::PerformanceFiles;
 use crate::scenes::SceneSource;
 use crate::session::direction::OfTrack;
-use crate::session::scene::Performed;
-use crate::show::{Finish, OnStage, Performance, TimedTransition, TransitionKind, name_of, print};
+use crate::session::scene::{OtherPerformed, Performed};
+use crate::show::{Finish, OnStage, OtherDeck, Performance, TimedTransition, TransitionKind, name_of, print};
 use mariana_field::lang::TransitionStyle;
 
 /// Interval at which a changing performance is written.
@@ -150,6 +150,7 @@ impl Take {
         };
         let (transition, start) = match (&self.shown, seen.directed) {
             (None, Some(directed)) => directed,
+            (Some(_), Some(directed)) if directed.0.by_fader => directed,
             (Some(shown), Some(directed)) if directed.1 >= shown.start => directed,
             (None, None) => (TimedTransition::CUT, time),
             // Continue the entry of a scene that stays when the show stops directing it, or joins it later.
@@ -161,10 +162,24 @@ impl Take {
             Some(shown) => shown.scene,
             None => named(seen.source),
         };
-        let Performed { source, camera, params, moves, orbit, picture, .. } = seen;
+        let Performed { source, camera, params, moves, orbit, picture, other, .. } = seen;
         let turns = orbit.turns();
-        let on_stage = OnStage { scene: &scene, camera, transition, start, params, moves, turns, picture };
+        let other_scene = other.as_ref().map(|other| named(other.source)).unwrap_or_default();
+        let other = other.map(|OtherPerformed { params, orbit, fader, .. }| OtherDeck {
+            scene: &other_scene,
+            params,
+            turns: orbit.turns(),
+            fader,
+        });
+        let is_on_decks = other.is_some();
+        let on_stage =
+            OnStage { scene: &scene, camera, transition, start, params, moves, turns, picture, other };
         self.performance.note(time, &on_stage);
+        if is_on_decks {
+            // When the decks end, the scene that stays has a new entry.
+            self.shown = None;
+            return;
+        }
         let camera = camera.map(str::to_owned);
         self.shown = Some(Showing { source: source.clone(), scene, camera, transition, start });
     }
@@ -225,6 +240,7 @@ mod tests {
             moves: &[],
             orbit: OrbitControls::OFF,
             picture: Finish::NOTHING,
+            other: None,
         }
     }
 

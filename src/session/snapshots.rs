@@ -28,7 +28,7 @@ impl Session {
         match self.playback.snapshot(number).filter(|_| !takes) {
             Some(snapshot) => {
                 let seconds = if self.snapshots.keys.morphs { self.playback.bar_seconds() } else { 0.0 };
-                self.playback.scene.shown_parameters_mut().recall(&snapshot, seconds);
+                self.playback.scene.parameters_in_hand_mut().recall(&snapshot, seconds);
                 self.playback.reports.answer(format!("snapshot {number}"));
             }
             None => self.playback.take_snapshot(number),
@@ -101,20 +101,20 @@ impl Session {
 
 impl Playback {
     pub(super) fn bind(&mut self, Bind { name, binding }: Bind) {
-        if !self.scene.shown_parameters_mut().bind(&name, binding) {
+        if !self.scene.parameters_in_hand_mut().bind(&name, binding) {
             self.reports.answer(format!("this scene has no parameter '{name}'"));
         }
     }
 
     /// The numbers of the shown scene's snapshots, from 1.
     pub(super) fn snapshot_numbers(&self) -> impl Iterator<Item = usize> {
-        let title = self.scene.scenes().name().unwrap_or_default();
+        let title = self.scene.parameters_in_hand().title().unwrap_or_default();
         let saved = self.listening.settings().snapshots.get(&title);
         saved.into_iter().flat_map(BTreeMap::keys).filter_map(|number| number.parse().ok())
     }
 
     fn snapshot(&self, number: usize) -> Option<Snapshot> {
-        let title = self.scene.scenes().name()?;
+        let title = self.scene.parameters_in_hand().title()?;
         self.listening.settings().snapshots.get(&title)?.get(&number.to_string()).cloned()
     }
 
@@ -122,10 +122,10 @@ impl Playback {
         if !(1..=SNAPSHOTS).contains(&number) {
             return self.reports.answer(format!("there is no snapshot {number}: use 1 to {SNAPSHOTS}"));
         }
-        let Some(snapshot) = self.scene.shown_parameters().snapshot() else {
+        let Some(snapshot) = self.scene.parameters_in_hand().snapshot() else {
             return self.reports.answer("this scene has no sliders to take a snapshot of".to_owned());
         };
-        let title = self.scene.scenes().name().unwrap_or_default();
+        let title = self.scene.parameters_in_hand().title().unwrap_or_default();
         self.listening.remember(move |settings| {
             let of_scene = settings.snapshots.entry(title.clone()).or_default();
             of_scene.insert(number.to_string(), snapshot.clone());

@@ -8,7 +8,7 @@ use crate::scenes::{SceneBlend, SceneSource, SeenScene};
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 use mariana_show::limits::LIMITS as SHOW_LIMITS;
-use mariana_show::{Clip, CueListError, Moment, SceneCard, Show, TimedTransition, Timeline};
+use mariana_show::{Clip, CueListError, Moment, SceneCard, Show, TimedTransition, Timeline, TransitionKind};
 
 const DEMO_SHOW: &str = include_str!("../../assets/demo.show");
 const DEMO_NAME: &str = "demo.show";
@@ -130,6 +130,20 @@ impl PreparedShow {
         prepared_show.with_timeline(Timeline::new(clips))
     }
 
+    /// Returns a show of two decks: a fader leads from the first scene to the second, which was loaded at `start`
+    /// seconds of the song. The scenes must have different names.
+    pub fn of_decks(scenes: [SceneSource; 2], kind: TransitionKind, start: f64) -> Self {
+        let transitions = [(0.0, TimedTransition::CUT), (start, TimedTransition::by_fader(kind))];
+        let mut prepared_show = Self::default();
+        let mut clips = Vec::new();
+        for (source, (start, transition)) in scenes.into_iter().zip(transitions) {
+            let scene = name_of(&source);
+            prepared_show.scenes.insert(scene.clone(), source);
+            clips.push(Clip { start, scene, camera: None, transition, moves: Vec::new() });
+        }
+        prepared_show.with_timeline(Timeline::new(clips))
+    }
+
     /// Returns the show of a song, from a file or from the director, who chooses among those `scenes` that have no
     /// mistakes. The second result reports entries that do not fit the song.
     ///
@@ -224,7 +238,9 @@ impl PreparedShow {
         let seen = |clip: &Clip| {
             Some(SeenScene { source: self.source(&clip.scene)?.clone(), camera: clip.camera.clone() })
         };
-        let aligned_at = (1000.0 * (to.start + 0.5 * to.transition.seconds)).max(0.0) as u64;
+        // A fader moves at any time, so the time of its clip says nothing.
+        let middle = if to.transition.by_fader { 0.0 } else { to.start + 0.5 * to.transition.seconds };
+        let aligned_at = (1000.0 * middle).max(0.0) as u64;
         Some(SceneBlend { from: seen(from)?, to: seen(to)?, kind, aligned_at })
     }
 

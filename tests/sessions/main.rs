@@ -5,6 +5,7 @@
 mod bindings;
 mod changes;
 mod controllers;
+mod decks;
 mod editor;
 mod live;
 mod panels;

@@ -26,8 +26,8 @@ use std::sync::OnceLock;
 
 pub use state::{ShowState, SnapshotKeys};
 pub use table::{
-    Bind, Binding, Command, Delay, Files, MovedCorner, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, SetSetting,
-    TurnedNumbers, VOLUME_STEP,
+    Bind, Binding, CROSSFADE_STEP, Command, Delay, Files, LoadedDeck, MovedCorner, ROWS, SEEK_SECONDS,
+    SHIFT_STEP_MS, SetSetting, TurnedNumbers, VOLUME_STEP,
 };
 
 use crate::input::{Key, KeyPress, Modifiers};

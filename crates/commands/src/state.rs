@@ -17,6 +17,10 @@ pub struct ShowState {
     pub recording: bool,
     /// Manual scene changes are cuts, not fades.
     pub cuts: bool,
+    /// Two decks are mixed by the crossfader.
+    pub decks: bool,
+    /// The position of the crossfader, 0..1; `None` without decks.
+    pub crossfade: Option<f32>,
     /// The effect of the snapshot keys.
     pub snapshots: SnapshotKeys,
     /// The image is black, or fading to black.

@@ -16,6 +16,9 @@ pub const SEEK_SECONDS: f64 = 5.0;
 /// The step of the volume keys, on a scale of 0..1.
 pub const VOLUME_STEP: f32 = 0.05;
 
+/// The step of the crossfader's keys, as a part of its way.
+pub const CROSSFADE_STEP: f32 = 0.05;
+
 /// The step of the image delay keys, in milliseconds.
 pub const SHIFT_STEP_MS: f64 = 5.0;
 
@@ -63,8 +66,16 @@ commands! {
     /// Seeks by this many seconds.
     SeekBy(f64) {
         bindings: &[
-            keys!(Key::Named(NamedKey::ArrowLeft) => C::SeekBy(-SEEK_SECONDS), "Left", "back 5 s", repeats: true),
-            keys!(Key::Named(NamedKey::ArrowRight) => C::SeekBy(SEEK_SECONDS), "Right", "forward 5 s", repeats: true),
+            keys!(
+                Key::Named(NamedKey::ArrowLeft) => C::SeekBy(-SEEK_SECONDS),
+                "Left", "back 5 s; with Shift, the crossfader to deck A",
+                shifted: Some(C::CrossfadeBy(-CROSSFADE_STEP)), repeats: true
+            ),
+            keys!(
+                Key::Named(NamedKey::ArrowRight) => C::SeekBy(SEEK_SECONDS),
+                "Right", "forward 5 s; with Shift, the crossfader to deck B",
+                shifted: Some(C::CrossfadeBy(CROSSFADE_STEP)), repeats: true
+            ),
         ],
     }
     /// Seeks to this time in the track, in seconds.
@@ -299,6 +310,54 @@ commands! {
             Key::Character("k") => C::Keep(Toggle), "K", "keep this scene when scenes would follow the song"
         )],
     }
+    /// Plays two scenes on two decks, mixed by a crossfader, or one scene.
+    Decks(Switch) {
+        name: Some("decks"),
+        control: Some(Control::Switch(C::Decks)),
+        is_on: Some(|state| state.decks),
+        bindings: &[keys!(
+            Key::Named(NamedKey::F3) => C::Decks(Toggle), "F3", "two decks with a crossfader, or one scene"
+        )],
+    }
+    /// Moves the crossfader to this position, 0..1: 0 shows deck A, 1 shows deck B.
+    Crossfade(f32) {
+        name: Some("crossfade"),
+        control: Some(Control::Level(C::Crossfade)),
+        level: Some(|state| state.crossfade),
+        help: "position of the crossfader, from 0 (deck A) to 1 (deck B)",
+    }
+    /// Moves the crossfader by this part of its way.
+    CrossfadeBy(f32) {}
+    /// Moves the crossfader to the other end within the duration of a fade.
+    CrossOver {
+        name: Some("cross"),
+        control: Some(Control::Press(|| C::CrossOver)),
+        bindings: &[keys!(
+            Key::Named(NamedKey::F8) => C::CrossOver,
+            "F8", "move the crossfader to the other deck; with Shift, at once",
+            shifted: Some(C::SwapDecks)
+        )],
+    }
+    /// Mirrors the position of the crossfader at once.
+    SwapDecks {
+        name: Some("swap"),
+        control: Some(Control::Press(|| C::SwapDecks)),
+        help: "swap the decks: mirror the position of the crossfader at once",
+    }
+    /// Mixes the decks in the way with this number, from 1: melt, fade, ball or plane. 0 takes the next way.
+    MixDecks(usize) {
+        name: Some("mix"),
+        control: Some(Control::Numbered(C::MixDecks)),
+        help: "how the decks mix: 1 melt, 2 fade, 3 ball, 4 plane, 0 the next way",
+    }
+    /// Loads a scene into this deck: 0 is A, 1 is B.
+    LoadDeck(LoadedDeck) {}
+    /// Lets sliders and controllers change the scene on this deck: 1 is A, 2 is B.
+    TakeDeck(usize) {
+        name: Some("deck"),
+        control: Some(Control::Numbered(C::TakeDeck)),
+        help: "the deck whose parameters sliders and controllers change: 1 is A, 2 is B",
+    }
     /// Starts the next entry that waits for a key in the show file.
     NextCue {
         name: Some("cue"),
@@ -523,6 +582,15 @@ pub struct Bind {
     pub name: String,
     /// The binding; `None` ends the present binding.
     pub binding: Option<SoundBinding>,
+}
+
+/// A scene for a deck.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadedDeck {
+    /// Index of the deck, from 0.
+    pub deck: usize,
+    /// The scene.
+    pub scene: Box<SceneSource>,
 }
 
 /// New values for numbers in a scene's text.

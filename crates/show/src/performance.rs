@@ -438,6 +438,9 @@ impl Played {
     }
 
     fn is_of(&self, seen: &OnStage<'_>) -> bool {
+        if seen.other.is_some() && self.transition != seen.transition && self.transition.by_fader {
+            return false;
+        }
         (self.scene.as_str(), self.camera.as_deref(), self.begun) == (seen.scene, seen.camera, seen.start)
     }
 

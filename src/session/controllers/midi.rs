@@ -119,10 +119,10 @@ impl Midi {
 
     /// Returns the effects of the moved `knobs`. While a mapping is learned, knobs have no effect.
     pub(super) fn take(&mut self, knobs: &[KnobMove], scene: &SceneSession) -> Vec<Outcome> {
-        let title = scene.scenes().name().unwrap_or_default();
+        let title = scene.parameters_in_hand().title().unwrap_or_default();
         let stands = |name: &str| {
-            let slider = scene.scenes().sliders().iter().rfind(|slider| slider.name == name)?;
-            let (to, _) = scene.shown_parameters().target(name)?;
+            let slider = scene.parameters_in_hand().sliders().iter().rfind(|slider| slider.name == name)?;
+            let (to, _) = scene.parameters_in_hand().target(name)?;
             let (min, max, default) = (slider.min, slider.max, slider.default);
             Some(Param { name, min, max, default }.fraction_of(to))
         };

@@ -84,6 +84,10 @@ impl PreparedAhead {
         self.neighbours.map(|neighbours| neighbours.map(|neighbour| neighbour.loader))
     }
 
+    pub(super) fn is_on(&self) -> bool {
+        self.neighbours.is_some()
+    }
+
     fn all(&self) -> impl Iterator<Item = &Neighbour> {
         self.neighbours.iter().flatten()
     }
@@ -209,7 +213,6 @@ impl PreparedAhead {
         if !matches!(neighbour.state, State::Loaded { is_rehearsed: true, .. }) {
             return None;
         }
-        neighbour.source = None;
         match std::mem::replace(&mut neighbour.state, State::Unasked) {
             State::Loaded { scene, .. } => Some(*scene),
             _ => None,
@@ -221,24 +224,29 @@ impl PreparedAhead {
         taken + bytes_of(world) <= LIMITS.prepared_bytes_max
     }
 
-    /// Returns the neighbour `to` if it is loaded. The shown scene `from` becomes the neighbour on the other side.
+    /// Returns the neighbour `to` if it is loaded or fading out. The shown scene `from` becomes the neighbour on the
+    /// other side.
     pub(super) fn take(
         &mut self,
         to: &SceneSource,
         from: SceneSource,
         loader: &mut SceneLoader,
+        fading_out: &mut Option<PreparedScene>,
     ) -> Option<PreparedScene> {
         let neighbours = self.neighbours.as_mut()?;
-        let is_it =
-            |neighbour: &&mut Neighbour| neighbour.source.as_ref() == Some(to) && neighbour.scene().is_some();
-        let neighbour = neighbours.iter_mut().find(is_it)?;
-        let State::Loaded { scene, .. } = std::mem::replace(&mut neighbour.state, State::Unasked) else {
-            return None;
+        let neighbour = neighbours.iter_mut().find(|neighbour| neighbour.source.as_ref() == Some(to))?;
+        let scene = match std::mem::replace(&mut neighbour.state, State::Unasked) {
+            State::Loaded { scene, .. } => *scene,
+            State::Unasked => fading_out.take_if(|scene| scene.source == *to)?,
+            other => {
+                neighbour.state = other;
+                return None;
+            }
         };
         neighbour.source = Some(from);
         std::mem::swap(&mut neighbour.loader, loader);
         neighbours.swap(0, 1);
-        Some(*scene)
+        Some(scene)
     }
 
     pub(super) fn poll(&self) -> Vec<(usize, Loaded<Result<ReadyScene, SceneError>>)> {
@@ -256,11 +264,13 @@ impl PreparedAhead {
         }
     }
 
-    /// Continues with the first neighbour that is not ready: requests its scene, or returns what the scene lacks.
-    pub(super) fn go_on(&mut self, sdf: SdfChoice) -> Option<Lacking> {
+    /// Continues with the first neighbour that is not ready: requests its scene, or returns what the scene lacks. Does
+    /// not load a scene that is still `fading_out`.
+    pub(super) fn go_on(&mut self, sdf: SdfChoice, fading_out: Option<&SceneSource>) -> Option<Lacking> {
         for neighbour in self.all_mut() {
             match &mut neighbour.state {
                 State::Left => continue,
+                State::Unasked if fading_out.is_some() && neighbour.source.as_ref() == fading_out => continue,
                 State::Unasked => {
                     if let Some(source) = &neighbour.source {
                         neighbour.loader.request(source.clone());
@@ -351,15 +361,15 @@ mod tests {
         let [broken, ball, box_] = ["sphere(p", "sphere(p, 1)", "box(p, 1)"].map(text);
         let mut ahead = PreparedAhead::with(Some([loader(), loader()]));
         assert!(wanted(&mut ahead, [&broken, &ball]) && !wanted(&mut ahead, [&broken, &ball]));
-        assert!(ahead.go_on(sdf).is_none(), "still loading");
+        assert!(ahead.go_on(sdf, None).is_none(), "still loading");
         assert_eq!(loaded(&ahead), (0, false));
         ahead.put(0, None);
-        assert!(ahead.go_on(sdf).is_none());
+        assert!(ahead.go_on(sdf, None).is_none());
         assert_eq!(loaded(&ahead), (1, true));
         ahead.put(1, Some(uploaded(context.gl(), 7, &ball)));
-        let lacking = ahead.go_on(sdf).unwrap();
+        let lacking = ahead.go_on(sdf, None).unwrap();
         assert_eq!((lacking.id, lacking.program, lacking.tree), (7, Some(Mode::Compiled), true));
-        assert!(!ahead.go_on(sdf).unwrap().tree, "already requested");
+        assert!(!ahead.go_on(sdf, None).unwrap().tree, "already requested");
         assert!(!ahead.has_rehearsed(&ball) && ahead.give(&ball).is_none(), "not drawn yet");
         // The scene is now the next one, and stays prepared.
         assert!(wanted(&mut ahead, [&ball, &box_]));
@@ -367,7 +377,7 @@ mod tests {
         assert_eq!(ahead.next_sources().next(), Some(&ball));
         // The tree of this scene is too slow, so the other scene is prepared.
         ahead.take_tree(7, None);
-        assert!(ahead.go_on(sdf).is_none() && ahead.scenes().next().is_none());
+        assert!(ahead.go_on(sdf, None).is_none() && ahead.scenes().next().is_none());
         assert_eq!(loaded(&ahead), (1, true));
     }
 
@@ -379,11 +389,11 @@ mod tests {
         wanted(&mut ahead, [&box_, &box_]);
         ahead.put(0, Some(uploaded(context.gl(), 1, &box_)));
         let mut shown = loader();
-        let scene = ahead.take(&box_, ball.clone(), &mut shown).unwrap();
+        let scene = ahead.take(&box_, ball.clone(), &mut shown, &mut None).unwrap();
         assert_eq!(scene.id, 1);
         // The previously shown scene is now a neighbour, ready to be shown again.
         ahead.keep(uploaded(context.gl(), 0, &ball));
         assert!(ahead.has_rehearsed(&ball));
-        assert_eq!(ahead.take(&ball, box_, &mut shown).map(|scene| scene.id), Some(0));
+        assert_eq!(ahead.take(&ball, box_, &mut shown, &mut None).map(|scene| scene.id), Some(0));
     }
 }

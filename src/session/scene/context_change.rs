@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
+use super::decks::Decks;
 use super::library::SceneLoader;
+use super::show_follower::ShowFollower;
 use crate::config::SdfChoice;
 use crate::gpu::cell_use::CellUse;
 use crate::scenes::{ReadyScene, SceneSource};
@@ -29,12 +31,20 @@ pub(crate) struct DrawingWays {
     pub fade: f64,
 }
 
+/// What a session takes over from another one.
+pub(crate) struct TakenOver {
+    /// The values that controllers have set, and the start time of the model's clock.
+    pub controllers: (Model, Instant),
+    /// The requested scene.
+    pub wanted: SceneSource,
+    pub show: ShowFollower,
+    pub decks: Option<Decks>,
+}
+
 /// The state that survives the loss of the OpenGL context.
 pub(crate) struct KeptScenes {
     pub loaders: SceneLoaders,
     pub shown: Option<LoadedScene>,
-    pub wanted: SceneSource,
-    /// The values that controllers have set, and the start time of the model's clock.
-    pub controllers: (Model, Instant),
     pub ways: DrawingWays,
+    pub taken_over: TakenOver,
 }

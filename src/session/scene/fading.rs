@@ -76,7 +76,7 @@ impl Fading {
         }
     }
 
-    pub(super) fn seconds(&self) -> f64 {
+    pub(crate) fn seconds(&self) -> f64 {
         self.length.as_secs_f64()
     }
 

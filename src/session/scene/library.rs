@@ -48,7 +48,12 @@ impl SceneLibrary {
     }
 
     pub(super) fn beside(&self, forward: bool) -> SceneSource {
-        if forward { self.list.next(&self.wanted) } else { self.list.previous(&self.wanted) }
+        self.next_after(&self.wanted, forward)
+    }
+
+    /// The next or the previous scene of the list. Reads a folder.
+    pub(super) fn next_after(&self, source: &SceneSource, forward: bool) -> SceneSource {
+        if forward { self.list.next(source) } else { self.list.previous(source) }
     }
 
     pub(crate) fn set_written(&mut self, written: bool) {

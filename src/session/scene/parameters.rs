@@ -61,6 +61,11 @@ impl Parameters {
         self.song_time
     }
 
+    /// Returns the time of the model's clock, in seconds.
+    pub(super) fn clock(&self) -> f64 {
+        clock::since(self.begun).as_secs_f64()
+    }
+
     pub(super) fn go_to(&mut self, moment: &Moment) {
         let Moment { song_time, features, song, .. } = moment;
         (self.now, self.song_time) = (clock::since(self.begun).as_secs_f64(), *song_time);

@@ -1,7 +1,10 @@
 //! The shown scene, in the form in which it is recorded.
 
+use super::active_clips::ActiveClips;
 use super::camera::SceneCamera;
+use super::decks::Decks;
 use super::fading::Fading;
+use super::parameters::Parameters;
 use super::prepared_scenes::PreparedScenes;
 use super::show_follower::ShowFollower;
 use crate::config::SdfChoice;
@@ -23,6 +26,18 @@ pub(crate) struct Performed<'a> {
     pub moves: &'a [Move],
     pub orbit: OrbitControls,
     pub picture: Finish,
+    /// The deck at the beginning of the fader; `None` without decks.
+    pub other: Option<OtherPerformed<'a>>,
+}
+
+/// The deck at the beginning of the fader, in the form in which it is recorded.
+pub(crate) struct OtherPerformed<'a> {
+    pub source: &'a SceneSource,
+    /// Empty while the scene is not shown.
+    pub params: Vec<Turned<'a>>,
+    pub orbit: OrbitControls,
+    /// Position of the fader, in 0..1.
+    pub fader: f32,
 }
 
 impl<'a> Performed<'a> {
@@ -61,6 +76,56 @@ impl<'a> Performed<'a> {
             moves: clip.map_or(&[], |clip| &clip.moves),
             orbit: camera.at(&clips, time),
             picture: Finish::NOTHING,
+            other: None,
         })
     }
+
+    /// The same frame as a mix of two decks.
+    pub(super) fn on_decks(
+        self,
+        (decks, fader): (&'a Decks, f32),
+        scenes: &'a PreparedScenes,
+        parameters: &Parameters,
+        camera: &SceneCamera,
+    ) -> Self {
+        let [from, to] = decks.pair();
+        let of = |source: &SceneSource| turned_of(source, scenes, parameters);
+        let orbit_if = |is_its: bool| if is_its { camera.orbit() } else { OrbitControls::OFF };
+        let (of_from, of_to) = (fader < 1.0, fader > 0.0);
+        let other = OtherPerformed {
+            source: from,
+            params: if of_from { of(from) } else { Vec::new() },
+            orbit: orbit_if(!of_to),
+            fader,
+        };
+        Self {
+            source: to,
+            camera: None,
+            directed: Some((TimedTransition::by_fader(decks.transition()), decks.loaded_at())),
+            faded: None,
+            fades: false,
+            params: if of_to { of(to) } else { Vec::new() },
+            moves: &[],
+            orbit: orbit_if(of_to),
+            other: Some(other),
+            ..self
+        }
+    }
+}
+
+/// The parameters of a scene on a deck; empty while it is not loaded.
+fn turned_of<'a>(
+    source: &SceneSource,
+    scenes: &'a PreparedScenes,
+    parameters: &Parameters,
+) -> Vec<Turned<'a>> {
+    let Some(scene) = scenes.all().find(|scene| scene.source == *source) else { return Vec::new() };
+    let numbers = parameters.numbers(scene, &ActiveClips::default(), parameters.song_time());
+    let turned = scene.knobs.iter().map(|(slider, knob)| Turned {
+        name: &slider.name,
+        value: numbers.get(knob.place).copied().unwrap_or(slider.value),
+        own: slider.default,
+        is_shown: false,
+    });
+    turned.collect()
 }

@@ -418,7 +418,9 @@ impl ScenePreparation {
         if scenes.ahead.want(wanted, |source| self.library.neighbours_of(source)) {
             self.forget_obsolete(scenes);
         }
-        let Some(Lacking { id, program, tree }) = scenes.ahead.go_on(self.choice.sdf) else { return };
+        let fading_out = scenes.fading_out.as_ref().map(|scene| &scene.source);
+        let lacking = scenes.ahead.go_on(self.choice.sdf, fading_out);
+        let Some(Lacking { id, program, tree }) = lacking else { return };
         let Some(scene) = scenes.get_mut(id) else { return };
         if tree {
             tracing::info!("{} is prepared ahead", scene.title());
@@ -451,7 +453,8 @@ impl ScenePreparation {
     pub(super) fn ask_for(&mut self, source: SceneSource, scenes: &mut PreparedScenes) -> bool {
         // Only a scene that is already shown can take a neighbour's place.
         let from = scenes.shown_source().filter(|shown| *shown == self.library.wanted()).cloned();
-        let prepared = from.and_then(|from| scenes.ahead.take(&source, from, self.library.loader_mut()));
+        let PreparedScenes { ahead, fading_out, .. } = scenes;
+        let prepared = from.and_then(|from| ahead.take(&source, from, self.library.loader_mut(), fading_out));
         self.library.want(source);
         match prepared {
             Some(scene) => {

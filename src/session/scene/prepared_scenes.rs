@@ -6,7 +6,6 @@ use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::frame::picture::Picture;
 use crate::scenes::SceneSource;
-use mariana_control::Slider;
 use mariana_music::Features;
 
 pub(crate) struct PreparedScenes {
@@ -73,8 +72,15 @@ impl PreparedScenes {
         self.shown.as_ref().map(|scene| scene.id)
     }
 
-    pub(crate) fn sliders(&self) -> &[Slider] {
-        self.shown.as_ref().map_or(&[], |scene| scene.knobs.sliders())
+    /// The prepared scene with this source; the shown scene if there is none.
+    pub(super) fn in_hand(&self, wanted: Option<&SceneSource>) -> Option<&PreparedScene> {
+        let found = wanted.and_then(|wanted| self.all().find(|scene| scene.source == *wanted));
+        found.or(self.shown.as_ref())
+    }
+
+    pub(super) fn in_hand_mut(&mut self, wanted: Option<&SceneSource>) -> Option<&mut PreparedScene> {
+        let id = self.in_hand(wanted)?.id;
+        self.get_mut(id)
     }
 
     pub(crate) fn coming_picture(&self) -> Option<Picture> {

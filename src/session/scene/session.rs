@@ -4,10 +4,13 @@ use std::time::{Duration, Instant};
 
 use super::ahead::PreparedAhead;
 use super::composer::{Drawn, Ingredients, SceneComposer, WantedPicture};
-use super::context_change::{DrawingWays, KeptScenes, LoadedScene, SceneLoaders};
+use super::context_change::{DrawingWays, KeptScenes, LoadedScene, SceneLoaders, TakenOver};
+use super::decks::Decks;
 use super::library::SceneLibrary;
 use super::messages::{Messages, SceneWords};
+use super::on_decks::DeckChanges;
 use super::parameters::Parameters;
+use super::parameters_in_hand::{ParametersInHand, TurnedParameters};
 use super::performed::Performed;
 use super::preparation::{ScenePreparation, TreeVerdict};
 use super::prepared_scene::{DrawingChoice, PreparedScene};
@@ -19,7 +22,6 @@ use super::refusal::{Refusal, TREE_TOO_LONG};
 use super::regions::SceneRegions;
 use super::report::SceneReport;
 use super::show_follower::{Circumstances, ShowFollower, Step};
-use super::shown_parameters::{ShownParameters, TurnedParameters};
 use super::tree_trials::TreeTrials;
 use crate::clock;
 use crate::frame::orbit_controls::OrbitControls;
@@ -43,6 +45,7 @@ pub(crate) struct SceneSession {
     messages: Messages,
     composer: SceneComposer,
     next_picture: NextPicture,
+    decks: Option<Decks>,
     announced: Option<(u64, Mode)>,
     // The last field, because the compiler's threads draw with objects of the fields above.
     preparation: ScenePreparation,
@@ -75,6 +78,7 @@ impl SceneSession {
             messages: Messages::default(),
             composer: SceneComposer::new(regions, ways.view, ways.fade),
             next_picture,
+            decks: None,
             announced: None,
             preparation,
         };
@@ -94,16 +98,22 @@ impl SceneSession {
         KeptScenes {
             loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
             shown,
-            wanted,
-            controllers: self.parameters.kept(),
             ways: DrawingWays { sdf, cells, view, fade },
+            taken_over: TakenOver {
+                controllers: self.parameters.kept(),
+                wanted,
+                show: self.show,
+                decks: self.decks,
+            },
         }
     }
 
-    /// Continues where another session ended: with its parameter values and its requested scene.
-    pub(crate) fn take_over(&mut self, controllers: (Model, Instant), wanted: SceneSource) {
+    /// Continues where another session ended: with its parameter values, its requested scene, its show and its decks.
+    pub(crate) fn take_over(&mut self, from: TakenOver) {
+        let TakenOver { controllers, wanted, show, decks } = from;
         self.parameters.take_over(controllers);
         self.preparation.library.take_over(wanted);
+        (self.show, self.decks) = (show, decks);
     }
 
     pub(crate) fn scenes(&self) -> &PreparedScenes {
@@ -138,14 +148,44 @@ impl SceneSession {
         &mut self.parameters
     }
 
-    pub(crate) fn shown_parameters(&self) -> ShownParameters<'_> {
-        let (scene, show) = (self.scenes.shown.as_ref(), &self.show);
-        ShownParameters { scene, show, parameters: &self.parameters }
+    /// The parameters of the scene in hand: the shown scene, or the scene on the deck in hand.
+    pub(crate) fn parameters_in_hand(&self) -> ParametersInHand<'_> {
+        let scene = self.scenes.in_hand(self.decks.as_ref().map(Decks::scene_in_hand));
+        ParametersInHand { scene, show: &self.show, parameters: &self.parameters }
     }
 
-    pub(crate) fn shown_parameters_mut(&mut self) -> TurnedParameters<'_> {
-        let (scene, show) = (self.scenes.shown.as_mut(), &self.show);
-        TurnedParameters { scene, show, parameters: &mut self.parameters }
+    pub(crate) fn parameters_in_hand_mut(&mut self) -> TurnedParameters<'_> {
+        let scene = self.scenes.in_hand_mut(self.decks.as_ref().map(Decks::scene_in_hand));
+        TurnedParameters { scene, show: &self.show, parameters: &mut self.parameters }
+    }
+
+    /// The decks and the time of their clock, in seconds; `None` while there is one scene.
+    pub(crate) fn decks(&self) -> Option<(&Decks, f64)> {
+        Some((self.decks.as_ref()?, self.parameters.clock()))
+    }
+
+    pub(crate) fn deck_changes(&mut self) -> DeckChanges<'_> {
+        DeckChanges {
+            decks: &mut self.decks,
+            show: &mut self.show,
+            library: &self.preparation.library,
+            messages: &mut self.messages,
+            times: (self.parameters.clock(), self.parameters.song_time()),
+        }
+    }
+
+    pub(crate) fn toggle_decks(&mut self) {
+        if self.decks.is_none() && !self.scenes.ahead.is_on() {
+            let words = "two decks need scenes that are prepared in advance: allow this in the settings (G)";
+            return self.messages.answer(words.to_owned());
+        }
+        if self.decks.is_none() {
+            return self.deck_changes().begin();
+        }
+        if let Some(stays) = self.deck_changes().end().filter(|stays| stays != self.library().wanted()) {
+            self.composer.fading.next_takes_the_usual();
+            self.ask_for(stays);
+        }
     }
 
     pub(crate) fn report(&self) -> SceneReport<'_> {
@@ -255,7 +295,7 @@ impl SceneSession {
         }
         self.preparation.forget_obsolete(&self.scenes);
         // Controllers may have changed the scene's parameters since the request.
-        self.shown_parameters_mut().update_sliders();
+        self.update_sliders();
         self.messages.set_hint(None);
         if is_another {
             let (composer, of) = self.composing();
@@ -362,10 +402,13 @@ impl SceneSession {
     }
 
     pub(crate) fn go(&mut self, forward: bool) {
-        self.show_source(self.library().beside(forward));
+        let of_deck = self.deck_changes().neighbour(forward);
+        self.show_source(of_deck.unwrap_or_else(|| self.library().beside(forward)));
     }
 
+    /// Shows a scene. With decks, loads it into the deck that is less visible.
     pub(crate) fn show_source(&mut self, source: SceneSource) {
+        let Some(source) = self.deck_changes().load_cued(source) else { return };
         self.show.overrule();
         self.composer.fading.next_takes_the_usual();
         self.ask_for(source);
@@ -392,6 +435,13 @@ impl SceneSession {
             is_awaited: self.messages.is_scene_awaited(),
             sdf: self.preparation.choice().sdf,
         };
+        if let Some(decks) = &self.decks {
+            let now = self.parameters.clock();
+            self.show.set_fader(decks.fader(now));
+            if decks.moves(now) {
+                self.parameters.note_turning();
+            }
+        }
         let step = self.show.follow(time, &mut self.scenes, &now);
         if self.scenes.ids() != known {
             self.preparation.forget_obsolete(&self.scenes);
@@ -406,7 +456,15 @@ impl SceneSession {
 
     pub(crate) fn performed(&self, time: f64) -> Option<Performed<'_>> {
         let how = (&self.composer.fading, &self.composer.camera);
-        Performed::at(time, &self.scenes, &self.show, how, self.preparation.choice().sdf)
+        let performed = Performed::at(time, &self.scenes, &self.show, how, self.preparation.choice().sdf)?;
+        match &self.decks {
+            Some(decks) => {
+                let fader = self.show.fader().unwrap_or_default();
+                let camera = &self.composer.camera;
+                Some(performed.on_decks((decks, fader), &self.scenes, &self.parameters, camera))
+            }
+            None => Some(performed),
+        }
     }
 
     pub(crate) fn follow_controllers(&mut self, moment: &Moment) {
@@ -414,9 +472,17 @@ impl SceneSession {
             return;
         }
         self.parameters.go_to(moment);
-        self.shown_parameters_mut().update_sliders();
-        if self.shown_parameters().are_turning() {
+        self.update_sliders();
+        if self.parameters_in_hand().are_turning() {
             self.parameters.note_turning();
+        }
+    }
+
+    fn update_sliders(&mut self) {
+        let (show, parameters) = (&self.show, &mut self.parameters);
+        TurnedParameters { scene: self.scenes.shown.as_mut(), show, parameters }.update_sliders();
+        if self.decks.is_some() {
+            self.parameters_in_hand_mut().update_sliders();
         }
     }
 
@@ -509,7 +575,7 @@ impl SceneSession {
         self.show.has_prepared_show()
             || self.composer.fading().follows_song()
             || shown.is_none_or(|scene| scene.moves || scene.is_blend())
-            || self.shown_parameters().follow_sound()
+            || self.parameters_in_hand().follow_sound()
     }
 
     fn mode(&self) -> Option<Mode> {
@@ -517,7 +583,7 @@ impl SceneSession {
     }
 
     pub(crate) fn words(&mut self) -> SceneWords<'_> {
-        let sliders = self.scenes.shown.as_mut().map_or(&mut [][..], |scene| scene.knobs.sliders_mut());
-        self.messages.with(sliders)
+        let in_hand = self.scenes.in_hand_mut(self.decks.as_ref().map(Decks::scene_in_hand));
+        self.messages.with(in_hand.map_or(&mut [][..], |scene| scene.knobs.sliders_mut()))
     }
 }

@@ -11,7 +11,7 @@ use super::prepared_scene::PreparedScene;
 use super::prepared_scenes::{Place, PreparedScenes};
 use crate::config::SdfChoice;
 use crate::scenes::SceneSource;
-use crate::show::{Clip, Picture, PreparedShow};
+use crate::show::{Clip, Moment, Picture, PreparedShow};
 
 /// Up to this many seconds after a cut of the show, the scene is still cut; later, it fades in as the user chose.
 const LATE: f64 = 0.5;
@@ -19,6 +19,8 @@ const LATE: f64 = 0.5;
 #[derive(Default)]
 pub(crate) struct ShowFollower {
     course: Course,
+    /// The course of the song's show while decks choose the scenes; `None` without decks.
+    aside: Option<Course>,
     is_locked: bool,
     refused: Vec<SceneSource>,
     revision: u64,
@@ -41,6 +43,10 @@ struct Course {
     /// The scene of the next cue key press.
     cue: Option<SceneSource>,
     upcoming: [Option<SceneSource>; 2],
+    /// Position of the fader between two decks, in 0..1; `None` in the show of a song.
+    fader: Option<f32>,
+    /// True if the last call of `follow` was in the middle of a transition.
+    was_between: bool,
 }
 
 pub(super) struct Circumstances<'a> {
@@ -77,8 +83,46 @@ impl ShowFollower {
     ) {
         self.is_locked &= prepared_show.is_some();
         let prepared_show = prepared_show.map(|prepared_show| self.without_refused(prepared_show));
-        self.course = Course { prepared_show, cue, ..Course::default() };
+        *self.song_course_mut() = Course { prepared_show, cue, ..Course::default() };
         self.revision += 1;
+    }
+
+    /// Lets a fader choose between the scenes of `decks` ([`PreparedShow::of_decks`]), instead of the song's show.
+    pub(super) fn set_decks(&mut self, decks: PreparedShow, fader: f32) {
+        let decks = Course { prepared_show: Some(Arc::new(decks)), fader: Some(fader), ..Course::default() };
+        let course = std::mem::replace(&mut self.course, decks);
+        self.aside.get_or_insert(course);
+        self.revision += 1;
+    }
+
+    /// Moves the fader of the decks to this position, in 0..1.
+    pub(super) fn set_fader(&mut self, position: f32) {
+        if let Some(fader) = self.course.fader.as_mut().filter(|fader| **fader != position) {
+            *fader = position;
+            self.revision += 1;
+        }
+    }
+
+    /// Returns the position of the fader; `None` without decks.
+    pub(super) fn fader(&self) -> Option<f32> {
+        self.course.fader
+    }
+
+    /// Returns to the song's show, which continues with its next scene.
+    pub(super) fn end_decks(&mut self) {
+        if let Some(course) = self.aside.take() {
+            let Course { prepared_show, cue, .. } = course;
+            self.course = Course { prepared_show, cue, was_written: true, ..Course::default() };
+            self.revision += 1;
+        }
+    }
+
+    fn song_course(&self) -> &Course {
+        self.aside.as_ref().unwrap_or(&self.course)
+    }
+
+    fn song_course_mut(&mut self) -> &mut Course {
+        self.aside.as_mut().unwrap_or(&mut self.course)
     }
 
     /// Replaces the show with `prepared_show`, which is identical up to this moment.
@@ -88,12 +132,14 @@ impl ShowFollower {
         cue: Option<SceneSource>,
     ) {
         let prepared_show = self.without_refused(prepared_show);
-        (self.course.prepared_show, self.course.cue) = (Some(prepared_show), cue);
-        (self.course.entered, self.course.last_time, self.course.overruled) = (None, None, None);
+        let course = self.song_course_mut();
+        (course.prepared_show, course.cue) = (Some(prepared_show), cue);
+        (course.entered, course.last_time, course.overruled) = (None, None, None);
     }
 
+    /// True if the song has a show, even if decks choose the scenes at the moment.
     pub(crate) fn has_prepared_show(&self) -> bool {
-        self.course.prepared_show.is_some()
+        self.song_course().prepared_show.is_some()
     }
 
     /// Locks or unlocks the scene. Returns `true` if it is locked now.
@@ -109,9 +155,8 @@ impl ShowFollower {
     }
 
     pub(crate) fn picture_at(&self, time: f64) -> Picture {
-        self.prepared_show()
-            .and_then(PreparedShow::timeline)
-            .map_or(Picture::PLAIN, |timeline| timeline.picture_at(time))
+        let show = self.song_course().prepared_show.as_deref();
+        show.and_then(PreparedShow::timeline).map_or(Picture::PLAIN, |timeline| timeline.picture_at(time))
     }
 
     pub(super) fn revision(&self) -> u64 {
@@ -120,6 +165,15 @@ impl ShowFollower {
 
     fn prepared_show(&self) -> Option<&PreparedShow> {
         self.course.prepared_show.as_deref()
+    }
+
+    /// The state of the show at `time` seconds, or of the decks.
+    fn moment(&self, time: f64) -> Option<Moment<'_>> {
+        let timeline = self.prepared_show()?.timeline()?;
+        Some(match self.course.fader {
+            Some(fader) => timeline.at_end_with(fader),
+            None => timeline.at(time),
+        })
     }
 
     /// The show with a substitute for each refused scene.
@@ -189,9 +243,16 @@ impl ShowFollower {
         now: &Circumstances<'_>,
     ) -> Option<Step> {
         let prepared_show = self.course.prepared_show.clone()?;
-        let moment = prepared_show.at(time)?;
-        let is_new = self.course.entered.is_none_or(|(index, _)| index != moment.index);
-        if self.is_locked || now.is_written {
+        let fader = self.course.fader;
+        let moment = match fader {
+            Some(fader) => prepared_show.timeline()?.at_end_with(fader),
+            None => prepared_show.at(time)?,
+        };
+        let is_between = moment.leaving.is_some();
+        let is_back = !std::mem::replace(&mut self.course.was_between, is_between) && is_between;
+        let is_new = self.course.entered.is_none_or(|(index, _)| index != moment.index)
+            || (is_back && fader.is_some());
+        if (self.is_locked || now.is_written) && fader.is_none() {
             return self.keep_scene(moment.leaving.is_some() && !is_new, now);
         }
         if std::mem::take(&mut self.course.was_written) {
@@ -201,7 +262,7 @@ impl ShowFollower {
         let clips = prepared_show.clips();
         let is_same_visit =
             self.course.overruled.is_some_and(|since| is_one_visit(clips, since, moment.index));
-        if is_same_visit || (is_new && now.is_awaited) {
+        if fader.is_none() && (is_same_visit || (is_new && now.is_awaited)) {
             // A new camera does not end the user's choice. A scene that is being prepared for the user is not dropped.
             self.course.overruled = Some(moment.index);
         }
@@ -224,7 +285,9 @@ impl ShowFollower {
         let wanted = blended.filter(|_| mixes).unwrap_or_else(|| scene.clone());
         let cue = self.course.cue.as_ref();
         self.course.upcoming = upcoming(&prepared_show, moment.index, &wanted, cue);
-        if let Some((leaving, _)) = moment.leaving.filter(|_| stands_still && !mixes) {
+        let is_shown = scenes.shown_source() == Some(&scene);
+        let may_wait = if fader.is_some() { is_shown } else { stands_still };
+        if let Some((leaving, _)) = moment.leaving.filter(|_| may_wait && !mixes) {
             self.need_leaving(&prepared_show, leaving, time, scenes, now.sdf);
         }
         if wanted == *now.wanted {
@@ -236,7 +299,7 @@ impl ShowFollower {
             return None;
         }
         let since = time - moment.clip.start;
-        let seconds = if mixes || (moment.leaving.is_none() && since < LATE) {
+        let seconds = if mixes || fader.is_some() || (moment.leaving.is_none() && since < LATE) {
             Some(0.0)
         } else {
             // Without a fade, the show starts or continues in the middle of a clip, as after a seek.
@@ -284,8 +347,7 @@ impl ShowFollower {
 
     /// The outgoing scene at `time` seconds of the song, if the show has a fade then and both scenes are available.
     pub(super) fn outgoing(&self, time: f64, scenes: &PreparedScenes, sdf: SdfChoice) -> Option<Outgoing> {
-        let prepared_show = self.prepared_show()?;
-        let moment = prepared_show.at(time)?;
+        let (prepared_show, moment) = (self.prepared_show()?, self.moment(time)?);
         let (clip, fraction) = moment.leaving?;
         let is_on = prepared_show.source(&moment.clip.scene) == Some(scenes.shown_source()?);
         if self.course.overruled == Some(moment.index) || !is_on {
@@ -297,9 +359,9 @@ impl ShowFollower {
 
     /// The clips of a scene at `time` seconds of the song, and the fraction of a blend.
     pub(super) fn clips(&self, scene: &PreparedScene, time: f64) -> (ActiveClips<'_>, Option<f32>) {
-        let moment =
-            self.prepared_show().and_then(|prepared_show| Some((prepared_show, prepared_show.at(time)?)));
-        let Some((prepared_show, moment)) = moment else { return Default::default() };
+        let Some((prepared_show, moment)) = self.prepared_show().zip(self.moment(time)) else {
+            return Default::default();
+        };
         if !scene.is_blend() || scene.resources.world().blended.is_none() {
             let is_on = prepared_show.source(&moment.clip.scene) == Some(&scene.source);
             return (ActiveClips { first: is_on.then_some(moment.clip), second: None }, None);
@@ -308,7 +370,11 @@ impl ShowFollower {
             Some((from, fraction)) => {
                 (ActiveClips { first: Some(from), second: Some(moment.clip) }, Some(fraction))
             }
-            None => (ActiveClips::default(), Some(1.0)),
+            None => {
+                let is_from = matches!(&scene.source, SceneSource::Blend(blend)
+                    if prepared_show.source(&moment.clip.scene) == Some(&blend.from.source));
+                (ActiveClips::default(), Some(if is_from { 0.0 } else { 1.0 }))
+            }
         }
     }
 }
@@ -340,14 +406,23 @@ fn upcoming(
         let is_new = |source: &SceneSource| source != wanted && !found.contains(source);
         found.extend(source.filter(is_new));
     };
-    add(&mut found, clips.get(index).and_then(|clip| prepared_show.source(&clip.scene).cloned()));
+    let source_of = |clip: &Clip| prepared_show.source(&clip.scene).cloned();
+    add(&mut found, clips.get(index).and_then(source_of));
+    if let Some([from, to]) = index.checked_sub(1).and_then(|before| clips.get(before..=index))
+        && to.transition.by_fader
+    {
+        // The fader may move back.
+        add(&mut found, blend_of(prepared_show, from, to));
+        add(&mut found, source_of(from));
+    }
     for pair in clips.get(index..).unwrap_or_default().windows(2) {
         let [from, to] = pair else { break };
         if found.len() >= 2 {
             break;
         }
-        add(&mut found, blend_of(prepared_show, from, to).filter(|_| to.transition.seconds > 0.0));
-        add(&mut found, prepared_show.source(&to.scene).cloned());
+        let is_mixed = to.transition.seconds > 0.0 || to.transition.by_fader;
+        add(&mut found, blend_of(prepared_show, from, to).filter(|_| is_mixed));
+        add(&mut found, source_of(to));
     }
     found.truncate(2);
     if let Some(cue) = cue.filter(|cue| *cue != wanted && !found.contains(cue)) {

@@ -1,19 +1,28 @@
-//! Read and write access to the parameters of the shown scene.
+//! Read and write access to the parameters of the scene in hand, which sliders and controllers change: the shown scene,
+//! or the scene on one of two decks.
 
 use super::parameters::Parameters;
 use super::prepared_scene::PreparedScene;
 use super::show_follower::ShowFollower;
 use crate::config::Snapshot;
-use mariana_control::{ChangedBy, ParamChange, SoundBinding};
+use mariana_control::{ChangedBy, ParamChange, Slider, SoundBinding};
 
-/// Read access to the parameters of the shown scene.
-pub(crate) struct ShownParameters<'a> {
+/// Read access to the parameters of the scene in hand.
+pub(crate) struct ParametersInHand<'a> {
     pub(super) scene: Option<&'a PreparedScene>,
     pub(super) show: &'a ShowFollower,
     pub(super) parameters: &'a Parameters,
 }
 
-impl ShownParameters<'_> {
+impl<'a> ParametersInHand<'a> {
+    pub(crate) fn title(&self) -> Option<String> {
+        self.scene.map(PreparedScene::title)
+    }
+
+    pub(crate) fn sliders(&self) -> &'a [Slider] {
+        self.scene.map_or(&[], |scene| scene.knobs.sliders())
+    }
+
     pub(crate) fn are_turning(&self) -> bool {
         self.scene.is_some_and(|scene| self.parameters.is_turning(scene))
     }
@@ -40,7 +49,7 @@ impl ShownParameters<'_> {
     }
 }
 
-/// Write access to the parameters of the shown scene.
+/// Write access to the parameters of the scene in hand.
 pub(crate) struct TurnedParameters<'a> {
     pub(super) scene: Option<&'a mut PreparedScene>,
     pub(super) show: &'a ShowFollower,

@@ -1,0 +1,148 @@
+//! Two decks with a crossfader.
+
+#![cfg(target_os = "linux")]
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use crate::support::apart::apart;
+use crate::support::desktop::{PROGRAM, command_in};
+use crate::support::osc::Sender;
+use crate::support::session::{self, App};
+use image::RgbaImage;
+use mariana_testing::process::output_of;
+
+const SIZE: &str = "64x36";
+/// Length of the song in seconds. A key seeks by 5 s.
+const SECONDS: usize = 60;
+/// A frame counts as settled when it has stayed the same for this time.
+const REST: Duration = Duration::from_millis(150);
+
+/// A wall whose colour depends on the direction of view and on the time. Stills take more samples at edges, so there
+/// are no edges.
+fn wall(colour: &str, distance: f32) -> String {
+    format!(
+        "param level = 0.8 in 0 .. 1\n\
+         material paint {{ color = 0  roughness = 1  emission = level * ({colour} + 0.1 * sin(0.2 * p.x + t)) }}\n\
+         object wall {{ shape = {distance} - p.z  material = paint }}\nsky {{ color = 0  ambient = 0 }}\n\
+         light none {{ direction = vec3(0, -1, 0)  color = 0 }}\n\
+         camera {{ position = vec3(0)  target = vec3(0, 0, 5) }}\n"
+    )
+}
+
+struct Place {
+    inner: session::Place,
+    song: PathBuf,
+    sender: Sender,
+}
+
+impl Place {
+    fn new() -> Self {
+        let inner = session::Place::new();
+        let song = inner.quiet_song("song.wav", SECONDS);
+        for (name, colour, distance) in [
+            ("a", "vec3(0.7, 0.2, 0.1)", 5.0),
+            ("b", "vec3(0.1, 0.6, 0.2)", 6.0),
+            ("c", "vec3(0.2, 0.1, 0.7)", 4.0),
+        ] {
+            inner.save(&format!("{name}.scene"), &wall(colour, distance));
+        }
+        Self { inner, song, sender: Sender::new() }
+    }
+
+    fn open(&self, options: &[&str]) -> App {
+        let (scene, port) = (self.inner.path("a.scene"), self.sender.port.to_string());
+        let own = [self.song.to_str().unwrap(), "--silent", "--new", "--clean", "--size", SIZE];
+        let more = ["--quality", "best", "--fade", "0", "--scene", scene.to_str().unwrap(), "--osc", &port];
+        let app = self.inner.begin(&[&own[..], &more, options].concat());
+        app.wait_until_reported("first picture");
+        app.wait_until_reported("receiving OSC");
+        app.press(&["space"]);
+        app.wait_for_title("paused", |title| title.contains("paused"));
+        app.press(&["Left"; 3]);
+        app
+    }
+
+    fn decks(&self, app: &App) {
+        app.press(&["F3"]);
+        app.wait_until("two decks", |app| app.state().decks);
+    }
+
+    fn crossfade(&self, app: &App, position: f32, before: &RgbaImage) -> RgbaImage {
+        self.sender.send("/crossfade", &[position]);
+        app.wait_until("the crossfader", |app| app.state().crossfade == Some(position));
+        settled(app, before, &format!("the crossfader at {position}"))
+    }
+}
+
+fn settled(app: &App, before: &RgbaImage, what: &str) -> RgbaImage {
+    let (mut last, mut since) = (before.clone(), Instant::now());
+    app.wait_until(&format!("{what}: another frame that stays the same"), |app| {
+        let picture = app.picture();
+        if picture != last || picture == *before {
+            (last, since) = (picture, Instant::now());
+        }
+        since.elapsed() > REST
+    });
+    last
+}
+
+/// Records the crossfader in each way to mix, with new scenes on the decks, and renders the recording again.
+#[test]
+fn a_mix_of_two_decks_is_rendered_again_bit_for_bit() {
+    apart!();
+    let place = Place::new();
+    let app = place.open(&[]);
+    app.press(&["F9"]);
+    place.decks(&app);
+    let mut pictures: Vec<(f64, RgbaImage)> = Vec::new();
+    let mut last = app.picture();
+    let first = last.clone();
+    let see = |pictures: &mut Vec<(f64, RgbaImage)>, last: &mut RgbaImage, time: f64, position: f32| {
+        app.press(&["Right"]);
+        *last = settled(&app, last, &format!("{time} s"));
+        *last = place.crossfade(&app, position, last);
+        pictures.push((time, last.clone()));
+    };
+    see(&mut pictures, &mut last, 5.0, 0.25);
+    see(&mut pictures, &mut last, 10.0, 0.75);
+    // Pictures at this time are not compared, because a parameter changes at it.
+    app.press(&["Right"]);
+    last = settled(&app, &last, "15 s");
+    place.sender.send("/deck", &[2.0]);
+    app.wait_until_reported("b on deck B in hand");
+    place.sender.send("/param/level", &[0.3]);
+    last = settled(&app, &last, "a parameter of deck B");
+    see(&mut pictures, &mut last, 20.0, 0.5);
+    see(&mut pictures, &mut last, 25.0, 1.0);
+    // The next scene of deck A is c, because b is on deck B.
+    app.press(&["n"]);
+    app.wait_until_reported("c on deck A");
+    place.sender.send("/mix", &[2.0]);
+    see(&mut pictures, &mut last, 30.0, 0.5);
+    see(&mut pictures, &mut last, 35.0, 0.0);
+    place.sender.send("/mix", &[3.0]);
+    see(&mut pictures, &mut last, 40.0, 0.6);
+    assert_ne!(last, first);
+    // The rim of the portal is an edge.
+    pictures.pop();
+    app.press(&["F9"]);
+    app.wait_until_reported("recorded: ");
+    let reported = app.reported();
+    let path = reported.lines().find_map(|line| line.split_once("recorded: ")?.1.split_once(';')).unwrap().0;
+    app.quit_by_key();
+    let show = std::fs::read_to_string(path).unwrap();
+    for part in ["melt by fader", "fade by fader", "portal by fader", "set deck fader = ", "set level = "] {
+        assert!(show.contains(part), "no `{part}` in\n{show}");
+    }
+    for (time, picture) in &pictures {
+        let output = place.inner.path("still.png");
+        let mut still = command_in(PROGRAM, place.inner.folder(), None);
+        still.arg("still").arg(&place.song).args(["--show", path, "--size", SIZE, "-o"]).arg(&output);
+        output_of(still.args(["--at", &time.to_string()]), "mariana").unwrap();
+        let found = image::open(&output).unwrap().to_rgba8();
+        let apart = |(a, b): (&u8, &u8)| a.abs_diff(*b);
+        let most = found.as_raw().iter().zip(picture.as_raw()).map(apart).max();
+        assert!(found == *picture, "a different frame at {time} s, by up to {most:?} of 255:\n{show}");
+    }
+}
