@@ -14,8 +14,8 @@ use mariana_control::midi::{Outcome, Target};
 use mariana_control::{InputBatch, Present};
 
 impl Session {
-    /// Applies the parameter changes of controllers, and returns their other actions.
-    pub(super) fn take_input(&mut self) -> Vec<Action> {
+    /// Applies the parameter changes of controllers. Returns their other actions, and when the oldest input arrived.
+    pub(super) fn take_input(&mut self) -> (Vec<Action>, Option<Instant>) {
         if let Some((sentence, is_bad)) = self.playback.controllers.news() {
             tell(&sentence);
             if is_bad {
@@ -53,7 +53,15 @@ impl Session {
         self.playback.answer(learned);
         self.playback.listening.set_clock(self.playback.controllers.clock());
         self.put_up_board(is_turned, now);
-        actions
+        (actions, since)
+    }
+
+    /// Notes that the actions of controllers have changed the scene, if its revision is no longer `before`.
+    pub(super) fn note_acted(&mut self, since: Option<Instant>, before: u64) {
+        let revision = self.playback.scene.revision();
+        if revision != before {
+            self.playback.controllers.note_turned(since, revision);
+        }
     }
 
     fn put_up_board(&mut self, turned: bool, now: Instant) {

@@ -7,6 +7,7 @@ use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::Panel;
 use crate::gpu::error::GpuError;
+use crate::scenes::SceneSource;
 use crate::session::SessionError;
 use crate::session::drawing_pace::{Verdict, drawn_size};
 use crate::session::dynamic_resolution::Level;
@@ -366,7 +367,13 @@ impl Interface {
     fn note_scene(&mut self, playback: &mut Playback) {
         let Some(source) = playback.scene.scenes().shown_source() else { return };
         if self.ui_state.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
-            self.ui_state.placed_scene = Some((source.clone(), playback.scene.library().placed_name(source)));
+            let words = match source {
+                SceneSource::Blend(blend) => {
+                    format!("{} and {}", blend.from.source.title(), blend.to.source.title())
+                }
+                source => playback.scene.library().placed_name(source),
+            };
+            self.ui_state.placed_scene = Some((source.clone(), words));
         }
     }
 

@@ -144,12 +144,15 @@ impl Run {
     }
 
     fn obey_controllers(&mut self) {
-        for action in self.session.take_input() {
+        let (actions, since) = self.session.take_input();
+        let before = self.session.playback.scene.revision();
+        for action in actions {
             match Command::of_controller(&action) {
                 Some(command) => self.carry_out(command, Sender::Controller),
                 None => self.session.playback.hurry_reports(),
             }
         }
+        self.session.note_acted(since, before);
     }
 
     fn obey_desktop(&mut self) {

@@ -58,6 +58,7 @@ pub(super) fn content_of<'a>(
     corner: Option<&'a str>,
     panels: PanelSwitches,
 ) -> OverlayContent<'a> {
+    let decks = scene.deck_strip();
     let SceneWords { problem, notice, hint, sliders } = scene.words();
     OverlayContent {
         corner,
@@ -66,6 +67,7 @@ pub(super) fn content_of<'a>(
         params: Some(sliders).filter(|sliders| panels.sliders() && !sliders.is_empty()),
         help: panels.help(),
         hint,
+        decks,
         ..OverlayContent::default()
     }
 }
@@ -132,6 +134,11 @@ impl UiState {
             let (title, artist) = (&*playing.title, playing.artist.as_deref());
             content.welcome = Some(Welcome { title, artist, scene, since });
         }
+        let wants_decks = seen.awake || seen.assisted || self.panels.sliders() || self.picture.is_some();
+        let has_decks = content.decks.is_some();
+        if self.is_quiet() || !wants_decks {
+            content.decks = None;
+        }
         // Screen readers must always find the buttons of the bar.
         let shows_bar = seen.awake && !self.is_quiet();
         if seen.assisted || shows_bar {
@@ -147,6 +154,7 @@ impl UiState {
                 sliders: self.panels.sliders(),
                 fullscreen: seen.fullscreen,
                 follows: seen.follows,
+                decks: has_decks,
                 seen: shows_bar,
             });
         }

@@ -10,6 +10,7 @@ use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::osc::Sender;
 use crate::support::session::{self, App};
 use image::RgbaImage;
+use mariana::commands::Command;
 use mariana_testing::process::output_of;
 
 const SIZE: &str = "64x36";
@@ -41,9 +42,9 @@ impl Place {
         let inner = session::Place::new();
         let song = inner.quiet_song("song.wav", SECONDS);
         for (name, colour, distance) in [
-            ("a", "vec3(0.7, 0.2, 0.1)", 5.0),
-            ("b", "vec3(0.1, 0.6, 0.2)", 6.0),
-            ("c", "vec3(0.2, 0.1, 0.7)", 4.0),
+            ("amber", "vec3(0.7, 0.2, 0.1)", 5.0),
+            ("basil", "vec3(0.1, 0.6, 0.2)", 6.0),
+            ("coral", "vec3(0.2, 0.1, 0.7)", 4.0),
         ] {
             inner.save(&format!("{name}.scene"), &wall(colour, distance));
         }
@@ -51,7 +52,7 @@ impl Place {
     }
 
     fn open(&self, options: &[&str]) -> App {
-        let (scene, port) = (self.inner.path("a.scene"), self.sender.port.to_string());
+        let (scene, port) = (self.inner.path("amber.scene"), self.sender.port.to_string());
         let own = [self.song.to_str().unwrap(), "--silent", "--new", "--clean", "--size", SIZE];
         let more = ["--quality", "best", "--fade", "0", "--scene", scene.to_str().unwrap(), "--osc", &port];
         let app = self.inner.begin(&[&own[..], &more, options].concat());
@@ -110,14 +111,14 @@ fn a_mix_of_two_decks_is_rendered_again_bit_for_bit() {
     app.press(&["Right"]);
     last = settled(&app, &last, "15 s");
     place.sender.send("/deck", &[2.0]);
-    app.wait_until_reported("b on deck B in hand");
+    app.wait_until_reported("basil on deck B in hand");
     place.sender.send("/param/level", &[0.3]);
     last = settled(&app, &last, "a parameter of deck B");
     see(&mut pictures, &mut last, 20.0, 0.5);
     see(&mut pictures, &mut last, 25.0, 1.0);
-    // The next scene of deck A is c, because b is on deck B.
+    // The next scene of deck A is coral, because basil is on deck B.
     app.press(&["n"]);
-    app.wait_until_reported("c on deck A");
+    app.wait_until_reported("coral on deck A");
     place.sender.send("/mix", &[2.0]);
     see(&mut pictures, &mut last, 30.0, 0.5);
     see(&mut pictures, &mut last, 35.0, 0.0);
@@ -145,4 +146,58 @@ fn a_mix_of_two_decks_is_rendered_again_bit_for_bit() {
         let most = found.as_raw().iter().zip(picture.as_raw()).map(apart).max();
         assert!(found == *picture, "a different frame at {time} s, by up to {most:?} of 255:\n{show}");
     }
+}
+
+/// Resident memory of this process in MiB.
+fn memory() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+    line.trim().trim_end_matches("kB").trim().parse::<f64>().unwrap() / 1024.0
+}
+
+#[test]
+fn sweeps_of_the_crossfader_need_no_more_memory_and_prepare_nothing_again() {
+    apart!();
+    let place = Place::new();
+    let app = place.open(&[]);
+    place.decks(&app);
+    app.wait_until_reported_times("is ready ahead", 2);
+    let mut last = app.picture();
+    let mut sweep = |count: usize| {
+        for position in [0.25, 0.75, 1.0, 0.5, 0.0].into_iter().cycle().take(5 * count) {
+            app.command(Command::Crossfade(position));
+            app.wait_until("a frame of the mix", |app| app.picture() != last);
+            last = app.picture();
+        }
+    };
+    sweep(20);
+    let (before, loaded) = (memory(), app.reported().matches("is ready ahead").count());
+    sweep(60);
+    let grown = memory() - before;
+    assert!(grown < 2.0, "{grown:.1} MiB more after 60 sweeps");
+    assert_eq!(app.reported().matches("is ready ahead").count(), loaded, "a scene was prepared again");
+}
+
+#[test]
+fn the_decks_end_with_the_visible_scene_and_the_show_goes_on_later() {
+    apart!();
+    let place = Place::new();
+    let show = place
+        .inner
+        .save("led.show", "at start amber.scene\nat 20 s coral.scene cut\nat 40 s amber.scene cut\n");
+    let app = place.open(&["--show", show.to_str().unwrap()]);
+    app.wait_until_reported("the scenes follow the song");
+    place.decks(&app);
+    // The show would change the scene at 20 s.
+    app.press(&["Right"; 5]);
+    app.run_for(Duration::from_millis(300));
+    assert!(app.title().contains("amber"), "{}", app.title());
+    place.sender.send("/crossfade", &[1.0]);
+    app.wait_for_title("basil", |title| title.contains("basil"));
+    app.press(&["F3"]);
+    app.wait_until("one scene", |app| !app.state().decks);
+    app.run_for(Duration::from_millis(300));
+    assert!(app.title().contains("basil"), "{}", app.title());
+    app.press(&["Right"; 4]);
+    app.wait_for_title("the show's scene", |title| title.contains("amber"));
 }

@@ -41,6 +41,13 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         "[[knob]]\ndevice = \"desk (fake port)\"\nturned = \"cc 1 on channel 1\"\nscene = \"ball\"\nparam = \"size\"\n",
     )?;
     println!("{seconds} s each, at most {FPS} frames per second\n");
+    let of_decks = folder.join("decks");
+    fs::create_dir_all(&of_decks)?;
+    fs::write(of_decks.join("ball.scene"), SCENE)?;
+    fs::write(
+        of_decks.join("box.scene"),
+        SCENE.replace("length(p - vec3(0.3 * sin(t), size, 0)) - size", "box(p, 0.7)"),
+    )?;
     measure(program, &folder, "no messages", seconds, |_| Ok(()))?;
     for (words, rate) in RATES {
         let socket = UdpSocket::bind("127.0.0.1:0")?;
@@ -55,6 +62,14 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         let place = folder.join("midi/desk.socket");
         measure(program, &folder, &format!("MIDI, {words}"), seconds, |until| {
             send(rate, until, |number| socket.send_to(&[0xb0, 1, (number % 128) as u8], &place).map(drop))
+        })?;
+        let socket = UdpSocket::bind("127.0.0.1:0")?;
+        measure(program, &of_decks, &format!("crossfader by OSC, {words}"), seconds, |until| {
+            send(rate, until, |number| {
+                let position = 0.5 - 0.5 * (0.1 * number as f32).cos();
+                let message = [&b"/crossfade\0\0,f\0\0"[..], &position.to_be_bytes()].concat();
+                socket.send_to(&message, ("127.0.0.1", PORT)).map(drop)
+            })
         })?;
     }
     Ok(fs::remove_dir_all(&folder)?)
@@ -87,6 +102,11 @@ fn measure(
     let log = folder.join("log.txt");
     let mut child = start(program, folder, &log)?;
     wait_for(&log, "is shown, compiled")?;
+    if has_decks(folder) {
+        let socket = UdpSocket::bind("127.0.0.1:0")?;
+        socket.send_to(&[&b"/decks\0\0,f\0\0"[..], &1.0_f32.to_be_bytes()].concat(), ("127.0.0.1", PORT))?;
+        wait_for_times(&log, "is ready ahead", 2)?;
+    }
     // Wait until drivers and caches have settled.
     std::thread::sleep(Duration::from_secs(3));
     let before = memory_mib(&child)?;
@@ -112,11 +132,20 @@ fn measure(
     Ok(())
 }
 
+/// True if the scenes in `folder` are mixed on two decks, which need scenes prepared in advance.
+fn has_decks(folder: &Path) -> bool {
+    folder.join("box.scene").exists()
+}
+
 pub fn wait_for(log: &Path, words: &str) -> anyhow::Result<()> {
+    wait_for_times(log, words, 1)
+}
+
+fn wait_for_times(log: &Path, words: &str, times: usize) -> anyhow::Result<()> {
     let begun = Instant::now();
     loop {
         let said = fs::read_to_string(log)?;
-        if said.contains(words) {
+        if said.matches(words).count() >= times {
             return Ok(());
         }
         ensure!(begun.elapsed() < Duration::from_secs(120), "the window did not appear: {said}");
@@ -133,7 +162,7 @@ fn start(program: &str, folder: &Path, log: &PathBuf) -> anyhow::Result<Child> {
             "--clean",
             "-v",
             "--prepare-ahead",
-            "off",
+            if has_decks(folder) { "on" } else { "off" },
             "--size",
             "320x180",
             "--fps-cap",

@@ -5,6 +5,7 @@
 
 use crate::scenes::SceneSource;
 use crate::show::{PreparedShow, TransitionKind};
+use crate::ui::overlay::{Deck, DeckStrip};
 use mariana_control::Glide;
 use mariana_field::world::{BlendKind, PortalShape};
 
@@ -115,6 +116,18 @@ impl Decks {
 
     pub(crate) fn scenes(&self) -> &[SceneSource; 2] {
         &self.scenes
+    }
+
+    /// Returns the content of the decks' strip. `is_ready` tells whether the next frame can show a scene.
+    pub(super) fn strip(&self, now: f64, is_ready: impl Fn(&SceneSource) -> bool) -> DeckStrip {
+        let deck = |index: usize| Deck {
+            letter: LETTERS[index],
+            title: self.scenes[index].title(),
+            is_in_hand: self.in_hand == index,
+            is_ready: is_ready(&self.scenes[index]),
+        };
+        let mixes = MIXES.map(|(_, name)| name).to_vec();
+        DeckStrip { decks: [deck(0), deck(1)], crossfade: self.crossfade(now), mixes, mix: self.mix }
     }
 
     pub(super) fn take_in_hand(&mut self, deck: usize) {

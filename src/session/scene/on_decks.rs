@@ -120,8 +120,11 @@ impl DeckChanges<'_> {
     }
 
     fn change(&mut self, change: impl FnOnce(&mut Decks, f64)) {
-        match self.decks {
-            Some(decks) => change(decks, self.times.0),
+        match &mut *self.decks {
+            Some(decks) => {
+                change(decks, self.times.0);
+                self.show.set_fader(decks.fader(self.times.0));
+            }
             None => self.messages.answer("there is one scene: press F3 for two decks".to_owned()),
         }
     }

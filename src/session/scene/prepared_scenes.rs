@@ -113,6 +113,11 @@ impl PreparedScenes {
         })
     }
 
+    /// True if the next frame can show this scene.
+    pub(super) fn has_ready(&self, source: &SceneSource, sdf: SdfChoice) -> bool {
+        self.place_of(source, sdf).is_some() || self.ahead.has_rehearsed(source)
+    }
+
     pub(super) fn is_version_of_shown(&self, scene: &PreparedScene) -> bool {
         self.shown.as_ref().is_some_and(|shown| shown.source == scene.source)
     }

@@ -33,6 +33,7 @@ use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::{Renderer, Sketch};
 use crate::gpu::scene_program::Mode;
 use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
+use crate::ui::overlay::DeckStrip;
 use crate::view::ViewChoice;
 use mariana_control::Model;
 use mariana_music::Sound;
@@ -162,6 +163,13 @@ impl SceneSession {
     /// The decks and the time of their clock, in seconds; `None` while there is one scene.
     pub(crate) fn decks(&self) -> Option<(&Decks, f64)> {
         Some((self.decks.as_ref()?, self.parameters.clock()))
+    }
+
+    /// The content of the strip of decks; `None` while there is one scene.
+    pub(crate) fn deck_strip(&self) -> Option<DeckStrip> {
+        let decks = self.decks.as_ref()?;
+        let is_ready = |source: &SceneSource| self.scenes.has_ready(source, self.preparation.choice().sdf);
+        Some(decks.strip(self.parameters.clock(), is_ready))
     }
 
     pub(crate) fn deck_changes(&mut self) -> DeckChanges<'_> {

@@ -30,7 +30,7 @@ const SIGN: f32 = 15.0;
 const BAR_STEP: f32 = 3.0;
 /// Minimum and maximum width of the volume slider. The slider is hidden if there is less room than the minimum.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
-const RIGHT_BUTTONS: f32 = 10.0;
+const RIGHT_BUTTONS: f32 = 11.0;
 /// Height of the line that shows the song's sections. The next constant is the size of the sections' letters.
 const SECTION_HEIGHT: f32 = 3.0;
 const LETTER_SIZE: f32 = 9.5;
@@ -70,6 +70,8 @@ pub struct Bar<'a> {
     pub fullscreen: bool,
     /// True if a show controls the scenes.
     pub follows: bool,
+    /// True if there are two decks.
+    pub decks: bool,
     /// False if the bar exists for screen readers only.
     pub seen: bool,
 }
@@ -79,7 +81,7 @@ const LEVEL_STEPS: f32 = 24.0;
 
 impl Hash for Bar<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        let lit = (self.open, self.help, self.sliders, self.fullscreen, self.follows);
+        let lit = (self.open, self.help, self.sliders, self.fullscreen, self.follows, self.decks);
         (self.now, self.scene, lit, self.seen).hash(state);
         self.shape.map(|shape| shape.revision).hash(state);
         self.song.map(|song| song.sections.len()).hash(state);
@@ -266,6 +268,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
             key_button(ui, Icon::Sliders, Command::ToggleSliders, Lamp::Seen(bar.sliders), events);
             panel_button(ui, Icon::Text, Panel::Editor, bar, events);
             panel_button(ui, Icon::Scenes, Panel::Scenes, bar, events);
+            key_button(ui, Icon::Decks, Command::Decks(Switch::Toggle), Lamp::Seen(bar.decks), events);
             key_button(ui, Icon::Show, Command::Follow(Switch::Toggle), Lamp::Seen(bar.follows), events);
             let source = panel_button(ui, Icon::Source, Panel::Sources, bar, events);
             let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);

@@ -4,6 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
 
 use super::bar::Bar;
+use super::decks::DeckStrip;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
 use crate::controllers_panel::ControllersPanel;
@@ -54,6 +55,8 @@ pub struct OverlayContent<'a> {
     pub controllers: Option<&'a ControllersPanel>,
     /// The parameter for which a control is being learned.
     pub learning: Option<&'a str>,
+    /// The strip of two decks.
+    pub decks: Option<DeckStrip>,
     /// The corner handles, while the corners are adjusted.
     pub corners: Option<CornerHandles>,
     /// The area of the small frame in a control window; `None` in other windows.
@@ -155,6 +158,7 @@ impl OverlayContent<'_> {
             && self.settings.is_none()
             && self.editor.is_none()
             && self.controllers.is_none()
+            && self.decks.is_none()
             && self.corners.is_none()
             && self.next.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
@@ -175,6 +179,7 @@ impl OverlayContent<'_> {
             || self.settings.is_some()
             || self.editor.is_some()
             || self.controllers.is_some()
+            || self.decks.is_some()
             || self.corners.is_some()
     }
 
@@ -193,6 +198,7 @@ impl OverlayContent<'_> {
         self.settings.map(SettingsPanel::revision).hash(&mut hasher);
         self.editor.map(Editor::revision).hash(&mut hasher);
         (self.controllers.map(ControllersPanel::revision), self.learning).hash(&mut hasher);
+        self.decks.hash(&mut hasher);
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
         self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);

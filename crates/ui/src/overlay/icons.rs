@@ -19,6 +19,7 @@ pub(super) enum Icon {
     Source,
     Scenes,
     Show,
+    Decks,
     Sliders,
     Settings,
     Keys,
@@ -71,6 +72,12 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
                 pen.arc((-0.05, 0.0), 0.45);
                 pen.arc((-0.05, 0.0), 0.85);
             }
+        }
+        Icon::Decks => {
+            pen.block((-0.95, -0.75), (-0.12, 0.15));
+            pen.block((0.12, -0.75), (0.95, 0.15));
+            pen.line(&[(-0.95, 0.62), (0.95, 0.62)]);
+            pen.block((-0.2, 0.38), (0.2, 0.86));
         }
         Icon::Text => {
             pen.line(&[(-0.4, -0.6), (-0.9, 0.0), (-0.4, 0.6)]);

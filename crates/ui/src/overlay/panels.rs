@@ -13,8 +13,8 @@ use super::events::UiEvent;
 use super::fonts::Fallback;
 use super::rooms::Rooms;
 use super::{
-    assisted, bar, binding, browser, controllers, corners, editor, files, help, params, preview, problem,
-    settings, sources, style, tracks, welcome,
+    assisted, bar, binding, browser, controllers, corners, decks, editor, files, help, params, preview,
+    problem, settings, sources, style, tracks, welcome,
 };
 use mariana_render::system_fonts::SystemFonts;
 
@@ -145,6 +145,11 @@ fn show(
             panels.push(rect);
             space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
         }
+    }
+    if let Some(strip) = &content.decks {
+        let rect = decks::show(context, space, strip, events);
+        panels.push(rect);
+        space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
     }
     if let Some(handles) = &content.corners {
         panels.extend(corners::show(context, screen, handles, events));

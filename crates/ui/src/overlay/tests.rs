@@ -26,6 +26,7 @@ use mariana_testing::tiny_font::{TinyFont, folder_of};
 mod assisted;
 mod binding;
 mod controllers;
+mod decks;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
@@ -202,6 +203,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
         sliders: false,
         fullscreen: false,
         follows: true,
+        decks: false,
         seen: true,
     }
 }
@@ -467,6 +469,7 @@ fn letters_of_the_built_in_fonts_are_not_searched_for() {
         sliders: true,
         fullscreen: false,
         follows: false,
+        decks: false,
         seen: true,
     };
     let content = OverlayContent {

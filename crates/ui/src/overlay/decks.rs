@@ -1,0 +1,128 @@
+//! The strip of two decks above the bar: their scenes, the crossfader, and the ways to mix.
+
+use std::hash::{Hash, Hasher};
+
+use egui::{Align, Align2, Id, Layout, Order, Rect, Ui};
+
+use super::chips::{self, Chip};
+use super::events::UiEvent;
+use super::{params, style};
+use mariana_commands::Command;
+use mariana_control::{ChangedBy, Slider};
+
+const WIDTH_MAX: f32 = 560.0;
+/// Maximum part of the strip's width for the name of each deck.
+const NAME_MAX: f32 = 0.3;
+
+/// The content of the strip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeckStrip {
+    /// The decks.
+    pub decks: [Deck; 2],
+    /// Position of the crossfader: 0 shows the first deck, 1 the second.
+    pub crossfade: f32,
+    /// Names of the ways to mix.
+    pub mixes: Vec<&'static str>,
+    /// Index of the present way to mix.
+    pub mix: usize,
+}
+
+/// One of two decks.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Deck {
+    /// The letter of the deck.
+    pub letter: char,
+    /// Title of the scene.
+    pub title: String,
+    /// True if sliders and controllers change this deck's scene.
+    pub is_in_hand: bool,
+    /// True if the next frame can show the scene.
+    pub is_ready: bool,
+}
+
+impl Hash for DeckStrip {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (&self.decks, self.crossfade.to_bits(), &self.mixes, self.mix).hash(state);
+    }
+}
+
+/// Draws the strip at the lower edge of `space`. Returns its area.
+pub(super) fn show(
+    context: &egui::Context,
+    space: Rect,
+    strip: &DeckStrip,
+    events: &mut Vec<UiEvent>,
+) -> Rect {
+    let width = space.width().min(WIDTH_MAX);
+    let id = Id::unique("decks");
+    if context.memory(|memory| memory.area_rect(id)).is_none() {
+        // Discard egui's first pass, because it only finds the size.
+        context.request_discard("the size of the decks' strip");
+    }
+    let area = style::area(id, Order::Middle).pivot(Align2::CENTER_BOTTOM).fixed_pos(space.center_bottom());
+    let shown = area.show(context, |ui| {
+        style::frame().show(ui, |ui| {
+            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            faders(ui, strip, events);
+            ways(ui, strip, events);
+        });
+    });
+    shown.response.rect
+}
+
+/// The names of both decks with the crossfader between them.
+fn faders(ui: &mut Ui, strip: &DeckStrip, events: &mut Vec<UiEvent>) {
+    let name_width = NAME_MAX * ui.available_width();
+    ui.horizontal(|ui| {
+        let [first, second] = &strip.decks;
+        name(ui, first, 1, name_width, events);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            name(ui, second, 2, name_width, events);
+            let mut slider = Slider {
+                name: "crossfader from deck A to deck B".to_owned(),
+                value: strip.crossfade,
+                min: 0.0,
+                max: 1.0,
+                default: 0.5,
+                changed_by: ChangedBy::Text,
+                bound: None,
+            };
+            params::rail(ui, &mut slider);
+            if slider.value != strip.crossfade {
+                events.push(UiEvent::Command(Command::Crossfade(slider.value)));
+            }
+        });
+    });
+}
+
+fn name(ui: &mut Ui, deck: &Deck, number: usize, width: f32, events: &mut Vec<UiEvent>) {
+    let waits = if deck.is_ready { "" } else { " …" };
+    let text = format!("{}  {}{waits}", deck.letter, deck.title);
+    let words = match deck.is_ready {
+        true => format!("deck {}: {}, change its sliders", deck.letter, deck.title),
+        false => format!("deck {}: {} is being prepared", deck.letter, deck.title),
+    };
+    let chip = Chip { is_dim: !deck.is_ready, ..Chip::new(&text, words, deck.is_in_hand) };
+    if chips::single(ui, &chip, width) {
+        events.push(UiEvent::Command(Command::TakeDeck(number)));
+    }
+}
+
+/// The ways to mix, and the buttons that move the crossfader.
+fn ways(ui: &mut Ui, strip: &DeckStrip, events: &mut Vec<UiEvent>) {
+    let of_mix = |(at, name): (usize, &&'static str)| {
+        Chip::new(name, format!("mix the decks by {name}"), at == strip.mix)
+    };
+    let mut chips: Vec<Chip<'_>> = strip.mixes.iter().enumerate().map(of_mix).collect();
+    chips.push(Chip::new("cross over", "move the crossfader to the other deck".to_owned(), false));
+    chips.push(Chip::new("swap", "swap the decks at once".to_owned(), false));
+    chips.push(Chip::new("one scene", "return to one scene".to_owned(), false));
+    let Some(clicked) = chips::row(ui, "ways to mix", &chips) else { return };
+    let command = match clicked.checked_sub(strip.mixes.len()) {
+        None => Command::MixDecks(clicked + 1),
+        Some(0) => Command::CrossOver,
+        Some(1) => Command::SwapDecks,
+        Some(_) => Command::Decks(mariana_commands::Switch::Off),
+    };
+    events.push(UiEvent::Command(command));
+}
