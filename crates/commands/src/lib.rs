@@ -21,14 +21,13 @@
 pub mod input;
 mod state;
 mod table;
+mod values;
 
 use std::sync::OnceLock;
 
 pub use state::{ShowState, SnapshotKeys};
-pub use table::{
-    Bind, Binding, CROSSFADE_STEP, Command, Delay, Files, LoadedDeck, MovedCorner, ROWS, SEEK_SECONDS,
-    SHIFT_STEP_MS, SetSetting, TurnedNumbers, VOLUME_STEP,
-};
+pub use table::{Binding, CROSSFADE_STEP, Command, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, VOLUME_STEP};
+pub use values::{Bind, Delay, Files, LoadedDeck, MovedCorner, SetSetting, TurnedNumbers};
 
 use crate::input::{Key, KeyPress, Modifiers};
 use mariana_control::action::{Action, ActionRow, ActionValue, ValueType};

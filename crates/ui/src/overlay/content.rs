@@ -4,7 +4,6 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
 
 use super::bar::Bar;
-use super::decks::DeckStrip;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
 use crate::controllers_panel::ControllersPanel;
@@ -86,6 +85,38 @@ pub struct SourceList {
     pub names: Vec<String>,
     /// The index of the present source.
     pub present: Option<usize>,
+}
+
+/// Two decks with a crossfader.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeckStrip {
+    /// The decks.
+    pub decks: [Deck; 2],
+    /// Position of the crossfader: 0 shows the first deck, 1 the second.
+    pub crossfade: f32,
+    /// Names of the ways to mix.
+    pub mixes: Vec<&'static str>,
+    /// Index of the present way to mix.
+    pub mix: usize,
+}
+
+/// One of two decks.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Deck {
+    /// The letter of the deck.
+    pub letter: char,
+    /// Title of the scene.
+    pub title: String,
+    /// True if sliders and controllers change this deck's scene.
+    pub is_in_hand: bool,
+    /// True if the next frame can show the scene.
+    pub is_ready: bool,
+}
+
+impl Hash for DeckStrip {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (&self.decks, self.crossfade.to_bits(), &self.mixes, self.mix).hash(state);
+    }
 }
 
 /// A compiler's messages.

@@ -1,10 +1,9 @@
 //! The strip of two decks above the bar: their scenes, the crossfader, and the ways to mix.
 
-use std::hash::{Hash, Hasher};
-
 use egui::{Align, Align2, Id, Layout, Order, Rect, Ui};
 
 use super::chips::{self, Chip};
+use super::content::{Deck, DeckStrip};
 use super::events::UiEvent;
 use super::{params, style};
 use mariana_commands::Command;
@@ -13,38 +12,6 @@ use mariana_control::{ChangedBy, Slider};
 const WIDTH_MAX: f32 = 560.0;
 /// Maximum part of the strip's width for the name of each deck.
 const NAME_MAX: f32 = 0.3;
-
-/// The content of the strip.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DeckStrip {
-    /// The decks.
-    pub decks: [Deck; 2],
-    /// Position of the crossfader: 0 shows the first deck, 1 the second.
-    pub crossfade: f32,
-    /// Names of the ways to mix.
-    pub mixes: Vec<&'static str>,
-    /// Index of the present way to mix.
-    pub mix: usize,
-}
-
-/// One of two decks.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Deck {
-    /// The letter of the deck.
-    pub letter: char,
-    /// Title of the scene.
-    pub title: String,
-    /// True if sliders and controllers change this deck's scene.
-    pub is_in_hand: bool,
-    /// True if the next frame can show the scene.
-    pub is_ready: bool,
-}
-
-impl Hash for DeckStrip {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        (&self.decks, self.crossfade.to_bits(), &self.mixes, self.mix).hash(state);
-    }
-}
 
 /// Draws the strip at the lower edge of `space`. Returns its area.
 pub(super) fn show(

@@ -48,8 +48,7 @@ use egui_glow::Painter;
 
 pub use assisted::Assistance;
 pub use bar::Bar;
-pub use content::{Notice, OverlayContent, Problem, SNAPSHOTS, SnapshotRow, SourceList};
-pub use decks::{Deck, DeckStrip};
+pub use content::{Deck, DeckStrip, Notice, OverlayContent, Problem, SNAPSHOTS, SnapshotRow, SourceList};
 pub use events::{FileListEvent, SceneListEvent, SettingEvent, UiEvent};
 pub use now_playing::NowPlaying;
 use panels::{LaidOut, Panels, pressed};

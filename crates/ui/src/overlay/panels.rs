@@ -137,20 +137,7 @@ fn show(
     let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 
-    // The remaining panels are above the bar.
-    let mut space = space;
-    if let Some(bar) = &content.bar {
-        let rect = bar::show(context, space, bar, events);
-        if bar.seen {
-            panels.push(rect);
-            space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
-        }
-    }
-    if let Some(strip) = &content.decks {
-        let rect = decks::show(context, space, strip, events);
-        panels.push(rect);
-        space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
-    }
+    let space = show_bar(context, space, content, panels, events);
     if let Some(handles) = &content.corners {
         panels.extend(corners::show(context, screen, handles, events));
     }
@@ -206,6 +193,30 @@ fn show(
     }
     assisted::ring(context, &front);
     changed
+}
+
+/// Shows the bar and the strip of decks. Returns the space above them.
+fn show_bar(
+    context: &Context,
+    mut space: Rect,
+    content: &OverlayContent<'_>,
+    panels: &mut Vec<Rect>,
+    events: &mut Vec<UiEvent>,
+) -> Rect {
+    let above = |rect: Rect, space: Rect| (rect.top() - 0.5 * style::MARGIN).max(space.top());
+    if let Some(bar) = &content.bar {
+        let rect = bar::show(context, space, bar, events);
+        if bar.seen {
+            panels.push(rect);
+            space.max.y = above(rect, space);
+        }
+    }
+    if let Some(strip) = &content.decks {
+        let rect = decks::show(context, space, strip, events);
+        panels.push(rect);
+        space.max.y = above(rect, space);
+    }
+    space
 }
 
 /// Shows the sliders of a scene that has some. Returns their area, and true if a value changed.
