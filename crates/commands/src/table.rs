@@ -333,7 +333,7 @@ commands! {
         control: Some(Control::Press(|| C::CrossOver)),
         bindings: &[keys!(
             Key::Named(NamedKey::F8) => C::CrossOver,
-            "F8", "move the crossfader to the other deck; with Shift, at once",
+            "F8", "move the crossfader to the other deck; Shift+F8 at once",
             shifted: Some(C::SwapDecks)
         )],
     }
