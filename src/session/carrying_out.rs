@@ -129,6 +129,7 @@ impl Session {
             Command::Snapshot(number) => self.press_snapshot(number),
             Command::TakeNext(_) => self.toggle_take(),
             Command::Morph(_) => self.toggle_morph(),
+            Command::MorphBeats(beats) => self.morph_over(beats),
             Command::WriteSnapshots => self.write_snapshots(),
             Command::ToggleSceneLine => self.interface.ui_state.panels.toggle_corner(),
             Command::Blackout(_) => self.playback.toggle_blackout(),

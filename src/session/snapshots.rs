@@ -9,9 +9,9 @@ use crate::session::recording::named;
 use crate::show::{print, snapshot_cues};
 use crate::ui::overlay::{SNAPSHOTS, SnapshotRow};
 
-/// Duration of a bar while the tempo is unknown, in seconds.
-const BAR_SECONDS: f32 = 2.0;
-const BEATS_IN_BAR: f32 = 4.0;
+/// Duration of a beat while the tempo is unknown, in seconds.
+const BEAT_SECONDS: f32 = 0.5;
+const MORPH_BEATS_MAX: f32 = 256.0;
 
 /// The effect of the snapshot keys, and the show files of snapshots.
 #[derive(Default)]
@@ -27,7 +27,8 @@ impl Session {
         let takes = std::mem::take(&mut self.snapshots.keys.takes);
         match self.playback.snapshot(number).filter(|_| !takes) {
             Some(snapshot) => {
-                let seconds = if self.snapshots.keys.morphs { self.playback.bar_seconds() } else { 0.0 };
+                let SnapshotKeys { morphs, beats, .. } = self.snapshots.keys;
+                let seconds = if morphs { f32::from(beats) * self.playback.beat_seconds() } else { 0.0 };
                 self.playback.scene.parameters_in_hand_mut().recall(&snapshot, seconds);
                 self.playback.reports.answer(format!("snapshot {number}"));
             }
@@ -46,11 +47,26 @@ impl Session {
 
     pub(super) fn toggle_morph(&mut self) {
         self.snapshots.keys.morphs = !self.snapshots.keys.morphs;
-        let words = match self.snapshots.keys.morphs {
-            true => "snapshots change the sliders over a bar",
-            false => "snapshots change the sliders at once",
+        self.tell_morph();
+    }
+
+    /// Recalls snapshots over this number of beats; less than one beat means at once.
+    pub(super) fn morph_over(&mut self, beats: f32) {
+        let beats = beats.round().clamp(0.0, MORPH_BEATS_MAX) as u16;
+        self.snapshots.keys.morphs = beats > 0;
+        if beats > 0 {
+            self.snapshots.keys.beats = beats;
+        }
+        self.tell_morph();
+    }
+
+    fn tell_morph(&mut self) {
+        let words = match self.snapshots.keys {
+            SnapshotKeys { morphs: false, .. } => "snapshots change the sliders at once".to_owned(),
+            SnapshotKeys { beats: 1, .. } => "snapshots change the sliders over a beat".to_owned(),
+            SnapshotKeys { beats, .. } => format!("snapshots change the sliders over {beats} beats"),
         };
-        self.playback.reports.answer(words.to_owned());
+        self.playback.reports.answer(words);
     }
 
     /// Writes the scene's snapshots as a show file in the folder of recordings.
@@ -133,8 +149,8 @@ impl Playback {
         self.reports.answer(format!("snapshot {number} is taken: Shift+{number} recalls it"));
     }
 
-    fn bar_seconds(&self) -> f32 {
+    fn beat_seconds(&self) -> f32 {
         let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
-        if tempo > 0.0 { BEATS_IN_BAR * 60.0 / tempo } else { BAR_SECONDS }
+        if tempo > 0.0 { 60.0 / tempo } else { BEAT_SECONDS }
     }
 }

@@ -45,7 +45,7 @@ impl Place {
 
 fn bind(app: &App, name: &str, input: &str, [low, high]: [f32; 2]) {
     let (input, curve) = (input.to_owned(), Curve::Root);
-    let binding = Some(SoundBinding { input, low, high, curve, smoothing: 0.0 });
+    let binding = Some(SoundBinding { input, low, high, curve, smoothing: 0.0, release: None });
     app.command(Command::Bind(Bind { name: name.to_owned(), binding }));
 }
 

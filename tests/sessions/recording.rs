@@ -185,7 +185,7 @@ fn a_slider_that_follows_the_sound_is_rendered_again_bit_for_bit() {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let (input, curve) = ("bass".to_owned(), Curve::Root);
-    let binding = Some(SoundBinding { input, low: 0.0, high: 1.0, curve, smoothing: 0.0 });
+    let binding = Some(SoundBinding { input, low: 0.0, high: 1.0, curve, smoothing: 0.0, release: None });
     app.command(Command::Bind(Bind { name: "red".to_owned(), binding }));
     app.press(&["F9"]);
     let (mut pictures, mut last) = (Vec::new(), app.picture());

@@ -1,4 +1,4 @@
-//! Snapshots of the sliders: taken, recalled at once or over a bar, kept for the next run, and written as cues.
+//! Snapshots of the sliders: taken, recalled at once or over some beats, kept for the next run, and written as cues.
 
 #![cfg(target_os = "linux")]
 
@@ -72,7 +72,7 @@ fn a_snapshot_has_bindings_and_can_take_a_bar() {
     app.command(Command::Snapshot(1));
     // In silence, the binding gives its low value.
     let (input, curve) = ("bass".to_owned(), Curve::Linear);
-    let binding = Some(SoundBinding { input, low: 2.0, high: 0.0, curve, smoothing: 0.0 });
+    let binding = Some(SoundBinding { input, low: 2.0, high: 0.0, curve, smoothing: 0.0, release: None });
     app.command(Command::Bind(Bind { name: "red".to_owned(), binding }));
     wait_for_colour(&app, "the bound slider", YELLOW);
     let red = |app: &App| app.picture().get_pixel(20, 80).0[0];

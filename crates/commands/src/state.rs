@@ -40,10 +40,18 @@ pub struct ShowState {
 }
 
 /// The effect of the snapshot keys.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SnapshotKeys {
     /// The next key takes its snapshot, even if there is one.
     pub takes: bool,
-    /// Snapshots are recalled over a bar, not at once.
+    /// Snapshots are recalled over some beats, not at once.
     pub morphs: bool,
+    /// The number of beats.
+    pub beats: u16,
+}
+
+impl Default for SnapshotKeys {
+    fn default() -> Self {
+        Self { takes: false, morphs: false, beats: 4 }
+    }
 }

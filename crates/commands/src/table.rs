@@ -454,14 +454,20 @@ commands! {
             "F2", "the next snapshot key takes its snapshot again"
         )],
     }
-    /// Recalls snapshots over a bar or at once.
+    /// Recalls snapshots over some beats or at once.
     Morph(Switch) {
         name: Some("morph"),
         control: Some(Control::Switch(C::Morph)),
         is_on: Some(|state| state.snapshots.morphs),
         bindings: &[keys!(
-            Key::Named(NamedKey::F4) => C::Morph(Toggle), "F4", "recall snapshots over a bar, or at once"
+            Key::Named(NamedKey::F4) => C::Morph(Toggle), "F4", "recall snapshots over some beats, or at once"
         )],
+    }
+    /// Recalls snapshots over this number of beats; 0 recalls them at once.
+    MorphBeats(f32) {
+        name: Some("morph_beats"),
+        control: Some(Control::Number(C::MorphBeats, Some(4.0))),
+        help: "recall snapshots over this number of beats; 0 recalls them at once",
     }
     /// Writes the scene's snapshots as a show file with a cue for each snapshot.
     WriteSnapshots {

@@ -21,9 +21,12 @@ pub struct SoundBinding {
     /// The response curve.
     #[serde(default)]
     pub curve: Curve,
-    /// The smoothing time in seconds; 0 follows at once.
+    /// The smoothing time in seconds while the value rises; 0 follows at once.
     #[serde(default)]
     pub smoothing: f32,
+    /// The smoothing time in seconds while the value falls; `None` if it is the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub release: Option<f32>,
 }
 
 impl SoundBinding {
@@ -35,9 +38,18 @@ impl SoundBinding {
 
     /// Returns the binding with its smoothing time in its limits, or `None` if one of its numbers is not finite.
     pub fn mended(mut self) -> Option<Self> {
-        let is_finite = [self.low, self.high, self.smoothing].iter().all(|number| number.is_finite());
-        self.smoothing = self.smoothing.clamp(0.0, LIMITS.smoothing_seconds_max);
+        let release = self.release.unwrap_or(0.0);
+        let is_finite =
+            [self.low, self.high, self.smoothing, release].iter().all(|number| number.is_finite());
+        for seconds in std::iter::once(&mut self.smoothing).chain(&mut self.release) {
+            *seconds = seconds.clamp(0.0, LIMITS.smoothing_seconds_max);
+        }
         is_finite.then_some(self)
+    }
+
+    /// True if the parameter follows the input with a delay.
+    pub fn is_smoothed(&self) -> bool {
+        self.smoothing > 0.0 || self.release.is_some_and(|release| release > 0.0)
     }
 
     /// Returns the binding as an expression of the scene language, where `input` is the input's expression.
@@ -81,7 +93,10 @@ impl Following {
     }
 
     pub(crate) fn hear(&mut self, input: f32, now: f64) {
-        self.value = self.value.towards(self.binding.value(input), self.binding.smoothing, now);
+        let SoundBinding { smoothing, release, .. } = self.binding;
+        let to = self.binding.value(input);
+        let seconds = release.filter(|_| to < self.value.value(now)).unwrap_or(smoothing);
+        self.value = self.value.towards(to, seconds, now);
     }
 
     pub(crate) fn value(&self, now: f64) -> f32 {
@@ -100,9 +115,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn an_envelope_rises_at_once_and_falls_slowly() {
+        let (input, curve) = ("kick".to_owned(), Curve::Linear);
+        let binding = SoundBinding { input, low: 0.0, high: 2.0, curve, smoothing: 0.0, release: Some(1.0) };
+        let mut following = Following::new(binding, 0.0, 0.0, 0.0);
+        following.hear(1.0, 1.0);
+        assert_eq!(following.value(1.0), 2.0);
+        following.hear(0.0, 1.0);
+        assert!((following.value(2.0) - 2.0 / std::f32::consts::E).abs() < 1e-5);
+        following.hear(1.0, 2.0);
+        assert_eq!(following.value(2.0), 2.0);
+    }
+
+    #[test]
     fn a_binding_maps_its_input_by_range_and_curve() {
-        let binding =
-            |low, high, curve| SoundBinding { input: "bass".to_owned(), low, high, curve, smoothing: 0.0 };
+        let binding = |low, high, curve| {
+            let (input, smoothing, release) = ("bass".to_owned(), 0.0, None);
+            SoundBinding { input, low, high, curve, smoothing, release }
+        };
         let up = binding(0.5, 2.5, Curve::Slow);
         assert_eq!([0.0, 0.5, 1.0, 7.0, f32::NAN].map(|x| up.value(x)), [0.5, 1.0, 2.5, 2.5, 0.5]);
         assert_eq!(binding(1.0, 0.0, Curve::Root).value(0.25), 0.5);

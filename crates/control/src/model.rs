@@ -388,7 +388,7 @@ mod tests {
     }
 
     fn by_bass(low: f32, high: f32, smoothing: f32) -> SoundBinding {
-        SoundBinding { input: "bass".to_owned(), low, high, curve: Curve::Linear, smoothing }
+        SoundBinding { input: "bass".to_owned(), low, high, curve: Curve::Linear, smoothing, release: None }
     }
 
     #[test]

@@ -45,7 +45,7 @@ pub use order::{InputsUsed, Order};
 pub use part::{Part, PartInput, PartNumber};
 pub use sound_input::{SoundInput, SoundInputs};
 pub use table::TableData;
-pub use unit_input::UnitInput;
+pub use unit_input::{UnitInput, Wave};
 
 #[cfg(test)]
 pub(crate) mod random;

@@ -54,7 +54,7 @@ impl Editor {
             Ok(())
         });
         if self.notice().words().is_none() {
-            let smooth = if to_write.binding.smoothing > 0.0 { ", without its smoothing" } else { "" };
+            let smooth = if to_write.binding.is_smoothed() { ", without its smoothing" } else { "" };
             self.tell(format!(
                 "{} now follows the sound in the text{smooth}; Ctrl+Z undoes this",
                 to_write.name

@@ -7,11 +7,14 @@ use super::events::UiEvent;
 use super::{params, style};
 use mariana_commands::{Bind, Command};
 use mariana_control::{Bound, ChangedBy, Curve, Slider, SoundBinding};
-use mariana_field::graph::UnitInput;
+use mariana_field::graph::{UnitInput, Wave};
 
 /// The smoothing times to choose from, in seconds.
 const TIMES: [(f32, &str); 5] =
     [(0.0, "at once"), (0.1, "0.1 s"), (0.3, "0.3 s"), (1.0, "1 s"), (3.0, "3 s")];
+
+/// Length of a new wave in beats.
+const USUAL_BEATS: u8 = 4;
 
 /// The slider whose sounds are listed.
 #[derive(Debug, Default)]
@@ -89,7 +92,8 @@ pub(super) fn show(ui: &mut Ui, slider: &Slider, open: &mut OpenBinding, events:
     if let Some(input) = inputs(ui, &slider.name, chosen, open) {
         let before = slider.bound.as_ref().map(|bound| bound.binding.clone());
         let (low, high) = range_of(slider);
-        let plain = SoundBinding { input: String::new(), low, high, curve: Curve::Linear, smoothing: 0.0 };
+        let (curve, smoothing, release) = (Curve::Linear, 0.0, None);
+        let plain = SoundBinding { input: String::new(), low, high, curve, smoothing, release };
         events.push(bind(Some(SoundBinding { input: input.name(), ..before.unwrap_or(plain) })));
     }
     ui.add_space(6.0);
@@ -137,14 +141,25 @@ fn settings(ui: &mut Ui, slider: &Slider, binding: &SoundBinding) -> Option<Soun
         let curve = Curve::ALL.get(place).copied().unwrap_or_default();
         changed = Some(SoundBinding { curve, ..binding.clone() });
     }
-    let time = |(seconds, words): (f32, &'static str)| {
-        Chip::new(words, format!("smoothing of {}: {words}", slider.name), seconds == binding.smoothing)
-    };
-    if let Some(place) = chips::row(ui, "smoothing", &TIMES.map(time)) {
-        let smoothing = TIMES.get(place).map_or(0.0, |(seconds, _)| *seconds);
+    if let Some(smoothing) = time(ui, slider, "rises", binding.smoothing) {
+        // The times stay equal until the user chooses the second one.
         changed = Some(SoundBinding { smoothing, ..binding.clone() });
     }
+    if let Some(release) = time(ui, slider, "falls", binding.release.unwrap_or(binding.smoothing)) {
+        let release = Some(release).filter(|release| *release != binding.smoothing);
+        changed = Some(SoundBinding { release, ..binding.clone() });
+    }
     changed
+}
+
+/// Draws the smoothing times of one direction. Returns the clicked one, in seconds.
+fn time(ui: &mut Ui, slider: &Slider, way: &str, present: f32) -> Option<f32> {
+    let chip = |(seconds, words): (f32, &'static str)| {
+        Chip::new(words, format!("{} {way}: {words}", slider.name), seconds == present)
+    };
+    caption(ui, way, "");
+    let place = chips::row(ui, way, &TIMES.map(chip))?;
+    TIMES.get(place).map(|(seconds, _)| *seconds)
 }
 
 fn caption(ui: &mut Ui, left: &str, right: &str) {
@@ -156,7 +171,7 @@ fn caption(ui: &mut Ui, left: &str, right: &str) {
     painter.text(line.right_center(), egui::Align2::RIGHT_CENTER, right, font, style::DIM);
 }
 
-/// Draws the list of sounds. Returns the clicked one.
+/// Draws the list of sounds and waves. Returns the clicked one.
 fn inputs(ui: &mut Ui, name: &str, chosen: Option<&str>, open: &mut OpenBinding) -> Option<UnitInput> {
     let others = UnitInput::others().filter(|input| open.lists_all || chosen == Some(&*input.name()));
     let listed: Vec<UnitInput> = UnitInput::first().chain(others).collect();
@@ -171,8 +186,35 @@ fn inputs(ui: &mut Ui, name: &str, chosen: Option<&str>, open: &mut OpenBinding)
     if !open.lists_all {
         chips.push(Chip::new("more…", format!("more sounds for {name}"), false));
     }
-    let place = chips::row(ui, "sounds", &chips)?;
-    let input = listed.get(place).copied();
-    open.lists_all |= input.is_none();
-    input
+    let place = chips::row(ui, "sounds", &chips);
+    let input = place.and_then(|place| listed.get(place).copied());
+    open.lists_all |= place.is_some() && input.is_none();
+    input.or_else(|| waves(ui, name, chosen.and_then(UnitInput::named)))
+}
+
+/// Draws the shapes of waves and, if one is chosen, their lengths. Returns the clicked wave.
+fn waves(ui: &mut Ui, name: &str, chosen: Option<UnitInput>) -> Option<UnitInput> {
+    let chosen = chosen.and_then(|input| match input {
+        UnitInput::Wave(wave, beats) => Some((wave, beats)),
+        UnitInput::Sound(_) => None,
+    });
+    caption(ui, "waves in beats", "");
+    let shape = |wave: Wave| {
+        let is_chosen = chosen.is_some_and(|(chosen, _)| chosen == wave);
+        Chip::new(wave.name(), format!("move {name} in a wave: {}", wave.name()), is_chosen)
+    };
+    let clicked = chips::row(ui, "waves", &Wave::ALL.map(shape)).and_then(|place| Wave::ALL.get(place));
+    let mut wanted =
+        clicked.map(|wave| UnitInput::Wave(*wave, chosen.map_or(USUAL_BEATS, |(_, beats)| beats)));
+    if let Some((wave, present)) = chosen {
+        let texts = Wave::BEATS.map(|beats| beats.to_string());
+        let lengths = Wave::BEATS
+            .iter()
+            .zip(&texts)
+            .map(|(beats, text)| Chip::new(text, format!("wave of {name}: {text} beats"), *beats == present));
+        let place = chips::row(ui, "beats", &lengths.collect::<Vec<_>>());
+        let beats = place.and_then(|place| Wave::BEATS.get(place));
+        wanted = beats.map(|beats| UnitInput::Wave(wave, *beats)).or(wanted);
+    }
+    wanted
 }

@@ -239,8 +239,11 @@ impl OverlayContent<'_> {
             (&slider.name, numbers, slider.changed_by).hash(&mut hasher);
             let bound = slider.bound.as_ref();
             bound.map(|bound| (&bound.binding.input, bound.binding.curve, bound.is_active)).hash(&mut hasher);
-            let numbers = |binding: &SoundBinding| [binding.low, binding.high, binding.smoothing];
-            bound.map(|bound| numbers(&bound.binding).map(f32::to_bits)).hash(&mut hasher);
+            let numbers = |binding: &SoundBinding| {
+                let SoundBinding { low, high, smoothing, release, .. } = *binding;
+                ([low, high, smoothing].map(f32::to_bits), release.map(f32::to_bits))
+            };
+            bound.map(|bound| numbers(&bound.binding)).hash(&mut hasher);
         }
         self.params.is_some().then_some(self.snapshots).hash(&mut hasher);
         hasher.finish()

@@ -7,6 +7,9 @@ use super::content::SnapshotRow;
 use super::events::UiEvent;
 use mariana_commands::{Command, Switch};
 
+/// The lengths of morphs to choose from, in beats.
+const BEATS: [u16; 5] = [1, 2, 4, 8, 16];
+
 pub(super) fn show(ui: &mut Ui, row: SnapshotRow, events: &mut Vec<UiEvent>) {
     ui.add_space(4.0);
     let numbers: Vec<String> = (1..=row.taken.len()).map(|number| number.to_string()).collect();
@@ -22,16 +25,22 @@ pub(super) fn show(ui: &mut Ui, row: SnapshotRow, events: &mut Vec<UiEvent>) {
     if let Some(place) = chips::row(ui, "snapshots", &chips) {
         events.push(UiEvent::Command(Command::Snapshot(place + 1)));
     }
-    let mut ways = vec![
-        Chip::new("take", "take the next snapshot again".to_owned(), row.keys.takes),
-        Chip::new("over a bar", "recall snapshots over a bar".to_owned(), row.keys.morphs),
-    ];
+    let texts = BEATS.map(|beats| beats.to_string());
+    let mut lengths = vec![Chip::new("at once", "recall snapshots at once".to_owned(), !row.keys.morphs)];
+    lengths.extend(BEATS.iter().zip(&texts).map(|(beats, text)| {
+        let is_chosen = row.keys.morphs && row.keys.beats == *beats;
+        Chip::new(text, format!("recall snapshots over {text} beats"), is_chosen)
+    }));
+    if let Some(place) = chips::row(ui, "lengths of morphs", &lengths) {
+        let beats = place.checked_sub(1).and_then(|place| BEATS.get(place)).copied().unwrap_or_default();
+        events.push(UiEvent::Command(Command::MorphBeats(beats.into())));
+    }
+    let mut ways = vec![Chip::new("take", "take the next snapshot again".to_owned(), row.keys.takes)];
     if row.taken.contains(&true) {
         ways.push(Chip::new("write show", "write the snapshots as a show".to_owned(), false));
     }
     let command = match chips::row(ui, "ways of snapshots", &ways) {
         Some(0) => Command::TakeNext(Switch::Toggle),
-        Some(1) => Command::Morph(Switch::Toggle),
         Some(_) => Command::WriteSnapshots,
         None => return,
     };

@@ -67,6 +67,7 @@ fn two_clicks_bind_a_slider_and_more_clicks_shape_the_binding() {
             high: 4.0,
             curve: Curve::Linear,
             smoothing: 0.0,
+            release: None,
         };
         assert_eq!(desk.click("bind knob 1 to bass"), bind(Some(binding.clone())));
         desk.sliders[1].bound = Some(Bound { binding: binding.clone(), is_active: true });
@@ -76,7 +77,10 @@ fn two_clicks_bind_a_slider_and_more_clicks_shape_the_binding() {
         let root = SoundBinding { curve: Curve::Root, ..binding.clone() };
         assert_eq!(desk.click("curve of knob 1: root"), bind(Some(root)));
         let soft = SoundBinding { smoothing: 0.3, ..binding.clone() };
-        assert_eq!(desk.click("smoothing of knob 1: 0.3 s"), bind(Some(soft)));
+        assert_eq!(desk.click("knob 1 rises: 0.3 s"), bind(Some(soft)));
+        let envelope = SoundBinding { release: Some(1.0), ..binding.clone() };
+        assert_eq!(desk.click("knob 1 falls: 1 s"), bind(Some(envelope)));
+        assert_eq!(desk.click("knob 1 falls: at once"), bind(Some(binding.clone())));
         let write = [UiEvent::Command(Command::WriteBinding("knob 1".to_owned()))];
         assert_eq!(desk.click("write the binding of knob 1 into the scene"), write);
         // The middle of the rail.
@@ -100,6 +104,24 @@ fn the_list_of_sounds_has_all_sounds_on_request() {
 }
 
 #[test]
+fn a_wave_has_a_shape_and_a_length() {
+    let mut desk = Desk::new(SCREEN);
+    desk.click("bind knob 0 to a sound");
+    let bound = |events: Vec<UiEvent>| match events.as_slice() {
+        [UiEvent::Command(Command::Bind(Bind { binding: Some(binding), .. }))] => binding.clone(),
+        other => panic!("no binding: {other:?}"),
+    };
+    let binding = bound(desk.click("move knob 0 in a wave: triangle"));
+    assert_eq!(binding.input, "triangle_4");
+    desk.sliders[0].bound = Some(Bound { binding, is_active: true });
+    desk.sliders[0].changed_by = ChangedBy::Sound;
+    let longer = bound(desk.click("wave of knob 0: 16 beats"));
+    assert_eq!(longer.input, "triangle_16");
+    desk.sliders[0].bound = Some(Bound { binding: longer, is_active: true });
+    assert_eq!(bound(desk.click("move knob 0 in a wave: random")).input, "random_16");
+}
+
+#[test]
 fn the_row_of_snapshots_takes_and_recalls() {
     let mut desk = Desk::new(Vec2::new(640.0, 360.0));
     let command = |command| vec![UiEvent::Command(command)];
@@ -107,6 +129,7 @@ fn the_row_of_snapshots_takes_and_recalls() {
     desk.snapshots.taken[1] = true;
     assert_eq!(desk.click("recall snapshot 2"), command(Command::Snapshot(2)));
     assert_eq!(desk.click("take the next snapshot again"), command(Command::TakeNext(Switch::Toggle)));
-    assert_eq!(desk.click("recall snapshots over a bar"), command(Command::Morph(Switch::Toggle)));
+    assert_eq!(desk.click("recall snapshots over 8 beats"), command(Command::MorphBeats(8.0)));
+    assert_eq!(desk.click("recall snapshots at once"), command(Command::MorphBeats(0.0)));
     assert_eq!(desk.click("write the snapshots as a show"), command(Command::WriteSnapshots));
 }
