@@ -109,6 +109,8 @@ impl Session {
                 self.playback.scene.deck_changes().take_in_hand(number.saturating_sub(1));
             }
             Command::NextCue => self.playback.next_cue(),
+            Command::PreviousCue => self.playback.jump_to_cue(None),
+            Command::CueAt(number) => self.playback.jump_to_cue(Some(number)),
             Command::Record(_) => self.playback.toggle_recording(),
             Command::ToggleMode => self.playback.scene.toggle_mode(),
             Command::ToggleRegions => self.playback.scene.toggle_regions(),

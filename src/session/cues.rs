@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::scenes::SceneSource;
 use crate::session::direction::OfTrack;
-use crate::show::PreparedShow;
+use crate::show::{Cue, PreparedShow};
+use crate::ui::overlay::CueRow;
 use mariana_music::SongStructure;
 
 #[derive(Default)]
@@ -14,6 +15,19 @@ pub(super) struct Cues {
     show: Option<(Arc<PreparedShow>, Arc<SongStructure>)>,
     /// Times of the key presses in seconds of the song, ascending.
     pressed: Vec<f64>,
+    /// All entries of the show, with the present key presses.
+    rows: Arc<Vec<CueRow>>,
+}
+
+/// The effect of a jump in the cue list.
+#[derive(Debug)]
+pub(super) enum Jump {
+    /// The entry begins at this time, in seconds of the song.
+    Seek(f64),
+    /// The entry was waiting for the key, which now counts as pressed.
+    Pressed(Arc<PreparedShow>),
+    /// The list has no such entry, or the entry follows an entry that waits.
+    Nowhere,
 }
 
 #[derive(Debug)]
@@ -42,6 +56,60 @@ impl Cues {
         }
         self.track = track;
         self.show = show.map(|show| (show, song.unwrap_or_default()));
+        self.update_rows();
+    }
+
+    fn update_rows(&mut self) {
+        let rows = self.show.as_ref().map(|(show, song)| show.cue_rows(song, &self.pressed));
+        self.rows = Arc::new(rows.into_iter().flatten().map(row_of).collect());
+    }
+
+    /// Returns all entries of the show.
+    pub(super) fn rows(&self) -> &Arc<Vec<CueRow>> {
+        &self.rows
+    }
+
+    /// Returns the index of the entry that is shown at `time` seconds of the song.
+    pub(super) fn current(&self, time: f64) -> Option<usize> {
+        let begun = self.rows.iter().enumerate().filter_map(|(index, row)| Some((index, row.start?)));
+        let last = begun.filter(|(_, start)| *start <= time).max_by(|a, b| a.1.total_cmp(&b.1));
+        last.map(|(index, _)| index)
+    }
+
+    /// Goes to the entry with this index: the song seeks to its time, or the key counts as pressed as often as needed.
+    pub(super) fn jump(&mut self, index: usize, time: f64) -> Jump {
+        let Some(row) = self.rows.get(index) else { return Jump::Nowhere };
+        match row.start {
+            Some(start) if !row.waits => return Jump::Seek(start),
+            None if !row.waits => return Jump::Nowhere,
+            _ => {}
+        }
+        let number = self.rows.iter().take(index).filter(|row| row.waits).count();
+        self.pressed.retain(|pressed| *pressed <= time);
+        self.pressed.truncate(number);
+        self.pressed.resize(number + 1, time);
+        self.press_anew()
+    }
+
+    /// Goes back to the entry before the one at `time`: takes the last key press back, or seeks.
+    pub(super) fn back(&mut self, time: f64) -> Jump {
+        let Some(current) = self.current(time) else { return Jump::Nowhere };
+        if self.rows.get(current).is_some_and(|row| row.waits) {
+            self.pressed.retain(|pressed| *pressed <= time);
+            self.pressed.pop();
+            return self.press_anew();
+        }
+        let start = self.rows.get(current).and_then(|row| row.start);
+        let earlier = self.rows.iter().filter_map(|row| row.start).filter(|at| Some(*at) < start);
+        earlier.max_by(f64::total_cmp).map_or(Jump::Nowhere, Jump::Seek)
+    }
+
+    fn press_anew(&mut self) -> Jump {
+        self.update_rows();
+        match &self.show {
+            Some((show, song)) => Jump::Pressed(Arc::new(show.with_cues(song, &self.pressed))),
+            None => Jump::Nowhere,
+        }
     }
 
     pub(super) fn prepared_show(&self) -> Option<Arc<PreparedShow>> {
@@ -59,18 +127,26 @@ impl Cues {
         self.pressed.retain(|pressed| *pressed <= time);
         let Some(scene) = cues.get(self.pressed.len()) else { return Pressed::NoneLeft };
         self.pressed.push(time);
-        Pressed::Cue {
+        let pressed = Pressed::Cue {
             prepared_show: Arc::new(show.with_cues(song, &self.pressed)),
             number: self.pressed.len(),
             of: cues.len(),
             scene: (*scene).to_owned(),
-        }
+        };
+        self.update_rows();
+        pressed
     }
 
     pub(super) fn next(&self) -> Option<SceneSource> {
         let (show, _) = self.show.as_ref()?;
         show.source(show.cues().get(self.pressed.len())?).cloned()
     }
+}
+
+fn row_of(cue: Cue) -> CueRow {
+    let Cue { moment, start, waits, scene, camera } = cue;
+    let scene = camera.map_or(scene.clone(), |camera| format!("{scene}, {camera}"));
+    CueRow { moment, start, waits, scene }
 }
 
 #[cfg(test)]
@@ -98,6 +174,7 @@ mod tests {
         assert_eq!(on(cues.press(10.0), 10.0), (1, "city".to_owned()));
         assert_eq!(on(cues.press(40.0), 40.0), (2, "letters".to_owned()));
         assert!(matches!(cues.press(50.0), Pressed::NoneLeft));
+        assert_eq!(cues.current(50.0), Some(3));
         // Key presses do not move the show's timed entries.
         assert_eq!(cues.prepared_show().unwrap().at(35.0).unwrap().clip.scene, "gyroid");
         assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
@@ -107,5 +184,27 @@ mod tests {
         assert!(cues.prepared_show().is_some());
         cues.take(Some(8), Some(Arc::new(show)), None);
         assert!(cues.prepared_show().is_none());
+    }
+
+    #[test]
+    fn a_jump_presses_the_key_as_often_as_needed_or_seeks() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("my.show");
+        let text =
+            "at start orb\nat cue city cut\nat cue heart cut\nat previous + 4 s gyroid\nat 30 s letters\n";
+        std::fs::write(&path, text).unwrap();
+        let show = PreparedShow::of_song(&ShowSource::File(path), &SongStructure::default(), &[]).unwrap().0;
+        let mut cues = Cues::default();
+        assert!(matches!(cues.jump(0, 1.0), Jump::Nowhere), "there is no show");
+        cues.take(Some(7), Some(Arc::new(show)), None);
+        assert!(matches!(cues.jump(3, 5.0), Jump::Nowhere), "it follows an entry that waits");
+        assert!(matches!(cues.jump(4, 5.0), Jump::Seek(30.0)));
+        let Jump::Pressed(pressed) = cues.jump(2, 10.0) else { panic!("not pressed") };
+        assert_eq!(pressed.at(10.0).unwrap().clip.scene, "heart");
+        assert_eq!((cues.current(10.0), cues.current(14.0), cues.current(31.0)), (Some(2), Some(3), Some(4)));
+        assert!(matches!(cues.back(15.0), Jump::Seek(10.0)));
+        let Jump::Pressed(back) = cues.back(12.0) else { panic!("not taken back") };
+        assert_eq!(back.at(12.0).unwrap().clip.scene, "city");
+        assert!(matches!(cues.jump(9, 12.0), Jump::Nowhere));
     }
 }

@@ -1,12 +1,13 @@
 //! Lets a show choose the scenes. The show comes from the director or from a file.
 
-use super::cues::Pressed;
+use super::cues::{Jump, Pressed};
 use super::{Playback, Session};
 use crate::clock;
 use crate::commands::SetSetting;
 use crate::config::{FollowChoice, Setting};
 use crate::session::direction::{Playing, ShowNotice};
 use crate::show::{Hearing, LiveDirector};
+use crate::ui::overlay::CueSheet;
 use mariana_player::Moment;
 use std::sync::Arc;
 
@@ -89,6 +90,35 @@ impl Playback {
             },
         };
         self.reports.answer(words);
+    }
+
+    /// Goes to the entry of the show with this number, from 1; `None` for the entry before the present one.
+    pub(super) fn jump_to_cue(&mut self, number: Option<usize>) {
+        let Some(moment) = self.listening.now() else { return };
+        let jump = match number {
+            Some(number) => number.checked_sub(1).map(|index| self.cues.jump(index, moment.song_time)),
+            None => Some(self.cues.back(moment.song_time)),
+        };
+        match jump.unwrap_or(Jump::Nowhere) {
+            Jump::Seek(seconds) => self.with_song(|player| player.seek_to(seconds)),
+            Jump::Pressed(prepared_show) => {
+                self.scene.show_mut().extend_prepared_show(prepared_show, self.cues.next());
+            }
+            Jump::Nowhere if self.cues.rows().is_empty() => {
+                let words = "no show is running: press A to let scenes follow the song";
+                self.reports.answer(words.to_owned());
+            }
+            Jump::Nowhere => {
+                let words = "the show cannot go there: this entry is missing, or follows an entry that waits";
+                self.reports.answer(words.to_owned());
+            }
+        }
+    }
+
+    /// Returns the entries of the show, for the panel.
+    pub(super) fn cue_sheet(&mut self) -> CueSheet {
+        let time = self.listening.now().map_or(0.0, |moment| moment.song_time);
+        CueSheet { rows: self.cues.rows().clone(), current: self.cues.current(time) }
     }
 
     /// Locks the current scene until the next call.

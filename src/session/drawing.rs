@@ -361,7 +361,8 @@ impl Interface {
         let song = playback.listening.present_structure().filter(|_| shows_bar);
         let (assisted, follows) = (self.overlay.is_assisted(), playback.follows());
         let fullscreen = screen.is_fullscreen();
-        Seen { awake, assisted, fullscreen, tracks, shape, follows, song }
+        let cues = (self.ui_state.panels.open() == Some(Panel::Cues)).then(|| playback.cue_sheet());
+        Seen { awake, assisted, fullscreen, tracks, cues, shape, follows, song }
     }
 
     fn note_scene(&mut self, playback: &mut Playback) {

@@ -14,7 +14,9 @@ use crate::ui::controllers_panel::ControllersPanel;
 use crate::ui::corner_handles::CornerHandles;
 use crate::ui::editor::Editor;
 use crate::ui::file_browser::FileBrowser;
-use crate::ui::overlay::{Bar, Notice, OverlayContent, PanelSwitches, Problem, SnapshotRow, Tracks, Welcome};
+use crate::ui::overlay::{
+    Bar, CueSheet, Notice, OverlayContent, PanelSwitches, Problem, SnapshotRow, Tracks, Welcome,
+};
 use crate::ui::scene_browser::SceneBrowser;
 use crate::ui::settings_panel::SettingsPanel;
 use mariana_music::SongStructure;
@@ -46,6 +48,7 @@ pub(super) struct Seen {
     pub(super) assisted: bool,
     pub(super) fullscreen: bool,
     pub(super) tracks: Option<Arc<ListedTracks>>,
+    pub(super) cues: Option<CueSheet>,
     /// The loudness along the track, if the bar is visible.
     pub(super) shape: Option<Arc<LoudnessShape>>,
     pub(super) follows: bool,
@@ -118,6 +121,7 @@ impl UiState {
         content.controllers = self.controllers.as_ref();
         content.learning = controllers.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
         content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
+        content.cues = seen.cues.clone();
         content.corners = self.corners;
         content.snapshots = self.snapshots;
         content.picture = self.picture;

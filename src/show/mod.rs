@@ -6,7 +6,7 @@ mod scene_facts;
 
 pub use live::LiveDirector;
 pub use mariana_show::{
-    Clip, Finish, Hearing, Held, Moment, Move, Moved, OnStage, OtherDeck, Performance, Picture,
+    Clip, Cue, Finish, Hearing, Held, Moment, Move, Moved, OnStage, OtherDeck, Performance, Picture,
     TimedTransition, Timeline, TransitionKind, Turned, print, snapshot_cues,
 };
 pub use prepared_show::{PreparedShow, ShowError, ShowSource, name_of};

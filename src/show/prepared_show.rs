@@ -8,7 +8,9 @@ use crate::scenes::{SceneBlend, SceneSource, SeenScene};
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 use mariana_show::limits::LIMITS as SHOW_LIMITS;
-use mariana_show::{Clip, CueListError, Moment, SceneCard, Show, TimedTransition, Timeline, TransitionKind};
+use mariana_show::{
+    Clip, Cue, CueListError, Moment, SceneCard, Show, TimedTransition, Timeline, TransitionKind,
+};
 
 const DEMO_SHOW: &str = include_str!("../../assets/demo.show");
 const DEMO_NAME: &str = "demo.show";
@@ -206,6 +208,11 @@ impl PreparedShow {
     /// Returns the same show, with the key for cues pressed at the times `cues`, in seconds.
     pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
         Self { show: self.show.with_cues(song, cues), ..self.clone() }
+    }
+
+    /// Returns all entries, with the key for cues pressed at the times `cues`, in seconds.
+    pub fn cue_rows(&self, song: &SongStructure, cues: &[f64]) -> Vec<Cue> {
+        self.show.cue_rows(song, cues)
     }
 
     /// Returns the scenes that wait for a key, in order.

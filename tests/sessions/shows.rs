@@ -11,6 +11,7 @@ use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::osc::{Sender, sent_number};
 use crate::support::session::{self, App};
 use image::RgbaImage;
+use mariana::commands::Command;
 use mariana::scenes::shipped_names;
 use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
@@ -233,6 +234,35 @@ fn enter_starts_the_next_cue_of_a_show() {
     wait_for_channel(&app, 0);
     app.press(&["Return"]);
     wait_for_channel(&app, 1);
+    app.quit_by_key();
+}
+
+#[test]
+fn a_jump_in_the_list_of_cues_presses_keys_or_seeks() {
+    apart!();
+    let place = Place::new();
+    place.write(
+        "my.show",
+        "at start red.scene\nat cue green.scene cut\nat cue blue.scene cut\nat previous + 5 s green.scene cut\n\
+         at 60 s red.scene cut\n",
+    );
+    let show = place.path("my.show");
+    let app = place.open(&["--show", &show, "--scene", &place.path("red.scene"), "--fade", "0"]);
+    pause(&app);
+    go_to(&app, 0);
+    wait_for_channel(&app, 0);
+    app.command(Command::CueAt(3));
+    wait_for_channel(&app, 2);
+    app.press(&["Right", "Right"]);
+    wait_for_channel(&app, 1);
+    app.press(&["Left", "Left"]);
+    wait_for_channel(&app, 2);
+    app.command(Command::PreviousCue);
+    wait_for_channel(&app, 1);
+    app.command(Command::CueAt(5));
+    wait_for_channel(&app, 0);
+    app.command(Command::CueAt(9));
+    app.wait_until_reported("the show cannot go there");
     app.quit_by_key();
 }
 

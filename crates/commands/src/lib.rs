@@ -79,6 +79,8 @@ pub enum Panel {
     Controllers,
     /// The corners of the image on the screen.
     Corners,
+    /// The entries of the show.
+    Cues,
 }
 
 /// The title or number by which a controller names a scene.

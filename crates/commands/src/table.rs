@@ -361,7 +361,23 @@ commands! {
     NextCue {
         name: Some("cue"),
         control: Some(Control::Press(|| C::NextCue)),
-        bindings: &[keys!(Key::Named(NamedKey::Enter) => C::NextCue, "Enter", "next cue of a show file")],
+        bindings: &[keys!(
+            Key::Named(NamedKey::Enter) => C::NextCue,
+            "Enter or Shift+Enter", "next cue of a show file; Shift shows all entries",
+            shifted: Some(C::TogglePanel(Panel::Cues))
+        )],
+    }
+    /// Goes back to the entry of the show before the present one.
+    PreviousCue {
+        name: Some("previous_cue"),
+        control: Some(Control::Press(|| C::PreviousCue)),
+        help: "back to the entry of the show before the present one",
+    }
+    /// Goes to the entry of the show with this number, from 1.
+    CueAt(usize) {
+        name: Some("cue_at"),
+        control: Some(Control::Numbered(C::CueAt)),
+        help: "go to the entry of the show with this number",
     }
     /// Starts or ends a recording of the user's actions as a show.
     Record(Switch) {

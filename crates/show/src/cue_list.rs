@@ -73,6 +73,8 @@ pub enum Anchor {
     Build(u32),
     /// A press of the cue key. Each press triggers the next entry with this anchor.
     Cue,
+    /// The start of the entry above.
+    Previous,
 }
 
 impl CueList {

@@ -176,13 +176,14 @@ impl<'a> Reader<'a> {
     }
 
     fn when(&mut self) -> Read<When> {
-        const ANCHORS: [&str; 7] = ["start", "end", "bar", "section", "drop", "build", "cue"];
+        const ANCHORS: [&str; 8] = ["start", "end", "bar", "section", "drop", "build", "cue", "previous"];
         let word = self.expect("a moment", "such as `start`, `1:30`, `bar 17`, `section B` or `drop 1`")?;
         let anchor = match (word.kind, word.text) {
             (Kind::Number, _) => Anchor::Time(self.clock(word)?),
             (Kind::Name, "start") => Anchor::Start,
             (Kind::Name, "end") => Anchor::End,
             (Kind::Name, "cue") => Anchor::Cue,
+            (Kind::Name, "previous") => Anchor::Previous,
             (Kind::Name, "bar") => Anchor::Bar(self.count("a bar's number")?),
             (Kind::Name, "drop") => Anchor::Drop(self.count_or_first()?),
             (Kind::Name, "build") => Anchor::Build(self.count_or_first()?),
@@ -207,7 +208,7 @@ impl<'a> Reader<'a> {
                     Some(_) => unknown.did_you_mean(near),
                     None => unknown.hint(
                         "a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1`, \
-                         `build 1` or `cue`",
+                         `build 1`, `cue` or `previous + 4 bars`",
                     ),
                 }));
             }

@@ -1,7 +1,7 @@
 //! Resolves a cue list for a song: musical moments become seconds.
 
 use super::bar_lines::BarLines;
-use super::cue_list::{Anchor, CueList, Length, Setting, Step, Transition, TransitionKind, When};
+use super::cue_list::{Anchor, CueList, Entry, Length, Setting, Step, Transition, TransitionKind, When};
 use super::timeline::{Clip, Move, TimedTransition, Timeline};
 use mariana_field::lang::{Diagnostic, Span, TransitionStyle};
 use mariana_music::SongStructure;
@@ -25,31 +25,15 @@ pub fn resolve(
     let lines = BarLines::of(song);
     let mut left_out = Vec::new();
     let mut clips: Vec<Clip> = Vec::new();
-    let mut last: Option<(f64, Span)> = None;
-    let mut cues = cues.iter();
-    for entry in &cue_list.entries {
-        let is_cue = entry.when.anchor == Anchor::Cue;
-        let cue = if is_cue { cues.next().copied() } else { None };
-        let start = match time_of(&entry.when, song, cue, &lines) {
+    for (entry, start) in cue_list.entries.iter().zip(starts(cue_list, song, cues, &lines)) {
+        let start = match start {
             Ok(Some(start)) => start,
             Ok(None) => continue,
-            Err(missing) => {
-                let missed = Diagnostic::new(entry.span, missing.sentence);
-                left_out.push(missed.label("left out").hint(missing.hint));
+            Err(diagnostic) => {
+                left_out.push(*diagnostic);
                 continue;
             }
         };
-        if let Some((before, span)) = last.filter(|(before, _)| start < *before && !is_cue) {
-            let back =
-                format!("this entry is at {}, before the previous entry at {}", clock(start), clock(before));
-            let backwards =
-                Diagnostic::new(entry.span, back).label("left out").note(span, "the previous entry");
-            left_out.push(backwards.hint("sort the entries by time"));
-            continue;
-        }
-        if !is_cue {
-            last = Some((start, entry.span));
-        }
         let transition = entry.transition.unwrap_or_else(|| {
             let style = likes(clips.last().map(|clip| clip.scene.as_str()), &entry.scene);
             style.map_or(USUAL, |style| Transition::new(style, Length::Bars(USUAL_BARS)))
@@ -74,6 +58,51 @@ pub fn resolve(
     (Timeline::new(clips), left_out)
 }
 
+/// Returns the start of each entry in seconds, in the order of the cue list. It is `None` for an entry that waits for a
+/// press of the cue key, and for an entry whose moment the song lacks.
+pub fn entry_starts(cue_list: &CueList, song: &SongStructure, cues: &[f64]) -> Vec<Option<f64>> {
+    let starts = starts(cue_list, song, cues, &BarLines::of(song));
+    starts.into_iter().map(|start| start.ok().flatten()).collect()
+}
+
+/// The start of each entry in seconds; `None` while it waits for a key, and a diagnostic if the entry is left out.
+fn starts(
+    cue_list: &CueList,
+    song: &SongStructure,
+    cues: &[f64],
+    lines: &BarLines,
+) -> Vec<Result<Option<f64>, Box<Diagnostic>>> {
+    // The last entry that does not depend on a press, and the start of the entry above.
+    let (mut last, mut previous): (Option<(f64, Span)>, Option<f64>) = (None, Some(0.0));
+    // True if a press decides about the entry above.
+    let mut is_pressed = false;
+    let mut cues = cues.iter();
+    let mut start = |entry: &Entry| {
+        let is_cue = entry.when.anchor == Anchor::Cue;
+        is_pressed = is_cue || (is_pressed && entry.when.anchor == Anchor::Previous);
+        let known = match entry.when.anchor {
+            Anchor::Cue => cues.next().copied(),
+            _ => previous,
+        };
+        let start = time_of(&entry.when, song, known, lines).map_err(|missing| {
+            let missed = Diagnostic::new(entry.span, missing.sentence);
+            Box::new(missed.label("left out").hint(missing.hint))
+        })?;
+        previous = start;
+        let Some(time) = start.filter(|_| !is_pressed) else { return Ok(start) };
+        if let Some((before, span)) = last.filter(|(before, _)| time < *before) {
+            let back =
+                format!("this entry is at {}, before the previous entry at {}", clock(time), clock(before));
+            let backwards =
+                Diagnostic::new(entry.span, back).label("left out").note(span, "the previous entry");
+            return Err(Box::new(backwards.hint("sort the entries by time")));
+        }
+        last = Some((time, entry.span));
+        Ok(start)
+    };
+    cue_list.entries.iter().map(&mut start).collect()
+}
+
 fn moves_of(setting: &Setting, start: f64, lines: &BarLines) -> Vec<Move> {
     let param = || setting.param.clone();
     let (mut begin, mut from) = (start + lasting(setting.after, start, lines), setting.from);
@@ -94,11 +123,12 @@ struct Missing {
     hint: String,
 }
 
-/// Returns the time of a moment in seconds; `None` if the moment waits for a press of the cue key.
+/// Returns the time of a moment in seconds; `None` if the moment waits for a press of the cue key. `known` is the time
+/// of the press, or of the entry above.
 fn time_of(
     when: &When,
     song: &SongStructure,
-    cue: Option<f64>,
+    known: Option<f64>,
     lines: &BarLines,
 ) -> Result<Option<f64>, Missing> {
     let numbered = |what: &str, number: u32, times: &[f64]| {
@@ -115,7 +145,7 @@ fn time_of(
         Anchor::Start => 0.0,
         Anchor::End => song.seconds,
         Anchor::Time(seconds) => *seconds,
-        Anchor::Cue => match cue {
+        Anchor::Cue | Anchor::Previous => match known {
             Some(seconds) => seconds,
             None => return Ok(None),
         },
@@ -270,6 +300,33 @@ mod tests {
         let clips: Vec<(f64, &str)> =
             timeline.clips().iter().map(|clip| (clip.start, clip.scene.as_str())).collect();
         assert_eq!(clips, [(0.0, "one"), (3.0, "two"), (10.0, "three"), (30.0, "five"), (42.0, "four")]);
+    }
+
+    #[test]
+    fn an_entry_follows_the_entry_above() {
+        let (timeline, left_out) = resolved(
+            "at start one\nat previous + 4 s two\nat cue three\nat previous + 1 bar four\n\
+             at previous + 1 bar five\nat 30 s six\nat cue seven\nat cue eight\nat previous + 1 s nine",
+        );
+        assert_eq!(left_out, [""; 0]);
+        let clips: Vec<(f64, &str)> =
+            timeline.clips().iter().map(|clip| (clip.start, clip.scene.as_str())).collect();
+        assert_eq!(
+            clips,
+            [
+                (0.0, "one"),
+                (3.0, "three"),
+                (4.0, "two"),
+                (5.0, "four"),
+                (7.0, "five"),
+                (30.0, "six"),
+                (40.0, "seven")
+            ]
+        );
+        let cue_list =
+            parse("test.show", "at start one\nat cue two\nat previous + 2 s three").cue_list.unwrap();
+        assert_eq!(entry_starts(&cue_list, &song(), &[]), [Some(0.0), None, None]);
+        assert_eq!(entry_starts(&cue_list, &song(), &[5.0]), [Some(0.0), Some(5.0), Some(7.0)]);
     }
 
     #[test]

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::cue_list::CueList;
+use super::cue_list::{Anchor, CueList, Entry};
 use super::director::{SceneCard, direct, for_shows};
 use super::parse::{DIAGNOSTICS_MAX, parse};
-use super::resolve::resolve;
+use super::resolve::{entry_starts, resolve};
 use super::scene_facts::{NamedScenes, Refusal, SceneFacts};
 use super::substitutes::with_substitutes;
-use super::text::print;
+use super::text::{moment, print};
 use super::timeline::{Clip, Timeline};
 use mariana_field::lang::{Diagnostic, TransitionStyle, render_all};
 use mariana_music::SongStructure;
@@ -44,6 +44,21 @@ pub struct Show {
     cue_list: CueList,
     styles: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
+}
+
+/// An entry of a cue list, for display.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cue {
+    /// The moment as a show file has it, such as `section B + 2 bars`.
+    pub moment: String,
+    /// The start in seconds of the song; `None` while the entry waits, or if the song lacks its moment.
+    pub start: Option<f64>,
+    /// True if the entry waits for a press of the cue key.
+    pub waits: bool,
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the camera, if any.
+    pub camera: Option<String>,
 }
 
 impl Show {
@@ -113,6 +128,19 @@ impl Show {
     /// Returns the clips, sorted by start. The list is empty if there is no timeline.
     pub fn clips(&self) -> &[Clip] {
         self.timeline().map_or(&[], Timeline::clips)
+    }
+
+    /// Returns all entries, with the cue key pressed at the times `cues`, in seconds.
+    pub fn cue_rows(&self, song: &SongStructure, cues: &[f64]) -> Vec<Cue> {
+        let starts = entry_starts(&self.cue_list, song, cues);
+        let row = |(entry, start): (&Entry, Option<f64>)| Cue {
+            moment: moment(entry),
+            start,
+            waits: entry.when.anchor == Anchor::Cue,
+            scene: entry.scene.clone(),
+            camera: entry.camera.clone(),
+        };
+        self.cue_list.entries.iter().zip(starts).map(row).collect()
     }
 
     /// Returns the scenes that wait for the cue key, in the order of the text.

@@ -48,12 +48,14 @@ pub fn print(cue_list: &CueList, comments: &[String]) -> String {
     text
 }
 
-fn moment(entry: &Entry) -> String {
+/// Returns the moment of an entry as a show file has it, such as `section B + 2 bars`.
+pub(super) fn moment(entry: &Entry) -> String {
     let numbered = |what: &str, number: u32| format!("{what} {number}");
     let anchor = match &entry.when.anchor {
         Anchor::Start => "start".to_owned(),
         Anchor::End => "end".to_owned(),
         Anchor::Cue => "cue".to_owned(),
+        Anchor::Previous => "previous".to_owned(),
         Anchor::Time(seconds) => clock_to(*seconds, MOMENT_DECIMALS),
         Anchor::Bar(bar) => numbered("bar", *bar),
         Anchor::Drop(number) => numbered("drop", *number),

@@ -131,7 +131,7 @@ const SHAPES: [PortalShape; 3] = [PortalShape::Ball, PortalShape::Plane, PortalS
 prop_compose! {
     fn entry()(
         anchor in prop_oneof![
-            Just(Anchor::Start), Just(Anchor::End), Just(Anchor::Cue), (0u32..90_000).prop_map(|t| Anchor::Time(f64::from(t) / 8.0)),
+            Just(Anchor::Start), Just(Anchor::End), Just(Anchor::Cue), Just(Anchor::Previous), (0u32..90_000).prop_map(|t| Anchor::Time(f64::from(t) / 8.0)),
             (1u32..999).prop_map(Anchor::Bar), (1u32..9).prop_map(Anchor::Drop), (1u32..9).prop_map(Anchor::Build),
             ("[A-Z]{1,2}", 1u32..9).prop_map(|(letter, number)| Anchor::Section(letter, number)),
         ],

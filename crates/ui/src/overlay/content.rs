@@ -1,6 +1,7 @@
 //! The content of the overlay, and the timing of notices.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::bar::Bar;
@@ -54,6 +55,8 @@ pub struct OverlayContent<'a> {
     pub controllers: Option<&'a ControllersPanel>,
     /// The parameter for which a control is being learned.
     pub learning: Option<&'a str>,
+    /// The entries of the show.
+    pub cues: Option<CueSheet>,
     /// The strip of two decks.
     pub decks: Option<DeckStrip>,
     /// The corner handles, while the corners are adjusted.
@@ -85,6 +88,37 @@ pub struct SourceList {
     pub names: Vec<String>,
     /// The index of the present source.
     pub present: Option<usize>,
+}
+
+/// The entries of a show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CueSheet {
+    /// The entries, in the order of the show file.
+    pub rows: Arc<Vec<CueRow>>,
+    /// Index of the entry that is shown.
+    pub current: Option<usize>,
+}
+
+/// An entry of a show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CueRow {
+    /// The moment as a show file has it, such as `section B + 2 bars`.
+    pub moment: String,
+    /// The start in seconds of the song; `None` while the entry waits, or if the song lacks its moment.
+    pub start: Option<f64>,
+    /// True if the entry waits for a press of the cue key.
+    pub waits: bool,
+    /// The scene and its camera.
+    pub scene: String,
+}
+
+impl Hash for CueSheet {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.current.hash(state);
+        for row in &*self.rows {
+            (&row.moment, row.start.map(f64::to_bits), row.waits, &row.scene).hash(state);
+        }
+    }
 }
 
 /// Two decks with a crossfader.
@@ -189,6 +223,7 @@ impl OverlayContent<'_> {
             && self.settings.is_none()
             && self.editor.is_none()
             && self.controllers.is_none()
+            && self.cues.is_none()
             && self.decks.is_none()
             && self.corners.is_none()
             && self.next.is_none()
@@ -210,6 +245,7 @@ impl OverlayContent<'_> {
             || self.settings.is_some()
             || self.editor.is_some()
             || self.controllers.is_some()
+            || self.cues.is_some()
             || self.decks.is_some()
             || self.corners.is_some()
     }
@@ -229,7 +265,7 @@ impl OverlayContent<'_> {
         self.settings.map(SettingsPanel::revision).hash(&mut hasher);
         self.editor.map(Editor::revision).hash(&mut hasher);
         (self.controllers.map(ControllersPanel::revision), self.learning).hash(&mut hasher);
-        self.decks.hash(&mut hasher);
+        (&self.cues, &self.decks).hash(&mut hasher);
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
         self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);

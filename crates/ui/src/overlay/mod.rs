@@ -14,6 +14,7 @@ mod chips;
 mod content;
 mod controllers;
 mod corners;
+mod cues;
 mod decks;
 mod editor;
 mod events;
@@ -48,7 +49,9 @@ use egui_glow::Painter;
 
 pub use assisted::Assistance;
 pub use bar::Bar;
-pub use content::{Deck, DeckStrip, Notice, OverlayContent, Problem, SNAPSHOTS, SnapshotRow, SourceList};
+pub use content::{
+    CueRow, CueSheet, Deck, DeckStrip, Notice, OverlayContent, Problem, SNAPSHOTS, SnapshotRow, SourceList,
+};
 pub use events::{FileListEvent, SceneListEvent, SettingEvent, UiEvent};
 pub use now_playing::NowPlaying;
 use panels::{LaidOut, Panels, pressed};

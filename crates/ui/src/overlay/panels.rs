@@ -13,7 +13,7 @@ use super::events::UiEvent;
 use super::fonts::Fallback;
 use super::rooms::Rooms;
 use super::{
-    assisted, bar, binding, browser, controllers, corners, decks, editor, files, help, params, preview,
+    assisted, bar, binding, browser, controllers, corners, cues, decks, editor, files, help, params, preview,
     problem, settings, sources, style, tracks, welcome,
 };
 use mariana_render::system_fonts::SystemFonts;
@@ -45,6 +45,7 @@ struct Kept {
     seen_changed_by: Option<controllers::Seen>,
     binding: binding::OpenBinding,
     next: preview::PreviewPicture,
+    seen_cue: Option<usize>,
 }
 
 pub(super) struct LaidOut {
@@ -173,6 +174,11 @@ fn show(
     }
     if let Some(list) = &content.tracks {
         let rect = tracks::show(context, space, list, events);
+        panels.push(rect);
+        leave_beside(&mut left, rect);
+    }
+    if let Some(sheet) = &content.cues {
+        let rect = cues::show(context, space, sheet, &mut kept.seen_cue, events);
         panels.push(rect);
         leave_beside(&mut left, rect);
     }
