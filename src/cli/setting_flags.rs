@@ -11,7 +11,7 @@ use crate::placement::{Corners, Crop, Flip};
 macro_rules! define_flags {
     ($( $table:ident { $(
         $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr, $variant:ident
-            $({ $name:literal, $purpose:literal })? $([ $($key:ident = $value:expr),+; $help:literal ])?;
+            $({ $name:literal, $purpose:literal, $group:ident })? $([ $($key:ident = $value:expr),+; $help:literal ])?;
     )* } )*) => {
         #[derive(Args)]
         pub(super) struct SettingFlags {

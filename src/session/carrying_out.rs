@@ -156,7 +156,7 @@ impl Session {
                 self.interface.update_controllers(&mut self.playback);
             }
             Command::Leave => self.leave(),
-            Command::ToggleHelp => self.interface.ui_state.panels.toggle_help(),
+            Command::ToggleHelp => self.interface.toggle_help(),
             // The main loop carries out this command.
             Command::Quit => {}
         }

@@ -156,15 +156,33 @@ impl Session {
         if self.interface.overlay.on_input(input) {
             return None;
         }
-        if self.take_for_editor(input) || self.take_for_panels(input) {
+        if self.take_for_help(input) || self.take_for_editor(input) || self.take_for_panels(input) {
             return None;
         }
         self.interface.input.take(input, clock::now())
     }
 
+    /// Passes a key to the table of keys, which is above all panels. Returns `true` if the table consumed it.
+    fn take_for_help(&mut self, input: &Input) -> bool {
+        if !self.interface.ui_state.panels.help() {
+            return false;
+        }
+        let Some((key, held)) = self.interface.input.typed(input) else { return false };
+        if self.interface.go_through_controls(&mut *self.screen, key, held) {
+            return true;
+        }
+        let command_key = held.control_key() || held.super_key();
+        let (taken, commands) = self.interface.ui_state.help.take_key(key, command_key);
+        self.carry_out_all(commands);
+        taken
+    }
+
     /// Passes a key to the open panel. Returns `true` if the panel consumed it.
     fn take_for_panels(&mut self, input: &Input) -> bool {
         let Some((key, held)) = self.interface.input.typed(input) else { return false };
+        if self.interface.go_through_controls(&mut *self.screen, key, held) {
+            return true;
+        }
         let command_key = held.control_key() || held.super_key();
         if let Some(browser) = &mut self.interface.ui_state.browser {
             let commands = browser.take_key(key, command_key);
@@ -174,9 +192,6 @@ impl Session {
         if let Some(files) = &mut self.interface.ui_state.files {
             let commands = files.take_key(key, held.shift_key(), command_key);
             self.carry_out_all(commands);
-            return true;
-        }
-        if self.interface.go_through_controls(&mut *self.screen, key, held) {
             return true;
         }
         let of_settings = self.interface.ui_state.settings.as_mut().map(|settings| settings.take_key(key));

@@ -10,6 +10,7 @@ use crate::limits::LIMITS;
 use crate::scenes::{SceneSource, is_scene_file};
 use crate::thumbnails::Thumbnails;
 use crate::ui::file_browser::FileBrowser;
+use crate::ui::help_panel::HelpPanel;
 use crate::ui::overlay::{FileListEvent, SceneListEvent, UiEvent};
 use crate::ui::scene_browser::SceneBrowser;
 
@@ -68,12 +69,13 @@ impl Session {
         let commands = match event {
             SceneListEvent::Show { place, close } => browser.show(place, close),
             SceneListEvent::Mark(place) => browser.mark(place),
-            SceneListEvent::Drawn { places, columns } => {
+            SceneListEvent::Drawn { places, columns, moving } => {
                 if let Some(thumbnails) = &mut self.interface.thumbnails {
-                    browser.note_drawn(places, columns, thumbnails);
+                    browser.note_drawn(places, columns, moving, thumbnails);
                 }
                 return;
             }
+            SceneListEvent::Filter(filter) => return browser.filter(filter),
         };
         self.carry_out_all(commands);
     }
@@ -103,6 +105,7 @@ impl Session {
         for event in std::mem::take(&mut self.interface.ui_events) {
             match event {
                 UiEvent::Command(command) => commands.push(command),
+                UiEvent::Help(row) => commands.extend(self.interface.ui_state.help.pick(row)),
                 UiEvent::Editor(event) => self.take_editor_event(event),
                 UiEvent::Scenes(event) => self.take_scene_event(event),
                 UiEvent::Files(event) => self.take_file_event(event),
@@ -123,6 +126,13 @@ impl Playback {
 }
 
 impl Interface {
+    /// Shows the table of keys without a search text, or hides the table.
+    pub(super) fn toggle_help(&mut self) {
+        self.ui_state.panels.toggle_help();
+        self.ui_state.help = HelpPanel::default();
+        self.overlay.drop_key_focus();
+    }
+
     pub(super) fn takes_text(&self) -> bool {
         self.ui_state.browser.is_some() || self.ui_state.files.is_some() || self.editor_has_focus()
     }
@@ -165,7 +175,7 @@ impl Interface {
         let favourites = playback.listening.settings().favourite_scenes.clone();
         let browser = SceneBrowser::new(scenes, playback.scene.scenes().shown_source(), favourites);
         if let Some(thumbnails) = &mut self.thumbnails {
-            browser.ask_for_comments(thumbnails);
+            browser.ask_for_descriptions(thumbnails);
         }
         self.ui_state.browser = Some(browser);
     }

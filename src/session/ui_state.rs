@@ -17,6 +17,7 @@ use crate::ui::file_browser::FileBrowser;
 use crate::ui::overlay::{
     Bar, CueSheet, Notice, OverlayContent, PanelSwitches, Problem, SnapshotRow, Tracks, Welcome,
 };
+use crate::ui::help_panel::HelpPanel;
 use crate::ui::scene_browser::SceneBrowser;
 use crate::ui::settings_panel::SettingsPanel;
 use mariana_music::SongStructure;
@@ -24,6 +25,7 @@ use mariana_player::{ListedTracks, LoudnessShape};
 
 pub(crate) struct UiState {
     pub(crate) panels: PanelSwitches,
+    pub(super) help: HelpPanel,
     /// The shown scene, and its position in the list as text.
     pub(super) placed_scene: Option<(SceneSource, String)>,
     pub(super) welcomed: Option<Instant>,
@@ -68,7 +70,6 @@ pub(super) fn content_of<'a>(
         problem: problem.map(|(heading, text)| Problem { heading, text }),
         notice: notice.map(|(text, since)| Notice { text, fraction: None, since }),
         params: Some(sliders).filter(|sliders| panels.sliders() && !sliders.is_empty()),
-        help: panels.help(),
         hint,
         decks,
         ..OverlayContent::default()
@@ -79,6 +80,7 @@ impl UiState {
     pub(super) fn new(clean: bool) -> Self {
         Self {
             panels: PanelSwitches::default(),
+            help: HelpPanel::default(),
             placed_scene: None,
             welcomed: None,
             browser: None,
@@ -110,6 +112,7 @@ impl UiState {
         let (open, playing) = (self.panels.open(), reports.playing());
         let scene = self.placed_scene.as_ref().map_or("", |(_, words)| words);
         content.add(reports.notice());
+        content.help = Some(&self.help).filter(|_| self.panels.help());
         listening.show_in(content, open == Some(Panel::Sources), now);
         content.scenes = self.browser.as_ref();
         content.files = self.files.as_ref();
@@ -133,7 +136,7 @@ impl UiState {
             content.notice = None;
         } else if let Some(since) = self
             .welcomed
-            .filter(|_| !seen.awake && open.is_none() && content.problem.is_none() && !content.help)
+            .filter(|_| !seen.awake && open.is_none() && content.problem.is_none() && content.help.is_none())
         {
             let (title, artist) = (&*playing.title, playing.artist.as_deref());
             content.welcome = Some(Welcome { title, artist, scene, since });

@@ -72,7 +72,7 @@ fn settings_are_changed_by_keys_and_pointer_and_saved() {
     server.plug("usb", &[]);
     server.set_default("viz");
     let place = Place::new();
-    // Use keys only. The rows are the outputs (default, viz and usb), the latency, the quality and the limiter.
+    // Use keys only. The rows are the outputs (default, viz and usb), the delay, the gain, the quality and the limiter.
     let app = hear(&place, &["--size", "640x360"]);
     wait_for_output(&app, &server, "viz");
     app.press(&["g"]);
@@ -82,7 +82,7 @@ fn settings_are_changed_by_keys_and_pointer_and_saved() {
     app.wait_until("the output", |_| {
         place.saved_settings().contains("output = \"") && place.saved_settings().contains("usb")
     });
-    app.press(&["Down", "Right", "Right", "Down", "Right", "Down", "Return"]);
+    app.press(&["Down", "Right", "Right", "Down", "Down", "Right", "Down", "Return"]);
     wait_for_setting(&app, &place, "quality = \"low\"");
     wait_for_setting(&app, &place, "flash_limiter = \"off\"");
     assert!(place.saved_settings().contains("usb\" = 10.0"), "{}", place.saved_settings());
@@ -109,15 +109,16 @@ fn settings_are_changed_by_keys_and_pointer_and_saved() {
     app.click_at(760 - 14 - 14 - 15 - 2 * 32, 540 - 14 - 11 - 15);
     wait_for_ground(&app, "the panel", 66, 30);
     wait_for_outputs(&app);
-    // Rows are 26 pixels high, below a heading. The names of values begin 170 pixels right of the rows' left edge.
-    let row = |place: u32| 14 + 11 + 26 + 26 * place + 13;
+    // Rows are 26 pixels high, below a heading. The headings of groups are 22 pixels high: the second one is above the
+    // quality. The names of values begin 170 pixels right of the rows' left edge.
+    let row = |place: u32| 14 + 11 + 26 + 22 + if place > 4 { 22 } else { 0 } + 26 * place + 13;
     let (left, names) = (60 + 14, 60 + 14 + 170);
     app.click_at(left + 60, row(0));
     wait_for_output(&app, &server, "viz");
     wait_for_default(&app, &place, "output");
-    app.click_at(names + 18, row(4));
+    app.click_at(names + 18, row(5));
     wait_for_default(&app, &place, "quality");
-    app.click_at(names + 14, row(5));
+    app.click_at(names + 14, row(6));
     wait_for_default(&app, &place, "flash_limiter");
     // The cross closes the panel. Then a click at the panel's former position does not change a setting.
     app.click_at(760 - 60 - 14 - 13, 14 + 11 + 10);
@@ -182,7 +183,7 @@ fn tracks_and_hints_can_be_switched_off() {
     let app = open(&place, &options);
     app.wait_for_title("the last track", |title| title.contains("2/2"));
     app.press(&["g"]);
-    app.press(&["Down", "Down", "Down", "Down", "Down", "Down", "Down", "Return"]);
+    app.press(&["Down", "Down", "Down", "Down", "Down", "Down", "Down", "Down", "Return"]);
     wait_for_setting(&app, &place, "last_tracks = \"off\"");
     assert!(!listed.exists(), "the list still exists");
     app.press(&["Down", "Return"]);

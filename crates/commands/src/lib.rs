@@ -18,6 +18,7 @@
 //! assert_eq!(sent, Some(Command::Mute(Switch::On)));
 //! ```
 
+mod binding;
 pub mod input;
 mod state;
 mod table;
@@ -25,8 +26,9 @@ mod values;
 
 use std::sync::OnceLock;
 
+pub use binding::Binding;
 pub use state::{ShowState, SnapshotKeys};
-pub use table::{Binding, CROSSFADE_STEP, Command, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, VOLUME_STEP};
+pub use table::{CROSSFADE_STEP, Command, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, VOLUME_STEP};
 pub use values::{Bind, Delay, Files, LoadedDeck, MovedCorner, SetSetting, TurnedNumbers};
 
 use crate::input::{Key, KeyPress, Modifiers};
@@ -83,6 +85,37 @@ pub enum Panel {
     Cues,
 }
 
+/// A group of keys in the help and in `docs/reference.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Group {
+    /// Songs, sound and the window.
+    Playing,
+    /// Choosing and editing scenes.
+    Scenes,
+    /// Changing the look of a scene.
+    Looks,
+    /// Performing for an audience.
+    Stage,
+    /// Looking at how the image is made.
+    Developers,
+}
+
+impl Group {
+    /// All groups, in the order of the help.
+    pub const ALL: [Self; 5] = [Self::Playing, Self::Scenes, Self::Looks, Self::Stage, Self::Developers];
+
+    /// The heading of the group.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Playing => "Playing",
+            Self::Scenes => "Scenes",
+            Self::Looks => "Looks",
+            Self::Stage => "Stage",
+            Self::Developers => "For developers",
+        }
+    }
+}
+
 /// The title or number by which a controller names a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneName {
@@ -129,6 +162,8 @@ pub struct Row {
     pub control: Option<Control>,
     /// The keys of the command.
     pub bindings: &'static [Binding],
+    /// The group of the keys in the help.
+    pub group: Option<Group>,
     /// The help text of a command without keys.
     pub help: &'static str,
     /// Returns the state of a switch.
@@ -145,6 +180,7 @@ impl Row {
         name: None,
         control: None,
         bindings: &[],
+        group: None,
         help: "",
         is_on: None,
         level: None,
@@ -269,18 +305,26 @@ pub fn levels(state: &ShowState) -> Vec<(&'static str, f32)> {
     ROWS.iter().filter_map(|row| Some((row.name?, (row.level?)(state)?))).collect()
 }
 
-/// Returns all key bindings, in the order of the help.
+/// Returns all key bindings, in the order of the table.
 pub fn bindings() -> impl Iterator<Item = &'static Binding> {
     ROWS.iter().flat_map(|row| row.bindings)
 }
 
-/// Returns the table of keys in `docs/reference.md`.
+/// Returns the key bindings of a group, in the order of the help.
+pub fn bindings_of(group: Group) -> impl Iterator<Item = &'static Binding> {
+    let of_row = move |row: &'static Row| {
+        row.bindings.iter().filter(move |binding| binding.group.or(row.group) == Some(group))
+    };
+    ROWS.iter().flat_map(of_row)
+}
+
+/// Returns the tables of keys in `docs/reference.md`, one for each group.
 pub fn markdown_table() -> String {
-    let mut text = String::from("| key | what it does |\n|---|---|\n");
-    for binding in bindings() {
-        text.push_str(&format!("| {} | {} |\n", binding.written, binding.help));
-    }
-    text
+    let of_group = |group: Group| {
+        let rows = bindings_of(group).map(|binding| format!("| {} | {} |\n", binding.written, binding.help));
+        format!("### {}\n\n| key | what it does |\n|---|---|\n{}", group.name(), rows.collect::<String>())
+    };
+    Group::ALL.map(of_group).join("\n")
 }
 
 #[cfg(test)]
@@ -299,6 +343,18 @@ mod tests {
         let all: Vec<_> = bindings().flat_map(|binding| binding.keys).map(|(key, _)| *key).collect();
         for (index, key) in all.iter().enumerate() {
             assert!(!all[..index].contains(key), "{key:?} is bound twice");
+        }
+    }
+
+    #[test]
+    fn every_binding_is_in_one_group_and_has_a_command() {
+        let grouped: usize = Group::ALL.into_iter().map(|group| bindings_of(group).count()).sum();
+        let ungrouped = ROWS.iter().filter(|row| row.group.is_none()).flat_map(|row| row.bindings);
+        let ungrouped: Vec<_> = ungrouped.filter(|binding| binding.group.is_none()).collect();
+        assert!(ungrouped.is_empty(), "give these keys a group: {ungrouped:?}");
+        assert_eq!(grouped, bindings().count());
+        for binding in bindings() {
+            assert!(binding.command().is_some(), "{}", binding.written);
         }
     }
 

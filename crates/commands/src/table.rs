@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::values::{Bind, Delay, Files, LoadedDeck, MovedCorner, SetSetting, TurnedNumbers};
-use super::{Control, Panel, Row, SceneName, Switch};
+use super::{Binding, Control, Group, Panel, Row, SceneName, Switch};
 use crate::input::{Key, NamedKey};
 use mariana_control::midi::Target;
 use mariana_player::track::Repeat;
@@ -60,10 +60,12 @@ commands! {
         name: Some("pause"),
         control: Some(Control::Switch(C::Pause)),
         is_on: Some(|state| state.paused),
+        group: Some(Group::Playing),
         bindings: &[keys!(Key::Named(NamedKey::Space), Key::Named(NamedKey::MediaPlayPause) => C::Pause(Toggle), "Space", "pause or resume")],
     }
     /// Seeks by this many seconds.
     SeekBy(f64) {
+        group: Some(Group::Playing),
         bindings: &[
             keys!(
                 Key::Named(NamedKey::ArrowLeft) => C::SeekBy(-SEEK_SECONDS),
@@ -88,6 +90,7 @@ commands! {
     }
     /// Changes the volume by this amount, on a scale of 0..1.
     VolumeBy(f32) {
+        group: Some(Group::Playing),
         bindings: &[
             keys!(Key::Named(NamedKey::ArrowUp) => C::VolumeBy(VOLUME_STEP), "Up", "louder", repeats: true),
             keys!(Key::Named(NamedKey::ArrowDown) => C::VolumeBy(-VOLUME_STEP), "Down", "quieter", repeats: true),
@@ -105,12 +108,14 @@ commands! {
         name: Some("mute"),
         control: Some(Control::Switch(C::Mute)),
         is_on: Some(|state| state.muted),
+        group: Some(Group::Playing),
         bindings: &[keys!(Key::Character("m") => C::Mute(Toggle), "M", "mute or unmute; the image keeps moving")],
     }
     /// Counts this moment as a beat of a tapped tempo.
     Tap {
         name: Some("beat"),
         control: Some(Control::Press(|| C::Tap)),
+        group: Some(Group::Playing),
         bindings: &[keys!(
             Key::Character("t") => C::Tap, "T", "tap the tempo; a single tap returns to the detected tempo"
         )],
@@ -125,12 +130,14 @@ commands! {
     NextTrack {
         name: Some("next_track"),
         control: Some(Control::Press(|| C::NextTrack)),
+        group: Some(Group::Playing),
         bindings: &[keys!(Key::Named(NamedKey::PageDown), Key::Named(NamedKey::MediaTrackNext) => C::NextTrack, "Page down", "next track")],
     }
     /// Returns to the start of the track, or plays the previous track.
     PreviousTrack {
         name: Some("previous_track"),
         control: Some(Control::Press(|| C::PreviousTrack)),
+        group: Some(Group::Playing),
         bindings: &[keys!(
             Key::Named(NamedKey::PageUp), Key::Named(NamedKey::MediaTrackPrevious) => C::PreviousTrack,
             "Page up", "start of the track, or previous track"
@@ -140,12 +147,14 @@ commands! {
     Shuffle(Switch) {
         control: Some(Control::Switch(C::Shuffle)),
         is_on: Some(|state| state.shuffled),
+        group: Some(Group::Playing),
         bindings: &[keys!(
             Key::Character("s") => C::Shuffle(Toggle), "S", "play tracks in random order or in list order"
         )],
     }
     /// Switches to the next repeat mode: all tracks, one track, or none.
     NextRepeat {
+        group: Some(Group::Playing),
         bindings: &[keys!(Key::Character("l") => C::NextRepeat, "L", "repeat all tracks, one track, or none")],
     }
     /// Sets the repeat mode.
@@ -160,6 +169,7 @@ commands! {
     Open(Files) {}
     /// Switches to the next audio source.
     NextSource {
+        group: Some(Group::Playing),
         bindings: &[keys!(
             Key::Character("d") => C::NextSource,
             "D", "next source: the song, the computer's sound, or an input"
@@ -169,6 +179,7 @@ commands! {
     Listen(usize) {}
     /// Delays the image by this many steps of 5 ms.
     DelayBy(f64) {
+        group: Some(Group::Playing),
         bindings: &[
             keys!(
                 Key::Character("[") => C::DelayBy(-1.0),
@@ -184,38 +195,38 @@ commands! {
     Delay(Delay) {}
     /// Opens this panel and closes any other panel. If this panel is already open, closes it.
     TogglePanel(Panel) {
+        group: Some(Group::Playing),
         bindings: &[
             keys!(Key::Character("u") => C::TogglePanel(Panel::Tracks), "U", "track list"),
             keys!(Key::Character("o") => C::TogglePanel(Panel::Files), "O", "open music, folders, playlists or scenes"),
-            keys!(Key::Character("b") => C::TogglePanel(Panel::Scenes), "B", "all scenes, with preview images"),
+            keys!(Key::Character("b") => C::TogglePanel(Panel::Scenes), "B", "all scenes, with preview images", group: Some(Group::Scenes)),
             keys!(
                 Key::Character("e") => C::TogglePanel(Panel::Editor),
-                "E", "edit this scene, over the image"
-            ),
+                "E", "edit this scene, over the image", group: Some(Group::Scenes)),
             keys!(
                 Key::Character("g") => C::TogglePanel(Panel::Settings),
                 "G", "settings: output, latency, quality, flashes and more"
             ),
             keys!(
                 Key::Character("j") => C::TogglePanel(Panel::Controllers),
-                "J", "controllers: MIDI, OSC, phones, and their mappings"
-            ),
+                "J", "controllers: MIDI, OSC, phones, and their mappings", group: Some(Group::Stage)),
             keys!(
                 Key::Character("y") => C::TogglePanel(Panel::Corners),
-                "Y", "drag the image's corners, for a projector at an angle"
-            ),
+                "Y", "drag the image's corners, for a projector at an angle", group: Some(Group::Stage)),
         ],
     }
     /// Shows the next scene.
     NextScene {
         name: Some("next"),
         control: Some(Control::Press(|| C::NextScene)),
+        group: Some(Group::Scenes),
         bindings: &[keys!(Key::Character("n") => C::NextScene, "N", "next scene")],
     }
     /// Shows the previous scene.
     PreviousScene {
         name: Some("previous"),
         control: Some(Control::Press(|| C::PreviousScene)),
+        group: Some(Group::Scenes),
         bindings: &[keys!(Key::Character("p") => C::PreviousScene, "P", "previous scene")],
     }
     /// Shows the scene named by a controller.
@@ -226,6 +237,7 @@ commands! {
     }
     /// Shows the entry of the scene list with this index, from 0. Marked scenes come first.
     SceneAt(usize) {
+        group: Some(Group::Scenes),
         bindings: &[Binding {
             keys: &[
                 (Key::Character("1"), C::SceneAt(0)),
@@ -252,6 +264,7 @@ commands! {
     Surprise(f32) {
         name: Some("surprise"),
         control: Some(Control::Number(C::Surprise, Some(0.0))),
+        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::F5) => C::Surprise(0.0), "F5", "surprise me: another variation of this scene"
         )],
@@ -260,6 +273,7 @@ commands! {
     SurpriseBack {
         name: Some("surprise_back"),
         control: Some(Control::Press(|| C::SurpriseBack)),
+        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::F6) => C::SurpriseBack,
             "F6", "back to the variation before, and at last to the scene itself"
@@ -270,6 +284,7 @@ commands! {
         name: Some("keep_surprise"),
         control: Some(Control::Press(|| C::KeepSurprise)),
         for_phones: false,
+        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::F7) => C::KeepSurprise, "F7", "save this variation as a scene of your own"
         )],
@@ -296,6 +311,7 @@ commands! {
         name: Some("follow"),
         control: Some(Control::Switch(C::Follow)),
         is_on: Some(|state| state.follows),
+        group: Some(Group::Scenes),
         bindings: &[keys!(
             Key::Character("a") => C::Follow(Toggle), "A", "turn automatic scene changes (the show) on or off"
         )],
@@ -305,6 +321,7 @@ commands! {
         name: Some("keep"),
         control: Some(Control::Switch(C::Keep)),
         is_on: Some(|state| state.kept),
+        group: Some(Group::Scenes),
         bindings: &[keys!(
             Key::Character("k") => C::Keep(Toggle), "K", "keep this scene when scenes would follow the song"
         )],
@@ -314,6 +331,7 @@ commands! {
         name: Some("decks"),
         control: Some(Control::Switch(C::Decks)),
         is_on: Some(|state| state.decks),
+        group: Some(Group::Stage),
         bindings: &[keys!(
             Key::Named(NamedKey::F3) => C::Decks(Toggle), "F3", "two decks with a crossfader, or one scene"
         )],
@@ -331,6 +349,7 @@ commands! {
     CrossOver {
         name: Some("cross"),
         control: Some(Control::Press(|| C::CrossOver)),
+        group: Some(Group::Stage),
         bindings: &[keys!(
             Key::Named(NamedKey::F8) => C::CrossOver,
             "F8", "move the crossfader to the other deck; Shift+F8 at once",
@@ -361,6 +380,7 @@ commands! {
     NextCue {
         name: Some("cue"),
         control: Some(Control::Press(|| C::NextCue)),
+        group: Some(Group::Stage),
         bindings: &[keys!(
             Key::Named(NamedKey::Enter) => C::NextCue,
             "Enter or Shift+Enter", "next cue of a show file; Shift shows all entries",
@@ -385,6 +405,7 @@ commands! {
         control: Some(Control::Switch(C::Record)),
         is_on: Some(|state| state.recording),
         for_phones: false,
+        group: Some(Group::Stage),
         bindings: &[keys!(
             Key::Named(NamedKey::F9) => C::Record(Toggle),
             "F9", "start or stop recording your actions as a show"
@@ -392,12 +413,14 @@ commands! {
     }
     /// Switches between interpreting and compiling the scene.
     ToggleMode {
+        group: Some(Group::Developers),
         bindings: &[keys!(
             Key::Character("c") => C::ToggleMode, "C", "interpreted or compiled formulas; the image is the same"
         )],
     }
     /// Switches between a shortened tape in each cell and the whole tape everywhere.
     ToggleRegions {
+        group: Some(Group::Developers),
         bindings: &[keys!(
             Key::Character("r") => C::ToggleRegions, "R", "skip empty space or not; the image is the same"
         )],
@@ -406,6 +429,7 @@ commands! {
     ResetCamera {
         name: Some("camera"),
         control: Some(Control::Press(|| C::ResetCamera)),
+        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::Home) => C::ResetCamera, "Home", "return to the scene's camera after manual moves"
         )],
@@ -418,6 +442,7 @@ commands! {
     Inspect([f64; 2]) {}
     /// Shows the next diagnostic view.
     NextView {
+        group: Some(Group::Developers),
         bindings: &[keys!(
             Key::Character("v") => C::NextView,
             "V or Shift+V", "next diagnostic view, such as ray steps; Shift goes back",
@@ -428,6 +453,7 @@ commands! {
     PreviousView {}
     /// Increases (`true`) or decreases the adjustable value of a diagnostic view, such as its scale.
     StepView(bool) {
+        group: Some(Group::Developers),
         bindings: &[
             keys!(
                 Key::Character(",") => C::StepView(false),
@@ -438,6 +464,7 @@ commands! {
     }
     /// Shows or hides the parameter sliders.
     ToggleSliders {
+        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::Tab) => C::ToggleSliders,
             "Tab or Shift+Tab", "the scene's sliders; Shift+Tab moves through the bar"
@@ -452,6 +479,7 @@ commands! {
         name: Some("snapshot"),
         control: Some(Control::Numbered(C::Snapshot)),
         for_phones: false,
+        group: Some(Group::Looks),
         bindings: &[Binding {
             digits: Some(C::Snapshot),
             written: "Shift+1 to Shift+8",
@@ -465,6 +493,7 @@ commands! {
         control: Some(Control::Switch(C::TakeNext)),
         is_on: Some(|state| state.snapshots.takes),
         for_phones: false,
+        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::F2) => C::TakeNext(Toggle),
             "F2", "the next snapshot key takes its snapshot again"
@@ -475,6 +504,7 @@ commands! {
         name: Some("morph"),
         control: Some(Control::Switch(C::Morph)),
         is_on: Some(|state| state.snapshots.morphs),
+        group: Some(Group::Looks),
         bindings: &[keys!(
             Key::Named(NamedKey::F4) => C::Morph(Toggle), "F4", "recall snapshots over some beats, or at once"
         )],
@@ -494,6 +524,7 @@ commands! {
     }
     /// Shows or hides the line of scene information.
     ToggleSceneLine {
+        group: Some(Group::Developers),
         bindings: &[keys!(Key::Character("i") => C::ToggleSceneLine, "I", "show or hide scene information")],
     }
     /// Fades the image to black, or from black back to the image.
@@ -501,6 +532,7 @@ commands! {
         name: Some("blackout"),
         control: Some(Control::Switch(C::Blackout)),
         is_on: Some(|state| state.black),
+        group: Some(Group::Stage),
         bindings: &[keys!(Key::Character("x") => C::Blackout(Toggle), "X", "fade to black, or back")],
     }
     /// Freezes or releases the image.
@@ -508,6 +540,7 @@ commands! {
         name: Some("freeze"),
         control: Some(Control::Switch(C::Freeze)),
         is_on: Some(|state| state.frozen),
+        group: Some(Group::Stage),
         bindings: &[keys!(
             Key::Character("z") => C::Freeze(Toggle), "Z", "freeze or release the image; the song continues"
         )],
@@ -524,6 +557,7 @@ commands! {
         name: Some("clean"),
         control: Some(Control::Switch(C::Clean)),
         is_on: Some(|state| state.clean),
+        group: Some(Group::Stage),
         bindings: &[keys!(Key::Character("w") => C::Clean(Toggle), "W", "hide or show all text and panels")],
     }
     /// Moves a corner of the image.
@@ -535,6 +569,7 @@ commands! {
         name: Some("fullscreen"),
         control: Some(Control::Switch(C::Fullscreen)),
         is_on: Some(|state| state.fullscreen),
+        group: Some(Group::Playing),
         bindings: &[keys!(
             Key::Character("f"), Key::Named(NamedKey::F11) => C::Fullscreen(Toggle),
             "F, F11 or double click", "enter or leave full screen"
@@ -552,37 +587,19 @@ commands! {
     EditMappings(KnobEdit) {}
     /// Closes the open panel; without one, leaves full screen. Never quits.
     Leave {
+        group: Some(Group::Playing),
         bindings: &[keys!(Key::Named(NamedKey::Escape) => C::Leave, "Esc", "close the panel, or leave full screen")],
     }
     /// Shows or hides the list of keys.
     ToggleHelp {
+        group: Some(Group::Playing),
         bindings: &[keys!(
             Key::Character("h"), Key::Named(NamedKey::F1) => C::ToggleHelp, "H or F1", "show or hide the keys"
         )],
     }
     /// Ends the program.
     Quit {
+        group: Some(Group::Playing),
         bindings: &[keys!(Key::Character("q") => C::Quit, "Q", "quit")],
     }
-}
-
-/// One or several keys for a command, with texts for the help and `docs/reference.md`.
-#[derive(Debug)]
-pub struct Binding {
-    /// The keys, each with the command that it sends.
-    pub keys: &'static [(Key<&'static str>, Command)],
-    /// The command of the first key while Shift is held, if Shift changes the command.
-    pub shifted: Option<Command>,
-    /// The keys as the help names them, such as "F, F11 or double click".
-    pub written: &'static str,
-    /// The help text, such as "enter or leave full screen".
-    pub help: &'static str,
-    /// Returns the command of a digit key, by its digit, while Shift is held.
-    pub digits: Option<fn(usize) -> Command>,
-    /// True if a held key repeats the command.
-    pub repeats: bool,
-}
-
-impl Binding {
-    const ONCE: Self = Self { keys: &[], shifted: None, written: "", help: "", digits: None, repeats: false };
 }

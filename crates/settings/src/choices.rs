@@ -6,7 +6,7 @@ use mariana_music::Gain;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::setting_rows::{SettingRow, Shown};
+use super::setting_rows::{SettingGroup, SettingRow, Shown};
 use super::{FollowChoice, QualityChoice};
 use crate::limits::LIMITS;
 use crate::with_settings;
@@ -20,6 +20,11 @@ pub trait Choice: Copy + PartialEq + 'static {
     /// Returns the option's name.
     fn name(self) -> &'static str {
         Self::ALL.iter().find(|(value, ..)| *value == self).map_or("", |(_, name, _)| name)
+    }
+
+    /// Returns the option's name in the panel, for people who never see the file or the flags.
+    fn word(self) -> &'static str {
+        self.name()
     }
 
     /// Returns the option with this name.
@@ -48,6 +53,14 @@ impl Choice for FollowChoice {
         (Self::On, "on", "For songs and inputs"),
         (Self::Off, "off", "Only you change the scene"),
     ];
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Songs => "songs",
+            Self::On => "always",
+            Self::Off => "never",
+        }
+    }
 }
 
 impl Choice for Flip {
@@ -57,28 +70,58 @@ impl Choice for Flip {
         (Self::Vertical, "vertical", ""),
         (Self::Both, "both", "For a projector mounted upside down"),
     ];
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Horizontal => "left and right",
+            Self::Vertical => "top and bottom",
+            Self::Both => "both",
+        }
+    }
 }
 
 impl Choice for Gain {
     const ALL: &'static [(Self, &'static str, &'static str)] =
         &[(Self::Auto, "auto", ""), (Self::Off, "off", "")];
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Auto => "on",
+            Self::Off => "off",
+        }
+    }
 }
 
 /// `None` uses the scene's tone map.
 impl Choice for Option<ToneMap> {
     const ALL: &'static [(Self, &'static str, &'static str)] = &[
-        (None, "scene", "The scene's choice, or agx"),
-        (Some(ToneMap::Agx), ToneMap::Agx.name(), ""),
-        (Some(ToneMap::Aces), ToneMap::Aces.name(), ""),
-        (Some(ToneMap::Reinhard), ToneMap::Reinhard.name(), ""),
-        (Some(ToneMap::None), ToneMap::None.name(), ""),
+        (None, "scene", "The scene's choice, or film"),
+        (
+            Some(ToneMap::Agx),
+            ToneMap::Agx.name(),
+            "Natural colours; bright colours fade to white, as on film",
+        ),
+        (Some(ToneMap::Aces), ToneMap::Aces.name(), "Deep shadows and vivid colours"),
+        (Some(ToneMap::Reinhard), ToneMap::Reinhard.name(), "Gentle highlights"),
+        (Some(ToneMap::None), ToneMap::None.name(), "Light as it is; all that is too bright becomes white"),
     ];
+
+    fn word(self) -> &'static str {
+        match self {
+            None => "the scene's",
+            Some(ToneMap::Agx) => "film",
+            Some(ToneMap::Aces) => "high contrast",
+            Some(ToneMap::Reinhard) => "soft",
+            Some(ToneMap::None) => "plain",
+        }
+    }
 }
 
 macro_rules! define_settings {
     ($( $table:ident { $(
         $(#[$of_field:meta])* $field:ident: $type:ty = $default:expr, $variant:ident
-            $({ $name:literal, $purpose:literal })? $([ $($flag:tt)* ])?;
+            $({ $name:literal, $purpose:literal, $group:ident })? $([ $($flag:tt)* ])?;
     )* } )*) => {
         define_settings! { @structs $( $table { $( $(#[$of_field])* $field: $type = $default; )* } )* }
 
@@ -97,6 +140,7 @@ macro_rules! define_settings {
                     purpose: self.$field.purpose($purpose),
                     values: self.$field.values(Setting::$variant),
                     for_this_run: self.$field != remembered.$field,
+                    group: SettingGroup::$group,
                 }, )? )*]
             }
 

@@ -35,7 +35,7 @@ pub use kept_settings::KeptSettings;
 pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
 pub use performances::{Kept, PerformanceFiles};
-pub use setting_rows::{SettingRow, Values};
+pub use setting_rows::{SettingGroup, SettingRow, Values};
 pub use settings::{Settings, SettingsError, SettingsFile, Snapshot};
 
 /// The rendering quality in the window.

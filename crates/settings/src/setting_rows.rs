@@ -3,6 +3,42 @@
 use super::{Choice, Setting};
 use mariana_render::placement::Crop;
 
+/// A group of rows in the settings panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SettingGroup {
+    /// Outputs, and how sound moves the image.
+    Sound,
+    /// The look of the image.
+    Picture,
+    /// Automatic scene changes.
+    Scenes,
+    /// The monitor for the clean image.
+    Screens,
+    /// Text over the image, and the next start.
+    Window,
+    /// Settings that few users need. The panel hides them until the user asks for them.
+    Advanced,
+}
+
+impl SettingGroup {
+    /// The heading of the group.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sound => "Sound",
+            Self::Picture => "Image",
+            Self::Scenes => "Scenes",
+            Self::Screens => "Screens",
+            Self::Window => "This window",
+            Self::Advanced => "Advanced",
+        }
+    }
+
+    /// True if the image shows what the settings of this group change.
+    pub fn is_seen(self) -> bool {
+        matches!(self, Self::Sound | Self::Picture | Self::Advanced)
+    }
+}
+
 /// A row of the settings panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SettingRow {
@@ -14,6 +50,8 @@ pub struct SettingRow {
     pub values: Values,
     /// True if the value comes from the command line and applies to this run only.
     pub for_this_run: bool,
+    /// The group of the row. The rows of a group are below each other.
+    pub group: SettingGroup,
 }
 
 /// The values of a row.
@@ -42,6 +80,11 @@ pub enum Values {
     },
     /// The delay of the image for a device, in milliseconds; a negative delay shows the image earlier.
     Delay(f64),
+    /// The row shows or hides the other rows of its group.
+    Fold {
+        /// True if the rows are shown.
+        open: bool,
+    },
 }
 
 /// Turns a whole percentage into a setting.
@@ -74,14 +117,16 @@ pub(super) trait Shown: Sized {
 impl<T: Choice> Shown for T {
     fn values(&self, setting: fn(Self) -> Setting) -> Values {
         Values::Names {
-            options: T::ALL.iter().map(|(value, name, _)| (*name, setting(*value))).collect(),
+            options: T::ALL.iter().map(|(value, ..)| (value.word(), setting(*value))).collect(),
             chosen: T::ALL.iter().position(|(value, ..)| value == self).unwrap_or(T::ALL.len()),
         }
     }
 
     fn purpose(&self, purpose: &str) -> String {
         match T::ALL.iter().find(|(value, ..)| value == self) {
-            Some((_, name, meaning)) if !meaning.is_empty() => format!("{purpose} · {name}: {meaning}"),
+            Some((value, _, meaning)) if !meaning.is_empty() => {
+                format!("{purpose} · {}: {meaning}", value.word())
+            }
             _ => purpose.to_owned(),
         }
     }

@@ -4,9 +4,9 @@
 /// Passes the table to a macro, which defines the settings ([`super::Choices`]) or the command-line flags.
 ///
 /// A row has the documentation and serde attributes, the key in the file, the type (a [`super::Shown`]), the default,
-/// and the variant of [`super::Setting`]. Braces contain the name and explanation in the panel. Brackets contain the
-/// clap attributes and the help of the flag. A setting without braces is not in the panel. A setting without brackets
-/// has no flag.
+/// and the variant of [`super::Setting`]. Braces contain the name, the explanation and the group
+/// ([`super::SettingGroup`]) in the panel: words for listeners, without flags. Brackets contain the clap attributes and
+/// the help of the flag. A setting without braces is not in the panel. A setting without brackets has no flag.
 #[macro_export]
 macro_rules! with_settings {
     ($make:ident) => {
@@ -19,48 +19,48 @@ macro_rules! with_settings {
                 /// The rendering quality.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 quality: QualityChoice = QualityChoice::Auto, Quality
-                    { "Quality", "Resolution and effects of the image" }
+                    { "Quality", "Resolution and effects of the image", Picture }
                     [ value_name = "HOW", value_parser = choice::<QualityChoice>();
                       "Quality of the image; auto lowers the resolution when frames take too long [default: the setting in the window, initially auto]" ];
 
                 /// True to dim flashes if there are more than three a second.
                 #[serde(with = "by_name", skip_serializing_if = "is_on")]
                 flash_limiter: bool = true, FlashLimiter
-                    { "Limit flashes", "Dims the image if it flashes more than three times a second, because that can cause seizures (WCAG 2.3.1)" }
+                    { "Limit flashes", "Dims the image if it flashes more than three times a second, because that can cause seizures (WCAG 2.3.1)", Picture }
                     [ value_name = "ON-OFF", value_parser = choice::<bool>();
                       "Dim more than three flashes a second, as WCAG 2.3.1 requires [default: the setting in the window, initially on]" ];
 
                 /// The tone map from light to screen colours; `None` uses the scene's.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 tone_map: Option<ToneMap> = None, ToneMap
-                    { "Tone map", "Converts light to screen colours" };
+                    { "Colours", "How light becomes colours on the screen", Picture };
 
                 /// The gain control, which makes quiet sound move the image as much as loud sound.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 gain: Gain = Gain::Auto, Gain
-                    { "Gain", "Auto: quiet music moves the image as much as loud music does; the sound does not change" };
+                    { "Lift quiet music", "Quiet music moves the image as much as loud music does; the sound does not change", Sound };
 
                 /// The sources for which scenes change automatically.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 follow_song: FollowChoice = FollowChoice::Songs, FollowSong
                     { "Follow the song",
-                      "Changes scenes at the song's sections and drops; key A does the same" };
+                      "Changes scenes at the song's sections and drops; key A does the same", Scenes };
 
                 /// True to resume the last track list at the next start.
                 #[serde(with = "by_name", skip_serializing_if = "is_on")]
                 last_tracks: bool = true, LastTracks
-                    { "Resume tracks", "The next start resumes these tracks where they stop; off forgets them" };
+                    { "Resume tracks", "The next start resumes these tracks where they stop; off forgets them", Window };
 
                 /// True to show hints over the image. Errors and requested panels always appear.
                 #[serde(with = "by_name", skip_serializing_if = "is_on")]
                 hints: bool = true, Hints
-                    { "Hints", "Title, messages and the bar; without them, key G still opens this panel" };
+                    { "Hints", "Title, messages and the bar; without them, key G still opens this panel", Window };
 
                 /// True to show a preview of the next scene even without a second monitor.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 next_scene: bool = false, NextScene
                     { "Next scene",
-                      "A small preview in this window; always shown while another monitor has the image" };
+                      "A small preview in this window; always shown while another monitor has the image", Advanced };
             }
             DisplayChoices {
                 /// The monitor for the clean image, by name or number; `None` uses none.
@@ -71,7 +71,7 @@ macro_rules! with_settings {
                 #[serde(deserialize_with = "percent", skip_serializing_if = "is_full")]
                 brightness: u8 = 100, Brightness
                     { "Brightness",
-                      "Brightness of the image, in the window and wherever it is sent; key X fades to black" }
+                      "Brightness of the image, in the window and wherever it is sent; key X fades to black", Picture }
                     [ value_name = "PERCENT", value_parser = parse_percent, allow_negative_numbers = true;
                       "Brightness of the image in the window, in percent [default: the value in the settings, initially 100]" ];
 
@@ -79,14 +79,14 @@ macro_rules! with_settings {
                 #[serde(deserialize_with = "fade", skip_serializing_if = "is_usual")]
                 blackout_fade: f64 = FADE_SECONDS, BlackoutFade
                     { "Blackout fade",
-                      "Duration of a blackout fade (key X), and of the return from a frozen image (key Z)" }
+                      "Duration of a blackout fade (key X), and of the return from a frozen image (key Z)", Advanced }
                     [ value_name = "SECONDS", value_parser = parse_fade, allow_negative_numbers = true;
                       "Duration of a blackout fade (key X), and of the return from a frozen image (key Z), in seconds [default: the setting in the window, initially 0.5]" ];
 
                 /// The direction in which the image is mirrored.
                 #[serde(with = "by_name", skip_serializing_if = "is_default")]
                 flip: Flip = Flip::Off, Flip
-                    { "Mirror", "Mirrors the image, for projectors; key Y moves the corners" }
+                    { "Mirror", "Mirrors the image, for projectors; key Y moves the corners", Advanced }
                     [ value_name = "WAY", value_parser = choice::<Flip>();
                       "Mirror the image in the window, for projectors [default: the value in the settings, initially off]" ];
 
@@ -94,7 +94,7 @@ macro_rules! with_settings {
                 #[serde(skip_serializing_if = "is_default")]
                 crop: Crop = Crop::default(), Crop
                     { "Crop",
-                      "Cuts the edges of the image, for screens that hide the outermost pixels; `--crop` sets each edge separately" }
+                      "Cuts the edges of the image, for screens that hide the outermost pixels", Advanced }
                     [ value_name = "LEFT,TOP,RIGHT,BOTTOM", value_parser = parse_crop, allow_hyphen_values = true;
                       "Crop of each edge of the image in the window, in percent; the rest fills the window, unstretched [default: the last setting, initially 0,0,0,0]" ];
 

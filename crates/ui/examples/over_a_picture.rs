@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use mariana_render::Headless;
 use mariana_render::gpu::target::{Target, Texel};
+use mariana_ui::help_panel::HelpPanel;
 use mariana_ui::overlay::{Overlay, OverlayContent};
 
 const SIZE: (u32, u32) = (1280, 720);
@@ -17,7 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     context.gl().replace_window(Some(&target));
 
     let mut overlay = Overlay::new(context.gl(), 1.0, || {});
-    let content = OverlayContent { help: true, ..OverlayContent::default() };
+    let help = HelpPanel::default();
+    let content = OverlayContent { help: Some(&help), ..OverlayContent::default() };
     overlay.paint(1.0, SIZE, content, Instant::now())?;
 
     image::save_buffer(&output, &target.read_rgba8(0), SIZE.0, SIZE.1, image::ColorType::Rgba8)?;

@@ -33,6 +33,7 @@ pub mod corner_handles;
 pub mod desk_picture;
 pub mod editor;
 pub mod file_browser;
+pub mod help_panel;
 pub mod limits;
 pub mod monitor;
 pub mod overlay;

@@ -1,5 +1,10 @@
-//! The state of the scene list: a thumbnail of each scene, a search by name or comment, and marks. The overlay draws
-//! the list. Keys and the pointer change it. [`Thumbnails`] provides the images.
+//! The state of the scene list: a thumbnail of each scene, a search by name, comment or mood, filters, and marks. The
+//! overlay draws the list. Keys and the pointer change it. [`Thumbnails`] provides the images.
+//!
+//! The thumbnail under the pointer moves, or else the selected one. Loops are part of the program, because a slow
+//! machine could not draw a second scene beside the show.
+
+mod filters;
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -11,15 +16,18 @@ use mariana_commands::input::{Key, NamedKey};
 use crate::text_query::TextQuery;
 use mariana_commands::{Command, Panel};
 use mariana_scenes::SceneSource;
-use mariana_scenes::thumbnails::{About, Looked, Thumbnails};
+use mariana_scenes::thumbnails::{About, Description, Looked, Thumbnails};
+
+use filters::Filters;
+pub use filters::{ENERGIES, SceneFilter};
 
 /// A scene in the list.
 #[derive(Debug, Clone)]
 pub struct Tile {
     /// The scene's title.
     pub name: String,
-    /// The scene's comment.
-    pub comment: String,
+    /// What the scene's text says about the scene.
+    pub about: Description,
     /// The thumbnail.
     pub picture: TilePicture,
     /// True if the user has marked the scene.
@@ -56,7 +64,17 @@ pub struct SceneBrowser {
     /// Number of tiles side by side at the last drawing.
     columns: usize,
     favourites: BTreeSet<String>,
+    filters: Filters,
+    moving: Option<Moving>,
     revision: u64,
+}
+
+/// The tile that moves.
+#[derive(Debug)]
+struct Moving {
+    source: SceneSource,
+    /// Empty until the frames are there, and for a scene without a loop.
+    frames: Vec<Arc<RgbaImage>>,
 }
 
 impl SceneBrowser {
@@ -68,7 +86,7 @@ impl SceneBrowser {
     ) -> Self {
         let tile = |source: SceneSource| Tile {
             name: source.title(),
-            comment: String::new(),
+            about: Description::default(),
             picture: TilePicture::Unseen,
             favourite: favourites.contains(&source.title()),
             source,
@@ -81,6 +99,8 @@ impl SceneBrowser {
             present: None,
             columns: 1,
             favourites,
+            filters: Filters::default(),
+            moving: None,
             revision: 0,
             tiles,
         };
@@ -134,8 +154,33 @@ impl SceneBrowser {
         self.revision
     }
 
-    /// Records the drawn tiles and the number of tiles side by side. Requests missing thumbnails of the drawn tiles.
-    pub fn note_drawn(&mut self, places: Range<usize>, columns: usize, thumbnails: &mut Thumbnails) {
+    /// The filters by mood and energy.
+    pub fn filters(&self) -> &Filters {
+        &self.filters
+    }
+
+    /// The frames of the moving thumbnail, if the matching tile at an index moves.
+    pub fn frames(&self, place: usize) -> &[Arc<RgbaImage>] {
+        let of = self.tile(place).map(|tile| &tile.source);
+        let moving = self.moving.as_ref().filter(|moving| Some(&moving.source) == of);
+        moving.map_or(&[], |moving| &moving.frames)
+    }
+
+    /// Records the drawn tiles, the number of tiles side by side, and the index of the tile that should move. Requests
+    /// missing thumbnails of the drawn tiles.
+    pub fn note_drawn(
+        &mut self,
+        places: Range<usize>,
+        columns: usize,
+        moving: Option<usize>,
+        thumbnails: &mut Thumbnails,
+    ) {
+        let source = moving.and_then(|place| self.tile(place)).map(|tile| &tile.source);
+        if self.moving.as_ref().map(|moving| &moving.source) != source {
+            let source = source.cloned();
+            self.moving = source.clone().map(|source| Moving { source, frames: Vec::new() });
+            source.into_iter().for_each(|source| thumbnails.ask_for_motion(source));
+        }
         self.columns = columns.max(1);
         let mut wanted = Vec::new();
         for place in places {
@@ -151,39 +196,56 @@ impl SceneBrowser {
         }
     }
 
-    /// Requests the comments of all scenes.
-    pub fn ask_for_comments(&self, thumbnails: &mut Thumbnails) {
-        thumbnails.ask_for_comments(self.tiles.iter().map(|tile| &tile.source));
+    /// Requests the descriptions of all scenes.
+    pub fn ask_for_descriptions(&self, thumbnails: &mut Thumbnails) {
+        thumbnails.ask_for_descriptions(self.tiles.iter().map(|tile| &tile.source));
     }
 
-    /// Stores comments and thumbnails that have been found.
+    /// Stores descriptions and thumbnails that have been found.
     pub fn take(&mut self, found: Vec<Looked>) {
         let mut described = false;
         for Looked { source, about } in found {
+            self.revision += 1;
+            if let About::Motion(frames) = about {
+                let moving = self.moving.as_mut().filter(|moving| moving.source == source);
+                moving.into_iter().for_each(|moving| moving.frames.clone_from(&frames));
+                continue;
+            }
             let Some(tile) = self.tiles.iter_mut().find(|tile| tile.source == source) else { continue };
             match about {
-                About::Comment(comment) => {
-                    tile.comment = comment;
+                About::Description(about) => {
+                    tile.about = about;
                     described = true;
                 }
+                About::Motion(_) => {}
                 About::Picture(image, _) => tile.picture = TilePicture::There(image),
                 About::NoPicture(reason) => tile.picture = TilePicture::Missing(reason),
             }
-            self.revision += 1;
         }
-        if described && !self.query().is_empty() {
-            let selected = self.found.get(self.selected).copied();
-            self.search();
-            self.selected = selected.and_then(|at| self.place_of(at)).unwrap_or(0);
+        if described {
+            self.filters.note(self.tiles.iter().map(|tile| &tile.about));
+        }
+        if described && (!self.query().is_empty() || self.filters.are_any()) {
+            self.search_again();
         }
     }
 
     /// Handles a key and returns its commands; `command` is true while Ctrl or Command is held. Letters search, arrows
-    /// select, Enter shows, and Tab marks. Escape clears the search text; without a search text it closes the list.
+    /// select, Enter shows, and Tab marks. Ctrl with M or E chooses the next mood or energy. Escape clears the search
+    /// text, then the filters, and then closes the list.
     pub fn take_key(&mut self, key: &Key, command: bool) -> Vec<Command> {
         self.revision += 1;
         match key {
-            Key::Named(NamedKey::Escape) if self.query().is_empty() => return vec![CLOSE],
+            Key::Named(NamedKey::Escape) if self.query().is_empty() => {
+                if !self.filters.clear() {
+                    return vec![CLOSE];
+                }
+                self.search_again();
+            }
+            Key::Character(letter) if command && matches!(letter.as_str(), "m" | "e") => {
+                self.filters.step(letter == "m");
+                self.search_again();
+            }
             Key::Named(NamedKey::Enter) => return self.show(self.selected, true),
             Key::Named(NamedKey::Tab) => return self.mark(self.selected),
             Key::Named(NamedKey::ArrowLeft) => self.select(self.selected.saturating_sub(1)),
@@ -210,6 +272,12 @@ impl SceneBrowser {
         show.into_iter().chain(close).collect()
     }
 
+    /// Shows only scenes that match a filter, or ends the filter if it is on.
+    pub fn filter(&mut self, filter: SceneFilter) {
+        self.filters.toggle(filter);
+        self.search_again();
+    }
+
     /// Toggles the mark of the matching scene at an index.
     pub fn mark(&mut self, place: usize) -> Vec<Command> {
         let Some(at) = self.found.get(place).copied() else { return Vec::new() };
@@ -231,10 +299,19 @@ impl SceneBrowser {
         self.revision += 1;
     }
 
-    /// Finds the tiles that contain every word of the search text. Names that begin with the search text come first,
+    /// Searches and keeps the selected tile selected, if it still matches.
+    fn search_again(&mut self) {
+        let selected = self.found.get(self.selected).copied();
+        self.search();
+        self.selected = selected.and_then(|at| self.place_of(at)).unwrap_or(0);
+    }
+
+    /// Finds the tiles that match the filters and contain every word of the search text. Names that begin with the search text come first,
     /// then marked scenes.
     fn search(&mut self) {
-        let matches = |tile: &Tile| self.query.fits(&format!("{} {}", tile.name, tile.comment));
+        let words =
+            |tile: &Tile| format!("{} {} {}", tile.name, tile.about.comment, tile.about.moods.join(" "));
+        let matches = |tile: &Tile| self.filters.fit(&tile.about) && self.query.fits(&words(tile));
         let mut found: Vec<usize> =
             self.tiles.iter().enumerate().filter(|(_, tile)| matches(tile)).map(|(at, _)| at).collect();
         let rank =
@@ -314,6 +391,68 @@ mod tests {
         assert!(browser.is_present(2));
         assert_eq!(browser.mark(0), [Command::MarkScenes(BTreeSet::new())]);
         assert_eq!((names(&browser), browser.selected()), (vec!["a", "b", "c"], 2));
+    }
+
+    fn described(names: &[(&str, &[&str], (f32, f32))]) -> SceneBrowser {
+        let mut browser = browser(&names.iter().map(|(name, ..)| *name).collect::<Vec<_>>());
+        let looked = |(name, moods, energy): &(&str, &[&str], (f32, f32))| Looked {
+            source: SceneSource::Shipped((*name).to_owned()),
+            about: About::Description(Description {
+                comment: String::new(),
+                moods: moods.iter().map(|mood| (*mood).to_owned()).collect(),
+                energy: Some(*energy),
+            }),
+        };
+        browser.take(names.iter().map(looked).collect());
+        browser
+    }
+
+    #[test]
+    fn moods_and_energy_filter_by_keys_and_pointer() {
+        let mut browser = described(&[
+            ("sea", &["calm", "wet"], (0.0, 0.4)),
+            ("city", &["night", "wet"], (0.5, 0.9)),
+            ("moon", &["calm", "night"], (0.0, 0.4)),
+            ("fire", &["wild"], (0.7, 1.0)),
+        ]);
+        assert_eq!(browser.filters().moods(), ["calm", "night", "wet"], "moods of one scene are left out");
+        let press = |browser: &mut SceneBrowser, letter: &str| {
+            assert_eq!(browser.take_key(&Key::Character(letter.to_owned()), true), []);
+        };
+        press(&mut browser, "m");
+        assert_eq!(names(&browser), ["sea", "moon"]);
+        press(&mut browser, "m");
+        assert_eq!((names(&browser), browser.query()), (vec!["city", "moon"], ""));
+        browser.filter(SceneFilter::Energy(2));
+        assert_eq!(names(&browser), ["city"]);
+        browser.filter(SceneFilter::Mood(1));
+        assert_eq!(names(&browser), ["city", "fire"]);
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), []);
+        assert_eq!(names(&browser).len(), 4);
+        for _ in 0..4 {
+            press(&mut browser, "e");
+        }
+        assert!(!browser.filters().are_any(), "after the last energy come all scenes");
+        assert_eq!(browser.take_key(&Key::Named(NamedKey::Escape), false), [CLOSE]);
+        typed(&mut browser, "wild");
+        assert_eq!(names(&browser), ["fire"], "moods are found by typing");
+    }
+
+    #[test]
+    fn only_the_tile_that_was_asked_for_moves() {
+        let mut browser = browser(&["a", "b"]);
+        let folders = mariana_files::Folders::within(std::path::Path::new("no such folder"));
+        let mut thumbnails = Thumbnails::start(&folders, || {}).unwrap();
+        let frames = |count: usize| (0..count).map(|_| Arc::new(RgbaImage::new(2, 2))).collect();
+        let moved = |name: &str, count| Looked {
+            source: SceneSource::Shipped(name.to_owned()),
+            about: About::Motion(frames(count)),
+        };
+        browser.note_drawn(0..2, 2, Some(1), &mut thumbnails);
+        browser.take(vec![moved("a", 3), moved("b", 5)]);
+        assert_eq!([0, 1, 2].map(|place| browser.frames(place).len()), [0, 5, 0]);
+        browser.note_drawn(0..2, 2, None, &mut thumbnails);
+        assert!(browser.frames(1).is_empty());
     }
 
     #[test]

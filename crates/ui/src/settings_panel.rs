@@ -1,14 +1,19 @@
 //! The state of the settings panel: a row for each setting of the table, and rows for outputs, monitors and the delay,
 //! which depend on the connected devices. The overlay draws the panel. Keys and the pointer make commands.
+//!
+//! Rows that few users need are hidden until the user opens the fold above them.
 
 mod screens;
 
+use std::time::Instant;
+
 use mariana_commands::input::{Key, NamedKey};
 
+use crate::clock;
 use crate::monitor::Monitor;
 use mariana_commands::{Command, Delay, SHIFT_STEP_MS, SetSetting};
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
-use mariana_settings::{Choices, Setting, SettingRow, Values};
+use mariana_settings::{Choices, Setting, SettingGroup, SettingRow, Values};
 
 /// An output for songs.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,13 +47,19 @@ pub struct Facts<'a> {
 /// The rows and the selection.
 #[derive(Debug, Default)]
 pub struct SettingsPanel {
+    /// All rows, without the fold.
+    all: Vec<SettingRow>,
+    /// The visible rows, and the fold.
     rows: Vec<SettingRow>,
+    shows_advanced: bool,
     selected: usize,
+    /// When the user last changed a setting that the image shows.
+    turned: Option<Instant>,
     revision: u64,
 }
 
 impl SettingsPanel {
-    /// The rows, from the top.
+    /// The visible rows, from the top.
     pub fn rows(&self) -> &[SettingRow] {
         &self.rows
     }
@@ -63,12 +74,26 @@ impl SettingsPanel {
         self.revision
     }
 
+    /// When the user last changed a setting that the image shows.
+    pub fn turned(&self) -> Option<Instant> {
+        self.turned
+    }
+
     /// Updates the rows and keeps the same setting selected.
     pub fn update(&mut self, facts: &Facts<'_>) {
-        let rows = rows(facts);
-        if rows == self.rows {
-            return;
+        let all = rows(facts);
+        if all != self.all {
+            self.all = all;
+            self.unfold();
         }
+    }
+
+    /// Makes the visible rows, and keeps the same row selected.
+    fn unfold(&mut self) {
+        let is_shown = |row: &&SettingRow| row.group != SettingGroup::Advanced || self.shows_advanced;
+        let mut rows: Vec<SettingRow> = self.all.iter().filter(is_shown).cloned().collect();
+        let place = rows.iter().position(|row| row.group == SettingGroup::Advanced).unwrap_or(rows.len());
+        rows.insert(place, fold(self.shows_advanced));
         let before = self.rows.get(self.selected);
         let place = before.and_then(|before| rows.iter().position(|row| is_same(row, before)));
         self.selected = place.unwrap_or(self.selected).min(rows.len().saturating_sub(1));
@@ -101,24 +126,41 @@ impl SettingsPanel {
         self.select(row);
         let row = self.rows.get(row)?;
         let setting = match &row.values {
+            Values::Fold { open } => {
+                self.shows_advanced = !open;
+                self.unfold();
+                return None;
+            }
             Values::OneOfRows { chosen: false, setting } => setting,
             Values::Names { options, chosen } if *chosen != value || row.for_this_run => {
                 &options.get(value)?.1
             }
             _ => return None,
         };
-        Some(Command::Set(SetSetting { setting: setting.clone(), settled: true }))
+        let command = Command::Set(SetSetting { setting: setting.clone(), settled: true });
+        self.note_turned();
+        Some(command)
     }
 
     /// Selects a row and changes its number, if the row has a number.
     pub fn change_number(&mut self, row: usize, number: f64, settled: bool) -> Option<Command> {
         self.select(row);
+        self.note_turned();
         match &self.rows.get(row)?.values {
             Values::Delay(_) => Some(Command::Delay(Delay { milliseconds: number, settled })),
             Values::Percent { setting, .. } => {
                 Some(Command::Set(SetSetting { setting: setting.at(number), settled }))
             }
-            Values::OneOfRows { .. } | Values::Names { .. } => None,
+            Values::OneOfRows { .. } | Values::Names { .. } | Values::Fold { .. } => None,
+        }
+    }
+
+    fn note_turned(&mut self) {
+        let is_seen =
+            |row: &SettingRow| row.group.is_seen() && !matches!(row.values, Values::OneOfRows { .. });
+        if self.rows.get(self.selected).is_some_and(is_seen) {
+            self.turned = Some(clock::now());
+            self.revision += 1;
         }
     }
 
@@ -132,6 +174,8 @@ impl SettingsPanel {
         let sign = if forward { 1.0 } else { -1.0 };
         match &self.rows.get(self.selected)?.values {
             Values::OneOfRows { .. } => None,
+            Values::Fold { open } if *open == forward => None,
+            Values::Fold { .. } => self.pick(self.selected, 0),
             Values::Names { options, chosen } => {
                 let last = options.len().saturating_sub(1);
                 let value = if forward { (chosen + 1).min(last) } else { chosen.saturating_sub(1) };
@@ -146,7 +190,7 @@ impl SettingsPanel {
 
     fn enter(&mut self) -> Option<Command> {
         let value = match &self.rows.get(self.selected)?.values {
-            Values::OneOfRows { .. } => 0,
+            Values::OneOfRows { .. } | Values::Fold { .. } => 0,
             Values::Names { options, chosen } => (chosen + 1) % options.len().max(1),
             Values::Delay(_) | Values::Percent { .. } => return None,
         };
@@ -173,22 +217,36 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
             .to_owned(),
         values: Values::OneOfRows { chosen: output.is_chosen, setting: Setting::Output(output.id.clone()) },
         for_this_run: output.is_chosen && facts.output_for_this_run,
+        group: SettingGroup::Sound,
     });
     let of_device = facts.device.map_or_else(String::new, |device| format!("; for {device}"));
     let delay = SettingRow {
-        name: "Latency".to_owned(),
+        name: "Image delay".to_owned(),
         purpose: format!("Delays the image, for headphones or a TV that play late{of_device}"),
         values: Values::Delay(facts.shift),
         for_this_run: false,
+        group: SettingGroup::Sound,
     };
     let screens =
         screens::rows(&facts.monitors, now.stage.output.as_deref(), remembered.stage.output.as_deref());
-    outputs
+    let mut rows: Vec<SettingRow> = outputs
         .chain([delay])
         .chain(now.rows(remembered))
         .chain(screens)
         .chain(now.stage.rows(&remembered.stage))
-        .collect()
+        .collect();
+    rows.sort_by_key(|row| row.group);
+    rows
+}
+
+fn fold(open: bool) -> SettingRow {
+    SettingRow {
+        name: SettingGroup::Advanced.name().to_owned(),
+        purpose: "Settings for projectors, performances and second monitors".to_owned(),
+        values: Values::Fold { open },
+        for_this_run: false,
+        group: SettingGroup::Advanced,
+    }
 }
 
 /// Rounds `shift`, a delay set with the pointer, to whole steps within the limits, in milliseconds.
@@ -200,6 +258,7 @@ pub fn whole_steps(shift: f64) -> f64 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use mariana_field::world::ToneMap;
     use mariana_render::placement::Crop;
     use mariana_settings::QualityChoice;
 
@@ -250,7 +309,7 @@ pub(crate) mod tests {
         assert_eq!((press(&mut panel, Enter), press(&mut panel, ArrowRight)), (None, None));
         assert_eq!((press(&mut panel, ArrowDown), panel.selected()), (None, 1));
         assert_eq!(press(&mut panel, Enter), set(Setting::Output(Some("usb".into()))));
-        select(&mut panel, "Latency");
+        select(&mut panel, "Image delay");
         let shift = |milliseconds| Some(Command::Delay(Delay { milliseconds, settled: true }));
         assert_eq!((press(&mut panel, ArrowLeft), press(&mut panel, ArrowRight)), (shift(30.0), shift(40.0)));
         select(&mut panel, "Brightness");
@@ -259,6 +318,9 @@ pub(crate) mod tests {
             (press(&mut panel, ArrowLeft), press(&mut panel, ArrowRight)),
             (percent(95), percent(100))
         );
+        select(&mut panel, "Advanced");
+        assert_eq!(press(&mut panel, ArrowLeft), None, "the fold is closed already");
+        assert_eq!(press(&mut panel, ArrowRight), None);
         select(&mut panel, "Blackout fade");
         assert_eq!(press(&mut panel, ArrowRight), set(Setting::BlackoutFade(1.0)));
         select(&mut panel, "Quality");
@@ -281,12 +343,12 @@ pub(crate) mod tests {
     fn the_selected_row_stays_the_same_while_outputs_come_and_go() {
         let choices = Choices::default();
         let mut panel = panel(&choices, None);
-        select(&mut panel, "Gain");
+        select(&mut panel, "Lift quiet music");
         let revision = panel.revision();
         update(&mut panel, &choices, None, &["usb", "tv"]);
         assert_eq!(panel.revision(), revision, "nothing has changed");
         update(&mut panel, &choices, None, &[]);
-        assert_eq!(panel.rows()[panel.selected()].name, "Gain");
+        assert_eq!(panel.rows()[panel.selected()].name, "Lift quiet music");
         assert!(panel.revision() > revision);
         select(&mut panel, "THE SYSTEM'S DEFAULT");
         update(&mut panel, &choices, None, &["a", "b"]);
@@ -306,11 +368,31 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn every_row_has_a_description() {
-        let panel = panel(&Choices::default(), Some("tv"));
-        for row in panel.rows() {
-            assert!(!row.name.is_empty() && row.purpose.len() > 20, "{row:?}");
+    fn every_row_has_a_description_without_flags_and_code() {
+        let mut panel = panel(&Choices::default(), Some("tv"));
+        select(&mut panel, "Advanced");
+        let folded = panel.rows().len();
+        let _ = press(&mut panel, NamedKey::Enter);
+        assert!(panel.rows().len() > folded + 2 && panel.rows()[panel.selected()].name == "Advanced");
+        let mut rows = panel.rows().to_vec();
+        // Each value of a setting may have an explanation of its own.
+        for tone_map in [None].into_iter().chain(ToneMap::ALL.map(Some)) {
+            rows.extend(Choices { tone_map, ..Choices::default() }.rows(&Choices::default()));
         }
+        for row in &rows {
+            assert!(!row.name.is_empty() && row.purpose.len() > 20, "{row:?}");
+            let mut words = vec![row.name.as_str(), row.purpose.as_str()];
+            if let Values::Names { options, .. } = &row.values {
+                words.extend(options.iter().map(|(name, _)| *name));
+            }
+            for text in words {
+                let technical = ["--", "`", "agx", "aces", "reinhard", "auto:"];
+                let found = technical.iter().find(|word| text.to_lowercase().contains(**word));
+                assert!(found.is_none_or(|word| *word == "auto:" && row.name == "Quality"), "{text}");
+            }
+        }
+        let _ = press(&mut panel, NamedKey::ArrowLeft);
+        assert_eq!(panel.rows().len(), folded);
         assert_eq!([whole_steps(12.4), whole_steps(-1e9), whole_steps(-2.6)], [10.0, -5_000.0, -5.0]);
     }
 }

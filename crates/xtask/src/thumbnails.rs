@@ -1,15 +1,17 @@
-//! Draws `assets/thumbnails`, which the program includes. Run this tool if you change a scene or the renderer and the
-//! test `the_shipped_thumbnails_are_up_to_date` fails.
+//! Draws `assets/thumbnails`, which the program includes: an image and a short loop of each shipped scene. Run this
+//! tool if you change a scene or the renderer and the test `the_shipped_thumbnails_are_up_to_date` fails. It needs
+//! ffmpeg, which encodes the loops.
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::output::Output;
 use mariana::export::still::{StillRequest, write_still};
 use mariana::scenes::{SceneSource, shipped_names};
-use mariana::thumbnails::{MOMENT, SIZE, jpeg_of};
+use mariana::thumbnails::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, MOMENT, SIZE, jpeg_of};
 use mariana_music::Gain;
 
 /// Draws the named scenes, or all scenes, and removes thumbnails without a scene.
@@ -19,8 +21,11 @@ pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
     let names = shipped_names();
     for name in names.iter().filter(|name| wanted.is_empty() || wanted.contains(name)) {
         let jpeg = draw(name, &folder).with_context(|| format!("drawing {name}"))?;
-        println!("{name}: {} KiB", jpeg.len().div_ceil(1024));
-        fs::write(folder.join(format!("{name}.jpg")), jpeg)?;
+        fs::write(folder.join(format!("{name}.jpg")), &jpeg)?;
+        let moving = folder.join(format!("{name}.webp"));
+        draw_loop(name, &moving).with_context(|| format!("drawing the loop of {name}"))?;
+        let bytes = jpeg.len() as u64 + fs::metadata(&moving)?.len();
+        println!("{name}: {} KiB", bytes.div_ceil(1024));
     }
     for entry in fs::read_dir(&folder)? {
         let path = entry?.path();
@@ -48,4 +53,32 @@ fn draw(name: &str, folder: &Path) -> anyhow::Result<Vec<u8>> {
     let picture = image::open(&path);
     fs::remove_file(&path)?;
     Ok(jpeg_of(&picture?.into_rgba8()))
+}
+
+/// Quality of the loops, 0..=100: they are small and move.
+const LOOP_QUALITY: &str = "25";
+
+/// Draws the loop of a scene from [`MOMENT`] and writes it to `file` as an animated WebP.
+fn draw_loop(name: &str, file: &Path) -> anyhow::Result<()> {
+    let folder = tempfile::tempdir()?;
+    for frame in 0..LOOP_FRAMES {
+        write_still(&StillRequest {
+            song: DEMO_TRACK,
+            at: MOMENT + f64::from(frame) / f64::from(LOOP_RATE),
+            size: LOOP_SIZE,
+            gain: Gain::Auto,
+            output: Output::Path(folder.path().join(format!("{frame:02}.png"))),
+            scene: SceneSource::Shipped(name.to_owned()).into(),
+            show: None,
+            blend: None,
+            set: Vec::new(),
+        })?;
+    }
+    let mut encode = Command::new("ffmpeg");
+    encode.args(["-v", "error", "-y", "-framerate", &LOOP_RATE.to_string(), "-i"]);
+    encode.arg(folder.path().join("%02d.png"));
+    encode.args(["-c:v", "libwebp_anim", "-q:v", LOOP_QUALITY, "-compression_level", "6", "-loop", "0"]);
+    let status = encode.arg(file).status().context("starting ffmpeg")?;
+    ensure!(status.success(), "ffmpeg failed: {status}");
+    Ok(())
 }

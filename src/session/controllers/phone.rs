@@ -47,7 +47,7 @@ impl Phones {
         let is_there = match &looked.about {
             About::Picture(_, jpeg) => self.album.put(&title, jpeg.clone()),
             About::NoPicture(_) => false,
-            About::Comment(_) => return,
+            About::Description(_) | About::Motion(_) => return,
         };
         if !is_there {
             self.album.miss(&title);

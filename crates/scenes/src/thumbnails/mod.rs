@@ -6,6 +6,7 @@
 //! need no drawing are answered while another scene is drawn. An idle thread draws scenes that the user may see next.
 
 mod drawing;
+mod moving;
 mod shipped;
 
 use std::collections::VecDeque;
@@ -25,6 +26,7 @@ use crate::limits::LIMITS;
 use crate::{SceneSource, first_comment};
 use drawing::{NotDrawn, draw};
 use mariana_files::atomic_file::AtomicFile;
+pub use moving::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, frame_time};
 pub use shipped::shipped;
 
 /// Size of a thumbnail in pixels.
@@ -48,12 +50,25 @@ pub struct Looked {
 /// The content of a [`Looked`].
 #[derive(Debug)]
 pub enum About {
-    /// The comment at the start of the scene's text.
-    Comment(String),
+    /// What the scene's text says about the scene.
+    Description(Description),
     /// The thumbnail, and the same image as a JPEG for phones.
     Picture(Arc<RgbaImage>, Arc<[u8]>),
     /// The reason for a missing thumbnail.
     NoPicture(String),
+    /// The frames of the moving thumbnail; empty if the scene has none.
+    Motion(Vec<Arc<RgbaImage>>),
+}
+
+/// What a scene's text says about the scene.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Description {
+    /// The comment at the start of the text.
+    pub comment: String,
+    /// The moods of the block `about`.
+    pub moods: Vec<String>,
+    /// The energy of the music that the scene suits, from 0 to 1; `None` if the scene does not say it.
+    pub energy: Option<(f32, f32)>,
 }
 
 /// The thread that provides thumbnails and descriptions of scenes. Dropping this ends the process that draws.
@@ -80,8 +95,9 @@ struct Waiting {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Request {
-    Comment(SceneSource),
+    Description(SceneSource),
     Picture(SceneSource),
+    Motion(SceneSource),
     /// Draw the thumbnail into the cache, without an answer.
     Ahead(SceneSource),
 }
@@ -90,7 +106,7 @@ impl Request {
     /// True if the answer needs no drawing.
     fn is_quick(&self) -> bool {
         match self {
-            Self::Comment(_) => true,
+            Self::Description(_) | Self::Motion(_) => true,
             Self::Picture(source) => jpeg_shipped_with(source).is_some(),
             Self::Ahead(_) => false,
         }
@@ -155,8 +171,14 @@ impl Thumbnails {
     }
 
     /// Requests the descriptions of scenes.
-    pub fn ask_for_comments<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
-        self.requests.lock().asked.extend(sources.rev().cloned().map(Request::Comment));
+    pub fn ask_for_descriptions<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
+        self.requests.lock().asked.extend(sources.rev().cloned().map(Request::Description));
+        self.requests.changed.notify_one();
+    }
+
+    /// Requests the moving thumbnail of a scene.
+    pub fn ask_for_motion(&mut self, source: SceneSource) {
+        self.requests.lock().asked.push_back(Request::Motion(source));
         self.requests.changed.notify_one();
     }
 
@@ -214,8 +236,12 @@ impl Worker {
 
     fn answer(&self, request: Request) {
         let (source, about) = match request {
-            Request::Comment(source) => {
-                let about = comment_of(&source);
+            Request::Description(source) => {
+                let about = About::Description(description_of(&source));
+                (source, about)
+            }
+            Request::Motion(source) => {
+                let about = About::Motion(moving::frames_of(&source));
                 (source, about)
             }
             Request::Picture(source) => {
@@ -301,9 +327,14 @@ impl Worker {
     }
 }
 
-fn comment_of(source: &SceneSource) -> About {
+/// A scene with mistakes has only a comment.
+fn description_of(source: &SceneSource) -> Description {
     let text = source.text().unwrap_or_default();
-    About::Comment(first_comment(&text).collect::<Vec<_>>().join(" "))
+    let comment = first_comment(&text).collect::<Vec<_>>().join(" ");
+    let about = source.compile().ok().and_then(|compiled| compiled.scene).map(|scene| scene.about);
+    let Some(about) = about else { return Description { comment, ..Description::default() } };
+    let energy = Some(about.energy).filter(|energy| *energy != (0.0, 1.0));
+    Description { comment, moods: about.moods, energy }
 }
 
 fn jpeg_shipped_with(source: &SceneSource) -> Option<&'static [u8]> {
@@ -434,12 +465,22 @@ mod tests {
         let mut waiting = Waiting::default();
         waiting.ahead.extend([file("c"), file("d")]);
         waiting.asked.extend([Request::Picture(file("a")), Request::Picture(orb.clone())]);
-        waiting.asked.extend([Request::Comment(file("a")), Request::Picture(file("b"))]);
+        waiting.asked.extend([Request::Description(file("a")), Request::Picture(file("b"))]);
         let quick: Vec<_> = std::iter::from_fn(|| waiting.take_quick()).collect();
-        assert_eq!(quick, [Request::Comment(file("a")), Request::Picture(orb)]);
+        assert_eq!(quick, [Request::Description(file("a")), Request::Picture(orb)]);
         let slow: Vec<_> = std::iter::from_fn(|| waiting.take()).collect();
         let asked = [file("b"), file("a")].map(Request::Picture);
         assert_eq!(slow, [asked, [file("c"), file("d")].map(Request::Ahead)].concat());
+    }
+
+    #[test]
+    fn a_description_has_the_moods_and_the_energy_of_the_scene() {
+        let about = description_of(&SceneSource::Shipped("moonrise".into()));
+        assert!(about.moods.contains(&"calm".to_owned()) && !about.comment.is_empty(), "{about:?}");
+        assert!(about.energy.is_some_and(|(least, most)| least < 0.1 && most < 0.5), "{about:?}");
+        let nothing = description_of(&SceneSource::Formula("length(p) - 1".into()));
+        assert_eq!((nothing.moods.len(), nothing.energy), (0, None));
+        assert_eq!(description_of(&SceneSource::File("no such file".into())), Description::default());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The scene list: a tile with a thumbnail for each scene, and the search text.
+//! The scene list: a tile with a thumbnail for each scene, the search text, and filters.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -9,13 +9,15 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
+use super::chips::{self, Chip};
 use super::events::{SceneListEvent, UiEvent};
 use super::icons::{self, Icon};
 use super::style;
 use image::RgbaImage;
 
-use crate::scene_browser::{SceneBrowser, Tile, TilePicture};
+use crate::scene_browser::{ENERGIES, SceneBrowser, SceneFilter, Tile, TilePicture};
 use mariana_commands::{Command, Panel};
+use mariana_scenes::thumbnails::frame_time;
 
 /// Minimum width of a tile, in points. A row has as many tiles as fit.
 const TILE_MIN: f32 = 168.0;
@@ -23,6 +25,8 @@ const GAP: f32 = 10.0;
 const NAME: f32 = 22.0;
 const LINE: f32 = 24.0;
 const WIDTH_MAX: f32 = 1180.0;
+/// Space below the filters.
+const FILTERS_GAP: f32 = 6.0;
 
 /// Textures of the visible tiles. The key is the address of the tile's image.
 #[derive(Default)]
@@ -63,8 +67,12 @@ pub(super) fn show(
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
             ui.spacing_mut().item_spacing = vec2(GAP, 0.0);
+            let bottom = space.bottom() - style::PADDING.y - LINE;
+            // Without this, egui limits the height of a new panel.
+            ui.set_max_height((space.height() - 2.0 * style::PADDING.y).max(0.0));
             heading(ui, browser, events);
-            tiles(ui, space.height() - 2.0 * style::PADDING.y - 2.0 * LINE, browser, pictures, events);
+            filters(ui, browser, events);
+            tiles(ui, (bottom - ui.cursor().top()).max(0.0), browser, pictures, events);
             comment(ui, browser);
         });
     });
@@ -87,9 +95,11 @@ fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
     let right = cross.left() - count.size().x - 8.0;
     painter.galley(pos2(right, place.top() + 1.0), count, style::DIM);
     let (words, color, font) = match browser.query() {
-        "" => {
-            ("type to search · Enter or a click shows a scene · Tab or the star marks it", style::DIM, small)
-        }
+        "" => (
+            "type to search · Enter or a click shows a scene · Tab or the star marks it · Ctrl+M mood · Ctrl+E energy",
+            style::DIM,
+            small,
+        ),
         query => (query, style::TEXT, style::proportional(style::HEADING_SIZE)),
     };
     let galley = style::line(painter, words, font, color, right - place.left() - 12.0);
@@ -102,6 +112,37 @@ fn heading(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
             Stroke::new(1.5, style::ACCENT),
         );
     }
+}
+
+/// Draws a button for each mood and each energy.
+fn filters(ui: &mut Ui, browser: &SceneBrowser, events: &mut Vec<UiEvent>) {
+    let filters = browser.filters();
+    if filters.moods().is_empty() {
+        return;
+    }
+    let energies = ENERGIES.iter().enumerate().map(|(at, (name, _))| (*name, SceneFilter::Energy(at)));
+    let moods = filters.moods().iter().enumerate();
+    let moods = moods.map(|(at, mood)| (mood.as_str(), SceneFilter::Mood(at)));
+    let all: Vec<_> = energies.chain(moods).collect();
+    let chip = |(name, filter): &(&'_ str, SceneFilter)| {
+        let kind = match filter {
+            SceneFilter::Mood(_) => "mood",
+            SceneFilter::Energy(_) => "energy",
+        };
+        (format!("{kind}: {name}"), filters.is_on(*filter))
+    };
+    let chips: Vec<Chip<'_>> = all
+        .iter()
+        .map(|one| {
+            let (words, is_on) = chip(one);
+            Chip::new(one.0, words, is_on)
+        })
+        .collect();
+    let clicked = chips::row(ui, "filters", &chips).and_then(|at| all.get(at));
+    if let Some((_, filter)) = clicked {
+        events.push(UiEvent::Scenes(SceneListEvent::Filter(*filter)));
+    }
+    ui.add_space(FILTERS_GAP);
 }
 
 fn tiles(
@@ -130,6 +171,7 @@ fn tiles(
         false => scroll,
     };
     let mut seen: Range<usize> = 0..0;
+    let mut pointed = None;
     scroll.show_rows(ui, tile_height, rows, |ui, rows| {
         seen = rows.start * columns..(rows.end * columns).min(count);
         for row in rows {
@@ -139,18 +181,26 @@ fn tiles(
                 let Some(tile) = browser.tile(place) else { break };
                 let left = line.left() + column as f32 * (width + GAP);
                 let rect = Rect::from_min_size(pos2(left, line.top()), vec2(width, tile_height));
-                draw_tile(ui, rect, tile, place, browser, pictures, events);
+                if draw_tile(ui, rect, tile, place, browser, pictures, events) {
+                    pointed = Some(place);
+                }
             }
         }
     });
     let kept = |image: &Arc<RgbaImage>| {
-        let mut shown = seen.clone().filter_map(|place| browser.tile(place));
-        shown.any(|tile| matches!(&tile.picture, TilePicture::There(of) if Arc::ptr_eq(of, image)))
+        let is_of = |place: usize| {
+            let still = browser.tile(place).map(|tile| &tile.picture);
+            let is_still = matches!(still, Some(TilePicture::There(of)) if Arc::ptr_eq(of, image));
+            is_still || browser.frames(place).iter().any(|frame| Arc::ptr_eq(frame, image))
+        };
+        seen.clone().any(is_of)
     };
     pictures.textures.retain(|_, (image, _)| kept(image));
-    events.push(UiEvent::Scenes(SceneListEvent::Drawn { places: seen, columns }));
+    let moving = Some(pointed.unwrap_or(browser.selected()));
+    events.push(UiEvent::Scenes(SceneListEvent::Drawn { places: seen, columns, moving }));
 }
 
+/// Draws a tile. Returns true if the pointer rests on it.
 fn draw_tile(
     ui: &mut Ui,
     rect: Rect,
@@ -159,7 +209,7 @@ fn draw_tile(
     browser: &SceneBrowser,
     pictures: &mut TilePictures,
     events: &mut Vec<UiEvent>,
-) {
+) -> bool {
     let picture = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME));
     let response = ui.interact(picture, ui.scope_id().with(("tile", place)), Sense::click());
     let star =
@@ -169,7 +219,8 @@ fn draw_tile(
     painter.rect_filled(picture, 4.0, style::RAIL);
     match &tile.picture {
         TilePicture::There(image) => {
-            let texture = pictures.texture(ui.ctx(), image);
+            let frame = present_frame(ui, browser.frames(place));
+            let texture = pictures.texture(ui.ctx(), frame.unwrap_or(image));
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             painter.image(texture, picture, whole, egui::Color32::WHITE);
         }
@@ -210,17 +261,31 @@ fn draw_tile(
     } else if response.clicked() {
         events.push(UiEvent::Scenes(SceneListEvent::Show { place, close: response.double_clicked() }));
     }
-    if !tile.comment.is_empty() {
-        response.on_hover_text(&tile.comment);
+    let is_pointed = response.hovered();
+    if !tile.about.comment.is_empty() {
+        response.on_hover_text(&tile.about.comment);
     }
+    is_pointed
+}
+
+/// The frame of a moving thumbnail at this moment. Requests the next drawing.
+fn present_frame<'a>(ui: &Ui, frames: &'a [Arc<RgbaImage>]) -> Option<&'a Arc<RgbaImage>> {
+    if frames.is_empty() {
+        return None;
+    }
+    let each = frame_time().as_secs_f64();
+    let passed = ui.input(|input| input.time) / each;
+    let left = each * (1.0 - passed.fract());
+    ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(left.clamp(0.001, each)));
+    frames.get(passed as usize % frames.len())
 }
 
 fn comment(ui: &mut Ui, browser: &SceneBrowser) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let words = match browser.tile(browser.selected()) {
-        Some(tile) if tile.comment.is_empty() => tile.name.clone(),
-        Some(tile) => format!("{}: {}", tile.name, tile.comment),
-        None => "no scene matches; press Backspace to shorten the search".to_owned(),
+        Some(tile) if tile.about.comment.is_empty() => tile.name.clone(),
+        Some(tile) => format!("{}: {}", tile.name, tile.about.comment),
+        None => "no scene matches; press Esc to see all scenes".to_owned(),
     };
     let font = style::proportional(style::SMALL_SIZE);
     let galley = style::line(ui.painter(), &words, font, style::DIM, place.width());

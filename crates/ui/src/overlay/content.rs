@@ -11,6 +11,7 @@ use crate::controllers_panel::ControllersPanel;
 use crate::corner_handles::CornerHandles;
 use crate::editor::Editor;
 use crate::file_browser::FileBrowser;
+use crate::help_panel::HelpPanel;
 use crate::overlay::NextScene;
 use crate::scene_browser::SceneBrowser;
 use crate::settings_panel::SettingsPanel;
@@ -31,8 +32,8 @@ pub struct OverlayContent<'a> {
     pub params: Option<&'a mut [Slider]>,
     /// The snapshots of the parameters.
     pub snapshots: SnapshotRow,
-    /// Shows the table of keys.
-    pub help: bool,
+    /// The table of keys.
+    pub help: Option<&'a HelpPanel>,
     /// A line that stays visible as long as this field contains it.
     pub hint: Option<&'a str>,
     /// The sound sources.
@@ -213,7 +214,7 @@ impl OverlayContent<'_> {
         self.corner.is_none()
             && self.problem.is_none()
             && !self.has_params()
-            && !self.help
+            && self.help.is_none()
             && self.hint.is_none()
             && self.sources.is_none()
             && self.bar.is_none()
@@ -239,6 +240,7 @@ impl OverlayContent<'_> {
         self.has_params()
             || self.bar.is_some_and(|bar| bar.seen)
             || self.tracks.is_some()
+            || self.help.is_some()
             || self.sources.is_some()
             || self.scenes.is_some()
             || self.files.is_some()
@@ -253,7 +255,7 @@ impl OverlayContent<'_> {
     /// A number that changes with the content. A notice is included until it is gone, even while it fades.
     pub(super) fn fingerprint(&self, now: Instant) -> u64 {
         let mut hasher = DefaultHasher::new();
-        (self.corner, self.problem, self.help).hash(&mut hasher);
+        (self.corner, self.problem, self.help.map(HelpPanel::revision)).hash(&mut hasher);
         (self.hint, &self.sources).hash(&mut hasher);
         let notice = self.notice.filter(|notice| !notice.is_gone(now));
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
@@ -325,6 +327,7 @@ mod tests {
         }];
         let mut seen = std::collections::BTreeSet::new();
         let list = |present| SourceList { names: vec!["a".into(), "b".into()], present };
+        let help = HelpPanel::default();
         let contents: [OverlayContent<'_>; 10] = [
             OverlayContent::default(),
             OverlayContent { corner: Some("a"), ..Default::default() },
@@ -334,7 +337,7 @@ mod tests {
                 notice: Some(Notice { text: "a", fraction: None, since: now }),
                 ..Default::default()
             },
-            OverlayContent { help: true, ..Default::default() },
+            OverlayContent { help: Some(&help), ..Default::default() },
             OverlayContent { picture: Some([0.5, 0.0, 1.0, 0.5]), ..Default::default() },
             OverlayContent { hint: Some("a"), ..Default::default() },
             OverlayContent { sources: Some(list(None)), ..Default::default() },

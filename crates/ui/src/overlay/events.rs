@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::editor::EditorEvent;
+use crate::scene_browser::SceneFilter;
 use mariana_commands::Command;
 
 /// An event of a panel.
@@ -10,6 +11,8 @@ use mariana_commands::Command;
 pub enum UiEvent {
     /// A command for the session.
     Command(Command),
+    /// The row of the table of keys with this index was clicked.
+    Help(usize),
     /// An event of the scene editor.
     Editor(EditorEvent),
     /// An event of the scene list.
@@ -38,7 +41,11 @@ pub enum SceneListEvent {
         places: Range<usize>,
         /// Number of tiles side by side.
         columns: usize,
+        /// The tile whose thumbnail moves.
+        moving: Option<usize>,
     },
+    /// A filter was toggled.
+    Filter(SceneFilter),
 }
 
 /// An event of the file list.

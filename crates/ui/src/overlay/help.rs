@@ -1,129 +1,252 @@
-//! The table of keys.
+//! Draws the table of keys in groups, side by side where the window is wide enough.
 
 use std::sync::Arc;
 
-use egui::{CornerRadius, Galley, Painter, Rect, vec2};
+use egui::text::LayoutJob;
+use egui::{
+    CornerRadius, Galley, Id, Order, Painter, Rect, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
+};
 
-use super::style;
-use mariana_commands::{Binding, bindings};
+use super::events::UiEvent;
+use super::{icons, style};
+use crate::help_panel::HelpPanel;
+use mariana_commands::{Binding, Command, Group};
 
-/// Minimum text size in points, for windows that are too small for the table.
-const SIZE_MIN: f32 = 6.0;
+const LINE: f32 = 26.0;
+const ROW: f32 = 21.0;
+/// Height of a group's heading, with the space above the heading.
+const HEADING: f32 = 28.0;
+const COLUMN_GAP: f32 = 26.0;
+/// Room for the scroll bar.
+const LANE: f32 = 10.0;
+const CAP_HEIGHT: f32 = 18.0;
+const CAP_PADDING: f32 = 5.0;
+const CAP_GAP: f32 = 5.0;
 const COLUMNS_MAX: usize = 2;
-/// Distance between columns, in ems.
-const COLUMN_GAP: f32 = 2.0;
+
+pub(super) fn show(
+    context: &egui::Context,
+    space: Rect,
+    help: &HelpPanel,
+    seen: &mut Option<usize>,
+    events: &mut Vec<UiEvent>,
+) -> Rect {
+    let painter = context.layer_painter(egui::LayerId::new(Order::Foreground, Id::unique("keys measured")));
+    let room = (space.width() - 2.0 * style::PADDING.x - LANE).max(1.0);
+    let table = Table::new(&painter, help, room);
+    let width = table.width() + LANE + 2.0 * style::PADDING.x;
+    // Keep the panel's place while a search shortens the table.
+    let area = style::area(Id::unique("keys"), Order::Foreground)
+        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
+    let shown = area.show(context, |ui| {
+        style::frame().show(ui, |ui| {
+            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+            let height = (space.height() - 2.0 * style::PADDING.y).max(ROW);
+            // Without this, egui limits the height of a new panel.
+            ui.set_max_height(height);
+            heading(ui, help, events);
+            let height = (height - LINE).max(ROW);
+            let scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+            let moved = seen.replace(help.selected()).is_some_and(|before| before != help.selected());
+            scroll.show(ui, |ui| table.draw(ui, help.selected(), moved, events));
+        });
+    });
+    shown.response.rect
+}
+
+fn heading(ui: &mut Ui, help: &HelpPanel, events: &mut Vec<UiEvent>) {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
+    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
+    if icons::closing_cross(ui, cross, "close the table of keys") {
+        events.push(UiEvent::Command(Command::ToggleHelp));
+    }
+    let painter = ui.painter();
+    let room = (cross.left() - place.left() - 8.0).max(0.0);
+    let font = style::proportional(style::HEADING_SIZE);
+    if help.query().is_empty() {
+        let title = style::line(painter, "Keys", font, style::TEXT, room);
+        let left = place.left() + title.size().x + 14.0;
+        let words = "type to search · Enter or a click does it · Esc closes";
+        let font = style::proportional(style::SMALL_SIZE);
+        let hint = style::line(painter, words, font, style::DIM, cross.left() - left - 8.0);
+        painter.galley(pos2(left, place.top() + title.size().y - hint.size().y - 1.0), hint, style::DIM);
+        painter.galley(place.min, title, style::TEXT);
+    } else {
+        let query = style::line(painter, help.query(), font, style::TEXT, room);
+        let end = place.left() + query.size().x + 2.0;
+        painter.galley(place.min, query, style::TEXT);
+        let caret = place.top()..=place.top() + style::HEADING_SIZE * 1.2;
+        painter.vline(end, caret, Stroke::new(1.5, style::ACCENT));
+    }
+}
 
 struct Row {
+    binding: &'static Binding,
     caps: Vec<Arc<Galley>>,
     meaning: Arc<Galley>,
+    /// Index among all rows of the table.
+    place: usize,
 }
 
-/// The table at one text size. Lengths are in points.
-struct Table {
-    rows: Vec<Row>,
-    columns: usize,
-    row_height: f32,
-    caps_width: f32,
-    meaning_width: f32,
-    heading: Arc<Galley>,
-    em: f32,
-}
-
-pub(super) fn draw(painter: &Painter, space: Rect) -> Rect {
-    let room = space.size() - 2.0 * style::PADDING;
-    // Choose the number of columns that allows the largest text.
-    let shrink_of = |table: &Table| (room / table.size()).min_elem().min(1.0);
-    let tables = (1..=COLUMNS_MAX).map(|columns| Table::new(painter, style::TEXT_SIZE, columns));
-    let Some(mut table) = tables.max_by(|a, b| {
-        // If two layouts allow the same text size, prefer fewer columns.
-        shrink_of(a).total_cmp(&shrink_of(b)).then(b.columns.cmp(&a.columns))
-    }) else {
-        return Rect::NOTHING;
-    };
-    let shrink = shrink_of(&table);
-    if shrink < 1.0 {
-        table = Table::new(painter, (style::TEXT_SIZE * shrink).max(SIZE_MIN), table.columns);
+impl Row {
+    fn height(&self) -> f32 {
+        self.meaning.size().y.max(ROW)
     }
-    let rect = Rect::from_center_size(space.center(), table.size() + 2.0 * style::PADDING);
-    // Where even the smallest text has no room, show the first keys.
-    let rect = rect.translate(vec2(0.0, (space.top() - rect.top()).max(0.0)));
-    style::ground(painter, rect);
-    table.draw(painter, rect.shrink2(style::PADDING));
-    rect
+}
+
+struct Block {
+    heading: Arc<Galley>,
+    group: Group,
+    rows: Vec<Row>,
+}
+
+impl Block {
+    fn height(&self) -> f32 {
+        HEADING + self.rows.iter().map(Row::height).sum::<f32>()
+    }
+}
+
+/// The laid out table. Lengths are in points.
+struct Table {
+    columns: Vec<Vec<Block>>,
+    caps_width: f32,
+    column_width: f32,
 }
 
 impl Table {
-    fn new(painter: &Painter, em: f32, columns: usize) -> Self {
-        let text =
-            |text: &str, color| painter.layout_no_wrap(text.to_owned(), style::proportional(em), color);
-        let rows: Vec<Row> = bindings()
-            .map(|binding| Row {
-                caps: caps(binding).map(|cap| text(cap, style::TEXT)).collect(),
-                meaning: text(binding.help, style::TEXT),
-            })
-            .collect();
-        let caps_width = |row: &Row| row.caps.iter().map(|cap| cap.size().x + em * 1.4).sum::<f32>();
-        Self {
-            row_height: (1.75 * em).floor(),
-            caps_width: rows.iter().map(caps_width).fold(0.0, f32::max),
-            meaning_width: rows.iter().map(|row| row.meaning.size().x).fold(0.0, f32::max),
-            heading: text("Keys", style::DIM),
-            rows,
-            columns,
-            em,
-        }
+    /// Lays out the table in at most `room` points. Meanings break into lines in a narrow window.
+    fn new(painter: &Painter, help: &HelpPanel, room: f32) -> Self {
+        // Measure all rows, so that a search does not move the columns.
+        let all = HelpPanel::default().found();
+        let bindings = || all.iter().flat_map(|(_, rows)| rows).copied();
+        let caps_width = bindings().map(|binding| width_of(&caps(painter, binding))).fold(0.0, f32::max);
+        let meaning_width = bindings()
+            .map(|binding| meaning(painter, binding.help, f32::INFINITY).size().x)
+            .fold(0.0, f32::max);
+        let natural = caps_width + CAP_GAP + meaning_width;
+        let fits = |columns: usize| columns as f32 * (natural + COLUMN_GAP) - COLUMN_GAP <= room;
+        let columns = (1..=COLUMNS_MAX).rev().find(|columns| fits(*columns)).unwrap_or(1);
+        let column_width = natural.min(room);
+        let meaning_room = (column_width - caps_width - CAP_GAP).max(1.0);
+        let mut place = 0;
+        let blocks = help.found().into_iter().map(|(group, rows)| Block {
+            heading: style::line(
+                painter,
+                group.name(),
+                style::proportional(style::TEXT_SIZE),
+                style::ACCENT,
+                column_width,
+            ),
+            group,
+            rows: rows
+                .into_iter()
+                .map(|binding| {
+                    let row = Row {
+                        binding,
+                        caps: caps(painter, binding),
+                        meaning: meaning(painter, binding.help, meaning_room),
+                        place,
+                    };
+                    place += 1;
+                    row
+                })
+                .collect(),
+        });
+        Self { columns: balanced(blocks.collect(), columns), caps_width, column_width }
     }
 
-    fn size(&self) -> egui::Vec2 {
-        let height = self.row_height * (self.rows_in_column() + 1) as f32;
-        vec2(self.column_width() * self.columns as f32 - COLUMN_GAP * self.em, height)
+    fn width(&self) -> f32 {
+        let columns = self.columns.len().max(1) as f32;
+        columns * (self.column_width + COLUMN_GAP) - COLUMN_GAP
     }
 
-    fn rows_in_column(&self) -> usize {
-        self.rows.len().div_ceil(self.columns.max(1))
-    }
-
-    /// Width of a column, including the gap to the next column.
-    fn column_width(&self) -> f32 {
-        self.caps_width + self.em + self.meaning_width + COLUMN_GAP * self.em
-    }
-
-    fn draw(&self, painter: &Painter, rect: Rect) {
-        painter.galley(rect.min, self.heading.clone(), style::DIM);
-        for (index, row) in self.rows.iter().enumerate() {
-            let (column, line) = (index / self.rows_in_column(), index % self.rows_in_column());
-            let middle = rect.top() + self.row_height * (line as f32 + 1.5);
-            let start = rect.left() + column as f32 * self.column_width();
-            let mut left = start;
-            for cap in &row.caps {
-                let size = vec2(cap.size().x + 0.9 * self.em, 1.4 * self.em);
-                let place = Rect::from_min_size(egui::pos2(left, middle - 0.5 * size.y), size);
-                painter.rect_filled(place, CornerRadius::same((0.3 * self.em) as u8), style::RAIL);
-                painter.galley(place.center() - 0.5 * cap.size(), cap.clone(), style::TEXT);
-                left += size.x + 0.5 * self.em;
+    fn draw(&self, ui: &mut Ui, selected: usize, moved: bool, events: &mut Vec<UiEvent>) {
+        let height = |column: &Vec<Block>| column.iter().map(Block::height).sum::<f32>();
+        let height = self.columns.iter().map(height).fold(0.0, f32::max).max(ROW);
+        let (all, _) = ui.allocate_exact_size(vec2(self.width(), height), Sense::hover());
+        for (number, column) in self.columns.iter().enumerate() {
+            let left = all.left() + number as f32 * (self.column_width + COLUMN_GAP);
+            let mut at = pos2(left, all.top());
+            for block in column {
+                let top = at.y + HEADING - block.heading.size().y - 4.0;
+                ui.painter().galley(pos2(left, top), block.heading.clone(), style::ACCENT);
+                super::assisted::text(ui.ctx(), block.group.name(), block.group.name(), false);
+                at.y += HEADING;
+                for row in &block.rows {
+                    let rect = Rect::from_min_size(at, vec2(self.column_width, row.height()));
+                    let is_selected = row.place == selected;
+                    if is_selected && moved {
+                        ui.scroll_to_rect(rect.expand2(vec2(0.0, HEADING)), None);
+                    }
+                    self.draw_row(ui, row, rect, is_selected, events);
+                    at.y += row.height();
+                }
             }
-            let at = egui::pos2(start + self.caps_width + self.em, middle - 0.5 * row.meaning.size().y);
-            painter.galley(at, row.meaning.clone(), style::TEXT);
+        }
+        if self.columns.iter().all(Vec::is_empty) {
+            let words = "no key does this; press Backspace to shorten the search";
+            let font = style::proportional(style::SMALL_SIZE);
+            let galley = style::line(ui.painter(), words, font, style::DIM, all.width());
+            ui.painter().galley(all.min, galley, style::DIM);
+        }
+    }
+
+    fn draw_row(&self, ui: &Ui, row: &Row, rect: Rect, is_selected: bool, events: &mut Vec<UiEvent>) {
+        let response = ui.interact(rect, ui.scope_id().with(row.binding.written), Sense::click());
+        let painter = ui.painter();
+        if is_selected || response.hovered() {
+            painter.rect_filled(rect.expand2(vec2(4.0, 0.0)), 4.0, style::RAIL);
+        }
+        let mut left = rect.left();
+        for cap in &row.caps {
+            let size = vec2(cap.size().x + 2.0 * CAP_PADDING, CAP_HEIGHT);
+            let place = Rect::from_min_size(pos2(left, rect.top() + 0.5 * (ROW - CAP_HEIGHT)), size);
+            painter.rect_filled(place, CornerRadius::same(4), style::RAIL);
+            painter.galley(place.center() - 0.5 * cap.size(), cap.clone(), style::TEXT);
+            left = place.right() + CAP_GAP;
+        }
+        let top = rect.center().y - 0.5 * row.meaning.size().y;
+        let at = pos2(rect.left() + self.caps_width + CAP_GAP, top);
+        painter.galley(at, row.meaning.clone(), style::TEXT);
+        response.widget_info(|| {
+            let words = format!("{}, key {}", row.binding.help, row.binding.written);
+            WidgetInfo::selected(egui::Role::Button, true, is_selected, words)
+        });
+        if response.clicked() {
+            events.push(UiEvent::Help(row.place));
         }
     }
 }
 
-/// The single keys of a binding: "F, F11 or double click" has three.
-fn caps(binding: &Binding) -> impl Iterator<Item = &'static str> {
-    binding.written.split(", ").flat_map(|part| part.split(" or "))
+/// Divides the groups among `columns` columns so that the longest column is as short as possible.
+fn balanced(blocks: Vec<Block>, columns: usize) -> Vec<Vec<Block>> {
+    let heights: Vec<f32> = blocks.iter().map(Block::height).collect();
+    let (mut first, mut rest) = (blocks, Vec::new());
+    if columns > 1 && first.len() > 1 {
+        let longest = |split: &usize| {
+            let (left, right) = heights.split_at((*split).min(heights.len()));
+            left.iter().sum::<f32>().max(right.iter().sum::<f32>())
+        };
+        let split = (1..first.len()).min_by(|a, b| longest(a).total_cmp(&longest(b)));
+        rest = first.split_off(split.unwrap_or(first.len()));
+    }
+    // A search that leaves one group keeps the width of the table.
+    if columns > 1 { vec![first, rest] } else { vec![first] }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+fn caps(painter: &Painter, binding: &'static Binding) -> Vec<Arc<Galley>> {
+    let cap = |cap: &str| {
+        style::line(painter, cap, style::proportional(style::SMALL_SIZE), style::TEXT, f32::INFINITY)
+    };
+    binding.caps().map(cap).collect()
+}
 
-    #[test]
-    fn every_key_of_a_binding_has_a_keycap() {
-        let full_screen = bindings().find(|binding| binding.written.contains("F11")).unwrap();
-        assert_eq!(caps(full_screen).collect::<Vec<_>>(), ["F", "F11", "double click"]);
-        for binding in bindings() {
-            // Every named key has a keycap. Media keys have no names.
-            assert!(caps(binding).count() <= binding.keys.len() + 1, "{}", binding.written);
-        }
-    }
+fn width_of(caps: &[Arc<Galley>]) -> f32 {
+    caps.iter().map(|cap| cap.size().x + 2.0 * CAP_PADDING + CAP_GAP).sum()
+}
+
+fn meaning(painter: &Painter, words: &str, width: f32) -> Arc<Galley> {
+    let font = style::proportional(style::TEXT_SIZE);
+    painter.layout_job(LayoutJob::simple(words.to_owned(), font, style::TEXT, width))
 }

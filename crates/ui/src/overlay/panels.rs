@@ -41,6 +41,7 @@ pub(super) struct Panels {
 struct Kept {
     pictures: TilePictures,
     selected_file: Option<usize>,
+    seen_key: Option<usize>,
     seen_setting: Option<settings::Seen>,
     seen_changed_by: Option<controllers::Seen>,
     binding: binding::OpenBinding,
@@ -160,7 +161,10 @@ fn show(
         left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
     }
     let mut changed = false;
-    let help = content.help.then(|| help::draw(&front, space));
+    let help = content.help.map(|keys| help::show(context, space, keys, &mut kept.seen_key, events));
+    if help.is_none() {
+        kept.seen_key = None;
+    }
     if let Some((rect, moved)) = show_params(context, side, help, content, &mut kept.binding, events) {
         panels.push(rect);
         changed = moved;

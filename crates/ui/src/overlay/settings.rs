@@ -1,16 +1,26 @@
-//! Draws the settings panel: a row for each setting, with its values.
+//! Draws the settings panel: a row for each setting, with its values, in groups. While the user turns a setting that
+//! changes the image, the panel lets the image through, except for the row that is turned.
+
+use std::time::Duration;
 
 use egui::{Id, Order, Rect, Response, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::events::{SettingEvent, UiEvent};
 use super::style;
 use super::{assisted, icons};
+use crate::clock;
 use crate::settings_panel::{SettingsPanel, whole_steps};
 use mariana_settings::{Setting, SettingRow, Values};
 
 const WIDTH_MAX: f32 = 640.0;
 const ROW: f32 = 26.0;
+/// Height of a group's heading.
+const HEADING: f32 = 22.0;
 const LANE: f32 = 10.0;
+/// How long the panel lets the image through after a change.
+const LINGERS: Duration = Duration::from_millis(1_200);
+/// Opacity of the panel's background, and of the rows that are not turned, while it lets the image through.
+const FADED: (f32, f32) = (0.2, 0.35);
 /// Maximum width of a row's name: first in points, then as a fraction of the row.
 const NAME: (f32, f32) = (170.0, 0.34);
 /// Largest delay that the slider can set, in milliseconds in each direction. Keys can set larger delays.
@@ -22,6 +32,8 @@ pub(super) struct Seen {
     offset: f32,
     /// True until the selected row is visible.
     follows: bool,
+    /// True while the pointer holds a slider.
+    held: bool,
 }
 
 const MEANING_LINES: usize = 2;
@@ -34,22 +46,48 @@ pub(super) fn show(
     events: &mut Vec<UiEvent>,
 ) -> Rect {
     let width = space.width().min(WIDTH_MAX);
+    let gives_way = gives_way(context, settings, last_seen.as_ref());
     let area = style::area(Id::unique("settings"), Order::Foreground)
         .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
     let shown = area.show(context, |ui| {
-        style::frame().show(ui, |ui| {
+        let mut frame = style::frame();
+        if gives_way {
+            frame.fill = frame.fill.gamma_multiply(FADED.0);
+        }
+        frame.show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            // Without this, egui limits the height of a new panel.
+            ui.set_max_height((space.height() - 2.0 * style::PADDING.y).max(0.0));
             ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
             let mut ask = |request| events.push(UiEvent::Settings(request));
-            heading(ui, &mut ask);
+            ui.scope(|ui| {
+                fade(ui, gives_way);
+                heading(ui, &mut ask);
+            });
             let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
             let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
-            let pointed = rows(ui, height, settings, last_seen, &mut ask);
+            let pointed = rows(ui, (height, gives_way), settings, last_seen, &mut ask);
             let row = settings.rows().get(pointed.unwrap_or(settings.selected()));
+            fade(ui, gives_way);
             footing(ui, row.map_or("", |row| &row.purpose), meaning);
         });
     });
     shown.response.rect
+}
+
+/// True while the user turns a setting, and shortly after.
+fn gives_way(context: &egui::Context, settings: &SettingsPanel, seen: Option<&Seen>) -> bool {
+    let left = settings.turned().and_then(|turned| LINGERS.checked_sub(clock::since(turned)));
+    if let Some(left) = left {
+        context.request_repaint_after(left);
+    }
+    left.is_some_and(|left| !left.is_zero()) || seen.is_some_and(|seen| seen.held)
+}
+
+fn fade(ui: &mut Ui, gives_way: bool) {
+    if gives_way {
+        ui.set_opacity(FADED.1);
+    }
 }
 
 fn heading(ui: &mut Ui, ask: &mut impl FnMut(SettingEvent)) {
@@ -75,21 +113,43 @@ fn heading(ui: &mut Ui, ask: &mut impl FnMut(SettingEvent)) {
     painter.galley(place.min, title, style::TEXT);
 }
 
+/// Height of the heading above a row: 0 if the row before is in the same group.
+fn heading_above(rows: &[SettingRow], place: usize) -> f32 {
+    let group_of = |row: &SettingRow| row.group;
+    let before = place.checked_sub(1).and_then(|before| rows.get(before)).map(group_of);
+    let begins = rows.get(place).is_some_and(|row| {
+        // The fold is the heading of its group.
+        before != Some(row.group) && !matches!(row.values, Values::Fold { .. })
+    });
+    if begins { HEADING } else { 0.0 }
+}
+
+fn draw_group(ui: &mut Ui, words: &str) {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEADING), Sense::hover());
+    let font = style::proportional(style::SMALL_SIZE);
+    let galley = style::line(ui.painter(), words, font, style::DIM, place.width());
+    let at = pos2(place.left() + 6.0, place.bottom() - galley.size().y - 2.0);
+    ui.painter().galley(at, galley, style::DIM);
+    assisted::text(ui.ctx(), words, words, false);
+}
+
 /// Draws all rows. Returns the index of the row under the pointer.
 fn rows(
     ui: &mut Ui,
-    height: f32,
+    (height, gives_way): (f32, bool),
     settings: &SettingsPanel,
     last_seen: &mut Option<Seen>,
     ask: &mut impl FnMut(SettingEvent),
 ) -> Option<usize> {
     let selected = settings.selected();
     let width = ui.available_width() - LANE;
-    let heights = settings.rows().iter().map(|row| ROW * lines_of(ui, row, width) as f32);
+    let rows = settings.rows();
     let (mut top, mut bottom) = (0.0, 0.0);
-    for row_height in heights.take(selected + 1) {
+    for (place, row) in rows.iter().enumerate().take(selected + 1) {
+        let row_height = heading_above(rows, place) + ROW * lines_of(ui, row, width) as f32;
         (top, bottom) = (bottom, bottom + row_height);
     }
+    let mut held = false;
     let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
     // A new scroll bar narrows the rows, which can move the selected row. Scrolling to the row may take several passes.
     let stands = last_seen.as_ref().filter(|seen| seen.selected == selected && seen.height == height);
@@ -105,9 +165,20 @@ fn rows(
     let shown = scroll.show(ui, |ui| {
         ui.set_width((ui.available_width() - LANE).max(0.0));
         let mut pointed = None;
-        for (place, row) in settings.rows().iter().enumerate() {
+        for (place, row) in rows.iter().enumerate() {
             let is_selected = place == settings.selected();
-            let response = ui.push_id(place, |ui| draw_row(ui, row, place, is_selected, ask)).inner;
+            let drawn = ui.push_id(place, |ui| {
+                if heading_above(rows, place) > 0.0 {
+                    ui.scope(|ui| {
+                        fade(ui, gives_way);
+                        draw_group(ui, row.group.name());
+                    });
+                }
+                fade(ui, gives_way && !is_selected);
+                let ground = gives_way && is_selected;
+                draw_row(ui, row, place, (is_selected, ground), &mut held, ask)
+            });
+            let response = drawn.inner;
             if response.contains_pointer() {
                 pointed = Some(place);
             }
@@ -115,7 +186,7 @@ fn rows(
         pointed
     });
     let offset = shown.state.clamped_offset().y;
-    *last_seen = Some(Seen { selected, height, offset, follows: !is_seen(offset) && follows });
+    *last_seen = Some(Seen { selected, height, offset, follows: !is_seen(offset) && follows, held });
     shown.inner
 }
 
@@ -123,7 +194,8 @@ fn draw_row(
     ui: &mut Ui,
     row: &SettingRow,
     place: usize,
-    is_selected: bool,
+    (is_selected, has_ground): (bool, bool),
+    held: &mut bool,
     ask: &mut impl FnMut(SettingEvent),
 ) -> Response {
     let width = ui.available_width();
@@ -131,16 +203,20 @@ fn draw_row(
     let height = ROW * lines_of(ui, row, width) as f32;
     // Rows that are alternatives to each other are buttons. In all other rows, only the values can be clicked.
     let sense = match row.values {
-        Values::OneOfRows { .. } => Sense::click(),
+        Values::OneOfRows { .. } | Values::Fold { .. } => Sense::click(),
         Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => Sense::hover(),
     };
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), sense);
-    if is_selected || response.hovered() && matches!(row.values, Values::OneOfRows { .. }) {
+    if has_ground {
+        style::ground(ui.painter(), rect);
+    }
+    let is_button = matches!(row.values, Values::OneOfRows { .. } | Values::Fold { .. });
+    if is_selected || response.hovered() && is_button {
         ui.painter().rect_filled(rect, 4.0, style::RAIL);
     }
     let values = Rect::from_min_max(pos2(rect.left() + start, rect.top()), rect.max);
     let name_width = match row.values {
-        Values::OneOfRows { .. } => width - 12.0,
+        Values::OneOfRows { .. } | Values::Fold { .. } => width - 12.0,
         Values::Names { .. } | Values::Delay(_) | Values::Percent { .. } => start - 12.0,
     };
     draw_name(ui, row, rect, name_width, is_selected);
@@ -151,18 +227,24 @@ fn draw_row(
                 ask(SettingEvent::Pick { row: place, value: 0 });
             }
         }
+        Values::Fold { open } => {
+            response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, *open, &row.name));
+            if response.clicked() {
+                ask(SettingEvent::Pick { row: place, value: 0 });
+            }
+        }
         Values::Names { options, chosen } => {
             if let Some(value) = draw_names(ui, values, row, options, *chosen) {
                 ask(SettingEvent::Pick { row: place, value });
             }
         }
         Values::Delay(shift) => {
-            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *shift, &SHIFT) {
+            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *shift, &SHIFT, held) {
                 ask(SettingEvent::Change { row: place, number: shift, settled });
             }
         }
         Values::Percent { percent, .. } => {
-            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *percent, &PERCENT) {
+            if let Some((shift, settled)) = draw_number(ui, values, &row.name, *percent, &PERCENT, held) {
                 ask(SettingEvent::Change { row: place, number: shift, settled });
             }
         }
@@ -177,6 +259,7 @@ fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: boo
         (Values::OneOfRows { chosen: true, .. }, _) => ("> ", style::ACCENT),
         (Values::OneOfRows { chosen: false, .. }, false) => ("· ", style::TEXT),
         (Values::OneOfRows { chosen: false, .. }, true) => ("· ", style::ACCENT),
+        (Values::Fold { open }, _) => (if *open { "- " } else { "+ " }, style::ACCENT),
         (_, true) => ("", style::ACCENT),
         (_, false) => ("", style::TEXT),
     };
@@ -292,7 +375,14 @@ const PERCENT: Scale = Scale {
 };
 
 /// Draws a slider for a number. Returns the value that the user sets, and true once the user releases the slider.
-fn draw_number(ui: &Ui, rect: Rect, name: &str, shift: f64, scale: &Scale) -> Option<(f64, bool)> {
+fn draw_number(
+    ui: &Ui,
+    rect: Rect,
+    name: &str,
+    shift: f64,
+    scale: &Scale,
+    is_held: &mut bool,
+) -> Option<(f64, bool)> {
     let painter = ui.painter();
     let words = (scale.words)(shift);
     let number = style::line(painter, &words, style::proportional(style::TEXT_SIZE), style::TEXT, 80.0);
@@ -306,6 +396,7 @@ fn draw_number(ui: &Ui, rect: Rect, name: &str, shift: f64, scale: &Scale) -> Op
         rail.left() + fraction as f32 * rail.width()
     };
     let response = ui.interact(hold, ui.scope_id().with("number"), Sense::click_and_drag());
+    *is_held |= response.is_pointer_button_down_on();
     let held = response.hovered() || response.is_pointer_button_down_on();
     painter.rect_filled(rail, 1.5, style::RAIL);
     let base = if scale.from < 0.0 { 0.0 } else { scale.from };

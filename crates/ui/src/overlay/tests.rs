@@ -12,6 +12,7 @@ use super::{
     Bar, Notice, NowPlaying, OverlayContent, Problem, SettingEvent, SourceList, Tracks, UiEvent, style,
 };
 use crate::editor::Editor;
+use crate::help_panel::HelpPanel;
 use crate::settings_panel::SettingsPanel;
 use mariana_commands::{Command, Panel, Switch};
 use mariana_control::{ChangedBy, Slider};
@@ -27,6 +28,7 @@ mod assisted;
 mod binding;
 mod controllers;
 mod decks;
+mod help;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
@@ -111,13 +113,13 @@ fn place_of(texts: &[(String, Rect)], wanted: &str) -> Rect {
 fn everything_shows_at_once_and_inside_the_window() {
     let text = "error: no\n --> a.scene:1:1\n".repeat(100);
     for screen in [SCREEN, Vec2::new(533.0, 400.0), Vec2::new(2560.0, 1440.0), Vec2::new(60.0, 40.0)] {
-        let mut sliders = sliders(64);
+        let (mut sliders, help) = (sliders(64), HelpPanel::default());
         let content = OverlayContent {
             corner: Some("speakers · interpreted · 230 clauses"),
             problem: Some(Problem { heading: "a.scene has mistakes", text: &text }),
             notice: Some(Notice { text: "compiled", fraction: None, since: Instant::now() }),
             params: Some(&mut sliders),
-            help: true,
+            help: Some(&help),
             hint: Some("no sound from a long name; the monitor of another long name has a signal: press D"),
             sources: Some(SourceList { names: vec!["the song".into(), "Mic".into()], present: Some(1) }),
             ..OverlayContent::default()
@@ -131,7 +133,7 @@ fn everything_shows_at_once_and_inside_the_window() {
             for panel in &laid_out.panels {
                 assert!(stage.screen.contains_rect(*panel), "{screen:?}: {panel:?}");
             }
-            for wanted in ["a.scene has mistakes", "compiled", "knob 0", "show or hide the keys", "> Mic"] {
+            for wanted in ["a.scene has mistakes", "compiled", "knob 0", "pause or resume", "> Mic"] {
                 assert!(place_of(&texts, wanted).area() > 50.0, "{wanted} does not show");
             }
             assert!(texts.iter().any(|(text, _)| text.contains("more lines")), "{texts:?}");
@@ -330,7 +332,12 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
         let (bounds, texts) = drawn(&laid_out);
         assert!(stage.screen.contains_rect(bounds), "{screen:?}: {bounds:?}");
         assert!(texts.iter().any(|(text, _)| text == "this run"), "{texts:?}");
-        for (name, row, value) in [("medium", "Quality", 2), ("· USB", "USB", 0)] {
+        for (name, row, value) in [
+            ("medium", "Quality", 2),
+            ("· USB", "USB", 0),
+            ("film", "Colours", 1),
+            ("+ Advanced", "Advanced", 0),
+        ] {
             let Some((_, at)) = texts.iter().find(|(text, _)| text == name) else { continue };
             let pick = UiEvent::Settings(SettingEvent::Pick { row: place(row), value });
             assert_eq!(asked(&mut stage, at.center(), content), [pick], "{screen:?}: {name}");
@@ -457,7 +464,7 @@ fn missing_letters_are_searched_for_once() {
 fn letters_of_the_built_in_fonts_are_not_searched_for() {
     let mut stage = Stage::new(SCREEN);
     stage.frame(Vec::new(), noticed("Hadal Lanterns — größer, Ελλάδα, Привет!\n\t\u{a0}\u{200d}"));
-    let mut sliders = sliders(3);
+    let (mut sliders, help) = (sliders(3), HelpPanel::default());
     let bar = Bar {
         shape: None,
         song: None,
@@ -475,7 +482,7 @@ fn letters_of_the_built_in_fonts_are_not_searched_for() {
     let content = OverlayContent {
         corner: Some("speakers · 60 fps · 1280x720 · compiled"),
         params: Some(&mut sliders),
-        help: true,
+        help: Some(&help),
         bar: Some(bar),
         ..Default::default()
     };

@@ -1,7 +1,7 @@
 //! The rows of the monitors that the image can fill.
 
 use crate::monitor::{Monitor, named};
-use mariana_settings::{Setting, SettingRow, Values};
+use mariana_settings::{Setting, SettingGroup, SettingRow, Values};
 
 /// The rows for the output's monitor. The list is empty if there is only one monitor.
 pub(super) fn rows(monitors: &[Monitor], now: Option<&str>, remembered: Option<&str>) -> Vec<SettingRow> {
@@ -22,6 +22,7 @@ pub(super) fn rows(monitors: &[Monitor], now: Option<&str>, remembered: Option<&
             setting: Setting::Screen(name.map(str::to_owned)),
         },
         for_this_run: name == chosen && now != remembered,
+        group: SettingGroup::Screens,
     };
     std::iter::once(alone).chain(there).chain(missing).map(row).collect()
 }
