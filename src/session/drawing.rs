@@ -396,7 +396,7 @@ pub(super) fn paint_waiting(
 ) -> Result<Painted, SessionError> {
     let words = format!("Mariana is preparing {title}");
     let (scale, mut painted) = (screen.scale(), Painted::default());
-    let mut content = Some(OverlayContent { hint: Some(&words), ..content });
+    let mut content = Some(OverlayContent { hint: Some(&words), calm: true, ..content });
     screen.show_waiting(&mut |size| {
         if let Some(content) = content.take() {
             painted = overlay.paint(scale, size, content, clock::now())?;

@@ -205,7 +205,7 @@ commands! {
                 "E", "edit this scene, over the image", group: Some(Group::Scenes)),
             keys!(
                 Key::Character("g") => C::TogglePanel(Panel::Settings),
-                "G", "settings: output, latency, quality, flashes and more"
+                "G", "settings: sound, image, scenes and more"
             ),
             keys!(
                 Key::Character("j") => C::TogglePanel(Panel::Controllers),

@@ -96,7 +96,7 @@ impl Choice for Gain {
 /// `None` uses the scene's tone map.
 impl Choice for Option<ToneMap> {
     const ALL: &'static [(Self, &'static str, &'static str)] = &[
-        (None, "scene", "The scene's choice, or film"),
+        (None, "scene", "The scene's own choice"),
         (
             Some(ToneMap::Agx),
             ToneMap::Agx.name(),

@@ -148,8 +148,8 @@ impl Editor {
             }
             EditorEvent::SetColor(color) => self.set_color(color),
             EditorEvent::MovePlace(way) => self.move_place(way),
-            EditorEvent::Scroll { lines, columns } => {
-                self.texts.scroll(lines, columns);
+            EditorEvent::Scroll { rows } => {
+                self.texts.scroll(rows);
                 self.revision += 1;
             }
             EditorEvent::Drawn { rows, columns } => {

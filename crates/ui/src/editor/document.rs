@@ -9,6 +9,7 @@ use std::sync::Arc;
 use mariana_editing::{About, Colors, Editing, Number, about};
 use mariana_field::lang::Word;
 
+use super::wrapping::RowPosition;
 use mariana_files::documents::{Bytes, Kept, OnDisk};
 use mariana_scenes::{Mistake, SceneSource};
 
@@ -62,8 +63,8 @@ pub(crate) struct Document {
     sent: VecDeque<(u64, u64)>,
     /// The version of the text that was last passed on to the loader.
     noted: u64,
-    /// First visible line and column.
-    pub view: (f32, f32),
+    /// The position of the first visible row.
+    pub view: RowPosition,
 }
 
 /// Maximum number of entries of [`Document::sent`].
@@ -139,7 +140,7 @@ impl Document {
         &mut self,
         holds: OnDisk,
         kept: Option<Kept>,
-        carried: Option<(usize, (f32, f32))>,
+        carried: Option<(usize, RowPosition)>,
     ) -> bool {
         if let OnDisk::Bytes(bytes) = &holds {
             self.editing = Editing::new(bytes.to_vec());

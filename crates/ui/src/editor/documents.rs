@@ -7,6 +7,7 @@ use mariana_files::documents::{Kept, OnDisk};
 use mariana_scenes::{Findings, SceneSource};
 
 use super::document::Document;
+use super::wrapping::{RowPosition, Wrapping, row_of};
 
 pub(super) struct Documents {
     all: Vec<Document>,
@@ -15,7 +16,7 @@ pub(super) struct Documents {
     rows: usize,
     columns: usize,
     /// Cursor and scroll position to set when the file of the visible text has been read.
-    carried: Option<(usize, (f32, f32))>,
+    carried: Option<(usize, RowPosition)>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -76,7 +77,7 @@ impl Documents {
         self.shown = self.all.len() - 1;
     }
 
-    pub(super) fn carry(&mut self, cursor: usize, view: (f32, f32)) {
+    pub(super) fn carry(&mut self, cursor: usize, view: RowPosition) {
         self.carried = Some((cursor, view));
     }
 
@@ -146,32 +147,40 @@ impl Documents {
         is_new
     }
 
-    pub(super) fn scroll(&mut self, lines: f32, columns: f32) {
-        let rows = self.rows as f32;
+    /// Scrolls by rows. The last row stays in the upper half.
+    pub(super) fn scroll(&mut self, by: f32) {
+        let (rows, wrapping) = (self.rows as f32, Wrapping::new(self.columns));
         let Some(document) = self.shown_mut() else { return };
-        let last = (document.editing.buffer().line_count() as f32 - 0.5 * rows).max(0.0);
-        let (top, left) = document.view;
-        document.view = ((top + lines).clamp(0.0, last), (left + columns).clamp(0.0, 1e6));
+        let buffer = document.editing.buffer();
+        let end = (buffer.line_count() as f32, 0.0);
+        let behind = wrapping.moved(buffer, wrapping.moved(buffer, end, f32::MAX), 1.0 - 0.5 * rows);
+        let wanted = wrapping.moved(buffer, document.view, by);
+        document.view = if wanted > behind { behind } else { wanted };
     }
 
     pub(super) fn reveal_line(&mut self, line: usize) {
-        let rows = self.rows.max(3) as f32;
+        self.reveal_row((line as f32, 0.0));
+    }
+
+    /// Scrolls as little as possible, so that a row and its neighbours are visible.
+    fn reveal_row(&mut self, row: RowPosition) {
+        let (rows, wrapping) = (self.rows.max(3) as f32, Wrapping::new(self.columns));
         let Some(document) = self.shown_mut() else { return };
-        let (top, left) = document.view;
-        document.view = (top.min(line as f32 - 1.0).max(line as f32 + 3.0 - rows).max(0.0), left);
+        let moved = |by: f32| wrapping.moved(document.editing.buffer(), row, by);
+        let (highest, lowest) = (moved(-1.0), moved(3.0 - rows));
+        let view = if document.view > highest { highest } else { document.view };
+        document.view = if view < lowest { lowest } else { view };
     }
 
     pub(super) fn reveal(&mut self) {
-        let columns = self.columns.max(8) as f32;
+        let wrapping = Wrapping::new(self.columns);
         let Some(document) = self.shown_mut() else { return };
         let buffer = document.editing.buffer();
         let line = buffer.line_of(document.editing.cursor());
         let inside = document.editing.cursor() - buffer.line_start(line);
-        let column = mariana_editing::column_of(buffer.line(line), inside) as f32;
-        let left = document.view.1;
-        let fits = column + 4.0 <= columns;
-        document.view.1 = if fits { 0.0 } else { left.min(column - 4.0).max(column + 4.0 - columns) };
-        self.reveal_line(line);
+        let column = mariana_editing::column_of(buffer.line(line), inside);
+        let row = row_of(&wrapping.starts(buffer.line(line)), column);
+        self.reveal_row((line as f32, row as f32));
     }
 
     /// Moves the cursor to `range` of the visible text. Positions in `range` refer to the version that was last loaded.

@@ -40,6 +40,7 @@ mod tests;
 mod texts;
 mod triples;
 mod turning;
+mod wrapping;
 
 use std::io;
 use std::ops::Range;
@@ -58,6 +59,7 @@ use proposing::Proposals;
 pub(crate) use proposing::Proposing;
 use texts::Texts;
 use turning::HeldNumbers;
+pub(crate) use wrapping::{RowPosition, Wrapping, row_of};
 
 use crate::clipboard::Clipboard;
 use mariana_commands::Command;
@@ -102,16 +104,14 @@ pub enum EditorEvent {
     MovePlace([f64; 3]),
     /// The text was scrolled.
     Scroll {
-        /// Lines, positive downwards.
-        lines: f32,
-        /// Columns, positive to the right.
-        columns: f32,
+        /// Rows, positive downwards.
+        rows: f32,
     },
-    /// The text was laid out with this many visible lines and columns.
+    /// The text was laid out with this many visible rows, and columns in each row.
     Drawn {
-        /// Visible lines.
+        /// Visible rows.
         rows: usize,
-        /// Visible columns.
+        /// Columns of a row.
         columns: usize,
     },
     /// A button with a key's action was clicked.

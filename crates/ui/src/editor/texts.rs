@@ -154,8 +154,8 @@ impl Texts {
         self.documents.resize(rows, columns)
     }
 
-    pub(super) fn scroll(&mut self, lines: f32, columns: f32) {
-        self.documents.scroll(lines, columns);
+    pub(super) fn scroll(&mut self, rows: f32) {
+        self.documents.scroll(rows);
     }
 
     pub(super) fn reveal(&mut self) {

@@ -66,6 +66,8 @@ pub struct OverlayContent<'a> {
     pub picture: Option<Area>,
     /// The next scene of the show.
     pub next: Option<&'a NextScene>,
+    /// Fills the window with a calm background, while there is no frame.
+    pub calm: bool,
     /// True if the pointer is hidden over the frame.
     pub hides_pointer: bool,
 }
@@ -211,7 +213,8 @@ impl<'a> OverlayContent<'a> {
 
 impl OverlayContent<'_> {
     pub(super) fn is_empty(&self, now: Instant) -> bool {
-        self.corner.is_none()
+        !self.calm
+            && self.corner.is_none()
             && self.problem.is_none()
             && !self.has_params()
             && self.help.is_none()
@@ -256,7 +259,7 @@ impl OverlayContent<'_> {
     pub(super) fn fingerprint(&self, now: Instant) -> u64 {
         let mut hasher = DefaultHasher::new();
         (self.corner, self.problem, self.help.map(HelpPanel::revision)).hash(&mut hasher);
-        (self.hint, &self.sources).hash(&mut hasher);
+        (self.hint, &self.sources, self.calm).hash(&mut hasher);
         let notice = self.notice.filter(|notice| !notice.is_gone(now));
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
         notice.and_then(|notice| notice.fraction).map(f32::to_bits).hash(&mut hasher);
@@ -328,7 +331,7 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         let list = |present| SourceList { names: vec!["a".into(), "b".into()], present };
         let help = HelpPanel::default();
-        let contents: [OverlayContent<'_>; 10] = [
+        let contents: [OverlayContent<'_>; 11] = [
             OverlayContent::default(),
             OverlayContent { corner: Some("a"), ..Default::default() },
             OverlayContent { corner: Some("b"), ..Default::default() },
@@ -340,6 +343,7 @@ mod tests {
             OverlayContent { help: Some(&help), ..Default::default() },
             OverlayContent { picture: Some([0.5, 0.0, 1.0, 0.5]), ..Default::default() },
             OverlayContent { hint: Some("a"), ..Default::default() },
+            OverlayContent { calm: true, ..Default::default() },
             OverlayContent { sources: Some(list(None)), ..Default::default() },
             OverlayContent { sources: Some(list(Some(1))), ..Default::default() },
         ];

@@ -33,6 +33,8 @@ pub(super) fn show(
     let shown = area.show(context, |ui| {
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            // Without this, egui limits the height of a new panel.
+            ui.set_max_height((space.height() - 2.0 * style::PADDING.y).max(0.0));
             ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
             let mut ask = |command| events.push(UiEvent::Command(command));
             heading(ui, &mut ask);

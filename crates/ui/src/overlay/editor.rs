@@ -3,6 +3,7 @@
 mod card;
 mod cross;
 mod light;
+mod page;
 mod picker;
 mod popup;
 mod profile;
@@ -39,8 +40,9 @@ pub(super) fn show(
     let width = (fraction * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
     // Make the editor only as high as its text, so that it hides as little of the frame as possible.
     let font = context.layer_painter(egui::LayerId::background());
-    let lines = editor.document().map_or(0, |document| document.editing.buffer().line_count());
-    let wanted = (lines + 2).max(LINES_MIN) as f32 * text::cell(&font).y + AROUND;
+    let cell = text::cell(&font).y;
+    let text = editor.document().map_or(0.0, |document| text::height(&font, width - 2.0 * EDGE, document));
+    let wanted = (text + 2.0 * cell).max(LINES_MIN as f32 * cell) + AROUND;
     let rect = Rect::from_min_size(space.min, vec2(width, wanted.min(space.height())));
     let mut ask = |request| events.push(UiEvent::Editor(request));
     let screen = context.viewport_rect();

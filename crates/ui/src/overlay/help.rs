@@ -24,11 +24,17 @@ const CAP_PADDING: f32 = 5.0;
 const CAP_GAP: f32 = 5.0;
 const COLUMNS_MAX: usize = 2;
 
+/// The selected row and the scroll position at the last drawing.
+pub(super) struct Seen {
+    selected: usize,
+    offset: f32,
+}
+
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     help: &HelpPanel,
-    seen: &mut Option<usize>,
+    seen: &mut Option<Seen>,
     events: &mut Vec<UiEvent>,
 ) -> Rect {
     let painter = context.layer_painter(egui::LayerId::new(Order::Foreground, Id::unique("keys measured")));
@@ -47,9 +53,16 @@ pub(super) fn show(
             ui.set_max_height(height);
             heading(ui, help, events);
             let height = (height - LINE).max(ROW);
-            let scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-            let moved = seen.replace(help.selected()).is_some_and(|before| before != help.selected());
-            scroll.show(ui, |ui| table.draw(ui, help.selected(), moved, events));
+            let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+            let selected = help.selected();
+            let before = seen.as_ref().filter(|before| before.selected != selected);
+            if let Some((before, (top, bottom))) = before.zip(table.span(selected)) {
+                // Scroll as little as possible, and show a row or heading beyond the selected row.
+                let offset = before.offset.min(top - HEADING).max(bottom + ROW - height);
+                scroll = scroll.vertical_scroll_offset(offset.max(0.0));
+            }
+            let shown = scroll.show(ui, |ui| table.draw(ui, selected, events));
+            *seen = Some(Seen { selected, offset: shown.state.clamped_offset().y });
         });
     });
     shown.response.rect
@@ -161,7 +174,24 @@ impl Table {
         columns * (self.column_width + COLUMN_GAP) - COLUMN_GAP
     }
 
-    fn draw(&self, ui: &mut Ui, selected: usize, moved: bool, events: &mut Vec<UiEvent>) {
+    /// The upper and lower edge of a row, from the top of the table.
+    fn span(&self, selected: usize) -> Option<(f32, f32)> {
+        for column in &self.columns {
+            let mut at = 0.0;
+            for block in column {
+                at += HEADING;
+                for row in &block.rows {
+                    if row.place == selected {
+                        return Some((at, at + row.height()));
+                    }
+                    at += row.height();
+                }
+            }
+        }
+        None
+    }
+
+    fn draw(&self, ui: &mut Ui, selected: usize, events: &mut Vec<UiEvent>) {
         let height = |column: &Vec<Block>| column.iter().map(Block::height).sum::<f32>();
         let height = self.columns.iter().map(height).fold(0.0, f32::max).max(ROW);
         let (all, _) = ui.allocate_exact_size(vec2(self.width(), height), Sense::hover());
@@ -176,9 +206,6 @@ impl Table {
                 for row in &block.rows {
                     let rect = Rect::from_min_size(at, vec2(self.column_width, row.height()));
                     let is_selected = row.place == selected;
-                    if is_selected && moved {
-                        ui.scroll_to_rect(rect.expand2(vec2(0.0, HEADING)), None);
-                    }
                     self.draw_row(ui, row, rect, is_selected, events);
                     at.y += row.height();
                 }

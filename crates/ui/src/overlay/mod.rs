@@ -10,6 +10,7 @@ mod assisted;
 mod bar;
 mod binding;
 mod browser;
+mod calm;
 mod chips;
 mod content;
 mod controllers;

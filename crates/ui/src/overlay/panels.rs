@@ -13,20 +13,22 @@ use super::events::UiEvent;
 use super::fonts::Fallback;
 use super::rooms::Rooms;
 use super::{
-    assisted, bar, binding, browser, controllers, corners, cues, decks, editor, files, help, params, preview,
+    assisted, bar, binding, browser, calm, controllers, corners, cues, decks, editor, files, help, params, preview,
     problem, settings, sources, style, tracks, welcome,
 };
 use mariana_render::system_fonts::SystemFonts;
 
 /// Maximum width of a line at the top or in the corner, as a fraction of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
-const SENTENCE_ROWS_MAX: usize = 4;
+const SENTENCE_ROWS_MAX: usize = 6;
 /// Maximum height of a problem, as a fraction of the window's height.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
 /// Width of a value bar below a short text, in points.
 const FRACTION_WIDTH: f32 = 180.0;
 /// Minimum width for a problem next to the parameters, in points.
 const PROBLEM_WIDTH_MIN: f32 = 420.0;
+/// Minimum width for a list next to the parameters, in points.
+const LIST_WIDTH_MIN: f32 = 300.0;
 
 pub(super) struct Panels {
     context: Context,
@@ -41,7 +43,7 @@ pub(super) struct Panels {
 struct Kept {
     pictures: TilePictures,
     selected_file: Option<usize>,
-    seen_key: Option<usize>,
+    seen_key: Option<help::Seen>,
     seen_setting: Option<settings::Seen>,
     seen_changed_by: Option<controllers::Seen>,
     binding: binding::OpenBinding,
@@ -137,6 +139,9 @@ fn show(
     let screen = context.viewport_rect();
     let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
     let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
+    if content.calm {
+        calm::draw(&back, screen);
+    }
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 
     let space = show_bar(context, space, content, panels, events);
@@ -160,7 +165,7 @@ fn show(
         assisted::text(context, "about the picture", text, false);
         left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
     }
-    let mut changed = false;
+    let (mut changed, mut beside_sliders) = (false, space);
     let help = content.help.map(|keys| help::show(context, space, keys, &mut kept.seen_key, events));
     if help.is_none() {
         kept.seen_key = None;
@@ -169,6 +174,7 @@ fn show(
         panels.push(rect);
         changed = moved;
         leave_beside(&mut left, rect);
+        beside_sliders = beside(space, rect);
     }
     if let Some(text) = content.editor {
         let parts = editor::show(context, &rooms, text, events);
@@ -193,7 +199,7 @@ fn show(
         panels.push(problem::draw(&back, left, problem));
     }
     panels.extend(help);
-    panels.extend(show_lists(context, space, content, events, kept));
+    panels.extend(show_lists(context, space, beside_sliders, content, events, kept));
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, now);
     }
@@ -243,10 +249,12 @@ fn show_params(
     Some(params::show(context, side, help, shown, open, events))
 }
 
-/// Shows the open list in the middle, and discards the state of closed lists. Returns the areas.
+/// Shows the open list in the middle, and discards the state of closed lists. The controllers are in `beside_sliders`,
+/// because a click on a slider's name learns its control. Returns the areas.
 fn show_lists(
     context: &Context,
     space: Rect,
+    beside_sliders: Rect,
     content: &OverlayContent<'_>,
     events: &mut Vec<UiEvent>,
     kept: &mut Kept,
@@ -267,7 +275,10 @@ fn show_lists(
         None => kept.seen_setting = None,
     }
     match content.controllers {
-        Some(rows) => panels.push(controllers::show(context, space, rows, &mut kept.seen_changed_by, events)),
+        Some(rows) => {
+            let seen = &mut kept.seen_changed_by;
+            panels.push(controllers::show(context, beside_sliders, rows, seen, events));
+        }
         None => kept.seen_changed_by = None,
     }
     panels
@@ -303,6 +314,13 @@ fn show_sentences(
 
 /// Height for a message below a panel's heading, in points.
 const NOTICE_HEIGHT: f32 = 60.0;
+
+/// The part of `space` to the left of the sliders; all of `space` if this part is too narrow for a list.
+fn beside(space: Rect, sliders: Rect) -> Rect {
+    let right = sliders.left() - style::MARGIN;
+    let is_wide = right - space.left() >= LIST_WIDTH_MIN;
+    if is_wide { space.with_max_x(right) } else { space }
+}
 
 fn leave_beside(left: &mut Rect, panel: Rect) {
     let beside = panel.left() - style::MARGIN;

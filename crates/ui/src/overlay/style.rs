@@ -9,18 +9,18 @@ use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeK
 use mariana_render::reading_order::as_seen;
 
 pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
-pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
-/// Colour of the part of a track that has not been played.
+pub(super) const DIM: Color32 = Color32::from_rgb(178, 184, 194);
+/// Colour of the part of a track that has not been played, and of other shapes. Too dark for text.
 pub(super) const AHEAD: Color32 = Color32::from_rgb(92, 98, 110);
 pub(super) const BUTTON: Color32 = Color32::from_rgb(196, 200, 208);
-pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
+pub(super) const ERROR: Color32 = Color32::from_rgb(255, 146, 130);
 /// Colour of hints and chosen values.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
 /// Colour of text on a background of [`ACCENT`].
 pub(super) const ON_ACCENT: Color32 = Color32::from_rgb(8, 10, 13);
-pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
+pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(38, 38, 38, 38);
 
-pub(super) const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 214);
+pub(super) const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 236);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(20, 20, 20, 20);
 const CORNERS: CornerRadius = CornerRadius::same(7);
 
@@ -101,4 +101,59 @@ pub(super) fn zoom(size: Vec2) -> f32 {
     let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(SMALLEST / SMALL_SIZE, 1.0);
     let grown = (size.x / 1920.0).min(size.y / 1080.0).clamp(1.0, 2.0);
     shrunk * grown
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// Minimum contrast of text (WCAG 1.4.3).
+    const CONTRAST_MIN: f32 = 4.5;
+
+    fn over(above: Color32, below: [f32; 3]) -> [f32; 3] {
+        let [red, green, blue, alpha] = above.to_array().map(f32::from);
+        let left = 1.0 - alpha / 255.0;
+        [red + below[0] * left, green + below[1] * left, blue + below[2] * left]
+    }
+
+    /// Relative luminance of an sRGB colour with channels of 0..255, as WCAG 2 defines it.
+    fn luminance(color: [f32; 3]) -> f32 {
+        let linear = |channel: f32| {
+            let value = channel / 255.0;
+            if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+        };
+        let [red, green, blue] = color.map(linear);
+        0.2126 * red + 0.7152 * green + 0.0722 * blue
+    }
+
+    fn contrast(text: Color32, grounds: &[Color32], picture: f32) -> f32 {
+        let below = grounds.iter().fold([picture; 3], |below, ground| over(*ground, below));
+        let (text, below) = (luminance(over(text, below)), luminance(below));
+        (text.max(below) + 0.05) / (text.min(below) + 0.05)
+    }
+
+    /// Asserts that texts of these colours are legible over these layers, over any frame.
+    pub(in crate::overlay) fn assert_legible(texts: &[Color32], grounds: &[Color32]) {
+        for text in texts {
+            for picture in [0.0, 255.0] {
+                let contrast = contrast(*text, grounds, picture);
+                assert!(
+                    contrast >= CONTRAST_MIN,
+                    "{text:?} over {grounds:?} over {picture}: contrast {contrast:.2}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn text_has_enough_contrast_over_any_frame() {
+        let texts = [TEXT, DIM, BUTTON, ERROR, ACCENT];
+        assert_legible(&texts, &[GROUND]);
+        // A selected row, a chip or a key.
+        assert_legible(&texts, &[GROUND, RAIL]);
+        assert_legible(&[ON_ACCENT], &[GROUND, ACCENT]);
+        assert_legible(&[TEXT], &[GROUND, AHEAD]);
+        let black_on_white = contrast(Color32::BLACK, &[Color32::WHITE], 0.0);
+        assert!((black_on_white - 21.0).abs() < 0.01, "{black_on_white}");
+    }
 }

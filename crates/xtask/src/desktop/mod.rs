@@ -9,6 +9,7 @@
 
 mod icon;
 mod manual;
+mod scene_names;
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +28,8 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     for (shell, name) in SHELLS {
         let mut text = Vec::new();
         clap_complete::generate(shell, &mut Arguments::command(), "mariana", &mut text);
-        files.push((format!("completions/{name}"), text));
+        let text = scene_names::offered(shell, &String::from_utf8(text)?)?;
+        files.push((format!("completions/{name}"), text.into_bytes()));
     }
     for (name, bytes) in &files {
         let path = folder.join(name);

@@ -1,6 +1,5 @@
 //! Draws the visible lines of the text: line numbers, colours, selection, mistakes, cursor, and grips on numbers.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use egui::output::IMEOutput;
@@ -9,11 +8,12 @@ use egui::{
     Color32, CursorIcon, FontId, Galley, IMEPurpose, Id, Painter, Pos2, Rect, Response, Sense, Stroke,
     StrokeKind, Ui, Vec2, pos2, vec2,
 };
-use mariana_editing::{Buffer, TripleKind, TurnSpeed, cells, column_of, offset_of};
+use mariana_editing::{TripleKind, TurnSpeed, cells};
 use mariana_field::lang::WordKind;
 
+use super::page::Page;
 use super::{picker, popup};
-use crate::editor::{Document, Editor, EditorEvent};
+use crate::editor::{Document, Editor, EditorEvent, Wrapping};
 use crate::overlay::{assisted, style};
 
 const SIZE: f32 = 13.0;
@@ -23,8 +23,10 @@ const LANE: f32 = 10.0;
 /// Height of a number's grip, and its overlap with the number's line.
 const GRIP: (f32, f32) = (9.0, 3.0);
 const GRIP_WIDTH_MIN: f32 = 18.0;
+/// More rows than any window has.
+const ROWS_COUNTED: usize = 200;
 
-const SELECTED: Color32 = Color32::from_rgba_premultiplied(30, 52, 66, 110);
+const SELECTED: Color32 = Color32::from_rgba_premultiplied(22, 40, 52, 90);
 const CURRENT: Color32 = Color32::from_rgba_premultiplied(16, 17, 19, 22);
 
 fn color_of(kind: WordKind) -> Color32 {
@@ -35,39 +37,9 @@ fn color_of(kind: WordKind) -> Color32 {
         WordKind::Input => Color32::from_rgb(150, 218, 160),
         WordKind::Name => style::TEXT,
         WordKind::Text => Color32::from_rgb(190, 214, 130),
-        WordKind::Comment => Color32::from_rgb(128, 134, 146),
+        WordKind::Comment => Color32::from_rgb(172, 178, 190),
         WordKind::Sign => Color32::from_rgb(184, 190, 200),
         WordKind::Unknown => style::ERROR,
-    }
-}
-
-struct Page {
-    /// The area of the letters, without line numbers.
-    rect: Rect,
-    cell: Vec2,
-    top: f32,
-    left: f32,
-}
-
-impl Page {
-    fn at(&self, line: usize, column: f32) -> Pos2 {
-        self.rect.min + vec2((column - self.left) * self.cell.x, (line as f32 - self.top) * self.cell.y)
-    }
-
-    fn offset(&self, buffer: &Buffer, at: Pos2) -> usize {
-        let line = (self.top + (at.y - self.rect.top()) / self.cell.y).max(0.0) as usize;
-        let line = line.min(buffer.line_count() - 1);
-        let column = self.left + (at.x - self.rect.left()) / self.cell.x;
-        buffer.line_start(line) + offset_of(buffer.line(line), column.max(0.0))
-    }
-
-    /// The screen area of a range within one line.
-    fn rect_of(&self, buffer: &Buffer, range: &Range<usize>) -> Rect {
-        let line = buffer.line_of(range.start);
-        let (start, text) = (buffer.line_start(line), buffer.line(line));
-        let column = |offset: usize| column_of(text, offset.saturating_sub(start)) as f32;
-        let from = self.at(line, column(range.start));
-        Rect::from_min_max(from, self.at(line, column(range.end)) + vec2(0.0, self.cell.y))
     }
 }
 
@@ -76,6 +48,24 @@ pub(super) fn cell(painter: &Painter) -> Vec2 {
     painter.fonts_mut(|fonts| {
         vec2(fonts.glyph_width(&font, '0'), (LINE_HEIGHT * fonts.row_height(&font)).round())
     })
+}
+
+/// Number of columns of a row in a width. The last column is left free for a space or half of a wide letter.
+fn columns_in(width: f32, cell: Vec2) -> usize {
+    ((width / cell.x) as usize).saturating_sub(1)
+}
+
+/// Height of a text in an editor of a width: exact for short texts, the number of lines for long ones.
+pub(super) fn height(painter: &Painter, width: f32, document: &Document) -> f32 {
+    let (cell, buffer) = (cell(painter), document.editing.buffer());
+    let columns = columns_in(width - gutter(document, cell) - LANE, cell);
+    let rows = Wrapping::new(columns).rows_up_to(buffer, ROWS_COUNTED);
+    rows.max(buffer.line_count()) as f32 * cell.y
+}
+
+fn gutter(document: &Document, cell: Vec2) -> f32 {
+    let digits = document.editing.buffer().line_count().to_string().len().max(3) as f32;
+    (digits + 1.5) * cell.x
 }
 
 /// Draws the text in `space`. Returns the area of the colour picker, if the picker is open.
@@ -89,22 +79,22 @@ pub(super) fn show(
     let buffer = document.editing.buffer();
     let font = style::monospace(SIZE);
     let cell = cell(ui.painter());
-    let digits = buffer.line_count().to_string().len().max(3) as f32;
-    let gutter = (digits + 1.5) * cell.x;
+    let gutter = gutter(document, cell);
     let rect = Rect::from_min_max(space.min + vec2(gutter, 0.0), space.max - vec2(LANE, 0.0));
-    let (top, left) = document.view;
-    let page = Page { rect, cell, top, left };
+    let columns = columns_in(rect.width(), cell);
+    let wrapping = Wrapping::new(columns);
+    let page = Page::new(rect, cell, wrapping, buffer, document.view);
     let rows = (rect.height() / cell.y).max(1.0);
-    ask(EditorEvent::Drawn { rows: rows as usize, columns: (rect.width() / cell.x).max(1.0) as usize });
+    ask(EditorEvent::Drawn { rows: rows as usize, columns });
 
     let whole = Rect::from_min_max(space.min, rect.max);
     let response = ui.interact(whole, Id::unique("editor text"), Sense::click_and_drag());
     let painter = ui.painter().with_clip_rect(space.intersect(ui.clip_rect()));
-    let seen = top as usize..((top + rows).ceil() as usize + 1).min(buffer.line_count());
-    draw_ground(&painter, space, &page, document, &seen);
+    let seen = page.seen.clone();
+    draw_ground(&painter, space, &page, document);
     if let Some(line) = editor.probed_line().filter(|line| seen.contains(line)) {
         // Mark the line that drew the clicked point.
-        let rect = Rect::from_min_size(pos2(space.left(), page.at(line, 0.0).y), vec2(3.0, cell.y));
+        let rect = Rect::from_min_size(pos2(space.left(), page.at(line, 0).y), vec2(3.0, cell.y));
         painter.rect_filled(rect, 1.0, style::ACCENT);
     }
     for line in seen.clone() {
@@ -113,13 +103,15 @@ pub(super) fn show(
         draw_line(&clipped, &page, document, line, &font);
         draw_colors(&clipped, &page, document, line);
     }
-    draw_mistakes(&painter, space, &page, document, &seen);
+    draw_mistakes(&painter, space, &page, document);
     draw_cursor(&painter, &page, document, editor.has_focus());
     if editor.find_line().is_none_or(|find| !find.typing) {
         draw_preedit(&painter, &page, document, editor.preedit(), &font);
     }
     point(ui, &painter, &page, editor, document, &response, ask);
-    lane(ui, space, document, rows, ask);
+    if wrapping.rows_up_to(buffer, rows as usize) > rows as usize || document.view != (0.0, 0.0) {
+        lane(ui, space, document, rows, ask);
+    }
     let cursor = document.editing.cursor();
     let line = buffer.line_of(cursor);
     let words = String::from_utf8_lossy(buffer.line(line)).into_owned();
@@ -132,54 +124,57 @@ pub(super) fn show(
     picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
 }
 
-fn draw_ground(painter: &Painter, space: Rect, page: &Page, document: &Document, seen: &Range<usize>) {
+fn draw_ground(painter: &Painter, space: Rect, page: &Page, document: &Document) {
     let (editing, buffer) = (&document.editing, document.editing.buffer());
     let current = buffer.line_of(editing.cursor());
-    if seen.contains(&current) {
-        let y = page.at(current, 0.0).y;
-        let rect = Rect::from_min_max(pos2(space.left(), y), pos2(page.rect.right(), y + page.cell.y));
-        painter.rect_filled(rect, 2.0, CURRENT);
+    if page.seen.contains(&current) {
+        painter.rect_filled(page.rect_of_line(current, space.left()), 2.0, CURRENT);
     }
     let selection = editing.selection();
     if selection.is_empty() {
         return;
     }
-    for line in seen.clone() {
+    for line in page.seen.clone() {
         let range = buffer.line_range(line);
         let (from, to) = (selection.start.max(range.start), selection.end.min(range.end));
         if from > to || selection.start >= buffer.line_start(line + 1) && line + 1 < buffer.line_count() {
             continue;
         }
-        let mut rect = page.rect_of(buffer, &(from..from));
-        rect.max.x = page.rect_of(buffer, &(range.start..to)).right();
-        if selection.end > range.end {
-            rect.max.x += 0.6 * page.cell.x;
+        let mut rects = page.rects_of(buffer, &(from..to));
+        if let Some(last) = rects.last_mut().filter(|_| selection.end > range.end) {
+            last.max.x += 0.6 * page.cell.x;
         }
-        rect.min.x = rect.min.x.max(page.rect.left());
-        painter.rect_filled(rect, 0.0, SELECTED);
+        for rect in rects {
+            painter.rect_filled(rect, 0.0, SELECTED);
+        }
     }
 }
 
 fn draw_number(painter: &Painter, right: f32, page: &Page, line: usize, document: &Document) {
     let is_current = document.editing.buffer().line_of(document.editing.cursor()) == line;
-    let color = if is_current { style::TEXT } else { style::AHEAD };
+    let color = if is_current { style::TEXT } else { style::DIM };
     let galley = style::line(painter, &(line + 1).to_string(), style::monospace(SIZE), color, f32::MAX);
-    painter.galley(pos2(right - galley.size().x, page.at(line, 0.0).y), galley, color);
+    painter.galley(pos2(right - galley.size().x, page.at(line, 0).y), galley, color);
 }
 
 /// Draws a line's letters. Letters beyond ASCII are placed one by one, because a fallback font may have other widths.
 fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, font: &FontId) {
     let text = document.editing.buffer().line(line);
     let words = document.words(line);
-    let (first, last) = (page.left as usize, (page.left + page.rect.width() / page.cell.x) as usize + 1);
+    let visible = page.visible_columns(line);
+    let mut row_starts =
+        page.starts(line).iter().copied().skip_while(|start| *start <= visible.start).peekable();
     let mut words = words.iter().peekable();
     let mut run = Run::default();
     for cell in cells(text) {
-        if cell.column + cell.width <= first {
+        if cell.column + cell.width <= visible.start {
             continue;
         }
-        if cell.column > last {
+        if cell.column >= visible.end {
             break;
+        }
+        if row_starts.next_if(|start| *start <= cell.column).is_some() {
+            run.flush(painter, page, line, font);
         }
         while words.next_if(|word| word.end <= cell.start).is_some() {}
         let word = words.peek().filter(|word| word.start <= cell.start);
@@ -197,7 +192,7 @@ fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, f
                     _ => ("\u{fffd}", style::ERROR),
                 };
                 let galley = painter.layout_no_wrap(shown.to_owned(), font.clone(), color);
-                painter.galley(page.at(line, cell.column as f32), galley, color);
+                painter.galley(page.at(line, cell.column), galley, color);
             }
         }
     }
@@ -252,7 +247,7 @@ impl Run {
             return;
         }
         let galley = laid_out(painter, &text, &colors, font);
-        painter.galley(page.at(line, column as f32), galley, style::TEXT);
+        painter.galley(page.at(line, column), galley, style::TEXT);
     }
 }
 
@@ -266,30 +261,30 @@ fn laid_out(painter: &Painter, text: &str, colors: &[(usize, Color32)], font: &F
     painter.layout_job(job)
 }
 
-fn draw_mistakes(painter: &Painter, space: Rect, page: &Page, document: &Document, seen: &Range<usize>) {
+fn draw_mistakes(painter: &Painter, space: Rect, page: &Page, document: &Document) {
     let buffer = document.editing.buffer();
     for mistake in document.mistakes().filter(|mistake| !mistake.range.is_empty() || mistake.range.start > 0)
     {
         let (first, last) = (buffer.line_of(mistake.range.start), buffer.line_of(mistake.range.end));
-        for line in first.max(seen.start)..(last + 1).min(seen.end) {
+        for line in first.max(page.seen.start)..(last + 1).min(page.seen.end) {
             let range = buffer.line_range(line);
             let part =
                 mistake.range.start.max(range.start)..mistake.range.end.min(range.end).max(range.start);
-            let mut rect = page.rect_of(buffer, &part);
-            rect.max.x = rect.max.x.max(rect.min.x + page.cell.x);
-            if rect.left() < page.rect.right() && rect.right() > page.rect.left() {
-                wave(painter, rect, page.rect.left());
-            }
-            if line == first {
+            let rects = page.rects_of(buffer, &part);
+            if let Some(rect) = rects.first().filter(|_| line == first) {
                 let at = pos2(space.left() + 3.0, rect.center().y);
                 painter.circle_filled(at, 3.0, style::ERROR);
+            }
+            for mut rect in rects.into_iter().filter(|rect| rect.y_range().intersects(page.rect.y_range())) {
+                rect.max.x = rect.max.x.max(rect.min.x + page.cell.x);
+                wave(painter, rect);
             }
         }
     }
 }
 
-fn wave(painter: &Painter, rect: Rect, left: f32) {
-    let (mut x, mut up) = (rect.left().max(left), false);
+fn wave(painter: &Painter, rect: Rect) {
+    let (mut x, mut up) = (rect.left(), false);
     let mut points = Vec::new();
     while x <= rect.right() {
         points.push(pos2(x, rect.bottom() - if up { 3.5 } else { 1.0 }));
@@ -301,10 +296,8 @@ fn wave(painter: &Painter, rect: Rect, left: f32) {
 fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: bool) {
     let cursor = document.editing.cursor();
     let rect = page.rect_of(document.editing.buffer(), &(cursor..cursor));
-    if rect.left() >= page.rect.left() - 1.0 {
-        let color = if focused { style::TEXT } else { style::AHEAD };
-        painter.vline(rect.left(), rect.y_range(), Stroke::new(1.6, color));
-    }
+    let color = if focused { style::TEXT } else { style::AHEAD };
+    painter.vline(rect.left(), rect.y_range(), Stroke::new(1.6, color));
     if focused {
         // An input method places its candidate window at this position.
         let cursor_rect = rect.intersect(page.rect);
@@ -375,8 +368,7 @@ fn point(
     }
     let Some(at) = response.hover_pos().or_else(|| response.interact_pointer_pos()) else { return };
     if scrolled != Vec2::ZERO {
-        let lines = -scrolled.y / page.cell.y;
-        ask(EditorEvent::Scroll { lines, columns: -scrolled.x / page.cell.x });
+        ask(EditorEvent::Scroll { rows: -scrolled.y / page.cell.y });
     }
     let offset = page.offset(buffer, at);
     let number = document.is_open().then(|| number_at(page, document, at)).flatten();
@@ -485,9 +477,6 @@ fn hover_help(response: &Response, document: &Document, page: &Page, offset: usi
 
 fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(EditorEvent)) {
     let count = document.editing.buffer().line_count() as f32;
-    if count <= rows {
-        return;
-    }
     let lane = Rect::from_min_max(pos2(space.right() - LANE + 3.0, space.top()), space.max);
     let response = ui.interact(lane, Id::unique("editor lane"), Sense::click_and_drag());
     let whole = count + 0.5 * rows;
@@ -504,6 +493,29 @@ fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnM
     }
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged() || response.clicked()) {
         let wanted = (at.y - lane.top()) / lane.height().max(1.0) * whole - 0.5 * rows;
-        ask(EditorEvent::Scroll { lines: wanted - document.view.0, columns: 0.0 });
+        ask(EditorEvent::Scroll { rows: wanted - document.view.0 });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::overlay::style::tests::assert_legible;
+
+    #[test]
+    fn every_colour_of_the_text_is_legible_in_a_selection() {
+        let kinds = [
+            WordKind::Number,
+            WordKind::Keyword,
+            WordKind::Function,
+            WordKind::Input,
+            WordKind::Name,
+            WordKind::Text,
+            WordKind::Comment,
+            WordKind::Sign,
+            WordKind::Unknown,
+        ];
+        assert_legible(&kinds.map(color_of), &[style::GROUND]);
+        assert_legible(&kinds.map(color_of), &[style::GROUND, CURRENT, SELECTED]);
     }
 }

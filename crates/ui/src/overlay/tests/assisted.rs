@@ -83,6 +83,47 @@ fn settings_and_sliders_had_controls_without_a_name() {
 }
 
 #[test]
+fn every_panel_is_reached_by_tab_and_names_its_controls() {
+    use crate::controllers_panel::ControllersPanel;
+    use crate::scene_browser::SceneBrowser;
+    let (help, settings) = (HelpPanel::default(), panel(&Choices::default(), None));
+    let scenes = ["a", "b"].map(|name| SceneSource::Shipped(name.into())).to_vec();
+    let browser = SceneBrowser::new(scenes, None, Default::default());
+    let controllers = ControllersPanel::default();
+    let panels: [(&str, OverlayContent<'_>); 4] = [
+        ("mute or unmute", OverlayContent { help: Some(&help), ..Default::default() }),
+        ("Advanced", OverlayContent { settings: Some(&settings), ..Default::default() }),
+        ("mark b", OverlayContent { scenes: Some(&browser), ..Default::default() }),
+        ("close the controllers", OverlayContent { controllers: Some(&controllers), ..Default::default() }),
+    ];
+    for (wanted, content) in panels {
+        let copy = || OverlayContent {
+            help: content.help,
+            settings: content.settings,
+            scenes: content.scenes,
+            controllers: content.controllers,
+            ..Default::default()
+        };
+        let mut stage = assisted_stage();
+        let nodes = controls(&mut stage, copy);
+        let nameless = |node: &&Node| {
+            let acts = node.supports_action(Asked::Click) && node.role() != Role::ScrollBar;
+            acts && node.label().is_none_or(str::is_empty)
+        };
+        assert_eq!(nodes.iter().find(nameless), None, "{wanted}");
+        let is_wanted = |node: &Node| node.label().is_some_and(|label| label.starts_with(wanted));
+        let mut met = false;
+        for _ in 0..80 {
+            let laid_out = stage.frame(press(Key::Tab), copy());
+            let update = laid_out.output.platform_output.accesskit_update.expect("no tree of controls");
+            let focused = update.nodes.iter().find(|(id, _)| *id == update.focus);
+            met |= focused.is_some_and(|(_, node)| is_wanted(node));
+        }
+        assert!(met, "Tab does not reach {wanted}");
+    }
+}
+
+#[test]
 fn tab_did_not_reach_the_bar() {
     let now = playing();
     let content = || OverlayContent { bar: Some(bar(&now)), ..Default::default() };

@@ -1,0 +1,122 @@
+//! Tests of long lines in the editor.
+
+use super::*;
+use crate::editor::EditorEvent;
+use mariana_commands::input::Modifiers as Held;
+use mariana_commands::input::{Key, KeyPress, NamedKey};
+use tempfile::TempDir;
+
+struct Writing {
+    editor: Editor,
+    stage: Stage,
+    _folder: TempDir,
+}
+
+impl Writing {
+    fn of(text: &str, screen: Vec2) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("own.scene");
+        fs::write(&file, text).unwrap();
+        let mut editor = Editor::start(Drafts::default(), &Folders::within(folder.path()), || {}).unwrap();
+        editor.show_scene(&SceneSource::File(file));
+        editor.set_focus(true);
+        wait_until("the text", || {
+            editor.update();
+            editor.document().is_some_and(|document| document.disk.is_some())
+        });
+        let mut writing = Self { editor, stage: Stage::new(screen), _folder: folder };
+        writing.frame(vec![]);
+        writing
+    }
+
+    fn frame(&mut self, events: Vec<Event>) -> LaidOut {
+        let content = OverlayContent { editor: Some(&self.editor), ..Default::default() };
+        let laid_out = self.stage.frame(events, content);
+        for event in &laid_out.events {
+            if let UiEvent::Editor(event) = event {
+                self.editor.obey(*event);
+            }
+        }
+        laid_out
+    }
+
+    fn press(&mut self, key: NamedKey) {
+        let press = KeyPress { key: Key::Named(key), latin: None, text: None, repeat: false };
+        assert!(self.editor.take_key(&press, Held::empty()), "{key:?}");
+        self.frame(vec![]);
+    }
+
+    /// The area of the text cursor, and the area of the editor.
+    fn caret(&mut self) -> (Rect, Rect) {
+        let laid_out = self.frame(vec![]);
+        (laid_out.output.platform_output.ime.expect("no text cursor").cursor_rect, laid_out.panels[0])
+    }
+
+    fn cursor(&self) -> usize {
+        self.editor.document().unwrap().editing.cursor()
+    }
+}
+
+#[test]
+fn a_line_of_ten_thousand_letters_is_broken_into_rows_and_followed() {
+    let line = "length(p) + ".repeat(850);
+    for screen in [SCREEN, Vec2::new(640.0, 360.0)] {
+        let mut writing = Writing::of(&format!("{line}\nobject\n"), screen);
+        let laid_out = writing.frame(vec![]);
+        let (_, texts) = drawn(&laid_out);
+        let rows: Vec<_> = texts.iter().filter(|(text, _)| text.contains("length(p)")).collect();
+        assert!(rows.len() > 5, "{screen:?}: {texts:?}");
+        assert!(texts.len() < 400, "{} texts are laid out", texts.len());
+        let panel = laid_out.panels[0];
+        assert!(rows.iter().all(|(_, at)| panel.contains_rect(*at)), "{screen:?}: {rows:?} in {panel:?}");
+        for key in [NamedKey::End, NamedKey::Home, NamedKey::ArrowDown, NamedKey::ArrowUp] {
+            writing.press(key);
+            let (caret, panel) = writing.caret();
+            assert!(panel.contains_rect(caret) && caret.height() > 5.0, "{screen:?}: {key:?}: {caret:?}");
+        }
+    }
+}
+
+#[test]
+fn a_click_in_a_lower_row_goes_to_the_letter_under_the_pointer() {
+    let line = "length(p) + ".repeat(40);
+    let mut writing = Writing::of(&line, SCREEN);
+    let (first, panel) = writing.caret();
+    writing.press(NamedKey::End);
+    let (last, _) = writing.caret();
+    let rows = ((last.top() - first.top()) / first.height()).round();
+    assert!(rows >= 3.0, "{first:?} {last:?}");
+    let click = |at: Pos2, pressed| Event::PointerButton {
+        pos: at,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    let mut before = 0;
+    for row in 0..=rows as usize {
+        let at = Pos2::new(first.left() + 1.0, first.center().y + row as f32 * first.height());
+        writing.stage.seconds += 2.0;
+        for events in [vec![Event::PointerMoved(at)], vec![click(at, true)], vec![click(at, false)]] {
+            writing.frame(events);
+        }
+        let (caret, _) = writing.caret();
+        assert!((caret.center().y - at.y).abs() < 0.6 * first.height(), "row {row}: {caret:?}");
+        let begins_word = row == 0 || line.as_bytes()[writing.cursor() - 1] == b' ';
+        assert!(caret.left() == first.left() && begins_word, "row {row}: {}", writing.cursor());
+        assert!(row == 0 || writing.cursor() > before, "row {row}");
+        before = writing.cursor();
+    }
+    // A selection over two rows has a part in each.
+    writing.editor.obey(EditorEvent::Press { at: before - 12, clicks: 1, select: false });
+    writing.editor.obey(EditorEvent::DragTo(before + 12));
+    let laid_out = writing.frame(vec![]);
+    let selected = laid_out.output.shapes.iter().filter_map(|clipped| match &clipped.shape {
+        Shape::Rect(rect) if (rect.rect.height() - first.height()).abs() < 0.5 => Some(rect.rect),
+        _ => None,
+    });
+    let tops: std::collections::BTreeSet<i32> = selected
+        .filter(|rect| panel.contains_rect(*rect) && rect.width() > 20.0)
+        .map(|rect| rect.top() as i32)
+        .collect();
+    assert!(tops.len() >= 2, "{tops:?}");
+}
