@@ -200,7 +200,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --view)
@@ -292,7 +292,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --sdf)
@@ -566,7 +566,7 @@ _mariana() {
             fi
             case "${prev}" in
                 --scene)
-                    COMPREPLY=($(compgen -f "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --output)
@@ -608,7 +608,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --show)
@@ -716,7 +716,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --show)

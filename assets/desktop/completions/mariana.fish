@@ -63,18 +63,18 @@ complete -c mariana -n "__fish_mariana_needs_command" -l output -d 'Show the ima
 complete -c mariana -n "__fish_mariana_needs_command" -l send -d 'Send the frames to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l send-size -d 'Size of the frames that are sent [default: the window\'s size at the start]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l send-fps -d 'Frames sent per second' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
 complete -c mariana -n "__fish_mariana_needs_command" -l view -d 'Show a view of the rendering process, with a legend: - steps: steps of the ray from the eye, blue to red; steps:NUMBER sets the count shown in red, 100 by default - slice: the distance on a plane through the camera\'s target, as lines; slice:NUMBER sets the distance between two lines - normals: normals of the surfaces, by finite differences of the distance; normals:NUMBER sets the step of the differences, by default a fraction of a pixel - shadow: the fraction of direct light that arrives - occlusion: the fraction of the ambient light that arrives - clauses: clauses that the interpreter runs; distance evaluations if compiled; clauses:NUMBER sets the count shown in red - cells: the cells of the regions, and the lengths of their tapes - materials: a colour for each object - depth: the distance to the surface; depth:NUMBER sets the distance shown in black ' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l regions -d 'Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s choice, or agx'
-agx\t''
-aces\t''
-reinhard\t''
-none\t''"
+complete -c mariana -n "__fish_mariana_needs_command" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s own choice'
+agx\t'Natural colours; bright colours fade to white, as on film'
+aces\t'Deep shadows and vivid colours'
+reinhard\t'Gentle highlights'
+none\t'Light as it is; all that is too bright becomes white'"
 complete -c mariana -n "__fish_mariana_needs_command" -l gain -d 'Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed [default: auto, or in a window the last choice there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
@@ -105,7 +105,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -a "help" -d 'Print this m
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l at -d 'The moment, as 80 or 1:20.5' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l size -d 'Size in pixels' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s o -l output -d 'The PNG, JPEG or WebP file to write, or \'-\' for a PNG on standard output' -r -F
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l show -d 'Show this moment of a show instead of a scene: \'auto\' for a show that follows the song, or a .show file' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l into -d 'Show a blend of the scene with this second scene' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l blend -d 'Kind of blend, and the fraction of the second scene from 0 to 1: melt, where every surface flows from one scene to the other; ball, where the other scene is inside a growing ball; plane, where the other scene is behind a moving plane; shape, where the other scene is inside a shape that it names' -r
@@ -116,11 +116,11 @@ compiled\t''
 auto\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l regions -d 'Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s choice, or agx'
-agx\t''
-aces\t''
-reinhard\t''
-none\t''"
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s own choice'
+agx\t'Natural colours; bright colours fade to white, as on film'
+aces\t'Deep shadows and vivid colours'
+reinhard\t'Gentle highlights'
+none\t'Light as it is; all that is too bright becomes white'"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l gain -d 'Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed [default: auto, or in a window the last choice there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
@@ -147,7 +147,7 @@ best\t'For services that encode the video again'"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l lyrics -d 'Show the lyrics while they are sung: from FILE, or from song.lrc or the tags of the song' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l flash-limiter -d 'Dim flashes if there are more than three a second, as WCAG 2.3.1 requires' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l scene -d 'The scene to show, as for \'still\'; give several with the time in the song at which each begins, such as --scene orb --scene city@1:20 [default: speakers]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l scene -d 'The scene to show, as for \'still\'; give several with the time in the song at which each begins, such as --scene orb --scene city@1:20 [default: speakers]' -r -a "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l show -d 'A show instead of scenes: \'auto\' for a show that follows the song with the scenes of --scene, or with all shipped scenes; \'demo\' for the demo track\'s show; or a .show file' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s o -l output -d 'The video to write (mp4, mkv, mov, webm, or gif and webp without sound), a folder ending in \'/\' for numbered PNGs, or \'-\' for y4m without sound on standard output' -r -F
@@ -157,11 +157,11 @@ compiled\t''
 auto\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l regions -d 'Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s choice, or agx'
-agx\t''
-aces\t''
-reinhard\t''
-none\t''"
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s own choice'
+agx\t'Natural colours; bright colours fade to white, as on film'
+aces\t'Deep shadows and vivid colours'
+reinhard\t'Gentle highlights'
+none\t'Light as it is; all that is too bright becomes white'"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l gain -d 'Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed [default: auto, or in a window the last choice there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
@@ -185,17 +185,17 @@ complete -c mariana -n "__fish_mariana_using_subcommand bench" -l at -d 'The mom
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l size -d 'Size in pixels' -r
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l frames -d 'Frames to time' -r
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l only -d 'With --all: measure only scenes whose names contain this text; can be given more than once' -r
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l regions -d 'Skip empty space with a tree of cells and run a shortened tape in each cell; the image is the same [default: on where that is faster; bench measures both]' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s choice, or agx'
-agx\t''
-aces\t''
-reinhard\t''
-none\t''"
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -l tone-map -d 'Conversion of light to screen colours [default: the scene\'s own, or in a window the last choice there]' -r -f -a "scene\t'The scene\'s own choice'
+agx\t'Natural colours; bright colours fade to white, as on film'
+aces\t'Deep shadows and vivid colours'
+reinhard\t'Gentle highlights'
+none\t'Light as it is; all that is too bright becomes white'"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l gain -d 'Automatic gain: quiet and loud songs move the image by the same amount; values in decibels are never changed [default: auto, or in a window the last choice there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
@@ -213,7 +213,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand eval" -l at -d 'A point 
 complete -c mariana -n "__fish_mariana_using_subcommand eval" -l points -d 'A file with one point per line: x,y,z; \'-\' is standard input' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand eval" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
 complete -c mariana -n "__fish_mariana_using_subcommand eval" -s h -l help -d 'Print help'
-complete -c mariana -n "__fish_mariana_using_subcommand show" -l scene -d 'A scene from which to choose; can be given more than once [default: all shipped scenes]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand show" -l scene -d 'A scene from which to choose; can be given more than once [default: all shipped scenes]' -r -a "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
 complete -c mariana -n "__fish_mariana_using_subcommand show" -s o -l output -d 'The show file to write; \'-\' is standard output' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand show" -s h -l help -d 'Print help'
 complete -c mariana -n "__fish_mariana_using_subcommand scenes" -s h -l help -d 'Print help'

@@ -142,7 +142,18 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
         }
     };
     assisted::text(ui.ctx(), "question", words, true);
-    let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
+    let font = style::proportional(style::SMALL_SIZE);
+    let job = egui::text::LayoutJob::simple(words.to_owned(), font, style::ERROR, space.width().max(1.0));
+    let galley = ui.painter().layout_job(job);
+    let buttons: f32 = [first, second].map(|words| word_size(ui, words).x + 6.0).iter().sum();
+    // In a narrow editor the sentence has lines of its own above the buttons.
+    let is_above = galley.size().x + buttons + 8.0 > space.width();
+    let mut line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
+    if is_above {
+        line = line.translate(vec2(0.0, galley.size().y + 2.0));
+    }
+    let top = if is_above { space.top() } else { line.center().y - 0.5 * galley.size().y };
+    ui.painter().galley(pos2(line.left(), top), galley, style::ERROR);
     let mut right = line.right();
     for (words, is_first) in [(second, false), (first, true)] {
         let key = written_key(EditAction::Answer { first: is_first });
@@ -152,9 +163,6 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
             ask(EditorEvent::Answer { first: is_first });
         }
     }
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::line(ui.painter(), words, font, style::ERROR, (right - line.left() - 8.0).max(20.0));
-    ui.painter().galley(line.left_center() - vec2(0.0, 0.5 * galley.size().y), galley, style::ERROR);
     line.bottom() + 4.0
 }
 
@@ -162,12 +170,18 @@ fn written_key(action: EditAction) -> &'static str {
     written_rows().find(|row| row.action == action).map_or("", |row| row.written)
 }
 
+fn word_size(ui: &Ui, words: &str) -> egui::Vec2 {
+    let font = style::proportional(style::SMALL_SIZE);
+    let galley = style::line(ui.painter(), words, font, style::ACCENT, f32::MAX);
+    vec2(galley.size().x + 14.0, LINE - 4.0)
+}
+
 /// A right-aligned text button with its key. Returns the button's area, and true if the user clicked the button.
 /// `is_on` marks a switch that is on.
 fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str, is_on: bool) -> (Rect, bool) {
     let color = style::ACCENT;
     let galley = style::line(ui.painter(), words, style::proportional(style::SMALL_SIZE), color, f32::MAX);
-    let size = vec2(galley.size().x + 14.0, LINE - 4.0);
+    let size = word_size(ui, words);
     let rect = Rect::from_min_size(right_center - vec2(size.x, 0.5 * size.y), size);
     let response = ui.interact(rect, Id::unique(("editor word", words)), Sense::click());
     let color = match (is_on, response.hovered()) {

@@ -8,7 +8,7 @@ use egui::{
 };
 
 use super::browser::TilePictures;
-use super::content::{Notice, OverlayContent};
+use super::content::{Notice, OverlayContent, Problem};
 use super::events::UiEvent;
 use super::fonts::Fallback;
 use super::rooms::Rooms;
@@ -166,10 +166,7 @@ fn show(
         left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
     }
     let (mut changed, mut beside_sliders) = (false, space);
-    let help = content.help.map(|keys| help::show(context, space, keys, &mut kept.seen_key, events));
-    if help.is_none() {
-        kept.seen_key = None;
-    }
+    let help = show_help(context, space, content, &mut kept.seen_key, events);
     if let Some((rect, moved)) = show_params(context, side, help, content, &mut kept.binding, events) {
         panels.push(rect);
         changed = moved;
@@ -193,10 +190,8 @@ fn show(
         leave_beside(&mut left, rect);
     }
     if let Some(problem) = &content.problem {
-        assisted::text(context, "problem", problem.heading, true);
-        assisted::text(context, "problem's text", problem.text, false);
         left.min.y = left.max.y - (PROBLEM_HEIGHT_MAX * screen.height()).min(left.height());
-        panels.push(problem::draw(&back, left, problem));
+        panels.push(show_problem(context, &back, left, problem));
     }
     panels.extend(help);
     panels.extend(show_lists(context, space, beside_sliders, content, events, kept));
@@ -233,6 +228,27 @@ fn show_bar(
         space.max.y = above(rect, space);
     }
     space
+}
+
+fn show_problem(context: &Context, back: &Painter, space: Rect, problem: &Problem<'_>) -> Rect {
+    assisted::text(context, "problem", problem.heading, true);
+    assisted::text(context, "problem's text", problem.text, false);
+    problem::draw(back, space, problem)
+}
+
+/// Shows the open table of keys, and discards the state of a closed one. Returns the table's area.
+fn show_help(
+    context: &Context,
+    space: Rect,
+    content: &OverlayContent<'_>,
+    seen: &mut Option<help::Seen>,
+    events: &mut Vec<UiEvent>,
+) -> Option<Rect> {
+    let shown = content.help.map(|keys| help::show(context, space, keys, seen, events));
+    if shown.is_none() {
+        *seen = None;
+    }
+    shown
 }
 
 /// Shows the sliders of a scene that has some. Returns their area, and true if a value changed.

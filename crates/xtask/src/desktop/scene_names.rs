@@ -22,7 +22,7 @@ pub(super) fn offered(shell: Shell, script: &str) -> anyhow::Result<String> {
                 line.contains(files).then(|| line.replace(files, &both))
             }
             Shell::Zsh if line.contains("--scene=[") => {
-                let both = format!(r#":{{_alternative "scenes:scene:({names})" "files:file:_files"}}' \\"#);
+                let both = format!(r#":{{_alternative "scenes:scene:({names})" "files:file:_files"}}' \"#);
                 line.strip_suffix(":_default' \\").map(|start| format!("{start}{both}"))
             }
             Shell::Fish if line.contains(" -l scene ") => {

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 struct Writing {
     editor: Editor,
     stage: Stage,
-    _folder: TempDir,
+    folder: TempDir,
 }
 
 impl Writing {
@@ -24,7 +24,7 @@ impl Writing {
             editor.update();
             editor.document().is_some_and(|document| document.disk.is_some())
         });
-        let mut writing = Self { editor, stage: Stage::new(screen), _folder: folder };
+        let mut writing = Self { editor, stage: Stage::new(screen), folder };
         writing.frame(vec![]);
         writing
     }
@@ -73,6 +73,29 @@ fn a_line_of_ten_thousand_letters_is_broken_into_rows_and_followed() {
             writing.press(key);
             let (caret, panel) = writing.caret();
             assert!(panel.contains_rect(caret) && caret.height() > 5.0, "{screen:?}: {key:?}: {caret:?}");
+        }
+    }
+}
+
+#[test]
+fn a_question_is_whole_in_a_narrow_window() {
+    for screen in [Vec2::new(620.0, 400.0), Vec2::new(300.0, 300.0), SCREEN] {
+        let mut writing = Writing::of("object ball { shape = sphere(p, 1) }\n", screen);
+        writing.editor.type_text("a");
+        fs::write(writing.folder.path().join("own.scene"), "object other { shape = sphere(p, 2) }\n")
+            .unwrap();
+        wait_until("the question", || {
+            writing.editor.update();
+            writing.editor.document().is_some_and(|document| document.question.is_some())
+        });
+        let laid_out = writing.frame(vec![]);
+        let (_, texts) = drawn(&laid_out);
+        let sentence = place_of(&texts, "Another program has changed this file.");
+        let buttons = ["keep my text", "load the new one"].map(|words| place_of(&texts, words));
+        let panel = laid_out.panels[0];
+        assert!(panel.contains_rect(sentence), "{screen:?}: {sentence:?} in {panel:?}");
+        for button in buttons {
+            assert!(panel.contains_rect(button) && !button.intersects(sentence), "{screen:?}: {texts:?}");
         }
     }
 }
