@@ -72,8 +72,8 @@ fn one_key_hides_every_message_and_panel() {
     let place = Place::new(&[("two.scene", TWO_COLOURS)]);
     let app = place.open("two.scene", &["--flash-limiter", "off"]);
     let plain = app.wait_for("the picture", |picture| is_blue(at(picture, 0.8, 0.5)));
-    app.press(&["h"]);
-    app.wait_for("the keys", |picture| *picture != plain);
+    app.press(&["g"]);
+    app.wait_for("the settings", |picture| *picture != plain);
     app.press(&["w"]);
     app.wait_for("the frame without overlay", |picture| *picture == plain);
     // The key also hides errors until it is pressed again.

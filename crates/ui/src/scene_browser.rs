@@ -449,7 +449,7 @@ mod tests {
             about: About::Motion(frames(count)),
         };
         browser.note_drawn(0..2, 2, Some(1), &mut thumbnails);
-        browser.take(vec![moved("a", 3), moved("b", 5)]);
+        browser.take(vec![moved("b", 5), moved("a", 3)]);
         assert_eq!([0, 1, 2].map(|place| browser.frames(place).len()), [0, 5, 0]);
         browser.note_drawn(0..2, 2, None, &mut thumbnails);
         assert!(browser.frames(1).is_empty());

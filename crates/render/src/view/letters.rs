@@ -26,8 +26,12 @@ pub(super) struct Line {
 
 impl Letters {
     pub(super) fn new() -> Self {
+        Self::with_fonts(SystemFonts::new())
+    }
+
+    fn with_fonts(system: SystemFonts) -> Self {
         let fonts = Fonts::new(TextOptions::default(), FontDefinitions::default());
-        Self { fonts, system: SystemFonts::new(), looked_for: BTreeSet::new() }
+        Self { fonts, system, looked_for: BTreeSet::new() }
     }
 
     fn complete(&mut self, text: &str) {
@@ -84,5 +88,27 @@ impl Letters {
             }
         }
         Line { size: (width, height), cover }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mariana_testing::tiny_font::{TinyFont, folder_of};
+
+    #[test]
+    fn captions_have_the_letters_of_the_system_in_reading_order() {
+        let folder = folder_of(&[("tiny.ttf", TinyFont::new("Tiny", "日本שלום").bytes())]);
+        let letters =
+            |folder: &std::path::Path| Letters::with_fonts(SystemFonts::in_folder(Some(folder.to_owned())));
+        let (mut found, mut missing) = (letters(folder.path()), letters(&folder.path().join("none")));
+        for text in ["日本", "שלום"] {
+            let (seen, boxes) = (found.line(text, 30.0), missing.line(text, 30.0));
+            assert!(seen.cover.iter().any(|cover| *cover > 0), "{text}");
+            assert_ne!(seen.cover, boxes.cover, "{text} is drawn as boxes");
+        }
+        // The letters differ in width, so the reversed text looks different.
+        let backwards: String = "שלום".chars().rev().collect();
+        assert_ne!(found.line("שלום", 30.0).cover, found.line(&backwards, 30.0).cover);
     }
 }
