@@ -7,6 +7,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::{ReadSong, StructureCache, find, lyrics_of};
+use mariana_player::priority;
 use mariana_player::track::TrackInfo;
 
 /// Maximum number of structures of earlier tracks in memory.
@@ -87,7 +88,7 @@ impl<T: Send + Sync + 'static> SongReader<T> {
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new(), known_max });
         let of_thread = shared.clone();
         std::thread::Builder::new().name(name.into()).spawn(move || {
-            lower_priority(FIRST_NICENESS);
+            priority::lower(FIRST_NICENESS);
             while let Some(track) = of_thread.next() {
                 let begun = Instant::now();
                 let go_on = || of_thread.wants_most(&track);
@@ -97,7 +98,7 @@ impl<T: Send + Sync + 'static> SongReader<T> {
                     tracing::info!("{name}: {} is {known} after {:.0?}", track.name, begun.elapsed());
                     of_thread.tell(track.id, found);
                     wake();
-                    lower_priority(NICENESS);
+                    priority::lower(NICENESS);
                 }
             }
         })?;
@@ -163,13 +164,3 @@ impl<T> Shared<T> {
         state.known.push_back((track, found.map(Arc::new)));
     }
 }
-
-#[cfg(target_os = "linux")]
-fn lower_priority(niceness: i32) {
-    if let Err(error) = rustix::process::setpriority_process(None, niceness) {
-        tracing::debug!("the priority of the thread for songs cannot be changed: {error}");
-    }
-}
-
-#[cfg(not(target_os = "linux"))]
-fn lower_priority(_: i32) {}

@@ -14,6 +14,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "alsa",
             "cpal",
             "futures-executor",
+            "mariana-files",
             "mariana-music",
             "pulseaudio",
             "rtrb",

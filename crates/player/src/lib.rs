@@ -12,6 +12,8 @@
 //! | [`source`], [`decode`], [`resample`] | produce frames | decoding thread |
 //! | [`ffmpeg`] | command lines of ffmpeg and ffprobe, with a demuxer for each input | caller |
 //! | [`playlist`], [`track`] | choose tracks and their order, and open them ahead of time | list thread |
+//! | [`tags`] | reads the tags of whole lists and folders ahead, with a cache | thread of low priority |
+//! | [`covers`] | finds the cover of a song | caller |
 //! | [`lyrics`] | reads lyrics with times | caller |
 //! | [`stems`] | finds and opens the stems of a song | caller |
 //! | [`listed`] | the list as a window shows it | shared, locked briefly |
@@ -30,6 +32,7 @@
 
 pub mod audible_segments;
 pub mod clock;
+pub mod covers;
 pub mod decode;
 mod device;
 pub mod device_list;
@@ -46,6 +49,7 @@ mod one_line;
 pub mod output;
 pub mod player;
 pub mod playlist;
+pub mod priority;
 #[cfg(target_os = "linux")]
 mod quiet_stderr;
 pub mod resample;
@@ -58,6 +62,7 @@ pub mod song;
 pub mod source;
 pub mod stems;
 mod supervisor;
+pub mod tags;
 pub mod track;
 mod worker;
 

@@ -25,6 +25,18 @@ pub struct Limits {
     pub name_letters_max: usize,
     /// Maximum size of a cover image, in bytes. Larger images are ignored.
     pub cover_bytes_max: usize,
+    /// Maximum number of files of a folder that are examined for a cover.
+    pub cover_folder_files_max: usize,
+    /// Maximum number of files whose tags are kept, in memory and in the cache file.
+    pub tags_kept_max: usize,
+    /// Maximum number of files of a folder whose tags are read in advance. Further tags are read when they are shown.
+    pub folder_tags_max: usize,
+    /// Maximum size of the cache file of tags, in bytes. The rest of a larger file is ignored.
+    pub tag_cache_bytes_max: u64,
+    /// Maximum number of edits of a list that can be undone.
+    pub undo_steps_max: usize,
+    /// Maximum number of entries in all earlier states of a list that are kept for undo.
+    pub undo_entries_max: usize,
     /// Maximum size of lyrics, in bytes.
     pub lyrics_bytes_max: u64,
     /// Maximum number of files of a folder that are examined for stems.
@@ -50,6 +62,12 @@ pub const LIMITS: Limits = Limits {
     claimed_duration_max: 31_536_000.0,
     name_letters_max: 300,
     cover_bytes_max: 1 << 24,
+    cover_folder_files_max: 10_000,
+    tags_kept_max: 60_000,
+    folder_tags_max: 2_000,
+    tag_cache_bytes_max: 1 << 26,
+    undo_steps_max: 50,
+    undo_entries_max: 100_000,
     lyrics_bytes_max: 1 << 20,
     stem_files_max: 10_000,
     ffmpeg_wait_seconds: 10.0,

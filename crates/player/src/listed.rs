@@ -15,13 +15,19 @@ pub struct ListedTracks {
     pub revision: u64,
     /// The tracks.
     pub entries: Vec<ListedTrack>,
+    /// The edit that an undo would take back, such as "remove Intro"; `None` if there is none.
+    pub undo: Option<Arc<str>>,
 }
 
 /// Data about a track, from the list or, once the file was opened, from the file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ListedTrack {
     /// Artist and title, or the file name.
     pub name: String,
+    /// Title, if the list or the opened file gives one.
+    pub title: Option<String>,
+    /// Artist, if the list or the opened file gives one.
+    pub artist: Option<String>,
     /// Length in seconds, if known.
     pub duration: Option<f64>,
     /// The file; `None` for an embedded track.
@@ -44,16 +50,21 @@ pub enum Edit {
     Remove(usize),
     /// Appends the contents of these files, folders and playlists.
     Append(Vec<PathBuf>),
+    /// Removes all entries.
+    Clear,
+    /// Takes back the last edit, or the last replacement of the list.
+    Undo,
 }
 
 /// The effect of an edit on playback.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Edited {
-    /// The id of the removed entry.
-    pub removed: Option<u64>,
+    /// The ids of the removed entries.
+    pub removed: Vec<u64>,
     /// True if entries were added.
     pub appended: bool,
-    /// True if the playing track was removed from the list and another track can replace it now.
+    /// True if the playing track is not in the list, or was not before the edit, and a track of the list can replace
+    /// it now.
     pub resume: bool,
 }
 
@@ -68,8 +79,8 @@ struct Listing {
 }
 
 impl SharedListing {
-    /// Publishes a new list: the id and the data of each entry.
-    pub fn tell(&self, entries: impl Iterator<Item = (u64, ListedTrack)>) {
+    /// Publishes a new list: the id and the data of each entry, and the edit that an undo would take back.
+    pub fn tell(&self, entries: impl Iterator<Item = (u64, ListedTrack)>, undo: Option<Arc<str>>) {
         // Build the map before taking the lock, because the list may have many entries.
         let mut places = HashMap::new();
         let entries: Vec<ListedTrack> = entries
@@ -83,7 +94,7 @@ impl SharedListing {
         let revision = listing.tracks.revision + 1;
         let before = std::mem::replace(
             &mut *listing,
-            Listing { tracks: Arc::new(ListedTracks { revision, entries }), places },
+            Listing { tracks: Arc::new(ListedTracks { revision, entries, undo }), places },
         );
         drop(listing);
         drop(before);
@@ -121,7 +132,14 @@ impl SharedListing {
 
 impl From<&TrackInfo> for ListedTrack {
     fn from(info: &TrackInfo) -> Self {
-        Self { name: info.name.clone(), duration: info.duration, file: None, start: None }
+        Self {
+            name: info.name.clone(),
+            title: info.title.clone(),
+            artist: info.artist.clone(),
+            duration: info.duration,
+            file: None,
+            start: None,
+        }
     }
 }
 
@@ -130,13 +148,13 @@ mod tests {
     use super::*;
 
     fn named(name: &str) -> ListedTrack {
-        ListedTrack { name: name.into(), duration: None, file: None, start: None }
+        ListedTrack { name: name.into(), ..ListedTrack::default() }
     }
 
     #[test]
     fn a_snapshot_does_not_change() {
         let shared = SharedListing::default();
-        shared.tell([(7, named("a")), (3, named("b"))].into_iter());
+        shared.tell([(7, named("a")), (3, named("b"))].into_iter(), None);
         let held = shared.tracks();
         shared.tell_entry(3, &ListedTrack { duration: Some(5.0), ..named("B") });
         assert_eq!((held.revision, held.entries[1].name.as_str()), (1, "b"));

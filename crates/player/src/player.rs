@@ -161,7 +161,7 @@ impl Player {
         }
         let track = first.info.clone();
         let listing = SharedListing::default();
-        listing.tell(std::iter::once((track.id, ListedTrack::from(&*track))));
+        listing.tell(std::iter::once((track.id, ListedTrack::from(&*track))), None);
         list.fill_listing(listing.clone());
         let controls = Arc::new(Controls::new(options.volume, options.paused));
         let counters = Arc::new(Counters::default());
@@ -279,6 +279,17 @@ impl Player {
     /// playback continues with these files. A random order mixes them into the remaining tracks.
     pub fn append_files(&self, files: Vec<PathBuf>) {
         self.threads.send(Command::Edit(Edit::Append(files)));
+    }
+
+    /// Removes all entries; see [`Player::move_entry`]. Silence follows.
+    pub fn clear(&self) {
+        self.threads.send(Command::Edit(Edit::Clear));
+    }
+
+    /// Takes back the last edit of the list, or its replacement by [`Player::play_files`]. If the playing track is not
+    /// in the earlier list, the track that played before the edit follows. Does nothing without an edit.
+    pub fn undo_edit(&self) {
+        self.threads.send(Command::Edit(Edit::Undo));
     }
 
     /// Switches to another output. The current output continues until the new output is open. A player that was started

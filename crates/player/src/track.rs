@@ -233,7 +233,12 @@ pub enum Wanted {
     /// The successor of the removed entry with this id. If the entry has no successor, silence with the same id.
     InPlaceOf(u64),
     /// The first track of these files, which replace the list.
-    Files(Vec<PathBuf>),
+    Files {
+        /// Files, folders and playlists.
+        files: Vec<PathBuf>,
+        /// The id of the entry that plays, to which an undo returns.
+        playing: u64,
+    },
 }
 
 /// The result of a request to a list.

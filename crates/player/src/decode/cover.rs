@@ -26,7 +26,11 @@ pub enum CoverKind {
 
 impl Cover {
     fn of(visual: &Visual) -> Option<Self> {
-        let bytes = visual.data.to_vec();
+        Self::from_bytes(visual.data.to_vec())
+    }
+
+    /// Recognizes the encoding of an image. Returns `None` for other encodings, and for images over the limit.
+    pub(crate) fn from_bytes(bytes: Vec<u8>) -> Option<Self> {
         let kind = match &bytes[..] {
             [0xff, 0xd8, 0xff, ..] => CoverKind::Jpeg,
             [0x89, b'P', b'N', b'G', ..] => CoverKind::Png,

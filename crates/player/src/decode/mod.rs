@@ -16,10 +16,12 @@ mod loudness;
 mod native;
 mod packets;
 mod sniff;
+mod tags;
 
 use std::path::Path;
 
 use crate::ffmpeg::Demuxer;
+use crate::song::Song;
 use crate::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
@@ -30,6 +32,7 @@ pub use error::DecodeError;
 use ffmpeg::{FfmpegDecoder, Programs};
 use input::Input;
 use native::NativeDecoder;
+pub use tags::TrackTags;
 
 /// Metadata of a stream.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,6 +59,25 @@ pub struct StreamInfo {
     pub lyrics: Option<String>,
     /// The factor for samples before analysis, from the ReplayGain tag; 1 without a tag.
     pub scene_gain: f32,
+}
+
+/// Reads the tags and the length of a file from its headers, without decoding sound.
+///
+/// # Errors
+/// Fails if the file cannot be read, or if only ffmpeg can read it: starting ffmpeg for each file of a list is slow.
+pub fn tags_of(path: &Path) -> Result<TrackTags, DecodeError> {
+    tags::of(&Input::file(path)?)
+}
+
+/// Reads the cover image inside a song, without decoding sound. Returns `None` for a song without one.
+///
+/// # Errors
+/// Fails if the song cannot be read, or if only ffmpeg can read it.
+pub fn embedded_cover(song: &Song) -> Result<Option<Cover>, DecodeError> {
+    cover::of(&match song {
+        Song::File(path) => Input::file(path)?,
+        Song::Embedded { name, bytes } => Input::Bytes { name: (*name).into(), bytes },
+    })
 }
 
 /// A decoder of one file.

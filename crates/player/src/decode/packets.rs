@@ -257,6 +257,11 @@ impl PacketReader {
         }
     }
 
+    /// The rate that the container claims, in frames per second.
+    pub(super) fn claimed_rate(&self) -> Option<u32> {
+        self.stream.params.sample_rate.filter(|rate| *rate > 0)
+    }
+
     /// Returns the number of audible frames, if the container states it, and the length in seconds, maybe estimated.
     pub(super) fn length(&mut self, rate: u32) -> (Option<u64>, Option<f64>) {
         let format = self.format.format_info().format;

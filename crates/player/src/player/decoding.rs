@@ -138,7 +138,10 @@ impl Decoding {
                     goal = Some(Goal::seek(0.0));
                 }
                 Command::Skip { forward } => self.queue.skip(forward),
-                Command::Files(files) => self.queue.ask_for_files(files),
+                Command::Files(files) => {
+                    let audible = self.place().passage;
+                    self.queue.ask_for_files(files, audible);
+                }
                 Command::Order(repeat, shuffled) => self.queue.set_order(repeat, shuffled),
                 Command::PlayEntry(entry) => self.queue.ask_for_entry(entry),
                 Command::Edit(edit) => {

@@ -143,3 +143,64 @@ fn a_source_without_a_list_is_a_list_of_one() {
     wait_for(&mut player, "it moves", |player| player.status().position > 0.1);
     assert_eq!(player.playlist().entries.len(), 1);
 }
+
+#[test]
+fn edits_are_taken_back_one_after_another() {
+    let (mut player, folder) = playing(4, 60.0, Repeat::All);
+    let undo = |player: &Player| player.playlist().undo.as_deref().map(str::to_owned);
+    let expect_names = |player: &mut Player, wanted: &[&str]| {
+        wait_for(player, &format!("{wanted:?}"), |player| names(player) == wanted);
+    };
+    assert_eq!(undo(&player), None);
+    player.undo_edit();
+    player.move_entry(3, 0);
+    player.remove_entry(2);
+    player.append_files(vec![song(folder.path(), b'x', 60.0), song(folder.path(), b'y', 60.0)]);
+    player.clear();
+    expect_names(&mut player, &[]);
+    expect(&mut player, "nothing to play", 0, 0);
+    assert_eq!(undo(&player).as_deref(), Some("clear the list"));
+    player.undo_edit();
+    // The track that played before goes on.
+    expect(&mut player, "a.wav", 1, 5);
+    expect_names(&mut player, &["d", "a", "c", "x", "y"]);
+    assert_eq!(undo(&player).as_deref(), Some("add 2 tracks"));
+    player.play_entry(3);
+    expect(&mut player, "x.wav", 3, 5);
+    // Taking back the addition removes the playing track.
+    player.undo_edit();
+    expect_names(&mut player, &["d", "a", "c"]);
+    expect(&mut player, "a.wav", 1, 3);
+    let segment = player.now(0.0).segment;
+    assert_eq!(undo(&player).as_deref(), Some("remove b.wav"));
+    player.undo_edit();
+    expect_names(&mut player, &["d", "a", "b", "c"]);
+    assert_eq!(undo(&player).as_deref(), Some("move d.wav"));
+    player.undo_edit();
+    expect_names(&mut player, &["a", "b", "c", "d"]);
+    expect(&mut player, "a.wav", 0, 4);
+    assert_eq!((undo(&player), player.now(0.0).segment), (None, segment), "playback was interrupted");
+    player.skip(true);
+    expect(&mut player, "b.wav", 1, 4);
+    assert_eq!(player.status().track_errors.count, 0);
+}
+
+#[test]
+fn a_list_that_dropped_files_replaced_comes_back() {
+    let (mut player, folder) = playing(3, 60.0, Repeat::Off);
+    player.play_entry(1);
+    expect(&mut player, "b.wav", 1, 3);
+    player.play_files(vec![song(folder.path(), b'x', 60.0)]);
+    expect(&mut player, "x.wav", 0, 1);
+    player.play_files(vec![song(folder.path(), b'y', 60.0)]);
+    expect(&mut player, "y.wav", 0, 1);
+    player.undo_edit();
+    expect(&mut player, "x.wav", 0, 1);
+    player.set_order(Repeat::Off, true);
+    player.undo_edit();
+    expect(&mut player, "b.wav", 1, 3);
+    assert_eq!(names(&player), ["a", "b", "c"]);
+    player.set_order(Repeat::Off, false);
+    player.skip(true);
+    expect(&mut player, "c.wav", 2, 3);
+}

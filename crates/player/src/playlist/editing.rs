@@ -1,6 +1,7 @@
 //! Moving, removing and appending entries while the list plays.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::gather::{Entry, gather};
 use super::{Playlist, PlaylistError, Slot};
@@ -15,17 +16,19 @@ impl Playlist {
             let (id, listed) = (self.next_id, entry.listed());
             self.next_id += 1;
             self.places.insert(id, self.slots.len());
-            self.slots.push(Slot { id, entry, listed });
+            self.slots.push(Arc::new(Slot { id, entry, listed }));
         }
         first
     }
 
     pub(super) fn tell_listing(&self) {
-        self.listing.tell(self.slots.iter().map(|slot| (slot.id, slot.listed.clone())));
+        let entries = self.slots.iter().map(|slot| (slot.id, slot.listed.clone()));
+        self.listing.tell(entries, self.history.last());
     }
 
-    pub(super) fn move_entry(&mut self, from: usize, to: usize) -> Edited {
+    pub(super) fn move_entry(&mut self, from: usize, to: usize, playing: u64) -> Edited {
         if from != to && from.max(to) < self.slots.len() {
+            self.note(format!("move {}", self.name_at(from)), playing);
             let beside = self.slots.get(to).map(|slot| slot.id);
             let slot = self.slots.remove(from);
             if let Some(beside) = beside {
@@ -38,17 +41,18 @@ impl Playlist {
         Edited::default()
     }
 
-    pub(super) fn remove(&mut self, index: usize) -> Edited {
+    pub(super) fn remove(&mut self, index: usize, playing: u64) -> Edited {
         if index >= self.slots.len() {
             return Edited::default();
         }
+        self.note(format!("remove {}", self.name_at(index)), playing);
         let id = self.slots.remove(index).id;
         self.places.remove(&id);
         self.reported.remove(&id);
         self.order.remove(id);
         self.note_places(index);
         self.tell_listing();
-        Edited { removed: Some(id), ..Edited::default() }
+        Edited { removed: vec![id], ..Edited::default() }
     }
 
     pub(super) fn append(&mut self, paths: &[PathBuf], playing: u64, tell: &mut dyn FnMut(String)) -> Edited {
@@ -63,17 +67,40 @@ impl Playlist {
         if gathered.entries.is_empty() {
             return Edited::default();
         }
+        self.note(added_in_words(gathered.entries.len()), playing);
         let first = self.take_in(gathered.entries);
         let added: Vec<u64> = self.slots.iter().skip(first).map(|slot| slot.id).collect();
         self.order.append(added.into_iter(), playing);
         self.tell_listing();
-        Edited { removed: None, appended: true, resume: self.index(playing).is_none() }
+        Edited { removed: Vec::new(), appended: true, resume: self.index(playing).is_none() }
     }
 
-    fn note_places(&mut self, start: usize) {
+    pub(super) fn clear(&mut self, playing: u64) -> Edited {
+        if self.slots.is_empty() {
+            return Edited::default();
+        }
+        self.note("clear the list".to_owned(), playing);
+        let removed = self.ids().collect();
+        self.slots.clear();
+        self.places.clear();
+        self.reported.clear();
+        self.order = self.order.of(std::iter::empty());
+        self.tell_listing();
+        Edited { removed, ..Edited::default() }
+    }
+
+    fn name_at(&self, index: usize) -> &str {
+        self.slots.get(index).map_or("", |slot| &slot.listed.name)
+    }
+
+    pub(super) fn note_places(&mut self, start: usize) {
         let moved = self.slots.iter().enumerate().skip(start);
         self.places.extend(moved.map(|(index, slot)| (slot.id, index)));
     }
+}
+
+fn added_in_words(count: usize) -> String {
+    if count == 1 { "add a track".to_owned() } else { format!("add {count} tracks") }
 }
 
 #[cfg(test)]

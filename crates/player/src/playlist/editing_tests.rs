@@ -69,7 +69,7 @@ proptest! {
                 }
             };
             let edited = list.edit(&edit, playing, &mut |_| {});
-            if let Some(gone) = edited.removed {
+            for gone in edited.removed {
                 prop_assert!(shared.place(gone).is_none());
             }
             // The listing equals the list, and each entry is found by its id.
@@ -101,6 +101,45 @@ proptest! {
             .map(|id| id as usize)
             .collect();
         prop_assert_eq!(order, model);
+    }
+
+    #[test]
+    fn undo_returns_to_the_first_list_in_any_order(
+        start in 1_usize..10, changes in prop::collection::vec(change(), 0..30), playing in 0_u64..10,
+    ) {
+        let mut list = Playlist::new(gather(&files(0, start)).entries);
+        let shared = SharedListing::default();
+        list.fill_listing(shared.clone());
+        let mut states = vec![names(&shared)];
+        for change in changes {
+            let edit = match change {
+                Change::Move(from, to) => Edit::Move { from, to },
+                Change::Remove(entry) => Edit::Remove(entry),
+                Change::Append(0) => Edit::Clear,
+                Change::Append(count) => Edit::Append(files(0, count)),
+                Change::Shuffle(shuffled) => {
+                    list.set_order(Repeat::All, shuffled, playing);
+                    continue;
+                }
+            };
+            let before = shared.tracks().undo.clone();
+            list.edit(&edit, playing, &mut |_| {});
+            let changed = shared.tracks().undo != before || names(&shared) != states[states.len() - 1];
+            if changed {
+                states.push(names(&shared));
+            }
+        }
+        while shared.tracks().undo.is_some() {
+            let edited = list.edit(&Edit::Undo, playing, &mut |_| {});
+            prop_assert!(edited.removed.iter().all(|gone| shared.place(*gone).is_none()));
+            let mut round: Vec<u64> =
+                std::iter::successors(list.order.first(), |id| list.order.beside(*id, true, false)).collect();
+            round.sort_unstable();
+            let mut all: Vec<u64> = list.ids().collect();
+            all.sort_unstable();
+            prop_assert_eq!(round, all, "each entry is in the order once");
+        }
+        prop_assert_eq!(names(&shared), states[0].clone());
     }
 
     #[test]
@@ -140,7 +179,7 @@ fn appending_stops_at_the_limit() {
 fn silence_replaces_the_last_entry_until_another_is_appended() {
     let mut list = Playlist::new(gather(&files(0, 1)).entries);
     let edited = list.edit(&Edit::Remove(0), 0, &mut |_| {});
-    assert_eq!(edited, Edited { removed: Some(0), ..Edited::default() });
+    assert_eq!(edited, Edited { removed: vec![0], ..Edited::default() });
     let Found::Track(silence) = list.find(&Wanted::InPlaceOf(0), &mut |_| {}) else {
         panic!("expected silence")
     };

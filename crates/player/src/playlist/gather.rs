@@ -12,6 +12,7 @@ use super::natural;
 use super::text::Reference;
 use crate::limits::LIMITS;
 use crate::listed::ListedTrack;
+use crate::one_line::one_line;
 use crate::song::{Song, track_name};
 use crate::stems::is_folder_of_stems;
 
@@ -51,8 +52,11 @@ impl Entry {
             let (start, end) = cut.seconds();
             cut.end.map(|_| (end - start).max(0.0))
         };
+        let tag = |text: &Option<String>| text.as_deref().map(one_line).filter(|text| !text.is_empty());
         ListedTrack {
             name: track_name(self.artist.as_deref(), self.title.as_deref(), &name),
+            title: tag(&self.title),
+            artist: tag(&self.artist),
             duration: self.duration.or_else(|| self.cut.and_then(length)),
             file,
             start: self.cut.map(|cut| cut.seconds().0),
@@ -167,7 +171,7 @@ impl Gathered {
                     match &item.reference {
                         Reference::Path(path) => self.add(path, Some(item)),
                         Reference::Address(address) => {
-                            let address = crate::one_line::one_line(address);
+                            let address = one_line(address);
                             self.tell(PlaylistError::Address { address, list: name_of(path) });
                         }
                     }

@@ -8,6 +8,7 @@
 //! | [`excerpt`] | plays a part of a file as a track |
 //! | [`order`] | orders entries: shuffle and repeat |
 //! | [`editing`] | moves, removes and appends entries while the list plays |
+//! | [`history`] | keeps earlier states of the list for undo |
 //!
 //! **Unplayable entries never stop the show.** Every failure becomes a message (`TrackErrors`), and the list thread
 //! continues with the next playable track. If no track is playable, or after 64 tracks without a frame, silence plays.
@@ -18,6 +19,7 @@ mod editing;
 mod error;
 mod excerpt;
 mod gather;
+mod history;
 mod lists;
 mod natural;
 mod order;
@@ -31,7 +33,9 @@ pub use error::PlaylistError;
 use excerpt::Excerpt;
 pub use gather::AUDIO_EXTENSIONS;
 use gather::{Entry, gather, is_many};
+use history::History;
 pub use lists::{Cut, Item, Kind};
+pub use natural::compare as compare_names;
 use order::Order;
 pub use text::Reference;
 
@@ -45,7 +49,7 @@ const TRACK_ERRORS_KEPT: usize = 20;
 
 /// A list of entries and their order.
 pub struct Playlist {
-    slots: Vec<Slot>,
+    slots: Vec<Arc<Slot>>,
     places: HashMap<u64, usize>,
     /// The id of the next entry. Ids are never reused.
     next_id: u64,
@@ -53,8 +57,12 @@ pub struct Playlist {
     /// The last message about each entry, kept so that the message is not repeated.
     reported: HashMap<u64, String>,
     listing: SharedListing,
+    history: History,
+    /// The entry that follows when the playing track must be replaced; set by an undo.
+    resume_with: Option<u64>,
 }
 
+#[derive(Clone)]
 struct Slot {
     id: u64,
     entry: Entry,
@@ -146,6 +154,8 @@ impl Playlist {
             order: Order::new(std::iter::empty()),
             reported: HashMap::new(),
             listing: SharedListing::default(),
+            history: History::default(),
+            resume_with: None,
         };
         list.take_in(entries);
         list.order = Order::new(list.ids());
@@ -169,7 +179,10 @@ impl Playlist {
         let count = self.slots.len();
         let slot = self.slots.get_mut(index).ok_or("there is no such track")?;
         let track = slot.entry.open(index, count)?.with_id(id);
+        let slot = Arc::make_mut(slot);
         slot.listed.name.clone_from(&track.info.name);
+        slot.listed.title.clone_from(&track.info.title);
+        slot.listed.artist.clone_from(&track.info.artist);
         slot.listed.duration = track.info.duration.or(slot.listed.duration);
         self.listing.tell_entry(id, &slot.listed);
         Ok(track)
@@ -274,13 +287,14 @@ impl TrackList for Playlist {
             }
             Wanted::InPlaceOf(removed) => {
                 let around = self.order.repeat() != Repeat::Off;
-                let next = self.order.beside(removed, true, around);
+                let resumed = self.resume_with.take().filter(|id| self.index(*id).is_some());
+                let next = resumed.or_else(|| self.order.beside(removed, true, around));
                 match next.map_or(Found::End, |next| self.search(next, true, None, tell)) {
                     Found::Track(track) => Found::Track(track),
                     _ => Found::Track(Track::silence(0, self.slots.len()).with_id(removed)),
                 }
             }
-            Wanted::Files(ref paths) => self.replace(paths, tell),
+            Wanted::Files { ref files, playing } => self.replace(files, playing, tell),
         }
     }
 
@@ -295,16 +309,18 @@ impl TrackList for Playlist {
 
     fn edit(&mut self, edit: &Edit, playing: u64, tell: &mut dyn FnMut(String)) -> Edited {
         match *edit {
-            Edit::Move { from, to } => self.move_entry(from, to),
-            Edit::Remove(entry) => self.remove(entry),
+            Edit::Move { from, to } => self.move_entry(from, to, playing),
+            Edit::Remove(entry) => self.remove(entry, playing),
             Edit::Append(ref paths) => self.append(paths, playing, tell),
+            Edit::Clear => self.clear(playing),
+            Edit::Undo => self.undo(playing),
         }
     }
 }
 
 impl Playlist {
     /// Replaces the entries by these files, if at least one of them can be played.
-    fn replace(&mut self, paths: &[PathBuf], tell: &mut dyn FnMut(String)) -> Found {
+    fn replace(&mut self, paths: &[PathBuf], playing: u64, tell: &mut dyn FnMut(String)) -> Found {
         let gathered = gather(paths);
         gathered.track_errors.iter().for_each(|trouble| tell(trouble.to_string()));
         let mut list = Self::new(Vec::new());
@@ -314,7 +330,9 @@ impl Playlist {
         let Some(first) = list.order.first() else { return Found::Nothing };
         let found = list.search(first, true, None, tell);
         if matches!(found, Found::Track(_)) {
+            self.note("open other tracks".to_owned(), playing);
             list.listing = self.listing.clone();
+            list.history = std::mem::take(&mut self.history);
             *self = list;
             self.tell_listing();
         }

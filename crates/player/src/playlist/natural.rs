@@ -5,7 +5,7 @@ use std::iter::Peekable;
 use std::str::Chars;
 
 /// Compares digits as numbers, and letters without case. If two names are then equal, compares them by characters.
-pub(super) fn compare(a: &str, b: &str) -> Ordering {
+pub fn compare(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.chars().peekable(), b.chars().peekable());
     loop {
         let (Some(x), Some(y)) = (left.peek().copied(), right.peek().copied()) else {

@@ -42,6 +42,27 @@ impl Order {
         order
     }
 
+    /// The entries in the order of playing, without holes, and true if this order is random.
+    pub(super) fn sequence(&self) -> (Vec<u64>, bool) {
+        let entries = self.sequence.iter().copied().filter(|id| !self.holes.contains(id));
+        (entries.collect(), self.shuffled)
+    }
+
+    /// Restores an order from [`Self::sequence`]. If the random order was turned on or off since then, the entries of
+    /// `list` get a new order.
+    pub(super) fn restore(
+        &mut self,
+        (sequence, shuffled): (Vec<u64>, bool),
+        list: impl Iterator<Item = u64>,
+    ) {
+        let as_before = shuffled == self.shuffled;
+        *self = if as_before {
+            Self { shuffled, repeat: self.repeat, ..Self::new(sequence.into_iter()) }
+        } else {
+            self.of(list)
+        };
+    }
+
     pub(super) fn first(&self) -> Option<u64> {
         self.sequence.iter().copied().find(|id| !self.holes.contains(id))
     }

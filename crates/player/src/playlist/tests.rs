@@ -37,6 +37,10 @@ fn found(list: &mut Playlist, wanted: Wanted) -> (Result<usize, &'static str>, V
     (found, reported)
 }
 
+fn replaced(files: Vec<PathBuf>) -> Wanted {
+    Wanted::Files { files, playing: 0 }
+}
+
 fn following(list: &mut Playlist, after: u64) -> Result<usize, &'static str> {
     found(list, Wanted::Following { after, anew: false }).0
 }
@@ -127,10 +131,10 @@ fn one_bad_file_is_an_error_and_several_leave_silence() {
 fn dropped_files_become_the_list_if_they_can_be_played() {
     let folder = folder_of(&["1.wav", "2.wav", "3.wav"]);
     let mut list = Playlist::open(&paths(&folder, &["1.wav"]), Repeat::All, false).unwrap().list;
-    let (none, reported) = found(&mut list, Wanted::Files(paths(&folder, &["x.wav"])));
+    let (none, reported) = found(&mut list, replaced(paths(&folder, &["x.wav"])));
     assert!(none == Err("nothing") && reported[0].contains("x.wav"), "{none:?}, {reported:?}");
     assert_eq!(following(&mut list, 0), Err("again"));
-    assert_eq!(found(&mut list, Wanted::Files(paths(&folder, &["2.wav", "3.wav"]))).0, Ok(0));
+    assert_eq!(found(&mut list, replaced(paths(&folder, &["2.wav", "3.wav"]))).0, Ok(0));
     // The new files have new ids. The first new file follows the old track that is still playing.
     assert_eq!((following(&mut list, 1), following(&mut list, 0)), (Ok(1), Ok(0)));
 }

@@ -299,8 +299,9 @@ fn every_button_of_the_bar_has_a_tooltip_and_its_own_command() {
 
 #[test]
 fn of_ten_thousand_tracks_only_the_visible_rows_are_laid_out() {
-    let entry = |i| ListedTrack { name: format!("track {i}"), duration: Some(60.0), file: None, start: None };
-    let list = ListedTracks { revision: 1, entries: (0..10_000).map(entry).collect() };
+    let entry =
+        |i| ListedTrack { name: format!("track {i}"), duration: Some(60.0), ..ListedTrack::default() };
+    let list = ListedTracks { revision: 1, entries: (0..10_000).map(entry).collect(), undo: None };
     let list: &'static ListedTracks = Box::leak(Box::new(list));
     let content = || OverlayContent { tracks: Some(Tracks { list, present: 1 }), ..Default::default() };
     let mut stage = Stage::new(SCREEN);

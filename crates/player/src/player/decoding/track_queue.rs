@@ -80,8 +80,9 @@ impl TrackQueue {
     }
 
     /// Requests the first of these files, which replace the list. Pending skips of the old list are dropped.
-    pub(super) fn ask_for_files(&mut self, files: Vec<PathBuf>) {
-        (self.skipping, self.steps) = (self.request(Wanted::Files(files)), 0);
+    pub(super) fn ask_for_files(&mut self, files: Vec<PathBuf>, audible: u64) {
+        let playing = self.passages.entry_in(audible);
+        (self.skipping, self.steps) = (self.request(Wanted::Files { files, playing }), 0);
     }
 
     /// Requests the track at this index of the list. Older skips that are still pending are dropped.
@@ -99,11 +100,11 @@ impl TrackQueue {
     /// Returns true if a track that had begun was removed. Then a new segment must begin at the audible position.
     pub(super) fn take_edit(&mut self, edited: Edited, audible: u64, ended: bool) -> bool {
         let playing = self.passages.entry_in(audible);
-        if edited.removed == Some(playing) || edited.resume {
+        if edited.removed.contains(&playing) || edited.resume {
             self.skipping = self.request(Wanted::InPlaceOf(playing));
             return false;
         }
-        let ahead = edited.removed.is_some_and(|removed| self.passages.has_begun(removed, audible));
+        let ahead = edited.removed.iter().any(|removed| self.passages.has_begun(*removed, audible));
         if ahead {
             self.go_back_to(audible);
         }
@@ -299,7 +300,7 @@ mod tests {
         queue.ask_ahead();
         queue.take(asked(&requests).0, Found::End, false);
         assert!(matches!(queue.following(false), Following::End));
-        let removed = |id| Edited { removed: Some(id), ..Edited::default() };
+        let removed = |id| Edited { removed: vec![id], ..Edited::default() };
         assert!(!queue.take_edit(removed(7), 0, true));
         assert!(requests.try_iter().next().is_none(), "the removal of an entry restarts the list");
         assert!(!queue.take_edit(Edited { appended: true, ..Edited::default() }, 0, true));
