@@ -12,6 +12,7 @@ pub use mariana_ui::{self as ui, clock, monitor};
 
 pub mod cli;
 pub mod config;
+pub mod covers;
 pub mod demo_track;
 pub mod export;
 pub mod limits;

@@ -34,6 +34,8 @@ pub struct Limits {
     pub structure_bytes_max: usize,
     /// Maximum number of song structures on disk; the least recently used ones are deleted first.
     pub structures_kept_max: usize,
+    /// Maximum number of pixels of a song's cover. Larger covers are not shown.
+    pub cover_pixels_max: u64,
     /// Maximum size of the parts of a song on disk, in bytes (usually 1.8 MB for each minute).
     pub parts_bytes_max: usize,
     /// Maximum number of songs whose parts are on disk; the least recently used ones are deleted first.
@@ -69,6 +71,7 @@ pub const LIMITS: Limits = Limits {
     thumbnails_ahead_max: 100,
     structure_bytes_max: 1 << 24,
     structures_kept_max: 500,
+    cover_pixels_max: 1 << 24,
     parts_bytes_max: 1 << 27,
     parts_kept_max: 20,
     program_cache_bytes_max: 1 << 26,

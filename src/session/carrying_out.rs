@@ -55,6 +55,11 @@ impl Session {
             Command::PlayTrack(entry) => self.playback.with_song(|player| player.play_entry(entry)),
             Command::RemoveTrack(entry) => self.playback.with_song(|player| player.remove_entry(entry)),
             Command::MoveTrack((from, to)) => self.playback.with_song(|player| player.move_entry(from, to)),
+            Command::ClearTracks => self.playback.with_song(|player| player.clear()),
+            Command::UndoTracks => self.undo_tracks(),
+            Command::MarkFolders(folders) => self.playback.listening.remember(move |settings| {
+                settings.favourite_folders.clone_from(&folders);
+            }),
             Command::Open(files) => self.interface.open_files(&mut self.playback, files),
             Command::NextSource => self.playback.listening.next_source(),
             Command::Listen(place) => self.playback.listening.choose_source(place),

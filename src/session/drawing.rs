@@ -350,19 +350,16 @@ impl Interface {
     ) -> Seen {
         let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
         let awake = self.pointer_rest.is_awake(busy, now);
-        let (lists, shows_bar) =
-            (self.ui_state.panels.open() == Some(Panel::Tracks), awake && !self.ui_state.is_quiet());
-        let song = playback.listening.with_song(|player| {
-            // Measure the loudness of the track only if the bar, which shows it, is visible.
-            let shape = if shows_bar { player.shape() } else { None };
-            (lists.then(|| player.playlist()), shape)
-        });
-        let (tracks, shape) = song.unwrap_or_default();
+        let shows_bar = awake && !self.ui_state.is_quiet();
+        // Measure the loudness of the track only if the bar, which shows it, is visible.
+        let shape = playback.listening.with_song(|player| if shows_bar { player.shape() } else { None });
+        let shape = shape.flatten();
+        let cover = playback.listening.cover();
         let song = playback.listening.present_structure().filter(|_| shows_bar);
         let (assisted, follows) = (self.overlay.is_assisted(), playback.follows());
         let fullscreen = screen.is_fullscreen();
         let cues = (self.ui_state.panels.open() == Some(Panel::Cues)).then(|| playback.cue_sheet());
-        Seen { awake, assisted, fullscreen, tracks, cues, shape, follows, song }
+        Seen { awake, assisted, fullscreen, cues, cover, shape, follows, song }
     }
 
     fn note_scene(&mut self, playback: &mut Playback) {

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use image::RgbaImage;
+
 use crate::clock;
 use crate::config::{Choices, Settings};
 use crate::demo_track::is_demo;
@@ -28,6 +30,8 @@ pub(crate) struct Listening {
     /// Analyses whole tracks; `None` if its thread could not start.
     songs: Option<SongReader>,
     parts: HeardParts,
+    /// Finds the covers of tracks; `None` if its thread could not start.
+    covers: Option<SongReader<RgbaImage>>,
     energy: LiveEnergy,
     taps: TapTempo,
     /// The last reading of a device's clock, which has priority over tapped beats.
@@ -44,13 +48,19 @@ pub(crate) struct Listening {
 }
 
 impl Listening {
-    pub(crate) fn new(sound: Sound, songs: Option<SongReader>, stems: Option<SongReader<Parts>>) -> Self {
+    pub(crate) fn new(
+        sound: Sound,
+        songs: Option<SongReader>,
+        stems: Option<SongReader<Parts>>,
+        covers: Option<SongReader<RgbaImage>>,
+    ) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
         let (clock, clock_now) = (None, (0.0, clock::now()));
         Self {
             sound,
             songs,
             parts: HeardParts::new(stems),
+            covers,
             energy,
             taps,
             clock,
@@ -298,6 +308,9 @@ impl Listening {
         if let Some(songs) = &self.songs {
             songs.want([&status.track].into_iter().chain(&status.next));
         }
+        if let Some(covers) = &self.covers {
+            covers.want([&status.track].into_iter().chain(&status.next));
+        }
         self.parts.request([&status.track].into_iter().chain(&status.next));
         Some(PlayerStatus { paused: self.paused, ..status })
     }
@@ -308,6 +321,11 @@ impl Listening {
 
     pub(crate) fn present_structure(&self) -> Option<Arc<SongStructure>> {
         self.structure(self.track)
+    }
+
+    /// The cover of the track that plays, at most 256 pixels wide and high, once it is decoded.
+    pub(crate) fn cover(&self) -> Option<Arc<RgbaImage>> {
+        self.covers.as_ref().filter(|_| self.sound.plays_song())?.get(self.track)
     }
 
     pub(crate) fn track_of(&self, moment: Moment) -> Option<u64> {

@@ -2,6 +2,7 @@
 //! no window, sound card or desktop: its owner passes a [`screen::Screen`] with an OpenGL context and input.
 
 mod announcer;
+mod browsing;
 mod carrying_out;
 pub mod controllers;
 mod controlling;
@@ -24,6 +25,7 @@ mod listening;
 mod loading;
 mod master_output;
 mod mastering;
+mod music_lists;
 mod noting;
 pub mod offscreen;
 mod opening;
@@ -48,7 +50,6 @@ pub mod waker;
 
 pub use error::SessionError;
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use cues::Cues;
@@ -144,7 +145,7 @@ pub(crate) struct Interface {
     thumbnails: Option<Thumbnails>,
     /// Time at which to request thumbnails of the folder's scenes; `None` after the request.
     thumbnails_ahead: Option<Instant>,
-    last_folder: Option<PathBuf>,
+    lists: music_lists::MusicLists,
     folders: Folders,
     waker: Waker,
 }
@@ -190,7 +191,12 @@ impl Session {
             return true;
         }
         if let Some(files) = &mut self.interface.ui_state.files {
-            let commands = files.take_key(key, held.shift_key(), command_key);
+            let commands = files.take_key(key, held);
+            self.carry_out_all(commands);
+            return true;
+        }
+        let of_tracks = self.interface.ui_state.tracks.as_mut().and_then(|tracks| tracks.take_key(key, held));
+        if let Some(commands) = of_tracks {
             self.carry_out_all(commands);
             return true;
         }
@@ -211,7 +217,11 @@ impl Session {
             .and_then(|controllers| controllers.take_key(key, held.shift_key()));
         let taken = of_corners.is_some();
         self.carry_out_all(of_corners.flatten());
-        taken
+        // Files can be dropped while no panel is open, so the former list comes back without one.
+        let undoes =
+            !taken && command_key && matches!(key, Key::Character(text) if text.eq_ignore_ascii_case("z"));
+        self.carry_out_all(undoes.then_some(Command::UndoTracks));
+        taken || undoes
     }
 
     /// Updates the title and the messages. Returns `true` when a song that plays once has ended.
@@ -266,9 +276,7 @@ impl Session {
         self.update_editor();
         self.interface.update_probing(&mut self.playback);
         self.interface.update_thumbnails(&mut self.playback);
-        if let Some(files) = &mut self.interface.ui_state.files {
-            files.update();
-        }
+        self.interface.update_music_lists(&mut self.playback);
         self.update_settings();
         self.interface.update_controllers(&mut self.playback);
         self.take_written();

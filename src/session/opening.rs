@@ -6,6 +6,8 @@
 
 use std::sync::Arc;
 
+use image::RgbaImage;
+
 use super::drawing::paint_waiting;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
@@ -13,6 +15,7 @@ use super::ui_state::UiState;
 use super::{BackgroundWork, Interface, Playback, Session};
 use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
+use crate::covers;
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::gpu::background::Sources;
@@ -28,6 +31,7 @@ use crate::session::drawing_pace::DrawingPace;
 use crate::session::frame_senders::FrameSenders;
 use crate::session::listening::Listening;
 use crate::session::master_output::MasterOutput;
+use crate::session::music_lists::MusicLists;
 use crate::session::recording::Recording;
 use crate::session::reports::Reports;
 use crate::session::scene::{DrawingWays, LoadedScene, SceneLoaders, SceneSession};
@@ -103,9 +107,10 @@ impl Opening<'_> {
         let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = clock::now();
         let direction = start_direction(settings, waker)?;
+        let stems = start_stem_reader(&folders, waker);
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         let playback = Playback {
-            listening: Listening::new(sound, songs, start_stem_reader(&folders, waker)),
+            listening: Listening::new(sound, songs, stems, start_cover_reader(waker)),
             scene,
             direction,
             live: None,
@@ -132,7 +137,7 @@ impl Opening<'_> {
             typing_times: Default::default(),
             thumbnails: None,
             thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
-            last_folder: None,
+            lists: MusicLists::start(&folders, waker),
             folders,
             waker: waker.clone(),
         };
@@ -232,6 +237,13 @@ fn start_stem_reader(folders: &Folders, waker: &Waker) -> Option<SongReader<Part
     let waker = waker.clone();
     let started = start_reader(PartsCache::among(folders), move || waker.wake());
     started.inspect_err(|error| tracing::warn!("cannot read the stems of songs: {error}")).ok()
+}
+
+/// Starts the decoding of covers. Without the thread, no cover is shown.
+fn start_cover_reader(waker: &Waker) -> Option<SongReader<RgbaImage>> {
+    let waker = waker.clone();
+    let started = covers::start_reader(move || waker.wake());
+    started.inspect_err(|error| tracing::warn!("cannot show the covers of songs: {error}")).ok()
 }
 
 fn output_of(settings: &PlaySettings) -> Target {

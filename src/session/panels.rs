@@ -1,18 +1,16 @@
 //! The panels over the frame. They are plain values, which this module changes on key and pointer commands.
 
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::{Interface, Playback, Session};
 use crate::clock;
-use crate::commands::{Command, Files, Panel};
+use crate::commands::{Command, Panel};
 use crate::limits::LIMITS;
-use crate::scenes::{SceneSource, is_scene_file};
 use crate::thumbnails::Thumbnails;
-use crate::ui::file_browser::FileBrowser;
 use crate::ui::help_panel::HelpPanel;
-use crate::ui::overlay::{FileListEvent, SceneListEvent, UiEvent};
+use crate::ui::overlay::{SceneListEvent, UiEvent};
 use crate::ui::scene_browser::SceneBrowser;
+use crate::ui::track_panel::TrackPanel;
 
 pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
     now + Duration::from_secs_f64(LIMITS.thumbnails_ahead_after)
@@ -44,24 +42,6 @@ impl Session {
             self.interface.ui_state.panels.open() == Some(Panel::Controllers),
         );
         self.show_corners(self.interface.ui_state.panels.open() == Some(Panel::Corners));
-    }
-
-    fn take_file_event(&mut self, event: FileListEvent) {
-        let Some(files) = &mut self.interface.ui_state.files else { return };
-        let commands = match event {
-            FileListEvent::Open { place, append } => files.open(place, append),
-            FileListEvent::OpenFolder { append } => files.open_folder(append),
-            FileListEvent::EnterPlace(place) => {
-                files.enter_place(place);
-                Vec::new()
-            }
-            FileListEvent::Up => {
-                files.go_up();
-                Vec::new()
-            }
-            FileListEvent::Close => vec![Command::TogglePanel(Panel::Files)],
-        };
-        self.carry_out_all(commands);
     }
 
     fn take_scene_event(&mut self, event: SceneListEvent) {
@@ -109,19 +89,11 @@ impl Session {
                 UiEvent::Editor(event) => self.take_editor_event(event),
                 UiEvent::Scenes(event) => self.take_scene_event(event),
                 UiEvent::Files(event) => self.take_file_event(event),
+                UiEvent::Tracks(event) => self.take_track_event(event),
                 UiEvent::Settings(event) => self.take_setting_event(event),
             }
         }
         commands
-    }
-}
-
-impl Playback {
-    fn folder_of_track(&mut self) -> Option<PathBuf> {
-        let entry = self.reports.playing().place.0;
-        let tracks = self.listening.with_song(|player| player.playlist())?;
-        let file = tracks.entries.get(entry)?.file.as_deref()?;
-        std::path::absolute(file).ok()?.parent().map(Path::to_owned)
     }
 }
 
@@ -134,35 +106,10 @@ impl Interface {
     }
 
     pub(super) fn takes_text(&self) -> bool {
-        self.ui_state.browser.is_some() || self.ui_state.files.is_some() || self.editor_has_focus()
-    }
-
-    fn look_through_files(&mut self, playback: &mut Playback, open: bool) {
-        self.ui_state.files = None;
-        if !open {
-            return;
-        }
-        let waker = self.waker.clone();
-        let folder = self.last_folder.clone().or_else(|| playback.folder_of_track());
-        match FileBrowser::start(folder, move || waker.wake()) {
-            Ok(files) => self.ui_state.files = Some(files),
-            Err(error) => playback.reports.answer(format!("cannot read folders: {error}")),
-        }
-    }
-
-    /// Shows the last scene among these files, and plays the other files or appends them to the tracks.
-    pub(super) fn open_files(&mut self, playback: &mut Playback, Files { files, append }: Files) {
-        self.last_folder = files.last().and_then(|file| file.parent()).map(Path::to_owned);
-        let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
-        if let Some(scene) = scenes.into_iter().next_back() {
-            playback.scene.show_source(SceneSource::File(scene));
-            // The file may be in another folder, whose thumbnails are not drawn yet.
-            self.thumbnails_ahead = Some(thumbnails_ahead_at(clock::now()));
-        }
-        if !music.is_empty() {
-            let words = playback.listening.play_files(music, append);
-            playback.answer(words);
-        }
+        self.ui_state.browser.is_some()
+            || self.ui_state.files.is_some()
+            || self.ui_state.tracks.as_ref().is_some_and(TrackPanel::is_searching)
+            || self.editor_has_focus()
     }
 
     fn look_through_scenes(&mut self, playback: &mut Playback, open: bool) {

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use image::RgbaImage;
+
 use crate::commands::Panel;
 use crate::placement::Area;
 use crate::scenes::SceneSource;
@@ -14,14 +16,15 @@ use crate::ui::controllers_panel::ControllersPanel;
 use crate::ui::corner_handles::CornerHandles;
 use crate::ui::editor::Editor;
 use crate::ui::file_browser::FileBrowser;
-use crate::ui::overlay::{
-    Bar, CueSheet, Notice, OverlayContent, PanelSwitches, Problem, SnapshotRow, Tracks, Welcome,
-};
 use crate::ui::help_panel::HelpPanel;
+use crate::ui::overlay::{
+    Bar, Cover, CueSheet, Notice, OverlayContent, PanelSwitches, Problem, SnapshotRow, Tracks, Welcome,
+};
 use crate::ui::scene_browser::SceneBrowser;
 use crate::ui::settings_panel::SettingsPanel;
+use crate::ui::track_panel::TrackPanel;
 use mariana_music::SongStructure;
-use mariana_player::{ListedTracks, LoudnessShape};
+use mariana_player::LoudnessShape;
 
 pub(crate) struct UiState {
     pub(crate) panels: PanelSwitches,
@@ -31,6 +34,7 @@ pub(crate) struct UiState {
     pub(super) welcomed: Option<Instant>,
     pub(super) browser: Option<SceneBrowser>,
     pub(super) files: Option<FileBrowser>,
+    pub(super) tracks: Option<TrackPanel>,
     pub(super) settings: Option<SettingsPanel>,
     pub(super) editor: Option<Editor>,
     pub(super) controllers: Option<ControllersPanel>,
@@ -49,8 +53,9 @@ pub(super) struct Seen {
     pub(super) awake: bool,
     pub(super) assisted: bool,
     pub(super) fullscreen: bool,
-    pub(super) tracks: Option<Arc<ListedTracks>>,
     pub(super) cues: Option<CueSheet>,
+    /// The cover of the track, if the bar or the welcome text is visible.
+    pub(super) cover: Option<Arc<RgbaImage>>,
     /// The loudness along the track, if the bar is visible.
     pub(super) shape: Option<Arc<LoudnessShape>>,
     pub(super) follows: bool,
@@ -85,6 +90,7 @@ impl UiState {
             welcomed: None,
             browser: None,
             files: None,
+            tracks: None,
             settings: None,
             editor: None,
             controllers: None,
@@ -123,8 +129,9 @@ impl UiState {
         }
         content.controllers = self.controllers.as_ref();
         content.learning = controllers.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
-        content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
+        content.tracks = self.tracks.as_ref().map(|panel| Tracks { panel, present: playing.place.0 });
         content.cues = seen.cues.clone();
+        let cover = seen.cover.as_ref().map(Cover);
         content.corners = self.corners;
         content.snapshots = self.snapshots;
         content.picture = self.picture;
@@ -139,7 +146,7 @@ impl UiState {
             .filter(|_| !seen.awake && open.is_none() && content.problem.is_none() && content.help.is_none())
         {
             let (title, artist) = (&*playing.title, playing.artist.as_deref());
-            content.welcome = Some(Welcome { title, artist, scene, since });
+            content.welcome = Some(Welcome { title, artist, cover, scene, since });
         }
         let wants_decks = seen.awake || seen.assisted || self.panels.sliders() || self.picture.is_some();
         let has_decks = content.decks.is_some();
@@ -151,6 +158,7 @@ impl UiState {
         if seen.assisted || shows_bar {
             content.bar = Some(Bar {
                 now: playing,
+                cover,
                 shape: seen.shape.as_deref(),
                 song: seen.song.as_deref(),
                 // While the bar is hidden, a changing level must not cause a new layout.

@@ -156,6 +156,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("view", &[]),
     ("program_cache", &["atomic_file", "ending", "gpu", "limits"]),
     ("song_structures", &["atomic_file", "config", "limits"]),
+    ("covers", &["limits", "song_structures"]),
     ("stems", &["config", "limits", "song_structures"]),
     ("sending", &["limits", "y4m"]),
     ("y4m", &[]),
@@ -166,6 +167,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "clock",
             "commands",
             "config",
+            "covers",
             "demo_track",
             "documents",
             "export",
@@ -243,7 +245,10 @@ pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
     ("egui", &["session", "shell"]),
     ("mpris_server", &["shell"]),
     // Drawing code may use features of the sound, but not the source of the sound.
-    ("mariana_player", &["cli", "demo_track", "export", "session", "shell", "song_structures", "stems"]),
+    (
+        "mariana_player",
+        &["cli", "covers", "demo_track", "export", "session", "shell", "song_structures", "stems"],
+    ),
 ];
 
 /// Folders without I/O, clocks and threads, so that the same input always gives the same output.

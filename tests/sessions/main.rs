@@ -7,6 +7,7 @@ mod changes;
 mod controllers;
 mod decks;
 mod editor;
+mod lists;
 mod live;
 mod panels;
 mod playlist;

@@ -165,6 +165,12 @@ commands! {
     RemoveTrack(usize) {}
     /// Moves an entry of the track list from the first index to the second.
     MoveTrack((usize, usize)) {}
+    /// Removes all entries from the track list.
+    ClearTracks {}
+    /// Takes back the last change of the track list, or its replacement.
+    UndoTracks {}
+    /// Keeps these folders as favourites, and forgets all others.
+    MarkFolders(BTreeSet<String>) {}
     /// Plays the tracks and shows the scenes in this list of files.
     Open(Files) {}
     /// Switches to the next audio source.

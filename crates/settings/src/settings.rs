@@ -50,6 +50,12 @@ pub struct Settings {
     /// The titles of the marked scenes.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub favourite_scenes: BTreeSet<String>,
+    /// The folders that the user has marked in the file list.
+    #[serde(skip_serializing_if = "BTreeSet::is_empty")]
+    pub favourite_folders: BTreeSet<String>,
+    /// The folders from which music was opened, the newest first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub recent_folders: Vec<String>,
     /// The state of the last show, for the next start.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_show: Option<LastShow>,
@@ -68,6 +74,13 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Notes that music was opened from `folder`.
+    pub fn note_recent_folder(&mut self, folder: &str) {
+        self.recent_folders.retain(|known| known != folder);
+        self.recent_folders.insert(0, folder.to_owned());
+        self.recent_folders.truncate(LIMITS.recent_folders_max);
+    }
+
     /// Returns the moved sliders of the scene with this title, and their sounds.
     pub fn moved(&self, title: &str) -> Snapshot {
         Snapshot {

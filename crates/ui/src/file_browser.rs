@@ -1,17 +1,20 @@
 //! The state of the file list, for music, playlists and scenes. The list replaces file dialogs, which some desktops
-//! lack. The overlay draws it, and keys and the pointer change it. A thread reads folders, so that a slow disk does not
-//! delay the show.
+//! lack. The overlay draws it, and keys and the pointer change it. Threads read folders and tags, so that a slow disk
+//! does not delay the show.
 
-use std::fs;
+mod reading;
+
+use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, channel};
 
-use directories::UserDirs;
-use mariana_commands::input::{Key, NamedKey};
+use mariana_commands::input::{Key, Modifiers, NamedKey};
+use mariana_player::tags::TagLibrary;
 
 use crate::limits::LIMITS;
 use crate::text_query::TextQuery;
 use mariana_commands::{Command, Files, Panel};
+use reading::{Answer, FolderReader, entries_of};
 
 /// An entry of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -20,8 +23,25 @@ pub struct FileEntry {
     pub name: String,
     /// Full path.
     pub path: PathBuf,
-    /// True for a folder or a link to a folder.
-    pub is_folder: bool,
+    /// The kind, by the file's extension.
+    pub kind: FileKind,
+    /// The name in lower case, for the search.
+    key: String,
+}
+
+/// Kinds of entries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileKind {
+    /// A folder or a link to a folder.
+    Folder,
+    /// A music file.
+    Music,
+    /// A playlist.
+    List,
+    /// A scene.
+    Scene,
+    /// Any other file.
+    Other,
 }
 
 /// A shortcut to a folder.
@@ -31,72 +51,124 @@ pub struct Place {
     pub name: String,
     /// Full path.
     pub path: PathBuf,
+    /// The origin of the shortcut.
+    pub kind: PlaceKind,
+}
+
+/// Origins of shortcuts, in the order of the list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlaceKind {
+    /// The user has marked the folder.
+    Favourite,
+    /// The system provides the folder.
+    Common,
+    /// The system mounts disks there.
+    Media,
+    /// Music was opened from the folder.
+    Recent,
+}
+
+/// The folders that the settings remember. Only paths in UTF-8 can be remembered.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct RememberedFolders {
+    /// The folders that the user has marked.
+    pub favourites: BTreeSet<String>,
+    /// The folders from which music was opened, the newest first.
+    pub recent: Vec<String>,
 }
 
 const CLOSE: Command = Command::TogglePanel(Panel::Files);
+const READING: &str = "reading this folder; a slow disk or network takes a while";
+const PAGE: usize = 10;
 
 /// The shown folder, the search text and the selection.
-#[derive(Debug)]
 pub struct FileBrowser {
     folder: PathBuf,
+    remembered: RememberedFolders,
+    /// The folders that the system provides, once they are known.
+    common: Vec<Place>,
     places: Vec<Place>,
     entries: Vec<FileEntry>,
     /// Indices of the entries that match the search text.
     found: Vec<usize>,
     query: TextQuery,
     selected: usize,
+    /// The selected shortcut, while keys act on the shortcuts.
+    selected_place: Option<usize>,
     trouble: Option<String>,
     /// The folder that the user left by going up. It will be selected in its parent folder.
     came_from: Option<PathBuf>,
-    wanted: Sender<PathBuf>,
-    read: Receiver<(PathBuf, Result<Vec<FileEntry>, String>)>,
+    reader: FolderReader,
+    tags: TagLibrary,
     revision: u64,
 }
 
+impl std::fmt::Debug for FileBrowser {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("FileBrowser").field("folder", &self.folder).finish_non_exhaustive()
+    }
+}
+
 impl FileBrowser {
-    /// Shows `folder`, or the user's music folder if it is `None`. `wake` is called when a folder has been read.
-    ///
-    /// # Errors
-    /// Fails if the system cannot start another thread.
-    pub fn start(folder: Option<PathBuf>, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
-        let (wanted, requests) = channel::<PathBuf>();
-        let (answers, read) = channel();
-        std::thread::Builder::new().name("folders".into()).spawn(move || {
-            for folder in requests {
-                let listing = entries_of(&folder);
-                if answers.send((folder, listing)).is_err() {
-                    return;
-                }
-                wake();
-            }
-        })?;
-        let places = places();
-        let begin = folder.or_else(|| places.first().map(|place| place.path.clone()));
+    /// Shows `folder`; for `None`, the user's music folder once it is known. `wake` is called when a folder has been
+    /// read.
+    pub fn start(
+        folder: Option<PathBuf>,
+        remembered: RememberedFolders,
+        tags: TagLibrary,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        Self::with_reader(folder, remembered, tags, FolderReader::new(entries_of, wake))
+    }
+
+    fn with_reader(
+        folder: Option<PathBuf>,
+        remembered: RememberedFolders,
+        tags: TagLibrary,
+        reader: FolderReader,
+    ) -> Self {
         let mut browser = Self {
             folder: PathBuf::new(),
-            places,
+            remembered,
+            common: Vec::new(),
+            places: Vec::new(),
             entries: Vec::new(),
             found: Vec::new(),
             query: TextQuery::default(),
             selected: 0,
-            trouble: None,
+            selected_place: None,
+            trouble: Some(READING.to_owned()),
             came_from: None,
-            wanted,
-            read,
+            reader,
+            tags,
             revision: 0,
         };
-        browser.enter(begin.unwrap_or_else(|| PathBuf::from("/")));
-        Ok(browser)
+        browser.list_places();
+        browser.trouble = browser.reader.ask_for_places().err().or(browser.trouble);
+        if let Some(folder) = folder {
+            browser.enter(folder);
+        }
+        browser
     }
 
-    /// The shown folder.
+    /// The shown folder. Empty until the first folder is known.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Shortcuts to common folders.
+    /// Shortcuts to folders, grouped by their kind.
     pub fn places(&self) -> &[Place] {
         &self.places
+    }
+
+    /// The selected shortcut, while keys act on the shortcuts.
+    pub fn selected_place(&self) -> Option<usize> {
+        self.selected_place
+    }
+
+    /// True if the user has marked the shown folder.
+    pub fn is_favourite(&self) -> bool {
+        self.folder.to_str().is_some_and(|folder| self.remembered.favourites.contains(folder))
     }
 
     /// The number of matching entries.
@@ -121,56 +193,98 @@ impl FileBrowser {
 
     /// A message that replaces the entries, such as an error.
     pub fn trouble(&self) -> Option<&str> {
-        self.trouble.as_deref()
+        match &self.trouble {
+            None if self.found.is_empty() => Some("no file matches: press Backspace to shorten the search"),
+            trouble => trouble.as_deref(),
+        }
+    }
+
+    /// The tags of files.
+    pub fn tags(&self) -> &TagLibrary {
+        &self.tags
     }
 
     /// A number that grows whenever the list looks different.
     pub fn revision(&self) -> u64 {
-        self.revision
+        self.revision + self.tags.revision()
     }
 
-    /// Shows the entries of a folder that has been read.
+    /// Shows the entries of a folder that has been read, and the folders that the system provides.
     pub fn update(&mut self) {
-        while let Ok((folder, listing)) = self.read.try_recv() {
-            // Ignore a folder that the user has left.
-            if folder != self.folder {
-                continue;
+        while let Some(answer) = self.reader.answer() {
+            match answer {
+                Answer::Places(places) => self.take_places(places),
+                Answer::Folder(folder, listing) if folder == self.folder => self.take_listing(listing),
+                // The user has left this folder.
+                Answer::Folder(..) => {}
             }
-            tracing::debug!("{} is listed", folder.display());
-            (self.entries, self.trouble) = match listing {
-                Ok(entries) if entries.is_empty() => (entries, Some("this folder is empty".to_owned())),
-                Ok(entries) => (entries, None),
-                Err(reason) => (Vec::new(), Some(format!("this folder cannot be read: {reason}"))),
-            };
-            self.search();
-            let left = self.came_from.take();
-            let at = self
-                .found
-                .iter()
-                .position(|at| self.entries.get(*at).is_some_and(|entry| Some(&entry.path) == left.as_ref()));
-            self.selected = at.unwrap_or(0);
         }
     }
 
-    /// Handles a key and returns its commands. Letters search, arrows select, Enter opens, and Backspace goes up.
-    /// Escape clears the search text; without a search text it closes the list. With `shift`, opened files are added
-    /// to the tracks. With `command`, Enter opens the whole folder.
-    pub fn take_key(&mut self, key: &Key, shift: bool, command: bool) -> Vec<Command> {
+    fn take_places(&mut self, places: Vec<Place>) {
+        self.common = places;
+        self.list_places();
+        if self.folder.as_os_str().is_empty() {
+            let first = self.common.first().map(|place| place.path.clone());
+            self.enter(first.unwrap_or_else(|| PathBuf::from("/")));
+        }
+    }
+
+    fn take_listing(&mut self, listing: Result<Vec<FileEntry>, String>) {
+        tracing::debug!("{} is listed", self.folder.display());
+        (self.entries, self.trouble) = match listing {
+            Ok(entries) if entries.is_empty() => (entries, Some("this folder is empty".to_owned())),
+            Ok(entries) => (entries, None),
+            Err(reason) => (Vec::new(), Some(format!("this folder cannot be read: {reason}"))),
+        };
+        self.search();
+        let music = self.entries.iter().filter(|entry| entry.kind == FileKind::Music);
+        self.tags.want_folder(music.map(|entry| entry.path.clone()));
+        let left = self.came_from.take();
+        let is_left =
+            |at: &usize| self.entries.get(*at).is_some_and(|entry| Some(&entry.path) == left.as_ref());
+        self.selected = self.found.iter().position(is_left).unwrap_or(0);
+    }
+
+    /// Notes which matching entries are visible, so that their tags are read first.
+    pub fn note_drawn(&self, places: Range<usize>) {
+        let visible = places.filter_map(|place| self.entry(place));
+        let music = visible.filter(|entry| entry.kind == FileKind::Music);
+        self.tags.want(music.map(|entry| entry.path.as_path()));
+    }
+
+    /// Handles a key and returns its commands. Letters search, arrows select, Enter opens, and Backspace or Alt+Up goes
+    /// up. Tab switches between the entries and the shortcuts. Shift+Enter adds the entry to the tracks. Ctrl+Enter
+    /// plays the whole folder, and Ctrl+Shift+Enter adds it. Ctrl+D marks the folder. Escape clears the search text;
+    /// without a search text it closes the list.
+    pub fn take_key(&mut self, key: &Key, held: Modifiers) -> Vec<Command> {
         self.revision += 1;
+        let command = held.intersects(Modifiers::CONTROL | Modifiers::SUPER);
+        let shift = held.contains(Modifiers::SHIFT);
         match key {
             Key::Named(NamedKey::Escape) if self.query.text().is_empty() => return vec![CLOSE],
             Key::Named(NamedKey::Enter) if command => return self.open_folder(shift),
+            Key::Character(letter) if command && letter.eq_ignore_ascii_case("d") => return self.mark(),
+            Key::Named(NamedKey::ArrowUp) if held.contains(Modifiers::ALT) => self.go_up(),
+            Key::Named(NamedKey::Tab) => {
+                let first = self.places.iter().position(|place| place.path == self.folder).unwrap_or(0);
+                let to_places = self.selected_place.is_none() && !self.places.is_empty();
+                self.selected_place = to_places.then_some(first);
+            }
+            Key::Named(named) if self.selected_place.is_some() && self.take_place_key(*named) => {}
             Key::Named(NamedKey::Enter) => return self.open(self.selected, shift),
-            Key::Named(NamedKey::ArrowUp) => self.select(self.selected.saturating_sub(1)),
-            Key::Named(NamedKey::ArrowDown) => self.select(self.selected + 1),
-            Key::Named(NamedKey::PageUp) => self.select(self.selected.saturating_sub(10)),
-            Key::Named(NamedKey::PageDown) => self.select(self.selected + 10),
-            Key::Named(NamedKey::Home) => self.select(0),
-            Key::Named(NamedKey::End) => self.select(usize::MAX),
+            Key::Named(NamedKey::ArrowRight) => {
+                if self.entry(self.selected).is_some_and(|entry| entry.kind == FileKind::Folder) {
+                    return self.open(self.selected, false);
+                }
+            }
             Key::Named(NamedKey::ArrowLeft) => self.go_up(),
             Key::Named(NamedKey::Backspace) if self.query.text().is_empty() => self.go_up(),
             key => {
-                if self.query.take_key(key, command) {
+                if let Some(place) = moved(key, self.selected) {
+                    self.select(place);
+                } else if self.query.take_key(key, command) {
+                    self.selected_place = None;
                     self.search();
                     self.selected = 0;
                 }
@@ -179,29 +293,61 @@ impl FileBrowser {
         Vec::new()
     }
 
-    /// Opens the matching entry at an index: enters a folder, or plays a file.
+    /// Handles a key for the shortcuts. Returns false for other keys.
+    fn take_place_key(&mut self, key: NamedKey) -> bool {
+        let selected = self.selected_place.unwrap_or(0);
+        match key {
+            NamedKey::Enter | NamedKey::ArrowRight => self.enter_place(selected),
+            NamedKey::ArrowLeft => {}
+            key => {
+                let Some(place) = moved(&Key::Named(key), selected) else { return false };
+                self.selected_place = Some(place.min(self.places.len().saturating_sub(1)));
+            }
+        }
+        true
+    }
+
+    /// Opens the matching entry at an index: enters a folder, or plays a file. With `append`, adds the folder or the
+    /// file to the tracks; the list then stays open.
     pub fn open(&mut self, place: usize, append: bool) -> Vec<Command> {
         self.select(place);
         let Some(entry) = self.entry(place).cloned() else { return Vec::new() };
-        if entry.is_folder {
+        if entry.kind == FileKind::Folder && !append {
             self.enter(entry.path);
             return Vec::new();
         }
-        self.pick(entry.path, append)
+        pick(entry.path, append)
     }
 
-    /// Plays everything in the shown folder.
+    /// Plays the matching entry at an index; of a folder, everything in it.
+    pub fn play(&mut self, place: usize) -> Vec<Command> {
+        self.select(place);
+        self.entry(place).map(|entry| pick(entry.path.clone(), false)).unwrap_or_default()
+    }
+
+    /// Plays everything in the shown folder, or adds it to the tracks.
     pub fn open_folder(&self, append: bool) -> Vec<Command> {
-        self.pick(self.folder.clone(), append)
+        pick(self.folder.clone(), append)
     }
 
-    fn pick(&self, path: PathBuf, append: bool) -> Vec<Command> {
-        vec![Command::Open(Files { files: vec![path], append }), CLOSE]
+    /// Marks the shown folder as a favourite, or removes the mark.
+    pub fn mark(&mut self) -> Vec<Command> {
+        let Some(folder) = self.folder.to_str().filter(|folder| !folder.is_empty()) else {
+            return Vec::new();
+        };
+        let favourites = &mut self.remembered.favourites;
+        if !favourites.remove(folder) && favourites.len() < LIMITS.favourite_folders_max {
+            favourites.insert(folder.to_owned());
+        }
+        let marked = favourites.clone();
+        self.list_places();
+        vec![Command::MarkFolders(marked)]
     }
 
     /// Enters the folder of a shortcut.
     pub fn enter_place(&mut self, place: usize) {
         if let Some(path) = self.places.get(place).map(|place| place.path.clone()) {
+            self.selected_place = None;
             self.enter(path);
         }
     }
@@ -218,142 +364,75 @@ impl FileBrowser {
     fn enter(&mut self, folder: PathBuf) {
         self.query = TextQuery::default();
         (self.entries, self.found, self.selected) = (Vec::new(), Vec::new(), 0);
-        (self.trouble, self.came_from) = (Some("reading ...".to_owned()), None);
-        self.folder = folder.clone();
+        self.came_from = None;
+        self.folder.clone_from(&folder);
         self.revision += 1;
-        if self.wanted.send(folder).is_err() {
-            self.trouble = Some("folders can no longer be read: restart Mariana".to_owned());
-        }
+        self.trouble = Some(self.reader.ask(folder).err().unwrap_or_else(|| READING.to_owned()));
     }
 
     fn select(&mut self, place: usize) {
         self.selected = place.min(self.found.len().saturating_sub(1));
+        self.selected_place = None;
         self.revision += 1;
     }
 
     fn search(&mut self) {
-        let fits = |entry: &FileEntry| self.query.fits(&entry.name);
+        let words = self.query.words();
+        let fits = |entry: &FileEntry| {
+            if words.iter().all(|word| entry.key.contains(word)) {
+                return true;
+            }
+            let tags = Some(entry).filter(|entry| entry.kind == FileKind::Music);
+            tags.and_then(|entry| self.tags.get(&entry.path)).is_some_and(|tags| {
+                let texts = [tags.title.as_deref(), tags.artist.as_deref()];
+                let [title, artist] = texts.map(|text| text.unwrap_or_default().to_lowercase());
+                words.iter().all(|word| [&entry.key, &title, &artist].iter().any(|text| text.contains(word)))
+            })
+        };
         let all = self.entries.iter().enumerate();
         self.found = all.filter(|(_, entry)| fits(entry)).map(|(at, _)| at).collect();
         self.revision += 1;
     }
-}
 
-fn places() -> Vec<Place> {
-    let user = UserDirs::new();
-    let music = user.as_ref().and_then(|user| user.audio_dir().map(Path::to_owned));
-    let home = user.as_ref().map(|user| user.home_dir().to_owned());
-    let here = std::env::current_dir().ok();
-    let root = here.as_ref().and_then(|here| here.ancestors().last().map(Path::to_owned));
-    let all = [("Music", music), ("Home", home), ("Here", here), ("Computer", root)];
-    let mut places: Vec<Place> = Vec::new();
-    for (name, path) in all {
-        let Some(path) = path.filter(|path| path.is_dir()) else { continue };
-        if !places.iter().any(|place| place.path == path) {
-            places.push(Place { name: name.to_owned(), path });
+    fn list_places(&mut self) {
+        let of = |kind: PlaceKind| {
+            move |path: &String| {
+                let path = PathBuf::from(path);
+                let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+                Place { name: name.replace(char::is_control, " "), path, kind }
+            }
+        };
+        self.places = self.remembered.favourites.iter().map(of(PlaceKind::Favourite)).collect();
+        self.places.extend(self.common.iter().cloned());
+        for recent in self.remembered.recent.iter().map(of(PlaceKind::Recent)) {
+            if !self.places.iter().any(|place| place.path == recent.path) {
+                self.places.push(recent);
+            }
         }
+        let last = self.places.len().saturating_sub(1);
+        self.selected_place = self.selected_place.map(|place| place.min(last));
+        self.revision += 1;
     }
-    places
 }
 
-/// The visible entries of a folder: folders first, then files, each by name.
-fn entries_of(folder: &Path) -> Result<Vec<FileEntry>, String> {
-    let listing = fs::read_dir(folder).map_err(|error| error.to_string())?;
-    let mut entries: Vec<FileEntry> = listing
-        .flatten()
-        .take(LIMITS.folder_entries_max)
-        .map(|entry| {
-            let path = entry.path();
-            let name = entry.file_name().to_string_lossy().replace(char::is_control, " ");
-            FileEntry { name, is_folder: path.is_dir(), path }
-        })
-        .filter(|entry| !entry.name.starts_with('.'))
-        .collect();
-    entries.sort_by_cached_key(|entry| (!entry.is_folder, entry.name.to_lowercase(), entry.name.clone()));
-    Ok(entries)
+fn pick(path: PathBuf, append: bool) -> Vec<Command> {
+    let open = Command::Open(Files { files: vec![path], append });
+    if append { vec![open] } else { vec![open, CLOSE] }
+}
+
+/// The index to which a key moves a selection, not limited by the number of rows; `None` for other keys.
+pub(crate) fn moved(key: &Key, selected: usize) -> Option<usize> {
+    let Key::Named(named) = key else { return None };
+    match named {
+        NamedKey::ArrowUp => Some(selected.saturating_sub(1)),
+        NamedKey::ArrowDown => Some(selected.saturating_add(1)),
+        NamedKey::PageUp => Some(selected.saturating_sub(PAGE)),
+        NamedKey::PageDown => Some(selected.saturating_add(PAGE)),
+        NamedKey::Home => Some(0),
+        NamedKey::End => Some(usize::MAX),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use std::time::Duration;
-
-    use super::*;
-
-    fn names(browser: &FileBrowser) -> Vec<&str> {
-        (0..browser.count()).filter_map(|place| browser.entry(place)).map(|entry| &*entry.name).collect()
-    }
-
-    fn read(browser: &mut FileBrowser) {
-        for _ in 0..2_000 {
-            browser.update();
-            if browser.trouble() != Some("reading ...") {
-                return;
-            }
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        panic!("the folder was not read");
-    }
-
-    fn folder() -> tempfile::TempDir {
-        let folder = tempfile::tempdir().unwrap();
-        fs::create_dir(folder.path().join("album")).unwrap();
-        fs::create_dir(folder.path().join("empty")).unwrap();
-        for name in ["b.flac", "A.mp3", ".hidden.mp3", "album/1.ogg"] {
-            fs::write(folder.path().join(name), "x").unwrap();
-        }
-        folder
-    }
-
-    fn key(browser: &mut FileBrowser, key: NamedKey) -> Vec<Command> {
-        browser.take_key(&Key::Named(key), false, false)
-    }
-
-    #[test]
-    fn folders_are_entered_and_left_and_files_are_picked() {
-        let folder = folder();
-        let mut browser = FileBrowser::start(Some(folder.path().to_owned()), || {}).unwrap();
-        read(&mut browser);
-        assert_eq!(names(&browser), ["album", "empty", "A.mp3", "b.flac"]);
-        assert_eq!(key(&mut browser, NamedKey::Enter), []);
-        read(&mut browser);
-        assert_eq!(names(&browser), ["1.ogg"]);
-        let path = folder.path().join("album/1.ogg");
-        let picked = browser.take_key(&Key::Named(NamedKey::Enter), true, false);
-        let open = |path, append| [Command::Open(Files { files: vec![path], append }), CLOSE];
-        assert_eq!(picked, open(path, true));
-        let album = browser.take_key(&Key::Named(NamedKey::Enter), false, true);
-        assert_eq!(album, open(folder.path().join("album"), false));
-        assert_eq!(key(&mut browser, NamedKey::ArrowDown), []);
-        assert_eq!(key(&mut browser, NamedKey::Backspace), []);
-        read(&mut browser);
-        assert_eq!(browser.entry(browser.selected()).unwrap().name, "album");
-        assert_eq!(key(&mut browser, NamedKey::Escape), [CLOSE]);
-    }
-
-    #[test]
-    fn letters_search_and_backspace_deletes_them_before_it_goes_up() {
-        let folder = folder();
-        let mut browser = FileBrowser::start(Some(folder.path().to_owned()), || {}).unwrap();
-        read(&mut browser);
-        for letter in ["M", "P"] {
-            let _ = browser.take_key(&Key::Character(letter.into()), false, false);
-        }
-        assert_eq!((browser.query(), names(&browser)), ("MP", vec!["empty", "A.mp3"]));
-        let _ = key(&mut browser, NamedKey::Backspace);
-        assert_eq!((browser.query(), browser.folder()), ("M", folder.path()));
-        assert_eq!(key(&mut browser, NamedKey::Escape), []);
-        assert_eq!((browser.query(), browser.count()), ("", 4));
-    }
-
-    #[test]
-    fn empty_and_unreadable_folders_show_a_message() {
-        let folder = folder();
-        let mut browser = FileBrowser::start(Some(folder.path().join("empty")), || {}).unwrap();
-        read(&mut browser);
-        assert_eq!(browser.trouble(), Some("this folder is empty"));
-        assert_eq!(key(&mut browser, NamedKey::Enter), []);
-        let mut browser = FileBrowser::start(Some(folder.path().join("missing")), || {}).unwrap();
-        read(&mut browser);
-        assert!(browser.trouble().unwrap().contains("cannot be read"), "{:?}", browser.trouble());
-    }
-}
+pub(crate) mod tests;

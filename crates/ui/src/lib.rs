@@ -42,6 +42,7 @@ pub mod pointer_rest;
 pub mod scene_browser;
 pub mod settings_panel;
 pub mod text_query;
+pub mod track_panel;
 pub mod user_input;
 
 use mariana_render::gpu::error::GpuError;

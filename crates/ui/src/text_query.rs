@@ -27,7 +27,12 @@ impl TextQuery {
 
     pub(crate) fn fits(&self, text: &str) -> bool {
         let text = text.to_lowercase();
-        self.0.to_lowercase().split_whitespace().all(|word| text.contains(word))
+        self.words().iter().all(|word| text.contains(word))
+    }
+
+    /// The words in lower case, for a search in many texts.
+    pub(crate) fn words(&self) -> Vec<String> {
+        self.0.to_lowercase().split_whitespace().map(str::to_owned).collect()
     }
 
     pub(crate) fn begins(&self, text: &str) -> bool {

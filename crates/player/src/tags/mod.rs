@@ -1,6 +1,6 @@
 //! The tags of many files, read ahead of time for lists.
 //!
-//! A thread of the lowest priority reads the headers of files: first the rows that a window shows, then the shown
+//! A thread of low priority reads the headers of files: first the rows that a window shows, then the shown
 //! folder, then the whole list of tracks. The tags stay in memory, and in a cache file between runs. A file whose size
 //! and modification time are unchanged is not read again.
 //!
@@ -9,6 +9,7 @@
 mod cache;
 mod reader;
 
+use std::borrow::Cow;
 use std::collections::{HashMap, VecDeque};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -124,8 +125,7 @@ impl TagLibrary {
 
     /// The tags of a file; `None` until the file was examined. The tags of an unreadable file are empty.
     pub fn get(&self, file: &Path) -> Option<Arc<TrackTags>> {
-        let state = self.lock();
-        state.known.get(file).filter(|known| known.is_current).map(|known| known.tags.clone())
+        self.lock().current(file).map(|known| known.tags.clone())
     }
 
     /// The tags of a track of the list, as far as they are known. The data of a list are used for a part of a file, and
@@ -164,12 +164,18 @@ impl Shared {
 }
 
 impl State {
+    /// The tags of a file that was examined in this run.
+    fn current(&self, file: &Path) -> Option<&Known> {
+        self.known.get(&*key(file)).filter(|known| known.is_current)
+    }
+
     fn is_current(&self, file: &Path) -> bool {
-        self.known.get(file).is_some_and(|known| known.is_current)
+        self.current(file).is_some()
     }
 
     /// Adds tags. At the limit, a quarter of all tags is forgotten, the least recently used first.
     fn note(&mut self, file: &Path, stamp: Stamp, tags: Arc<TrackTags>, is_current: bool) {
+        let file = &*key(file);
         if self.known.len() >= LIMITS.tags_kept_max && !self.known.contains_key(file) {
             let mut uses: Vec<u64> = self.known.values().map(|known| known.used).collect();
             uses.sort_unstable();
@@ -179,6 +185,12 @@ impl State {
         self.uses += 1;
         self.known.insert(file.into(), Known { stamp, tags, used: self.uses, is_current });
     }
+}
+
+/// The path under which a file is kept, so that the cache is valid in every working directory.
+fn key(file: &Path) -> Cow<'_, Path> {
+    let absolute = if file.is_relative() { std::path::absolute(file).ok() } else { None };
+    absolute.map_or(file.into(), Cow::from)
 }
 
 fn merged(track: &ListedTrack, tags: Option<&TrackTags>) -> TrackTags {

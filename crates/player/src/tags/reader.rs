@@ -5,7 +5,7 @@ use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
 use super::cache::TagCache;
-use super::{Known, Shared, Stamp, State, Totals, merged};
+use super::{Known, Shared, Stamp, State, Totals, key, merged};
 use crate::decode::{TrackTags, tags_of};
 use crate::priority;
 
@@ -15,7 +15,8 @@ const PUBLISH_EVERY: Duration = Duration::from_millis(100);
 const SAVE_EVERY: Duration = Duration::from_secs(20);
 /// Maximum number of entries that are examined under one lock, because the drawing thread takes the lock too.
 const ENTRIES_AT_ONCE: usize = 256;
-const NICENESS: i32 = 19;
+/// The work is short, and a user may wait for it: next to a software renderer, a higher niceness would starve it.
+const NICENESS: i32 = 5;
 
 pub(super) enum Next {
     /// Reads this file.
@@ -130,7 +131,7 @@ impl Shared {
         let stamp = stamp_of(file);
         let mut state = self.lock();
         let uses = state.uses + 1;
-        if let Some(known) = state.known.get_mut(file).filter(|known| Some(known.stamp) == stamp) {
+        if let Some(known) = state.known.get_mut(&*key(file)).filter(|known| Some(known.stamp) == stamp) {
             (known.is_current, known.used) = (true, uses);
             state.uses = uses;
             return false;
@@ -155,7 +156,7 @@ impl Shared {
             let state = self.lock();
             for track in part {
                 let whole = track.file.as_deref().filter(|_| track.start.is_none());
-                let known = whole.and_then(|file| state.known.get(file)).filter(|known| known.is_current);
+                let known = whole.and_then(|file| state.current(file));
                 match merged(track, known.map(|known| &*known.tags)).duration {
                     Some(seconds) => totals.seconds += seconds,
                     None => totals.unknown += 1,

@@ -189,6 +189,15 @@ fn resident_bytes() -> usize {
 }
 
 #[test]
+fn a_relative_path_is_the_same_file_as_its_absolute_path() {
+    let mut state = State::default();
+    let here = std::env::current_dir().unwrap();
+    state.note(Path::new("x.wav"), Stamp::default(), Arc::default(), true);
+    assert!(state.is_current(&here.join("x.wav")) && state.is_current(Path::new("x.wav")));
+    assert!(state.known.keys().all(|path| path.is_absolute()));
+}
+
+#[test]
 fn without_a_thread_nothing_is_known() {
     let library = TagLibrary::default();
     let path = Path::new("/nowhere/x.wav");

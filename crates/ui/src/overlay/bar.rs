@@ -13,6 +13,7 @@ use mariana_player::track::Repeat;
 use super::events::UiEvent;
 use super::icons::{self, Icon};
 use super::now_playing::{NowPlaying, clock_time};
+use super::picture::{Cover, KeptPicture};
 use super::{assisted, style};
 use mariana_commands::{Command, Panel, SEEK_SECONDS, Switch, VOLUME_STEP};
 use mariana_render::reading_order::isolated;
@@ -26,6 +27,7 @@ const BUTTON: f32 = 30.0;
 const LEVEL: Vec2 = vec2(18.0, 2.0);
 const WORDS: f32 = 19.0;
 const GAP: f32 = 3.0;
+const COVER_GAP: f32 = 7.0;
 const SIGN: f32 = 15.0;
 const BAR_STEP: f32 = 3.0;
 /// Minimum and maximum width of the volume slider. The slider is hidden if there is less room than the minimum.
@@ -52,6 +54,8 @@ const BUTTON_GAP: f32 = 2.0;
 pub struct Bar<'a> {
     /// The playing track or input.
     pub now: &'a NowPlaying,
+    /// The cover of the track, if it has one.
+    pub cover: Option<Cover<'a>>,
     /// The loudness curve of the track, up to the analysed position.
     pub shape: Option<&'a LoudnessShape>,
     /// The structure of the song, once it is known.
@@ -82,7 +86,7 @@ const LEVEL_STEPS: f32 = 24.0;
 impl Hash for Bar<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
         let lit = (self.open, self.help, self.sliders, self.fullscreen, self.follows, self.decks);
-        (self.now, self.scene, lit, self.seen).hash(state);
+        (self.now, self.cover, self.scene, lit, self.seen).hash(state);
         self.shape.map(|shape| shape.revision).hash(state);
         self.song.map(|song| song.sections.len()).hash(state);
         ((self.level * LEVEL_STEPS) as u32).hash(state);
@@ -90,7 +94,13 @@ impl Hash for Bar<'_> {
 }
 
 /// Draws the bar at the bottom of `space`. Returns the bar's area and adds the user's events to `events`.
-pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, events: &mut Vec<UiEvent>) -> Rect {
+pub(super) fn show(
+    context: &egui::Context,
+    space: Rect,
+    bar: &Bar<'_>,
+    picture: &mut KeptPicture,
+    events: &mut Vec<UiEvent>,
+) -> Rect {
     let width = space.width().min(WIDTH_MAX);
     let area = style::area(Id::unique("bar"), Order::Middle)
         .pivot(egui::Align2::CENTER_BOTTOM)
@@ -102,8 +112,24 @@ pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, events: 
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
             ui.spacing_mut().item_spacing = vec2(BUTTON_GAP, GAP);
-            words(ui, bar);
-            seek_rail(ui, bar, events);
+            match bar.cover {
+                Some(cover) => {
+                    ui.horizontal(|ui| {
+                        let side = WORDS + GAP + RAIL_HEIGHT;
+                        let (square, _) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+                        picture.draw(ui.painter(), square, cover);
+                        ui.add_space(COVER_GAP);
+                        ui.vertical(|ui| {
+                            words(ui, bar);
+                            seek_rail(ui, bar, events);
+                        });
+                    });
+                }
+                None => {
+                    words(ui, bar);
+                    seek_rail(ui, bar, events);
+                }
+            }
             buttons(ui, bar, events);
         });
     });

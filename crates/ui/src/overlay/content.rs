@@ -274,7 +274,7 @@ impl OverlayContent<'_> {
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
         self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);
-        self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
+        self.tracks.map(|tracks| (tracks.panel.revision(), tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
             (&slider.name, numbers, slider.changed_by).hash(&mut hasher);

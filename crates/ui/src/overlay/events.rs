@@ -19,6 +19,8 @@ pub enum UiEvent {
     Scenes(SceneListEvent),
     /// An event of the file list.
     Files(FileListEvent),
+    /// An event of the track list.
+    Tracks(TrackListEvent),
     /// An event of the settings panel.
     Settings(SettingEvent),
 }
@@ -58,6 +60,8 @@ pub enum FileListEvent {
         /// True to add a file to the tracks, false to replace the tracks.
         append: bool,
     },
+    /// The matching entry with this index was chosen to be played; of a folder, everything in it.
+    Play(usize),
     /// The whole shown folder was chosen.
     OpenFolder {
         /// True to add the folder's files to the tracks, false to replace the tracks.
@@ -67,8 +71,33 @@ pub enum FileListEvent {
     EnterPlace(usize),
     /// The parent folder was chosen.
     Up,
+    /// The mark of the shown folder was toggled.
+    Mark,
+    /// The matching entries from `first` up to, but without, `end` were drawn.
+    Drawn {
+        /// Index of the first entry.
+        first: usize,
+        /// Index after the last entry.
+        end: usize,
+    },
     /// The list was closed.
     Close,
+}
+
+/// An event of the track list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TrackListEvent {
+    /// The search was opened or closed.
+    Search,
+    /// The pointer chose or moved the track in this row.
+    Select(usize),
+    /// The rows from `first` up to, but without, `end` were drawn.
+    Drawn {
+        /// The first row.
+        first: usize,
+        /// The row after the last row.
+        end: usize,
+    },
 }
 
 /// An event of the settings panel.

@@ -28,6 +28,9 @@ pub(super) enum Icon {
     Star,
     Folder,
     Text,
+    Plus,
+    Up,
+    Note,
 }
 
 pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: Color32) {
@@ -160,6 +163,19 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
                 pen.surface(&[(0.0, 0.0), inner(c), a, inner(b)]);
             }
         }
+        Icon::Plus => {
+            pen.line(&[(-0.75, 0.0), (0.75, 0.0)]);
+            pen.line(&[(0.0, -0.75), (0.0, 0.75)]);
+        }
+        Icon::Up => {
+            pen.line(&[(-0.6, -0.1), (0.0, -0.75), (0.6, -0.1)]);
+            pen.line(&[(0.0, -0.75), (0.0, 0.8)]);
+        }
+        Icon::Note => {
+            pen.line(&[(-0.35, 0.6), (-0.35, -0.75), (0.7, -0.75), (0.7, 0.4)]);
+            pen.dot((-0.6, 0.6), 0.27);
+            pen.dot((0.45, 0.4), 0.27);
+        }
         Icon::Cross => {
             pen.line(&[(-0.55, -0.55), (0.55, 0.55)]);
             pen.line(&[(-0.55, 0.55), (0.55, -0.55)]);
@@ -261,6 +277,9 @@ mod tests {
             Icon::Cross,
             Icon::Star,
             Icon::Folder,
+            Icon::Plus,
+            Icon::Up,
+            Icon::Note,
         ];
         for icon in all {
             let context = egui::Context::default();

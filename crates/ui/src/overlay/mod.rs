@@ -28,6 +28,7 @@ mod pairing_address;
 mod panels;
 mod params;
 mod pending;
+mod picture;
 mod pointer;
 mod preview;
 mod problem;
@@ -41,6 +42,7 @@ mod switches;
 mod tests;
 mod tracks;
 mod welcome;
+mod words;
 
 use std::time::Instant;
 
@@ -53,10 +55,11 @@ pub use bar::Bar;
 pub use content::{
     CueRow, CueSheet, Deck, DeckStrip, Notice, OverlayContent, Problem, SNAPSHOTS, SnapshotRow, SourceList,
 };
-pub use events::{FileListEvent, SceneListEvent, SettingEvent, UiEvent};
+pub use events::{FileListEvent, SceneListEvent, SettingEvent, TrackListEvent, UiEvent};
 pub use now_playing::NowPlaying;
 use panels::{LaidOut, Panels, pressed};
 use pending::PendingInput;
+pub use picture::Cover;
 use pointer::Pointer;
 pub use preview::NextScene;
 pub use switches::PanelSwitches;

@@ -11,10 +11,11 @@ use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent, Problem};
 use super::events::UiEvent;
 use super::fonts::Fallback;
+use super::picture::KeptPicture;
 use super::rooms::Rooms;
 use super::{
-    assisted, bar, binding, browser, calm, controllers, corners, cues, decks, editor, files, help, params, preview,
-    problem, settings, sources, style, tracks, welcome,
+    assisted, bar, binding, browser, calm, controllers, corners, cues, decks, editor, files, help, params,
+    preview, problem, settings, sources, style, tracks, welcome,
 };
 use mariana_render::system_fonts::SystemFonts;
 
@@ -42,12 +43,14 @@ pub(super) struct Panels {
 #[derive(Default)]
 struct Kept {
     pictures: TilePictures,
-    selected_file: Option<usize>,
+    selected_file: files::SelectedRows,
+    selected_track: Option<usize>,
     seen_key: Option<help::Seen>,
     seen_setting: Option<settings::Seen>,
     seen_changed_by: Option<controllers::Seen>,
     binding: binding::OpenBinding,
-    next: preview::PreviewPicture,
+    next: KeptPicture,
+    cover: KeptPicture,
     seen_cue: Option<usize>,
 }
 
@@ -144,7 +147,7 @@ fn show(
     }
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 
-    let space = show_bar(context, space, content, panels, events);
+    let space = show_bar(context, space, content, kept, panels, events);
     if let Some(handles) = &content.corners {
         panels.extend(corners::show(context, screen, handles, events));
     }
@@ -179,8 +182,7 @@ fn show(
         panels.extend(parts);
         left.min.x = right.min(left.right());
     }
-    if let Some(list) = &content.tracks {
-        let rect = tracks::show(context, space, list, events);
+    if let Some(rect) = show_tracks(context, space, content, events, kept) {
         panels.push(rect);
         leave_beside(&mut left, rect);
     }
@@ -196,7 +198,7 @@ fn show(
     panels.extend(help);
     panels.extend(show_lists(context, space, beside_sliders, content, events, kept));
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
-        welcome::draw(&back, left, words, now);
+        welcome::draw(&back, left, words, &mut kept.cover, now);
     }
     let below = show_sentences(context, &front, space, content, now);
     if let Some(list) = &content.sources {
@@ -211,12 +213,13 @@ fn show_bar(
     context: &Context,
     mut space: Rect,
     content: &OverlayContent<'_>,
+    kept: &mut Kept,
     panels: &mut Vec<Rect>,
     events: &mut Vec<UiEvent>,
 ) -> Rect {
     let above = |rect: Rect, space: Rect| (rect.top() - 0.5 * style::MARGIN).max(space.top());
     if let Some(bar) = &content.bar {
-        let rect = bar::show(context, space, bar, events);
+        let rect = bar::show(context, space, bar, &mut kept.cover, events);
         if bar.seen {
             panels.push(rect);
             space.max.y = above(rect, space);
@@ -265,6 +268,21 @@ fn show_params(
     Some(params::show(context, side, help, shown, open, events))
 }
 
+/// Shows the track list, if it is open. Returns its area.
+fn show_tracks(
+    context: &Context,
+    space: Rect,
+    content: &OverlayContent<'_>,
+    events: &mut Vec<UiEvent>,
+    kept: &mut Kept,
+) -> Option<Rect> {
+    let Some(list) = &content.tracks else {
+        kept.selected_track = None;
+        return None;
+    };
+    Some(tracks::show(context, space, list, &mut kept.selected_track, events))
+}
+
 /// Shows the open list in the middle, and discards the state of closed lists. The controllers are in `beside_sliders`,
 /// because a click on a slider's name learns its control. Returns the areas.
 fn show_lists(
@@ -282,7 +300,7 @@ fn show_lists(
     }
     match content.files {
         Some(list) => panels.push(files::show(context, space, list, &mut kept.selected_file, events)),
-        None => kept.selected_file = None,
+        None => kept.selected_file = Default::default(),
     }
     match content.settings {
         Some(rows) => {
@@ -297,6 +315,9 @@ fn show_lists(
         }
         None => kept.seen_changed_by = None,
     }
+    if content.bar.is_none() && content.welcome.is_none() {
+        kept.cover.clear();
+    }
     panels
 }
 
@@ -310,6 +331,7 @@ fn show_sentences(
     let mut below = space;
     let has_heading = content.scenes.is_some()
         || content.files.is_some()
+        || content.tracks.is_some()
         || content.settings.is_some()
         || content.controllers.is_some();
     if has_heading {

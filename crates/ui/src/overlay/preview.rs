@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Id, LayerId, Order, Rect, TextureHandle, TextureOptions, pos2, vec2};
+use egui::{Color32, Id, LayerId, Order, Rect, pos2, vec2};
 use image::RgbaImage;
 
+use super::picture::KeptPicture;
 use super::rooms::Rooms;
 use super::{assisted, style};
 
@@ -28,33 +29,11 @@ const WIDTH: f32 = 160.0;
 const FRACTION: f32 = 0.3;
 const LEVEL: f32 = 4.0;
 
-#[derive(Default)]
-pub(super) struct PreviewPicture(Option<(Arc<RgbaImage>, TextureHandle)>);
-
-impl PreviewPicture {
-    fn of(&mut self, context: &egui::Context, image: &Arc<RgbaImage>) -> egui::TextureId {
-        if let Some((known, texture)) = &mut self.0 {
-            if !Arc::ptr_eq(known, image) {
-                texture.set(pixels(image), TextureOptions::LINEAR);
-                known.clone_from(image);
-            }
-            return texture.id();
-        }
-        let texture = context.load_texture("next scene", pixels(image), TextureOptions::LINEAR);
-        self.0.insert((image.clone(), texture)).1.id()
-    }
-}
-
-fn pixels(image: &RgbaImage) -> egui::ColorImage {
-    let size = [image.width() as usize, image.height() as usize];
-    egui::ColorImage::from_rgba_unmultiplied(size, image.as_raw())
-}
-
 pub(super) fn show(
     context: &egui::Context,
     rooms: &Rooms,
     next: &NextScene,
-    picture: &mut PreviewPicture,
+    picture: &mut KeptPicture,
 ) -> Rect {
     let painter = context.layer_painter(LayerId::new(Order::Background, Id::unique("next scene")));
     let (place, width) = rooms.small(WIDTH, FRACTION);

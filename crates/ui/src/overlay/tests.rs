@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
@@ -14,9 +15,11 @@ use super::{
 use crate::editor::Editor;
 use crate::help_panel::HelpPanel;
 use crate::settings_panel::SettingsPanel;
+use crate::track_panel::TrackPanel;
 use mariana_commands::{Command, Panel, Switch};
 use mariana_control::{ChangedBy, Slider};
 use mariana_files::Folders;
+use mariana_player::tags::TagLibrary;
 use mariana_player::{ListedTrack, ListedTracks};
 use mariana_render::system_fonts::SystemFonts;
 use mariana_scenes::{Drafts, SceneSource};
@@ -29,6 +32,7 @@ mod binding;
 mod controllers;
 mod decks;
 mod help;
+mod lists;
 mod wrapping;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
@@ -197,6 +201,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
     let scene = "city, 2 of 17";
     Bar {
         now,
+        cover: None,
         shape: None,
         song: None,
         level: 0.5,
@@ -223,6 +228,15 @@ fn asked(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'s
         all.extend(stage.frame(events, content()).events);
     }
     all
+}
+
+/// The commands of a click, without other events.
+fn commands(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'static>) -> Vec<Command> {
+    let is_command = |event| match event {
+        UiEvent::Command(command) => Some(command),
+        _ => None,
+    };
+    asked(stage, place, content).into_iter().filter_map(is_command).collect()
 }
 
 #[test]
@@ -302,8 +316,9 @@ fn of_ten_thousand_tracks_only_the_visible_rows_are_laid_out() {
     let entry =
         |i| ListedTrack { name: format!("track {i}"), duration: Some(60.0), ..ListedTrack::default() };
     let list = ListedTracks { revision: 1, entries: (0..10_000).map(entry).collect(), undo: None };
-    let list: &'static ListedTracks = Box::leak(Box::new(list));
-    let content = || OverlayContent { tracks: Some(Tracks { list, present: 1 }), ..Default::default() };
+    let panel = TrackPanel::new(Arc::new(list), 1, TagLibrary::default());
+    let panel: &'static TrackPanel = Box::leak(Box::new(panel));
+    let content = || OverlayContent { tracks: Some(Tracks { panel, present: 1 }), ..Default::default() };
     let mut stage = Stage::new(SCREEN);
     stage.frame(Vec::new(), content());
     let laid_out = stage.frame(Vec::new(), content());
@@ -311,9 +326,9 @@ fn of_ten_thousand_tracks_only_the_visible_rows_are_laid_out() {
     let (_, texts) = drawn(&laid_out);
     assert!(texts.len() < 200, "{} texts are laid out", texts.len());
     let third = place_of(&texts, "track 2").center();
-    assert_eq!(asked(&mut stage, third, content), [UiEvent::Command(Command::PlayTrack(2))]);
+    assert_eq!(commands(&mut stage, third, content), [Command::PlayTrack(2)]);
     let cross = Pos2::new(laid_out.panels[0].right() - style::PADDING.x - 10.0 - 12.0, third.y);
-    assert_eq!(asked(&mut stage, cross, content), [UiEvent::Command(Command::RemoveTrack(2))]);
+    assert_eq!(commands(&mut stage, cross, content), [Command::RemoveTrack(2)]);
 }
 
 #[test]
@@ -469,6 +484,7 @@ fn letters_of_the_built_in_fonts_are_not_searched_for() {
     stage.frame(Vec::new(), noticed("Hadal Lanterns — größer, Ελλάδα, Привет!\n\t\u{a0}\u{200d}"));
     let (mut sliders, help) = (sliders(3), HelpPanel::default());
     let bar = Bar {
+        cover: None,
         shape: None,
         song: None,
         now: &playing(),

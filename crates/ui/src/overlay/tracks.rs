@@ -1,24 +1,31 @@
-//! The track list: a click plays a track, a drag moves a track, and the cross removes a track.
+//! Draws the track list: a click plays a track, a drag moves a track, and the cross removes a track.
 
-use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Id, Order, Painter, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 use mariana_commands::Command;
-use mariana_player::ListedTracks;
 
-use super::events::UiEvent;
+use super::events::{TrackListEvent, UiEvent};
 use super::icons::{self, Icon};
 use super::now_playing::clock_time;
-use super::style;
+use super::{assisted, style, words};
+use crate::track_panel::TrackPanel;
 
-/// Width of the panel in points, if the window is wide enough.
-const WIDTH: f32 = 380.0;
+/// The narrowest and the widest panel in points, and its part of the window.
+const WIDTH: (f32, f32) = (400.0, 640.0);
+const PART: f32 = 0.45;
 const ROW: f32 = 24.0;
 const LANE: f32 = 10.0;
+/// Room for the length of a track.
+const LENGTH: f32 = 54.0;
+/// The part of the texts' width for the title.
+const TITLE_PART: f32 = 0.58;
+/// Near the ends of the list, a drag scrolls by this many points in a frame.
+const DRAG_SCROLL: f32 = 9.0;
 
 /// The content of the panel.
 #[derive(Debug, Clone, Copy)]
 pub struct Tracks<'a> {
-    /// The tracks.
-    pub list: &'a ListedTracks,
+    /// The tracks, and the user's selection.
+    pub panel: &'a TrackPanel,
     /// The index of the playing track.
     pub present: usize,
 }
@@ -27,82 +34,171 @@ pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     tracks: &Tracks<'_>,
+    last_selected: &mut Option<usize>,
     events: &mut Vec<UiEvent>,
 ) -> Rect {
-    let width = WIDTH.min(space.width());
+    let width = (PART * space.width()).clamp(WIDTH.0, WIDTH.1).min(space.width());
     let area =
         style::area(Id::unique("tracks"), Order::Middle).fixed_pos(pos2(space.right() - width, space.top()));
     let shown = area.show(context, |ui| {
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            ui.spacing_mut().item_spacing.y = 0.0;
-            heading(ui, tracks);
-            let height = (space.height() - 2.0 * style::PADDING.y - 1.5 * ROW).max(ROW);
-            let scroll = ScrollArea::vertical().max_height(height);
-            scroll.show_rows(ui, ROW, tracks.list.entries.len(), |ui, rows| {
-                ui.set_width((ui.available_width() - LANE).max(0.0));
-                rows.for_each(|index| row(ui, tracks, index, events));
-            });
+            ui.spacing_mut().item_spacing = vec2(6.0, 0.0);
+            heading(ui, tracks, events);
+            let height = (space.height() - 2.0 * style::PADDING.y - 2.0 * ROW - words::BUTTON).max(ROW);
+            rows(ui, height, tracks, last_selected, events);
+            buttons(ui, tracks, events);
+            let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+            let keys = if tracks.panel.is_searching() {
+                "type to search · Enter plays · Esc shows all tracks"
+            } else {
+                "Enter plays · Delete removes · Alt+arrow moves · / searches"
+            };
+            words::hint(ui, place, keys);
         });
     });
     shown.response.rect
 }
 
-fn heading(ui: &mut Ui, tracks: &Tracks<'_>) {
-    let count = tracks.list.entries.len();
-    let words = match count {
-        1 => "1 track · drop music here to play it, with Shift to add it".to_owned(),
-        _ => format!("{count} tracks · drop music here to play it, with Shift to add it"),
+fn heading(ui: &mut Ui, tracks: &Tracks<'_>, events: &mut Vec<UiEvent>) {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 2.0), vec2(ROW, ROW));
+    if icons::closing_cross(ui, cross, "close the list of tracks") {
+        events.push(UiEvent::Command(Command::TogglePanel(mariana_commands::Panel::Tracks)));
+    }
+    let (words, color) = match tracks.panel.query() {
+        None => (tracks.panel.totals(clock_time), style::TEXT),
+        Some(query) => (format!("search: {query}▏ {} tracks", tracks.panel.rows()), style::ACCENT),
     };
-    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 1.5 * ROW), Sense::hover());
-    let font = style::proportional(style::SMALL_SIZE);
-    let galley = style::line(ui.painter(), &words, font, style::DIM, place.width());
-    ui.painter().galley(place.left_top(), galley, style::DIM);
+    let font = style::proportional(style::TEXT_SIZE);
+    let galley = style::line(ui.painter(), &words, font, color, cross.left() - place.left() - 8.0);
+    ui.painter().galley(place.left_top(), galley, color);
+    assisted::text(ui.ctx(), "length of the list", &words, tracks.panel.is_searching());
 }
 
-fn row(ui: &mut Ui, tracks: &Tracks<'_>, index: usize, events: &mut Vec<UiEvent>) {
-    let Some(track) = tracks.list.entries.get(index) else { return };
-    let (place, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click_and_drag());
+fn rows(
+    ui: &mut Ui,
+    height: f32,
+    tracks: &Tracks<'_>,
+    last_selected: &mut Option<usize>,
+    events: &mut Vec<UiEvent>,
+) {
+    let (panel, count) = (tracks.panel, tracks.panel.rows());
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+    if count == 0 {
+        let sentence = if panel.is_filtered() {
+            "no track matches"
+        } else {
+            "no tracks: drop music here, or press O to choose some"
+        };
+        words::hint(ui, Rect::from_min_size(place.min, vec2(place.width(), 2.0 * ROW)), sentence);
+        return;
+    }
+    let builder = egui::UiBuilder::new().max_rect(place).scope_id(Id::unique("rows of tracks"));
+    let ui = &mut ui.new_child(builder);
+    let mut scroll = ScrollArea::vertical().id_salt("tracks").max_height(height).auto_shrink([false, false]);
+    if last_selected.replace(panel.selected()) != Some(panel.selected()) {
+        scroll = scroll.vertical_scroll_offset(style::scrolled_to(panel.selected(), ROW, height));
+    }
+    let shown = scroll.show_rows(ui, ROW, count, |ui, rows| {
+        ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+        let width = (ui.available_width() - LANE).max(0.0);
+        events.push(UiEvent::Tracks(TrackListEvent::Drawn { first: rows.start, end: rows.end }));
+        rows.for_each(|at| row(ui, width, tracks, at, events));
+        scroll_during_drag(ui);
+    });
+    // A track that is dropped below the last row becomes the last track.
+    drop_below(ui, shown.inner_rect, shown.content_size.y, count, events);
+}
+
+/// Scrolls while a track is dragged near the ends of the visible part.
+fn scroll_during_drag(ui: &mut Ui) {
+    let Some(pointer) = ui.ctx().pointer_interact_pos() else { return };
+    if !egui::DragAndDrop::has_payload_of_type::<usize>(ui.ctx()) {
+        return;
+    }
+    let visible = ui.clip_rect();
+    let speed = if pointer.y < visible.top() + ROW {
+        DRAG_SCROLL
+    } else if pointer.y > visible.bottom() - ROW {
+        -DRAG_SCROLL
+    } else {
+        return;
+    };
+    ui.scroll_with_delta(vec2(0.0, speed));
+    ui.ctx().request_repaint();
+}
+
+fn drop_below(ui: &Ui, visible: Rect, content: f32, count: usize, events: &mut Vec<UiEvent>) {
+    let is_released = ui.input(|input| input.pointer.any_released());
+    let Some(pointer) = ui.ctx().pointer_interact_pos().filter(|_| is_released) else { return };
+    let is_below = visible.contains(pointer) && pointer.y > visible.top() + content;
+    if let Some(from) = is_below.then(|| egui::DragAndDrop::take_payload::<usize>(ui.ctx())).flatten()
+        && *from + 1 < count
+    {
+        move_track(*from, count - 1, events);
+    }
+}
+
+fn move_track(from: usize, to: usize, events: &mut Vec<UiEvent>) {
+    events.push(UiEvent::Command(Command::MoveTrack((from, to))));
+    events.push(UiEvent::Tracks(TrackListEvent::Select(to)));
+}
+
+fn row(ui: &mut Ui, width: f32, tracks: &Tracks<'_>, at: usize, events: &mut Vec<UiEvent>) {
+    let panel = tracks.panel;
+    let Some(index) = panel.track_in(at) else { return };
+    let (place, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::click_and_drag());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 0.0), vec2(ROW, ROW));
     let crossed = ui.interact(cross, response.id.with("remove"), Sense::click());
     let over = response.contains_pointer() || crossed.contains_pointer();
     let painter = ui.painter().clone();
-    if over {
+    let is_selected = at == panel.selected();
+    if over || is_selected {
         painter.rect_filled(place, 4.0, style::RAIL);
         let color = if crossed.hovered() { style::TEXT } else { style::DIM };
         icons::draw(&painter, Icon::Cross, cross, 11.0, color);
     }
-    let is_present = index == tracks.present;
-    let color = if is_present { style::ACCENT } else { style::TEXT };
-    let small = |text: &str| {
-        let font = style::proportional(style::SMALL_SIZE);
-        style::line(&painter, text, font, style::DIM, 80.0)
-    };
-    let number = small(&(index + 1).to_string());
-    let length = small(&track.duration.map(clock_time).unwrap_or_default());
-    let indent = 10.0 + 7.5 * tracks.list.entries.len().to_string().len() as f32;
-    let right = cross.left() - length.size().x - 4.0;
-    let room = right - place.left() - indent - 6.0;
-    let name = style::line(&painter, &track.name, style::proportional(style::TEXT_SIZE), color, room);
-    let put = |galley: std::sync::Arc<egui::Galley>, x: f32| {
-        painter.galley(pos2(x, place.center().y - 0.5 * galley.size().y), galley, color);
-    };
-    put(number, place.left() + 2.0);
-    put(name, place.left() + indent);
-    put(length, right);
-
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &track.name));
-    crossed.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("remove {}", track.name)));
+    let words = Words::of(tracks, index);
+    words.draw(&painter, place, cross.left(), index == tracks.present);
+    let spoken = words.spoken(index, index == tracks.present);
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_selected, &spoken));
+    if is_selected {
+        assisted::text(ui.ctx(), "selected track", &spoken, true);
+    }
+    crossed.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("remove {}", words.title)));
     if crossed.clicked() {
         events.push(UiEvent::Command(Command::RemoveTrack(index)));
     } else if response.clicked() {
         events.push(UiEvent::Command(Command::PlayTrack(index)));
+        events.push(UiEvent::Tracks(TrackListEvent::Select(at)));
     }
+    if !panel.is_filtered() {
+        drag(&painter, place, &response, index, &words, events);
+    }
+}
+
+/// Lets the user drag a row, and shows where another row would be dropped.
+fn drag(
+    painter: &Painter,
+    place: Rect,
+    response: &egui::Response,
+    index: usize,
+    words: &Words,
+    events: &mut Vec<UiEvent>,
+) {
     response.dnd_set_drag_payload(index);
-    // Draw a line at the drop position: above or below the row under the pointer.
-    let Some(pointer) = response.ctx.pointer_interact_pos().filter(|_| response.contains_pointer()) else {
-        return;
-    };
+    let pointer = response.ctx.pointer_interact_pos();
+    if let Some(pointer) = pointer.filter(|_| response.dragged()) {
+        let front =
+            response.ctx.layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("dragged track")));
+        let font = style::proportional(style::TEXT_SIZE);
+        let name = style::line(&front, &words.title, font, style::TEXT, 0.7 * place.width());
+        let ground = Rect::from_min_size(pointer + vec2(12.0, -0.5 * ROW), name.size() + vec2(14.0, 8.0));
+        style::ground(&front, ground);
+        front.galley(ground.min + vec2(7.0, 4.0), name, style::TEXT);
+    }
+    let Some(pointer) = pointer.filter(|_| response.contains_pointer()) else { return };
     let below = pointer.y > place.center().y;
     if response.dnd_hover_payload::<usize>().is_some() {
         let y = if below { place.bottom() } else { place.top() };
@@ -112,7 +208,95 @@ fn row(ui: &mut Ui, tracks: &Tracks<'_>, index: usize, events: &mut Vec<UiEvent>
         let gap = index + usize::from(below);
         let to = if gap > *from { gap - 1 } else { gap };
         if to != *from {
-            events.push(UiEvent::Command(Command::MoveTrack((*from, to))));
+            move_track(*from, to, events);
         }
     }
+}
+
+/// The texts of a row.
+struct Words {
+    number: String,
+    /// The width of the widest number of the list, in digits.
+    digits: usize,
+    title: String,
+    artist: Option<String>,
+    length: String,
+}
+
+impl Words {
+    fn of(tracks: &Tracks<'_>, index: usize) -> Self {
+        let list = tracks.panel.list();
+        let tags = tracks.panel.tags_of(index);
+        let name = list.entries.get(index).map(|track| track.name.clone()).unwrap_or_default();
+        Self {
+            number: (index + 1).to_string(),
+            digits: list.entries.len().to_string().len(),
+            artist: tags.artist.filter(|_| tags.title.is_some()),
+            title: tags.title.unwrap_or(name),
+            length: tags.duration.map(clock_time).unwrap_or_default(),
+        }
+    }
+
+    fn draw(&self, painter: &Painter, place: Rect, end: f32, is_present: bool) {
+        let put = |text: &str, left: f32, width: f32, size: f32, color| {
+            let galley = style::line(painter, text, style::proportional(size), color, width);
+            let at = pos2(left, place.center().y - 0.5 * galley.size().y);
+            let right = at.x + galley.size().x;
+            painter.galley(at, galley, color);
+            right
+        };
+        let indent = 10.0 + 7.5 * self.digits as f32;
+        if is_present {
+            let sign = Rect::from_min_size(place.min, vec2(indent, ROW));
+            icons::draw(painter, Icon::Play, sign, 10.0, style::ACCENT);
+        } else {
+            put(&self.number, place.left() + 2.0, indent, style::SMALL_SIZE, style::DIM);
+        }
+        let font = style::proportional(style::SMALL_SIZE);
+        let length = style::line(painter, &self.length, font, style::DIM, LENGTH);
+        let at = pos2(end - 4.0 - length.size().x, place.center().y - 0.5 * length.size().y);
+        painter.galley(at, length, style::DIM);
+        let left = place.left() + indent;
+        let room = end - LENGTH - 4.0 - left;
+        let color = if is_present { style::ACCENT } else { style::TEXT };
+        let Some(artist) = &self.artist else {
+            put(&self.title, left, room, style::TEXT_SIZE, color);
+            return;
+        };
+        put(&self.title, left, TITLE_PART * room - 10.0, style::TEXT_SIZE, color);
+        put(artist, left + TITLE_PART * room, (1.0 - TITLE_PART) * room, style::SMALL_SIZE, style::DIM);
+    }
+
+    /// The accessible name of a row.
+    fn spoken(&self, index: usize, is_present: bool) -> String {
+        let mut name = format!("{}, {}", index + 1, self.title);
+        name.extend(self.artist.iter().map(|artist| format!(", {artist}")));
+        if !self.length.is_empty() {
+            name.push_str(&format!(", {}", self.length));
+        }
+        if is_present {
+            name.push_str(", playing");
+        }
+        name
+    }
+}
+
+fn buttons(ui: &mut Ui, tracks: &Tracks<'_>, events: &mut Vec<UiEvent>) {
+    let list = tracks.panel.list();
+    ui.horizontal(|ui| {
+        if words::button(ui, "add music", true).on_hover_text("O, or drop files onto the window").clicked() {
+            events.push(UiEvent::Command(TrackPanel::ADD));
+        }
+        if words::button(ui, "search", !list.entries.is_empty()).on_hover_text("/ or Ctrl+F").clicked() {
+            events.push(UiEvent::Tracks(TrackListEvent::Search));
+        }
+        if words::button(ui, "clear", !list.entries.is_empty()).on_hover_text("remove all tracks").clicked() {
+            events.push(UiEvent::Command(Command::ClearTracks));
+        }
+        let undo = list.undo.as_deref();
+        let words = undo.map_or_else(|| "undo".to_owned(), |edit| format!("undo: {edit}"));
+        if words::button(ui, &words, undo.is_some()).on_hover_text("Ctrl+Z").clicked() {
+            events.push(UiEvent::Command(Command::UndoTracks));
+        }
+    });
 }

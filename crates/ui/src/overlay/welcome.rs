@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::{Galley, Painter, Rect, pos2, vec2};
+use egui::{Galley, Painter, Rect, Vec2, pos2, vec2};
 
+use super::picture::{Cover, KeptPicture};
 use super::style;
 use mariana_commands::{Command, Switch};
 
@@ -13,6 +14,8 @@ const FADES: Duration = Duration::from_millis(700);
 const NAMED: [Command; 3] = [Command::ToggleHelp, Command::NextScene, Command::Fullscreen(Switch::Toggle)];
 /// Maximum width of a line, as a fraction of the window's width.
 const WIDTH_MAX: f32 = 0.9;
+/// Side of the cover in points, if the window is wide enough.
+const COVER: f32 = 112.0;
 
 /// The content of the welcome text.
 #[derive(Debug, Clone, Copy, Hash)]
@@ -21,6 +24,8 @@ pub struct Welcome<'a> {
     pub title: &'a str,
     /// The track's artist.
     pub artist: Option<&'a str>,
+    /// The cover of the track, if it has one.
+    pub cover: Option<Cover<'a>>,
     /// The shown scene, such as "speakers, 12 of 17".
     pub scene: &'a str,
     /// The time at which the text appeared.
@@ -43,10 +48,17 @@ impl Welcome<'_> {
     }
 }
 
-pub(super) fn draw(painter: &Painter, space: Rect, welcome: &Welcome<'_>, now: Instant) {
+pub(super) fn draw(
+    painter: &Painter,
+    space: Rect,
+    welcome: &Welcome<'_>,
+    picture: &mut KeptPicture,
+    now: Instant,
+) {
     let mut painter = painter.clone();
     painter.set_opacity(welcome.opacity(now));
-    let width = WIDTH_MAX * space.width() - 2.0 * style::PADDING.x;
+    let cover = welcome.cover.map_or(0.0, |_| COVER.min(0.25 * space.width()) + style::PADDING.x);
+    let width = WIDTH_MAX * space.width() - 2.0 * style::PADDING.x - cover;
     let line =
         |text: &str, size: f32, color| style::line(&painter, text, style::proportional(size), color, width);
     let mut lines = vec![line(welcome.title, 1.6 * style::TEXT_SIZE, style::TEXT)];
@@ -57,11 +69,17 @@ pub(super) fn draw(painter: &Painter, space: Rect, welcome: &Welcome<'_>, now: I
     let size =
         lines.iter().fold(below, |size, line| vec2(size.x.max(line.size().x), size.y + line.size().y + 3.0));
     let rect = {
-        let size = size + 2.0 * style::PADDING;
+        // The cover is a square, in which the lines are centred.
+        let size = vec2(size.x + cover, size.y.max(cover - style::PADDING.x)) + 2.0 * style::PADDING;
         Rect::from_min_size(pos2(space.left(), space.bottom() - size.y), size)
     };
     style::ground(&painter, rect);
     let mut at = rect.min + style::PADDING;
+    if let Some(of_track) = welcome.cover {
+        let square = Rect::from_min_size(at, Vec2::splat(cover - style::PADDING.x));
+        picture.draw(&painter, square, of_track);
+        at += vec2(cover, 0.5 * (rect.height() - 2.0 * style::PADDING.y - size.y).max(0.0));
+    }
     for line in lines {
         let height = line.size().y + 3.0;
         painter.galley(at, line, style::TEXT);
@@ -124,7 +142,8 @@ mod tests {
     #[test]
     fn the_welcome_text_disappears_after_six_seconds() {
         let since = Instant::now();
-        let welcome = Welcome { title: "demo track", artist: None, scene: "speakers, 12 of 17", since };
+        let welcome =
+            Welcome { title: "demo track", artist: None, cover: None, scene: "speakers, 12 of 17", since };
         let at = |ms| since + Duration::from_millis(ms);
         assert_eq!([0, 5_900].map(|ms| welcome.is_gone(at(ms))), [false; 2]);
         assert!(welcome.is_gone(at(6_701)));

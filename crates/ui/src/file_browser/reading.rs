@@ -1,0 +1,168 @@
+//! Reads folders on threads. Each folder has its own thread, so that a folder that does not answer, such as one on a
+//! lost network disk, does not delay the next folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use directories::UserDirs;
+use mariana_player::playlist::{AUDIO_EXTENSIONS, Kind, compare_names};
+use mariana_scenes::is_scene_file;
+
+use super::{FileEntry, FileKind, Place, PlaceKind};
+use crate::limits::LIMITS;
+
+pub(super) type Listing = Result<Vec<FileEntry>, String>;
+
+pub(super) enum Answer {
+    Folder(PathBuf, Listing),
+    /// The folders that the system provides.
+    Places(Vec<Place>),
+}
+
+pub(super) struct FolderReader {
+    read: Arc<dyn Fn(&Path) -> Listing + Send + Sync>,
+    wake: Arc<dyn Fn() + Send + Sync>,
+    answers: Sender<Answer>,
+    answered: Receiver<Answer>,
+    /// The number of folders that are being read.
+    open: Arc<AtomicUsize>,
+}
+
+impl FolderReader {
+    pub(super) fn new(
+        read: impl Fn(&Path) -> Listing + Send + Sync + 'static,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        let (answers, answered) = channel();
+        Self { read: Arc::new(read), wake: Arc::new(wake), answers, answered, open: Arc::default() }
+    }
+
+    /// Reads a folder. Fails if too many folders do not answer, or without threads.
+    pub(super) fn ask(&self, folder: PathBuf) -> Result<(), String> {
+        if self.open.load(Ordering::Relaxed) >= LIMITS.folders_read_max {
+            return Err("several folders do not answer: check the disks and the network".to_owned());
+        }
+        let read = self.read.clone();
+        self.start(move || {
+            let listing = read(&folder);
+            Answer::Folder(folder, listing)
+        })
+    }
+
+    /// Looks for the folders that the system provides.
+    pub(super) fn ask_for_places(&self) -> Result<(), String> {
+        self.start(|| Answer::Places(common_places()))
+    }
+
+    pub(super) fn answer(&self) -> Option<Answer> {
+        self.answered.try_recv().ok()
+    }
+
+    fn start(&self, work: impl FnOnce() -> Answer + Send + 'static) -> Result<(), String> {
+        let (answers, wake, open) = (self.answers.clone(), self.wake.clone(), self.open.clone());
+        open.fetch_add(1, Ordering::Relaxed);
+        let of_thread = open.clone();
+        let started = std::thread::Builder::new().name("folder".into()).spawn(move || {
+            let answer = work();
+            of_thread.fetch_sub(1, Ordering::Relaxed);
+            // Sending fails only if the list was closed.
+            if answers.send(answer).is_ok() {
+                wake();
+            }
+        });
+        started.map(drop).map_err(|error| {
+            open.fetch_sub(1, Ordering::Relaxed);
+            format!("the system starts no thread ({error}): close other programs")
+        })
+    }
+}
+
+/// The visible entries of a folder: folders, then music, lists and scenes, then other files, each in natural order.
+pub(super) fn entries_of(folder: &Path) -> Listing {
+    let listing = fs::read_dir(folder).map_err(|error| error.to_string())?;
+    let mut entries: Vec<FileEntry> =
+        listing.flatten().take(LIMITS.folder_entries_max).filter_map(|entry| entry_of(&entry)).collect();
+    let rank = |kind| match kind {
+        FileKind::Folder => 0,
+        FileKind::Music | FileKind::List | FileKind::Scene => 1,
+        FileKind::Other => 2,
+    };
+    entries.sort_by(|a, b| rank(a.kind).cmp(&rank(b.kind)).then_with(|| compare_names(&a.name, &b.name)));
+    Ok(entries)
+}
+
+fn entry_of(entry: &fs::DirEntry) -> Option<FileEntry> {
+    let name = entry.file_name().to_string_lossy().replace(char::is_control, " ");
+    if name.starts_with('.') {
+        return None;
+    }
+    let path = entry.path();
+    // Only links need a second look, which is slow on a network disk.
+    let kind = entry.file_type().ok()?;
+    let is_folder = if kind.is_symlink() { path.is_dir() } else { kind.is_dir() };
+    Some(FileEntry { key: name.to_lowercase(), name, kind: kind_of(&path, is_folder), path })
+}
+
+fn kind_of(path: &Path, is_folder: bool) -> FileKind {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    if is_folder {
+        FileKind::Folder
+    } else if AUDIO_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+        FileKind::Music
+    } else if Kind::of(path).is_some() {
+        FileKind::List
+    } else if is_scene_file(path) {
+        FileKind::Scene
+    } else {
+        FileKind::Other
+    }
+}
+
+fn common_places() -> Vec<Place> {
+    let user = UserDirs::new();
+    let home = user.as_ref().map(|user| user.home_dir().to_owned());
+    let here = std::env::current_dir().ok();
+    let root = here.as_ref().and_then(|here| here.ancestors().last().map(Path::to_owned));
+    let folder = |folder: fn(&UserDirs) -> Option<&Path>| user.as_ref().and_then(folder).map(Path::to_owned);
+    let all = [
+        ("Music", folder(UserDirs::audio_dir)),
+        ("Home", home.clone()),
+        ("Downloads", folder(UserDirs::download_dir)),
+        ("Desktop", folder(UserDirs::desktop_dir)),
+        ("Here", here),
+        ("Computer", root),
+    ];
+    let mut places: Vec<Place> = Vec::new();
+    for (name, path) in all {
+        let Some(path) = path.filter(|path| path.is_dir()) else { continue };
+        if !places.iter().any(|place| place.path == path) {
+            places.push(Place { name: name.to_owned(), path, kind: PlaceKind::Common });
+        }
+    }
+    places.extend(media(home.as_deref()));
+    places
+}
+
+/// The folders in which desktops mount disks. The disks themselves are not touched, because they may be slow.
+fn media(home: Option<&Path>) -> Vec<Place> {
+    let user = home.and_then(Path::file_name).unwrap_or_default();
+    let above = ["/run/media", "/media"].map(|above| Path::new(above).join(user));
+    let folders = above.into_iter().chain(["/media", "/mnt", "/Volumes"].map(PathBuf::from));
+    let mut places: Vec<Place> = Vec::new();
+    for folder in folders {
+        for entry in fs::read_dir(&folder).into_iter().flatten().flatten().take(LIMITS.media_places_max) {
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            let (path, name) = (entry.path(), entry.file_name());
+            let is_new = name != user && !places.iter().any(|place| place.path == path);
+            let name = name.to_string_lossy().replace(char::is_control, " ");
+            if is_folder && is_new && !name.starts_with('.') {
+                places.push(Place { name, path, kind: PlaceKind::Media });
+            }
+        }
+    }
+    places.truncate(LIMITS.media_places_max);
+    places
+}

@@ -1,0 +1,119 @@
+//! The cover of the playing song, decoded to a small picture on a thread of low priority.
+//!
+//! A cover comes from the song's file or from an image in its folder ([`mariana_player::covers`]). A cover that is
+//! damaged, or larger than the limits, is only logged: the song then has no cover.
+
+use std::io::{self, Cursor};
+
+use image::{ImageFormat, ImageReader, Limits, RgbaImage};
+
+use crate::limits::LIMITS;
+use crate::song_structures::SongReader;
+use mariana_player::covers::cover_of;
+use mariana_player::decode::{Cover, CoverKind};
+use mariana_player::song::Song;
+use mariana_player::track::TrackInfo;
+
+/// Maximum width and height of a decoded cover, in pixels.
+const SIDE: u32 = 256;
+/// Maximum number of covers in memory: of the current track, the next, and some earlier ones.
+const KNOWN_MAX: usize = 8;
+
+/// Starts the thread that finds the cover of tracks. It calls `wake` after each track.
+///
+/// # Errors
+/// Fails if the system cannot start a thread.
+pub fn start_reader(wake: impl Fn() + Send + 'static) -> io::Result<SongReader<RgbaImage>> {
+    let find = |track: &TrackInfo, _: &(dyn Fn() -> bool + Sync), _: &dyn Fn(RgbaImage)| {
+        Some(track.reopen.content().and_then(|content| picture_of(&content.song)))
+    };
+    SongReader::of("covers", KNOWN_MAX, find, wake)
+}
+
+/// Returns the cover of a song, at most 256 pixels wide and high. Returns `None` for a song without a usable cover.
+pub fn picture_of(song: &Song) -> Option<RgbaImage> {
+    let cover = cover_of(song)?;
+    let decoded = decoded(&cover);
+    decoded.inspect_err(|reason| tracing::info!("the cover of a song is not shown: {reason}")).ok()
+}
+
+fn decoded(Cover { kind, bytes }: &Cover) -> Result<RgbaImage, String> {
+    let format = match kind {
+        CoverKind::Jpeg => ImageFormat::Jpeg,
+        CoverKind::Png => ImageFormat::Png,
+    };
+    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
+    // Look at the size first: decoding a huge image takes seconds even if its memory is limited.
+    let (width, height) = reader().into_dimensions().map_err(|error| error.to_string())?;
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > LIMITS.cover_pixels_max {
+        return Err(format!(
+            "it has {pixels} pixels, more than {}: make it smaller",
+            LIMITS.cover_pixels_max
+        ));
+    }
+    let mut reader = reader();
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(8 * LIMITS.cover_pixels_max);
+    reader.limits(limits);
+    let image = reader.decode().map_err(|error| error.to_string())?;
+    let is_small = width <= SIDE && height <= SIDE;
+    Ok(if is_small { image } else { image.thumbnail(SIDE, SIDE) }.into_rgba8())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn encoded(width: u32, height: u32, kind: CoverKind) -> Cover {
+        let image = image::RgbImage::from_fn(width, height, |x, _| image::Rgb([(x % 256) as u8, 90, 200]));
+        let format = if kind == CoverKind::Png { ImageFormat::Png } else { ImageFormat::Jpeg };
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, format).unwrap();
+        Cover { kind, bytes: bytes.into_inner() }
+    }
+
+    /// A PNG header that claims a size, without pixels.
+    fn claimed(width: u32, height: u32) -> Cover {
+        let mut cover = encoded(1, 1, CoverKind::Png);
+        cover.bytes.splice(16..24, [width.to_be_bytes(), height.to_be_bytes()].concat());
+        // The checksum of the header covers its type and its 13 bytes.
+        let sum = crc(&cover.bytes[12..29]);
+        cover.bytes.splice(29..33, sum.to_be_bytes());
+        cover
+    }
+
+    fn crc(bytes: &[u8]) -> u32 {
+        let step = |sum: u32, byte: &u8| {
+            (0..8)
+                .fold(sum ^ u32::from(*byte), |sum, _| (sum >> 1) ^ (0xedb8_8320 & (sum & 1).wrapping_neg()))
+        };
+        !bytes.iter().fold(u32::MAX, step)
+    }
+
+    #[test]
+    fn covers_become_small_and_keep_their_shape() {
+        for kind in [CoverKind::Png, CoverKind::Jpeg] {
+            assert_eq!(decoded(&encoded(1_000, 500, kind)).unwrap().dimensions(), (256, 128));
+            assert_eq!(decoded(&encoded(100, 40, kind)).unwrap().dimensions(), (100, 40));
+        }
+    }
+
+    #[test]
+    fn huge_and_damaged_covers_are_refused() {
+        let refused = decoded(&claimed(10_000, 10_000)).unwrap_err();
+        assert!(refused.contains("100000000 pixels"), "{refused}");
+        assert!(decoded(&claimed(u32::MAX, u32::MAX)).is_err());
+        assert!(decoded(&claimed(0, 7)).is_err());
+        for kind in [CoverKind::Png, CoverKind::Jpeg] {
+            let whole = encoded(40, 40, kind);
+            for length in 0..whole.bytes.len() {
+                // A truncated image may be refused or shown in part. It must not panic.
+                let _ = decoded(&Cover { kind, bytes: whole.bytes[..length].to_vec() });
+                let mut damaged = whole.clone();
+                damaged.bytes[length] ^= 0x55;
+                let _ = decoded(&damaged);
+            }
+        }
+    }
+}

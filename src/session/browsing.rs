@@ -1,0 +1,133 @@
+//! The file list and the track list of a session.
+
+use std::path::{Path, PathBuf};
+
+use super::panels::thumbnails_ahead_at;
+use super::{Interface, Playback, Session};
+use crate::clock;
+use crate::commands::{Command, Files, Panel};
+use crate::scenes::{SceneSource, is_scene_file};
+use crate::ui::file_browser::{FileBrowser, RememberedFolders};
+use crate::ui::overlay::{FileListEvent, TrackListEvent};
+use crate::ui::track_panel::TrackPanel;
+
+impl Session {
+    pub(super) fn take_file_event(&mut self, event: FileListEvent) {
+        let Some(files) = &mut self.interface.ui_state.files else { return };
+        let commands = match event {
+            FileListEvent::Open { place, append } => files.open(place, append),
+            FileListEvent::Play(place) => files.play(place),
+            FileListEvent::OpenFolder { append } => files.open_folder(append),
+            FileListEvent::Mark => files.mark(),
+            FileListEvent::Close => vec![Command::TogglePanel(Panel::Files)],
+            FileListEvent::EnterPlace(place) => {
+                files.enter_place(place);
+                Vec::new()
+            }
+            FileListEvent::Up => {
+                files.go_up();
+                Vec::new()
+            }
+            FileListEvent::Drawn { first, end } => {
+                files.note_drawn(first..end);
+                Vec::new()
+            }
+        };
+        self.carry_out_all(commands);
+    }
+
+    pub(super) fn take_track_event(&mut self, event: TrackListEvent) {
+        let Some(tracks) = &mut self.interface.ui_state.tracks else { return };
+        match event {
+            TrackListEvent::Search => tracks.toggle_search(),
+            TrackListEvent::Select(row) => tracks.select(row),
+            TrackListEvent::Drawn { first, end } => tracks.note_drawn(first..end),
+        }
+    }
+
+    /// Takes back the last change of the track list.
+    pub(super) fn undo_tracks(&mut self) {
+        let undone = self.playback.listening.with_song(|player| {
+            let edit = player.playlist().undo.clone();
+            player.undo_edit();
+            edit
+        });
+        let words = match undone {
+            Some(Some(edit)) => format!("undone: {edit}"),
+            Some(None) => "the track list has no change to undo".to_owned(),
+            None => "no song is playing: an audio input has no track list".to_owned(),
+        };
+        self.playback.reports.answer(words);
+    }
+}
+
+impl Playback {
+    fn folder_of_track(&mut self) -> Option<PathBuf> {
+        let entry = self.reports.playing().place.0;
+        let tracks = self.listening.with_song(|player| player.playlist())?;
+        let file = tracks.entries.get(entry)?.file.as_deref()?;
+        std::path::absolute(file).ok()?.parent().map(Path::to_owned)
+    }
+}
+
+impl Interface {
+    /// Shows what the threads have read, and requests the tags of a new track list.
+    pub(super) fn update_music_lists(&mut self, playback: &mut Playback) {
+        if let Some(files) = &mut self.ui_state.files {
+            files.update();
+        }
+        // Nothing may delay the first frame.
+        if playback.pace.shown().is_none() {
+            return;
+        }
+        let list = playback.listening.with_song(|player| player.playlist());
+        if let Some(list) = &list {
+            self.lists.tags.follow_list(list);
+        }
+        let list = list.filter(|_| self.ui_state.panels.open() == Some(Panel::Tracks));
+        match (list, &mut self.ui_state.tracks) {
+            (Some(list), Some(panel)) => panel.update(&list),
+            (Some(list), none) => {
+                let present = playback.reports.playing().place.0;
+                *none = Some(TrackPanel::new(list, present, self.lists.tags.clone()));
+            }
+            (None, tracks) => *tracks = None,
+        }
+    }
+
+    pub(super) fn look_through_files(&mut self, playback: &mut Playback, open: bool) {
+        self.ui_state.files = None;
+        if !open {
+            return;
+        }
+        let waker = self.waker.clone();
+        let folder = self.lists.last_folder.clone().or_else(|| playback.folder_of_track());
+        let settings = playback.listening.settings();
+        let remembered = RememberedFolders {
+            favourites: settings.favourite_folders.clone(),
+            recent: settings.recent_folders.clone(),
+        };
+        let files = FileBrowser::start(folder, remembered, self.lists.tags.clone(), move || waker.wake());
+        self.ui_state.files = Some(files);
+    }
+
+    /// Shows the last scene among these files, and plays the other files or appends them to the tracks.
+    pub(super) fn open_files(&mut self, playback: &mut Playback, Files { files, append }: Files) {
+        let shown = self.ui_state.files.as_ref().map(|list| list.folder().to_owned());
+        let folder = shown.or_else(|| files.last().and_then(|file| file.parent()).map(Path::to_owned));
+        let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
+        if let Some(scene) = scenes.into_iter().next_back() {
+            playback.scene.show_source(SceneSource::File(scene));
+            // The file may be in another folder, whose thumbnails are not drawn yet.
+            self.thumbnails_ahead = Some(thumbnails_ahead_at(clock::now()));
+        }
+        if !music.is_empty() {
+            if let Some(folder) = folder.as_deref().and_then(Path::to_str).map(str::to_owned) {
+                playback.listening.remember(move |settings| settings.note_recent_folder(&folder));
+            }
+            let words = playback.listening.play_files(music, append);
+            playback.answer(words);
+        }
+        self.lists.last_folder = folder;
+    }
+}
