@@ -104,7 +104,7 @@ fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileListEvent)
     let folder = files.folder().display().to_string().replace(char::is_control, " ");
     let (words, color) = match files.query() {
         "" => (folder.clone(), style::TEXT),
-        query => (format!("{query}▏ in {folder}"), style::ACCENT),
+        query => (format!("{query}| in {folder}"), style::ACCENT),
     };
     let font = style::proportional(style::HEADING_SIZE);
     let left = up.right() + 8.0;

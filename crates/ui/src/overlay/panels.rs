@@ -30,6 +30,8 @@ const FRACTION_WIDTH: f32 = 180.0;
 const PROBLEM_WIDTH_MIN: f32 = 420.0;
 /// Minimum width for a list next to the parameters, in points.
 const LIST_WIDTH_MIN: f32 = 300.0;
+/// Minimum width for messages next to the track list, in points. Messages must not cover its heading and buttons.
+const SENTENCE_WIDTH_MIN: f32 = 190.0;
 
 pub(super) struct Panels {
     context: Context,
@@ -182,14 +184,11 @@ fn show(
         panels.extend(parts);
         left.min.x = right.min(left.right());
     }
-    if let Some(rect) = show_tracks(context, space, content, events, kept) {
+    let mut sentences = space;
+    if let Some(rect) = show_right_list(context, space, content, events, kept) {
         panels.push(rect);
         leave_beside(&mut left, rect);
-    }
-    if let Some(sheet) = &content.cues {
-        let rect = cues::show(context, space, sheet, &mut kept.seen_cue, events);
-        panels.push(rect);
-        leave_beside(&mut left, rect);
+        sentences.max.x = (rect.left() - style::MARGIN).max(space.left() + SENTENCE_WIDTH_MIN);
     }
     if let Some(problem) = &content.problem {
         left.min.y = left.max.y - (PROBLEM_HEIGHT_MAX * screen.height()).min(left.height());
@@ -200,7 +199,7 @@ fn show(
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, &mut kept.cover, now);
     }
-    let below = show_sentences(context, &front, space, content, now);
+    let below = show_sentences(context, &front, sentences, content, now);
     if let Some(list) = &content.sources {
         panels.push(sources::show(context, below, list, events));
     }
@@ -268,19 +267,20 @@ fn show_params(
     Some(params::show(context, side, help, shown, open, events))
 }
 
-/// Shows the track list, if it is open. Returns its area.
-fn show_tracks(
+/// Shows the track list or the entries of the show at the right, if one of them is open. Returns its area.
+fn show_right_list(
     context: &Context,
     space: Rect,
     content: &OverlayContent<'_>,
     events: &mut Vec<UiEvent>,
     kept: &mut Kept,
 ) -> Option<Rect> {
-    let Some(list) = &content.tracks else {
-        kept.selected_track = None;
-        return None;
-    };
-    Some(tracks::show(context, space, list, &mut kept.selected_track, events))
+    if let Some(list) = &content.tracks {
+        return Some(tracks::show(context, space, list, &mut kept.selected_track, events));
+    }
+    kept.selected_track = None;
+    let sheet = content.cues.as_ref()?;
+    Some(cues::show(context, space, sheet, &mut kept.seen_cue, events))
 }
 
 /// Shows the open list in the middle, and discards the state of closed lists. The controllers are in `beside_sliders`,
@@ -331,7 +331,6 @@ fn show_sentences(
     let mut below = space;
     let has_heading = content.scenes.is_some()
         || content.files.is_some()
-        || content.tracks.is_some()
         || content.settings.is_some()
         || content.controllers.is_some();
     if has_heading {

@@ -68,7 +68,7 @@ fn heading(ui: &mut Ui, tracks: &Tracks<'_>, events: &mut Vec<UiEvent>) {
     }
     let (words, color) = match tracks.panel.query() {
         None => (tracks.panel.totals(clock_time), style::TEXT),
-        Some(query) => (format!("search: {query}▏ {} tracks", tracks.panel.rows()), style::ACCENT),
+        Some(query) => (format!("search: {query}| {} tracks", tracks.panel.rows()), style::ACCENT),
     };
     let font = style::proportional(style::TEXT_SIZE);
     let galley = style::line(ui.painter(), &words, font, color, cross.left() - place.left() - 8.0);
