@@ -259,3 +259,20 @@ fn screen_readers_hear_the_rows_and_the_buttons_of_both_lists() {
     }
     assert_eq!(find(&of_files, "keep this folder among the shortcuts (Ctrl+D)"), Some(Toggled::False));
 }
+
+#[test]
+fn messages_do_not_cover_the_track_list() {
+    let files: Vec<std::path::PathBuf> = (0..4).map(|n| format!("/nowhere/{n}.wav").into()).collect();
+    let panel: &'static TrackPanel = Box::leak(Box::new(tracks(&files, TagLibrary::default())));
+    for screen in [SCREEN, Vec2::new(640.0, 360.0)] {
+        let content = || {
+            let tracks = Some(Tracks { panel, present: 1 });
+            OverlayContent { tracks, hint: Some("undone: remove x.wav"), ..Default::default() }
+        };
+        let (laid_out, _) = texts(&mut Stage::new(screen), &content);
+        let is_message = |shape: &&egui::Shape| matches!(shape, Shape::Text(text) if text.galley.text().starts_with("undone"));
+        let mut shapes = laid_out.output.shapes.iter().map(|clipped| &clipped.shape);
+        let message = shapes.find(is_message).expect("a message").visual_bounding_rect();
+        assert!(!message.intersects(laid_out.panels[0]), "{screen:?}: {message:?} {:?}", laid_out.panels[0]);
+    }
+}
