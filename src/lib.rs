@@ -5,7 +5,7 @@
 //! modules and the rules between them.
 
 pub use mariana_commands::{self as commands, input};
-pub use mariana_files::{atomic_file, documents, ending};
+pub use mariana_files::{atomic_file, documents, ending, file_names};
 pub use mariana_render::{faults, flash, frame, gpu, placement, reading_order, srgb, system_fonts, view};
 pub use mariana_scenes::{self as scenes, probing, thumbnails};
 pub use mariana_ui::{self as ui, clock, monitor};
@@ -23,4 +23,5 @@ pub mod shell;
 pub mod show;
 pub mod song_structures;
 pub mod stems;
+pub mod videos;
 pub mod y4m;

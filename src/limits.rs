@@ -42,6 +42,10 @@ pub struct Limits {
     pub parts_kept_max: usize,
     /// Maximum estimated size of the prepared scenes, in bytes.
     pub prepared_bytes_max: u64,
+    /// Maximum number of unfinished videos in the window's queue.
+    pub videos_max: usize,
+    /// Maximum size of the file of that queue, in bytes.
+    pub video_queue_bytes_max: u64,
     /// Longest wait for a video encoder that makes no progress, in seconds.
     pub encoder_wait_seconds: f64,
     /// Maximum number of clients that receive frames over one port at the same time.
@@ -76,6 +80,8 @@ pub const LIMITS: Limits = Limits {
     parts_kept_max: 20,
     program_cache_bytes_max: 1 << 26,
     prepared_bytes_max: 1 << 27,
+    videos_max: 50,
+    video_queue_bytes_max: 1 << 22,
     encoder_wait_seconds: 300.0,
     send_readers_max: 8,
     send_request_bytes_max: 8_192,

@@ -8,9 +8,9 @@ use clap::{ArgAction, Args};
 
 use super::choices::{CodecChoice, EncodingChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, refuse_a_terminal};
+use super::controlled::Controlled;
 use super::files::{Files, scene_of};
 use super::parse::{parse_duration, parse_fps, parse_seconds, parse_size};
-use super::presets::{Place, preset};
 use super::progress::Progress;
 use super::show::ShowChoice;
 use super::view::ViewArguments;
@@ -18,7 +18,7 @@ use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
 use crate::export::showing::Showing;
-use crate::export::video::{VideoRequest, write_video};
+use crate::export::video::{Preset, VideoPlace, VideoRequest, Written, write_video};
 use crate::gpu::edge_samples::EdgeSamples;
 use mariana_player::lyrics::Lyrics;
 
@@ -29,8 +29,8 @@ pub(super) struct VideoArguments {
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Use the size, rate and length of a service; other flags override them
-    #[arg(long = "for", value_name = "PLACE")]
-    place: Option<Place>,
+    #[arg(long = "for", value_name = "PLACE", value_parser = choice::<VideoPlace>())]
+    place: Option<VideoPlace>,
     /// Start, as 80 or 1:20.5
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     start: f64,
@@ -82,6 +82,10 @@ pub(super) struct VideoArguments {
     /// Print only errors
     #[arg(short, long)]
     quiet: bool,
+    /// Render for a window of Mariana, at a low priority: print reports as JSON on standard output, obey the lines
+    /// 'pause' and 'continue' on standard input, end when standard input ends, and never replace a file
+    #[arg(long, hide = true)]
+    controlled: bool,
     #[command(flatten)]
     view: ViewArguments,
     #[command(flatten)]
@@ -92,11 +96,12 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     let common = arguments.common;
     common.start_log();
     end_by_signals();
+    let controlled = arguments.controlled.then(Controlled::begin).transpose()?;
     let output = Output::from(arguments.output);
     refuse_a_terminal(&output, "mariana video -o - | mpv -")?;
     let Files { songs, scene } = Files::of(arguments.files)?;
     let (song, _) = Files { songs, scene: None }.song_and_scene()?;
-    let preset = preset(arguments.place);
+    let preset = Preset::of(arguments.place);
     let is_show = arguments.show.as_ref().is_some_and(ShowChoice::is_on);
     let mut scenes = Vec::new();
     for (from, scene) in timed(&arguments.scene, scene.as_deref(), is_show)? {
@@ -120,6 +125,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         gain: common.gain.unwrap_or_default(),
         limit_flashes: arguments.flash_limiter,
         output,
+        keeps_others: arguments.controlled,
         alpha: arguments.alpha,
         showing,
         scene: SceneChoice {
@@ -137,14 +143,18 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         lyrics,
         seam: preset.seam,
     };
+    if let Some(controlled) = controlled {
+        let written = write_video(&request, &mut |done, of| controlled.reach(done, of))?;
+        return controlled.finish(&written);
+    }
     let mut progress = Progress::begin(arguments.quiet);
     let written = write_video(&request, &mut |done, of| progress.reach(done, of));
     progress.end();
-    let written = written?;
+    let Written { frames, .. } = written?;
     if arguments.quiet || request.output == Output::Standard {
         return Ok(());
     }
-    Ok(print_line(&format!("{written} frames in {}", request.output))?)
+    Ok(print_line(&format!("{frames} frames in {}", request.output))?)
 }
 
 /// Returns the scenes with their start times in seconds, sorted by time. If the director chooses among the scenes

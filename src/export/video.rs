@@ -4,9 +4,13 @@ mod encoder;
 mod encoder_process;
 mod encoding;
 mod lyric_captions;
+mod place;
+mod report;
 mod seam;
 mod sink;
 mod title_card;
+
+use std::path::PathBuf;
 
 use super::error::ExportError;
 use super::output::Output;
@@ -22,6 +26,8 @@ use mariana_player::song::Song;
 
 pub use encoding::{Codec, EncodingQuality};
 use lyric_captions::LyricCaptions;
+pub use place::{Preset, VideoPlace};
+pub use report::{CONTINUE, PAUSE, VideoReport};
 use seam::Seam;
 use sink::{FrameWriter, Sink};
 use title_card::TitleCard;
@@ -45,6 +51,8 @@ pub struct VideoRequest {
     pub limit_flashes: bool,
     /// The video file, or a folder (or path with a final slash) for stills. Standard output gets y4m without sound.
     pub output: Output,
+    /// True to choose another name if a file of this name exists; false to replace the file.
+    pub keeps_others: bool,
     /// True to leave the sky transparent.
     pub alpha: bool,
     /// The scenes or the show.
@@ -69,7 +77,16 @@ pub struct VideoRequest {
     pub seam: Option<f64>,
 }
 
-/// Writes the video or stills. Returns the number of frames. `progress` gets the number so far and the known total.
+/// A finished video.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Written {
+    /// The number of frames.
+    pub frames: u64,
+    /// The video's file; `None` for stills and standard output.
+    pub file: Option<PathBuf>,
+}
+
+/// Writes the video or stills. `progress` gets the number so far and the known total.
 ///
 /// # Errors
 /// Fails if the song cannot be decoded, the driver or ffmpeg fails, or the output cannot be written. An incomplete
@@ -77,7 +94,7 @@ pub struct VideoRequest {
 pub fn write_video(
     request: &VideoRequest,
     progress: &mut dyn FnMut(u64, Option<u64>),
-) -> Result<u64, ExportError> {
+) -> Result<Written, ExportError> {
     if request.alpha {
         encoding::require_alpha(&request.output)?;
     }
@@ -149,8 +166,7 @@ pub fn write_video(
     {
         return Err(too_long(drawn));
     }
-    writer.finish()?;
-    Ok(written)
+    Ok(Written { frames: written, file: writer.finish()? })
 }
 
 fn frames_in(seconds: f64, fps: f64) -> u64 {

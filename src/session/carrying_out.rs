@@ -117,6 +117,12 @@ impl Session {
             Command::PreviousCue => self.playback.jump_to_cue(None),
             Command::CueAt(number) => self.playback.jump_to_cue(Some(number)),
             Command::Record(_) => self.playback.toggle_recording(),
+            Command::Mark(mark) => self.video_desk().mark(mark),
+            Command::Video(edit) => self.video_desk().edit(edit),
+            Command::SavePicture(scale) => {
+                self.pictures.want(scale);
+                self.screen.request_redraw();
+            }
             Command::ToggleMode => self.playback.scene.toggle_mode(),
             Command::ToggleRegions => self.playback.scene.toggle_regions(),
             Command::ResetCamera => self.playback.scene.give_camera_back(),

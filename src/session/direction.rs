@@ -84,19 +84,21 @@ impl Direction {
         self.source(playing).is_some()
     }
 
+    /// Returns the show of what plays, even if scenes do not follow it now.
+    pub(crate) fn show_of(&self, playing: Playing) -> ShowSource {
+        self.named.clone().unwrap_or(match playing {
+            Playing::Demo => ShowSource::Demo,
+            Playing::Song | Playing::Input => ShowSource::Auto,
+        })
+    }
+
     fn source(&self, playing: Playing) -> Option<ShowSource> {
         let auto = match self.follow {
             FollowChoice::Off => return None,
             FollowChoice::Songs => playing != Playing::Input && !self.names_scene,
             FollowChoice::On => true,
         };
-        match &self.named {
-            Some(named) => Some(named.clone()),
-            None => auto.then_some(match playing {
-                Playing::Demo => ShowSource::Demo,
-                Playing::Song | Playing::Input => ShowSource::Auto,
-            }),
-        }
+        (self.named.is_some() || auto).then(|| self.show_of(playing))
     }
 
     /// Updates the track and its song structure. The director chooses among `scenes`. Returns news about the show.

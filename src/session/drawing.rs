@@ -9,7 +9,7 @@ use crate::commands::Panel;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneSource;
 use crate::session::SessionError;
-use crate::session::drawing_pace::{Verdict, drawn_size};
+use crate::session::drawing_pace::Verdict;
 use crate::session::dynamic_resolution::Level;
 use crate::session::lay::Lay;
 use crate::session::scene::{Drawn, Shown, WantedPicture};
@@ -42,8 +42,8 @@ impl Session {
         };
         // Note this during slow frames too: the show must not look idle, because an idle show restarts its frame.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
-        let level = self.playback.level(begun);
-        let drawn = drawn_size(level, whole, self.playback.side_max(&*self.screen));
+        let side_max = self.playback.side_max(&*self.screen);
+        let (level, drawn) = self.pictures.level(self.playback.level(begun), whole, side_max);
         if !self.playback.scene.scenes().is_any_shown() {
             return self.show_waiting(size).map(|()| false);
         }
@@ -54,6 +54,11 @@ impl Session {
         let wanted = self.playback.pace.shown().filter(|_| held).unwrap_or(wanted);
         let new = self.playback.draw_picture(wanted, level, whole, begun)?;
         let Some(dims) = self.playback.finish_picture(new.as_ref(), begun)? else { return Ok(false) };
+        let is_there = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown()) == Some(wanted)
+            && !self.playback.scene.composer().is_drawing();
+        if is_there {
+            self.take_picture(wanted.moment.song_time, whole);
+        }
         let lay = Lay { placement, screen, is_held: held };
         self.present(Picture { wanted, new, dims, level, begun }, &lay, size)
     }
@@ -349,7 +354,9 @@ impl Interface {
         now: Instant,
     ) -> Seen {
         let busy = self.overlay.has_pointer() || self.overlay.has_key_focus();
-        let awake = self.pointer_rest.is_awake(busy, now);
+        // The panel of videos needs the seek bar with its marks.
+        let needs_bar = self.ui_state.panels.open() == Some(Panel::Video);
+        let awake = self.pointer_rest.is_awake(busy, now) || needs_bar;
         let shows_bar = awake && !self.ui_state.is_quiet();
         // Measure the loudness of the track only if the bar, which shows it, is visible.
         let shape = playback.listening.with_song(|player| if shows_bar { player.shape() } else { None });

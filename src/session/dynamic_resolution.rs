@@ -29,8 +29,6 @@ const fn moving(scale: f64, quality: f32) -> Level {
     Level { scale, quality, edges: EdgeSamples::Two }
 }
 
-const STILL: Level = Level { scale: 1.0, quality: 1.0, edges: EdgeSamples::Sixteen };
-
 /// The levels, the best one first. Each costs about a fifth less than the previous one, so that a step is not visible.
 ///
 /// Two samples at edges instead of four save as much time as 0.92 of the width and height does, and the image stays up
@@ -91,6 +89,9 @@ const HELP: f64 = 0.1;
 const HELPLESS: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(320));
 
 impl Level {
+    /// The level of a frame that may take as long as it needs.
+    pub(crate) const STILL: Self = Self { scale: 1.0, quality: 1.0, edges: EdgeSamples::Sixteen };
+
     /// Returns the size of a frame for a window of `window` pixels. Short sides are not reduced.
     pub(crate) fn size_in(self, window: (u32, u32)) -> (u32, u32) {
         let side =
@@ -193,7 +194,7 @@ impl DynamicResolution {
     /// The level of an idle show, which has time for the best level.
     pub(crate) fn still_level(&self) -> Level {
         match self.choice {
-            QualityChoice::Auto | QualityChoice::Best if !self.lacks_room => STILL,
+            QualityChoice::Auto | QualityChoice::Best if !self.lacks_room => Level::STILL,
             _ => self.level(),
         }
     }

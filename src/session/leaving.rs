@@ -72,6 +72,7 @@ impl Session {
             editor.finish();
         }
         self.playback.recording.finish(clock::now());
+        self.pictures.finish(&self.interface.waker);
         if settings.remembered {
             self.remember_tracks();
             let left = self.left();

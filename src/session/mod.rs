@@ -31,6 +31,8 @@ pub mod offscreen;
 mod opening;
 pub mod pacing;
 mod panels;
+mod picture_taking;
+mod pictures;
 mod preview;
 mod recording;
 mod reports;
@@ -46,6 +48,9 @@ mod title;
 mod typing_times;
 mod ui_state;
 mod variations;
+mod video_making;
+mod video_words;
+mod videos;
 pub mod waker;
 
 pub use error::SessionError;
@@ -107,6 +112,8 @@ pub(crate) struct Session {
     legacy: leaving::Legacy,
     snapshots: snapshots::Snapshots,
     surprises: variations::Surprises,
+    videos: video_making::VideoMaking,
+    pictures: pictures::Pictures,
     // The last field, because the fields above hold OpenGL objects and must be dropped first.
     screen: Box<dyn Screen>,
 }
@@ -205,6 +212,7 @@ impl Session {
         let taken = taken.or_else(|| {
             self.interface.ui_state.controllers.as_mut().map(|controllers| controllers.take_key(key))
         });
+        let taken = taken.or_else(|| self.interface.take_key_for_videos(key));
         if let Some((true, command)) = taken {
             self.carry_out_all(command);
             return true;
@@ -235,13 +243,12 @@ impl Session {
         for complaint in self.playback.listening.take_reported_problems() {
             self.playback.reports.say(complaint);
         }
+        let mut notes = self.playback.scene.report().notes();
+        notes.extend(self.videos.title_note());
         if let Some(live) = self.playback.listening.live_status() {
             let paused = self.playback.listening.is_paused();
             self.playback.reports.look_at_input(&live, paused);
-            self.playback.set_title(
-                &mut *self.screen,
-                live_title(&live, self.playback.scene.report().notes(), paused),
-            );
+            self.playback.set_title(&mut *self.screen, live_title(&live, notes, paused));
             return Ok(false);
         }
         let Some(status) = self.playback.listening.song_status() else { return Ok(false) };
@@ -257,21 +264,22 @@ impl Session {
             self.playback.listening.has_started(),
             self.screen.is_fullscreen(),
         );
-        self.playback.set_title(
-            &mut *self.screen,
-            title(self.playback.scene.report().notes(), &status, silence_asked),
-        );
+        self.playback.set_title(&mut *self.screen, title(notes, &status, silence_asked));
         Ok(status.ended && settings.once)
     }
 
-    /// Takes the results of other threads and requests a frame if one is due. Returns when to call again.
-    pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
+    fn open_dropped(&mut self) {
         let dropped = self.interface.input.take_dropped();
         if !dropped.is_empty() {
             let append = self.interface.input.shift_held()
                 || self.interface.ui_state.panels.open() == Some(Panel::Tracks);
             self.interface.open_files(&mut self.playback, Files { files: dropped, append });
         }
+    }
+
+    /// Takes the results of other threads and requests a frame if one is due. Returns when to call again.
+    pub(super) fn look_around(&mut self) -> Result<Instant, SessionError> {
+        self.open_dropped();
         self.playback.scene.update()?;
         self.update_editor();
         self.interface.update_probing(&mut self.playback);
@@ -284,6 +292,7 @@ impl Session {
         self.playback.reports.update(now);
         self.screen.update().into_iter().for_each(|sentence| self.playback.reports.say(sentence));
         let to_send = self.playback.send(&mut *self.screen, now)?;
+        let to_send = to_send.into_iter().chain(self.update_made(now)).min();
         let edited = self.playback.scene.saves_samples(now);
         // After an edit, finish the frame in progress before restoring its samples.
         if edited || !self.playback.scene.composer().is_drawing() {

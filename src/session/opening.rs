@@ -12,6 +12,7 @@ use super::drawing::paint_waiting;
 use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
 use super::ui_state::UiState;
+use super::video_making::VideoMaking;
 use super::{BackgroundWork, Interface, Playback, Session};
 use crate::clock;
 use crate::config::{Choices, DEFAULT_DEVICE, Folders, Memory, PerformanceFiles, PlaySettings};
@@ -44,6 +45,7 @@ use crate::ui::overlay::Assistance;
 use crate::ui::overlay::{Overlay, OverlayContent};
 use crate::ui::pointer_rest::PointerRest;
 use crate::ui::user_input::UserInput;
+use crate::videos::Videos;
 use mariana_player::playlist::Opened;
 use mariana_player::{OutputChoice, Player, PlayerOptions, Position, Target};
 
@@ -126,6 +128,8 @@ impl Opening<'_> {
             recording: Recording::new(PerformanceFiles::among(&folders)),
             reports: Reports::new(announcer, desktop(position), now),
         };
+        let of_videos = waker.clone();
+        let videos = VideoMaking::start(Videos::start(&folders, move || of_videos.wake()));
         let interface = Interface {
             overlay,
             ui_state: UiState::new(!choices.hints),
@@ -151,6 +155,8 @@ impl Opening<'_> {
             legacy: Default::default(),
             snapshots: Default::default(),
             surprises: Default::default(),
+            videos,
+            pictures: Default::default(),
             screen,
         })
     }
@@ -276,11 +282,12 @@ fn renderer(gl: &Gl, choices: &Choices, scene: &SceneChoice) -> Result<Renderer,
 /// # Errors
 /// Fails if the driver provides no new context.
 pub(super) fn renewed(
-    session: Session,
+    mut session: Session,
     settings: &PlaySettings,
     scene: &SceneChoice,
     waker: &Waker,
 ) -> Result<Session, SessionError> {
+    session.pictures.let_go();
     let Session { playback, interface, screen, .. } = session;
     let Playback { renderer: old_renderer, scene: old_scene, mut frame_senders, mut reports, .. } = playback;
     let Interface { overlay, .. } = interface;

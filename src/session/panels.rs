@@ -42,6 +42,8 @@ impl Session {
             self.interface.ui_state.panels.open() == Some(Panel::Controllers),
         );
         self.show_corners(self.interface.ui_state.panels.open() == Some(Panel::Corners));
+        let is_open = self.interface.ui_state.panels.open() == Some(Panel::Video);
+        self.video_desk().show(is_open);
     }
 
     fn take_scene_event(&mut self, event: SceneListEvent) {
@@ -78,6 +80,7 @@ impl Session {
         self.write_text(false);
         self.interface.show_controllers(&mut self.playback, false);
         self.show_corners(false);
+        self.video_desk().show(false);
     }
 
     pub(super) fn take_ui_events(&mut self) -> Vec<Command> {

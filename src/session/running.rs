@@ -99,8 +99,6 @@ impl Run {
                     if let Some(command) = self.session.take(&input) {
                         self.carry_out(command, Sender::Window);
                     }
-                    let is_text = self.session.interface.takes_text();
-                    self.session.screen.set_keys_are_text(is_text);
                 }
                 Event::Assistance(assistance) => {
                     self.session.interface.assist(&mut *self.session.screen, assistance)
@@ -113,6 +111,7 @@ impl Run {
             }
         }
         self.session.follow_editor();
+        self.session.video_desk().note_quitting();
         if redraws || self.session.playback.scene.composer().is_drawing() {
             self.draw()?;
         }
@@ -139,6 +138,12 @@ impl Run {
     }
 
     pub(super) fn carry_out(&mut self, command: Command, sender: Sender) {
+        if command == Command::Quit
+            && sender == Sender::Window
+            && self.session.video_desk().holds_back_quitting()
+        {
+            return;
+        }
         self.over |= command == Command::Quit;
         self.session.carry_out(command, sender);
     }

@@ -74,7 +74,8 @@ pub(crate) trait Screen {
     /// Reports the position of the text cursor, in pixels.
     fn set_place_of_letters(&mut self, place: Rect);
 
-    /// Sets whether keys are typed into a text. Then no letter key ends the program.
+    /// Sets whether letter keys belong to the session, such as keys that are typed into a text. Otherwise the key that
+    /// quits ends the program at once.
     fn set_keys_are_text(&mut self, on: bool);
 
     fn show_controls(&mut self, controls: TreeUpdate);

@@ -23,6 +23,7 @@ use crate::ui::overlay::{
 use crate::ui::scene_browser::SceneBrowser;
 use crate::ui::settings_panel::SettingsPanel;
 use crate::ui::track_panel::TrackPanel;
+use crate::ui::video_panel::VideoPanel;
 use mariana_music::SongStructure;
 use mariana_player::LoudnessShape;
 
@@ -39,6 +40,7 @@ pub(crate) struct UiState {
     pub(super) editor: Option<Editor>,
     pub(super) controllers: Option<ControllersPanel>,
     pub(super) corners: Option<CornerHandles>,
+    pub(super) video: VideoState,
     pub(super) snapshots: SnapshotRow,
     /// The part of the window that shows a small frame beside the panels, while an output shows the frame.
     pub(super) picture: Option<Area>,
@@ -46,6 +48,14 @@ pub(crate) struct UiState {
     pub(super) clean: bool,
     /// Hide everything except panels that are opened while this is set.
     pub(super) bare: bool,
+}
+
+/// The panel that makes videos, and the marks on the seek bar.
+#[derive(Default)]
+pub(super) struct VideoState {
+    pub(super) panel: Option<VideoPanel>,
+    /// The ends of the marked part of the track, in seconds.
+    pub(super) marks: Option<[f64; 2]>,
 }
 
 pub(super) struct Seen {
@@ -95,6 +105,7 @@ impl UiState {
             editor: None,
             controllers: None,
             corners: None,
+            video: VideoState::default(),
             snapshots: SnapshotRow::default(),
             picture: None,
             clean,
@@ -127,6 +138,7 @@ impl UiState {
         if content.editor.is_some_and(Editor::tells_mistakes) {
             content.problem = None;
         }
+        content.video = self.video.panel.as_ref();
         content.controllers = self.controllers.as_ref();
         content.learning = controllers.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
         content.tracks = self.tracks.as_ref().map(|panel| Tracks { panel, present: playing.place.0 });
@@ -161,6 +173,7 @@ impl UiState {
                 cover,
                 shape: seen.shape.as_deref(),
                 song: seen.song.as_deref(),
+                marks: self.video.marks,
                 // While the bar is hidden, a changing level must not cause a new layout.
                 level: if shows_bar { listening.level() } else { 0.0 },
                 scene,

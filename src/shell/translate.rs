@@ -73,7 +73,7 @@ fn key_of(key: &WinitKey) -> Key {
     }
 }
 
-const NAMED: [(WinitNamed, NamedKey); 27] = [
+const NAMED: [(WinitNamed, NamedKey); 29] = [
     (WinitNamed::Space, NamedKey::Space),
     (WinitNamed::Enter, NamedKey::Enter),
     (WinitNamed::Escape, NamedKey::Escape),
@@ -97,7 +97,9 @@ const NAMED: [(WinitNamed, NamedKey); 27] = [
     (WinitNamed::F7, NamedKey::F7),
     (WinitNamed::F8, NamedKey::F8),
     (WinitNamed::F9, NamedKey::F9),
+    (WinitNamed::F10, NamedKey::F10),
     (WinitNamed::F11, NamedKey::F11),
+    (WinitNamed::F12, NamedKey::F12),
     (WinitNamed::MediaPlayPause, NamedKey::MediaPlayPause),
     (WinitNamed::MediaTrackNext, NamedKey::MediaTrackNext),
     (WinitNamed::MediaTrackPrevious, NamedKey::MediaTrackPrevious),

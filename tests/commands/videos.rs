@@ -3,9 +3,9 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use std::process::Command;
+use std::process::{Command, Stdio};
 
-use crate::support::program::Workplace;
+use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
 use image::{Rgb, RgbImage, RgbaImage};
 use mariana_testing::process::output_of;
 use serde_json::Value;
@@ -476,4 +476,24 @@ fn videos_can_be_transparent() {
     run("ball.scene", "v.mp4").refused(&["v.mp4", ".webm"]);
     run("ball.scene", "-").refused(&["standard output", ".webm"]);
     place.run(&["still", "ball.scene", "--alpha", "-o", "a.jpg"]).refused(&["a.jpg", ".webp"]);
+}
+
+#[test]
+fn a_controlled_video_reports_lines_replaces_no_file_and_ends_with_its_input() {
+    let place = Workplace::new();
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    write_colors(&place);
+    place.write("v.mp4", "another video");
+    let part = ["video", "one.wav", "red.scene", "--controlled", "-o", "v.mp4", "--duration", "0.5"];
+    let arguments = [&part[..], &LOOK].concat();
+    let printed = Outcome::of(place.command(&arguments).stdin(Stdio::piped()), RUN_LIMIT).done();
+    let lines: Vec<Value> = printed.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 6, "{printed}");
+    assert_eq!(lines[4], serde_json::json!({ "drawn": { "done": 5, "of": 5 } }));
+    assert_eq!(lines[5], serde_json::json!({ "written": { "name": "v 2.mp4" } }));
+    assert_eq!(place.read("v.mp4"), b"another video");
+    let names = place.names();
+    let ended = place.run(&arguments);
+    assert!(ended.code == 129 && ended.stderr.contains("the window has ended the video"), "{ended:?}");
+    assert_eq!(place.names(), names);
 }

@@ -139,6 +139,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("commands", &[]),
     ("documents", &[]),
     ("ending", &[]),
+    ("file_names", &[]),
     ("input", &[]),
     ("monitor", &[]),
     ("probing", &[]),
@@ -155,6 +156,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("system_fonts", &[]),
     ("view", &[]),
     ("program_cache", &["atomic_file", "ending", "gpu", "limits"]),
+    ("videos", &["atomic_file", "commands", "config", "ending", "export", "file_names", "limits"]),
     ("song_structures", &["atomic_file", "config", "limits"]),
     ("covers", &["limits", "song_structures"]),
     ("stems", &["config", "limits", "song_structures"]),
@@ -164,6 +166,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     (
         "session",
         &[
+            "atomic_file",
             "clock",
             "commands",
             "config",
@@ -172,6 +175,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "documents",
             "export",
             "faults",
+            "file_names",
             "frame",
             "gpu",
             "input",
@@ -186,6 +190,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "stems",
             "thumbnails",
             "ui",
+            "videos",
             "view",
         ],
     ),
@@ -247,7 +252,7 @@ pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
     // Drawing code may use features of the sound, but not the source of the sound.
     (
         "mariana_player",
-        &["cli", "covers", "demo_track", "export", "session", "shell", "song_structures", "stems"],
+        &["cli", "covers", "demo_track", "export", "session", "shell", "song_structures", "stems", "videos"],
     ),
 ];
 

@@ -25,6 +25,7 @@ mod songs;
 mod stage;
 mod stems;
 mod surprises;
+mod videos;
 mod views;
 mod walls;
 

@@ -507,12 +507,16 @@ fn key_of(name: &str, shift: bool) -> Key {
         "F7" => NamedKey::F7,
         "F8" => NamedKey::F8,
         "F9" => NamedKey::F9,
+        "F10" => NamedKey::F10,
         "F11" => NamedKey::F11,
+        "F12" => NamedKey::F12,
         "comma" => return Key::Character(",".to_owned()),
         "period" => return Key::Character(".".to_owned()),
         "bracketleft" => return Key::Character("[".to_owned()),
         "bracketright" => return Key::Character("]".to_owned()),
         "slash" => return Key::Character("/".to_owned()),
+        "less" => return Key::Character("<".to_owned()),
+        "greater" => return Key::Character(">".to_owned()),
         "plus" => return Key::Character("+".to_owned()),
         letter => {
             assert_eq!(letter.chars().count(), 1, "unknown key: {letter}");

@@ -673,7 +673,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__video)
-            opts="-o -q -v -h --for --start --duration --fps --size --codec --quality --draft --title-card --lyrics --flash-limiter --scene --alpha --show --set --output --quiet --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -q -v -h --for --start --duration --fps --size --codec --quality --draft --title-card --lyrics --flash-limiter --scene --alpha --show --set --output --quiet --controlled --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

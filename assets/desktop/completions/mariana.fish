@@ -169,6 +169,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l draft -d 'Draw
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l title-card -d 'Show the song\'s title and artist during the first five seconds'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leave out the sky, so that the video can be laid over another video: in webm, mov, mkv, webp and PNGs, for scenes whose sky has no color'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s q -l quiet -d 'Print only errors'
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l controlled -d 'Render for a window of Mariana, at a low priority: print reports as JSON on standard output, obey the lines \'pause\' and \'continue\' on standard input, end when standard input ends, and never replace a file'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s v -l verbose -d 'Log what the program does; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l plot -d 'Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the director\'s show' -r -F

@@ -23,6 +23,7 @@ pub mod input;
 mod state;
 mod table;
 mod values;
+mod video;
 
 use std::sync::OnceLock;
 
@@ -30,6 +31,8 @@ pub use binding::Binding;
 pub use state::{ShowState, SnapshotKeys};
 pub use table::{CROSSFADE_STEP, Command, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, VOLUME_STEP};
 pub use values::{Bind, Delay, Files, LoadedDeck, MovedCorner, SetSetting, TurnedNumbers};
+
+pub use video::{Edge, JobAction, Mark, VideoChoice, VideoEdit};
 
 use crate::input::{Key, KeyPress, Modifiers};
 use mariana_control::action::{Action, ActionRow, ActionValue, ValueType};
@@ -83,6 +86,8 @@ pub enum Panel {
     Corners,
     /// The entries of the show.
     Cues,
+    /// The videos of the song.
+    Video,
 }
 
 /// A group of keys in the help and in `docs/reference.md`.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::values::{Bind, Delay, Files, LoadedDeck, MovedCorner, SetSetting, TurnedNumbers};
-use super::{Binding, Control, Group, Panel, Row, SceneName, Switch};
+use super::{Binding, Control, Edge, Group, Mark, Panel, Row, SceneName, Switch, VideoEdit};
 use crate::input::{Key, NamedKey};
 use mariana_control::midi::Target;
 use mariana_player::track::Repeat;
@@ -217,6 +217,10 @@ commands! {
                 Key::Character("j") => C::TogglePanel(Panel::Controllers),
                 "J", "controllers: MIDI, OSC, phones, and their mappings", group: Some(Group::Stage)),
             keys!(
+                Key::Named(NamedKey::F10) => C::TogglePanel(Panel::Video),
+                "F10", "make a video of this song"
+            ),
+            keys!(
                 Key::Character("y") => C::TogglePanel(Panel::Corners),
                 "Y", "drag the image's corners, for a projector at an angle", group: Some(Group::Stage)),
         ],
@@ -415,6 +419,32 @@ commands! {
         bindings: &[keys!(
             Key::Named(NamedKey::F9) => C::Record(Toggle),
             "F9", "start or stop recording your actions as a show"
+        )],
+    }
+    /// Moves a mark on the seek bar. The marks are the ends of the part that a video shows.
+    Mark(Mark) {
+        group: Some(Group::Playing),
+        bindings: &[
+            keys!(
+                Key::Character("<") => C::Mark(Mark { edge: Edge::Start, at: None }),
+                "<", "mark the start of a part of the song, for a video"
+            ),
+            keys!(
+                Key::Character(">") => C::Mark(Mark { edge: Edge::End, at: None }),
+                ">", "mark the end of the part"
+            ),
+        ],
+    }
+    /// Changes the choices for a video or the queue of videos.
+    Video(VideoEdit) {}
+    /// Saves the present frame without panels as a PNG, at this many times the window's size.
+    SavePicture(u32) {
+        for_phones: false,
+        group: Some(Group::Looks),
+        bindings: &[keys!(
+            Key::Named(NamedKey::F12) => C::SavePicture(1),
+            "F12 or Shift+F12", "save this moment as a PNG; Shift doubles its size",
+            shifted: Some(C::SavePicture(2))
         )],
     }
     /// Switches between interpreting and compiling the scene.

@@ -16,6 +16,7 @@ use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile};
 
 use crate::ending::{self, Undo};
+use crate::file_names::numbered;
 
 const PREFIX: &str = ".mariana-unfinished-";
 
@@ -90,16 +91,34 @@ impl Unfinished {
         self.file.as_file_mut().write_all(bytes)
     }
 
-    /// Syncs the content to the disk and renames the file to `place`.
-    fn put(self, place: &Path) -> io::Result<()> {
+    /// Syncs the content to the disk and renames the file by `persist`, which returns the new path.
+    fn put(self, persist: impl FnOnce(NamedTempFile) -> io::Result<PathBuf>) -> io::Result<PathBuf> {
         // Open the file by name, because another program may have replaced it.
         synced(File::options().write(true).open(self.path())?.sync_all())?;
         let Self { file, undo } = self;
-        undo.settle(|| file.persist(place)).map_err(|error| error.error)?;
+        let place = undo.settle(|| persist(file))?;
         // Sync the folder as well; some file systems cannot.
-        let _ = File::open(folder_of(place)).and_then(|folder| folder.sync_all());
-        Ok(())
+        let _ = File::open(folder_of(&place)).and_then(|folder| folder.sync_all());
+        Ok(place)
     }
+}
+
+fn replace(file: NamedTempFile, place: &Path) -> io::Result<PathBuf> {
+    file.persist(place).map_err(|error| error.error)?;
+    Ok(place.to_owned())
+}
+
+/// Renames the file to the first of the [`numbered`] paths that does not exist.
+fn put_beside(mut file: NamedTempFile, path: &Path) -> io::Result<PathBuf> {
+    for path in numbered(path) {
+        match file.persist_noclobber(&path) {
+            Ok(_) => return Ok(path),
+            Err(error) if path.symlink_metadata().is_ok() => file = error.file,
+            // Some file systems have no rename that keeps an existing file.
+            Err(error) => return replace(error.file, &path),
+        }
+    }
+    Err(ErrorKind::AlreadyExists.into())
 }
 
 /// Returns the error of a temporary file without the file's name.
@@ -223,7 +242,27 @@ impl AtomicFile {
     /// [`Unwritable`]; the target is then unchanged.
     pub fn commit(self) -> Result<(), Unwritable> {
         let Self { path, place, unfinished } = self;
-        unfinished.put(&place).map_err(|error| unwritable(&path, error))
+        unfinished.put(|file| replace(file, &place)).map_err(|error| unwritable(&path, error))?;
+        Ok(())
+    }
+
+    /// Puts the content written so far at the path, or at the next free [`numbered`] path. Never replaces a file.
+    /// Returns the path of the new file.
+    ///
+    /// # Errors
+    /// [`Unwritable`]
+    pub fn commit_beside(self) -> Result<PathBuf, Unwritable> {
+        let Self { path, unfinished, .. } = self;
+        unfinished.put(|file| put_beside(file, &path)).map_err(|error| unwritable(&path, error))
+    }
+
+    /// Writes `bytes`, and puts them at a free path as [`Self::commit_beside`] does.
+    ///
+    /// # Errors
+    /// [`Unwritable`]
+    pub fn write_beside(mut self, bytes: &[u8]) -> Result<PathBuf, Unwritable> {
+        self.unfinished.write_all(bytes).map_err(|error| unwritable(&self.path, error))?;
+        self.commit_beside()
     }
 }
 
@@ -245,6 +284,21 @@ mod tests {
         AtomicFile::create(&path).unwrap().write(b"new").unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[test]
+    fn a_new_file_gets_another_name_if_its_name_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("song.mp4");
+        let paths = ["song.mp4", "song 2.mp4", "song 3.mp4"].map(|name| folder.path().join(name));
+        // Both writers begin before the first one ends.
+        let (one, two) = (AtomicFile::create(&path).unwrap(), AtomicFile::create(&path).unwrap());
+        let made = [one.write_beside(b"one").unwrap(), two.write_beside(b"two").unwrap()];
+        let three = AtomicFile::create(&path).unwrap().write_beside(b"three").unwrap();
+        assert_eq!([&made[0], &made[1], &three], [&paths[0], &paths[1], &paths[2]]);
+        let texts = paths.map(|path| std::fs::read_to_string(path).unwrap());
+        assert_eq!(texts, ["one", "two", "three"]);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "no temporary file is left");
     }
 
     #[cfg(unix)]

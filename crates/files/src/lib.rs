@@ -14,12 +14,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`documents`] reads, watches and saves the editor's texts on a background thread. [`Folders`] contains the paths
+//! [`file_names`] makes names for new files. [`documents`] reads, watches and saves the editor's texts on a background thread. [`Folders`] contains the paths
 //! of the user's folders.
 
 pub mod atomic_file;
 pub mod documents;
 pub mod ending;
+pub mod file_names;
 mod folders;
 pub mod limits;
 

@@ -114,6 +114,11 @@ impl CommandLine {
         Self::of("ffmpeg".as_ref()).options(["-nostdin"])
     }
 
+    /// Starts a command line of ffprobe (found in `PATH`) that reports only errors.
+    pub fn ffprobe() -> Self {
+        Self::of("ffprobe".as_ref())
+    }
+
     pub(crate) fn of(program: &Path) -> Self {
         Self { program: program.to_owned(), arguments: Vec::new() }.options(["-v", "error"])
     }

@@ -7,9 +7,7 @@ use std::path::{Path, PathBuf};
 use super::writer_thread::WriterThread;
 use mariana_files::Folders;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
-
-/// The maximum length of a file name, in characters, without number and extension.
-const NAME_MAX: usize = 80;
+use mariana_files::file_names::{numbered, plain_name};
 
 /// The path of a written performance, or the error.
 pub type Kept = Result<PathBuf, Unwritable>;
@@ -29,7 +27,7 @@ struct Job {
 impl PerformanceFiles {
     /// Uses the user's folder of performances.
     pub fn among(folders: &Folders) -> Self {
-        Self::in_folder(folders.data.as_ref().map(|data| data.join("performances")))
+        Self::in_folder(folder_among(folders))
     }
 
     /// Uses another folder; with `None`, no performance is stored.
@@ -42,6 +40,12 @@ impl PerformanceFiles {
             })
         };
         Self { writer_thread: folder.map(start) }
+    }
+
+    /// Returns the newest performance of a song with this title. Reads the disk.
+    pub fn newest(folders: &Folders, title: &str) -> Option<PathBuf> {
+        let first = first_path(&folder_among(folders)?, title);
+        numbered(&first).take_while(|path| path.exists()).last()
     }
 
     /// Writes or replaces performance `number`. `text` runs on the writer thread. Returns `false` without a folder.
@@ -61,15 +65,18 @@ impl PerformanceFiles {
     }
 }
 
+fn folder_among(folders: &Folders) -> Option<PathBuf> {
+    folders.data.as_ref().map(|data| data.join("performances"))
+}
+
 fn free_path(folder: &Path, title: &str) -> PathBuf {
-    let plain = |c: char| if c.is_alphanumeric() || " -_.()&'".contains(c) { c } else { '_' };
-    let name: String = title.trim().trim_start_matches('.').chars().map(plain).take(NAME_MAX).collect();
-    let name = if name.is_empty() { "performance".to_owned() } else { name };
-    let named = |number: u32| match number {
-        1 => folder.join(format!("{name}.show")),
-        _ => folder.join(format!("{name} {number}.show")),
-    };
-    (1..100_000).map(named).find(|path| !path.exists()).unwrap_or_else(|| named(1))
+    let first = first_path(folder, title);
+    numbered(&first).find(|path| !path.exists()).unwrap_or(first)
+}
+
+fn first_path(folder: &Path, title: &str) -> PathBuf {
+    // Not `with_extension`: a title may contain a dot.
+    folder.join(plain_name(title, "performance") + ".show")
 }
 
 fn write(path: &Path, text: &str) -> Kept {
@@ -94,6 +101,8 @@ mod tests {
             assert!(files.keep(7, "AC/DC: Live", move || format!("{first}, longer")));
             drop(files);
             assert_eq!(std::fs::read_to_string(place.join(name)).unwrap(), format!("{first}, longer"));
+            let newest = PerformanceFiles::newest(&Folders::within(folder.path()), "AC/DC: Live");
+            assert_eq!(newest, Some(place.join(name)));
         }
         let files = PerformanceFiles::in_folder(Some(place.clone()));
         files.keep(1, "../..", || "nowhere else".to_owned());

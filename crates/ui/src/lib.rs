@@ -44,6 +44,7 @@ pub mod settings_panel;
 pub mod text_query;
 pub mod track_panel;
 pub mod user_input;
+pub mod video_panel;
 
 use mariana_render::gpu::error::GpuError;
 

@@ -28,6 +28,7 @@ pub(super) struct Encoder {
     /// `None` once the finished video has replaced the output.
     output: Option<AtomicFile>,
     path: PathBuf,
+    keeps_others: bool,
     _inputs: Vec<Unfinished>,
 }
 
@@ -45,18 +46,24 @@ impl Encoder {
         let patience = Duration::from_secs_f64(LIMITS.encoder_wait_seconds);
         let process = EncoderProcess::start(line.command(), output.temporary(), reported_problems, patience)
             .map_err(ExportError::NoEncoder)?;
-        Ok(Self { process, output: Some(output), path: path.to_owned(), _inputs: inputs })
+        let keeps_others = request.keeps_others;
+        Ok(Self { process, output: Some(output), path: path.to_owned(), keeps_others, _inputs: inputs })
     }
 
     pub(super) fn take(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
         self.process.write(rgba).map_err(|_| self.last_words())
     }
 
-    pub(super) fn finish(mut self) -> Result<(), ExportError> {
-        match self.process.wait() {
-            Ok(status) if status.success() => Ok(self.output.take().map_or(Ok(()), AtomicFile::commit)?),
-            _ => Err(self.last_words()),
+    /// Waits for ffmpeg and puts the video at its path. Returns the path.
+    pub(super) fn finish(mut self) -> Result<PathBuf, ExportError> {
+        if !self.process.wait().is_ok_and(|status| status.success()) {
+            return Err(self.last_words());
         }
+        Ok(match self.output.take() {
+            Some(output) if self.keeps_others => output.commit_beside()?,
+            Some(output) => output.commit().map(|()| self.path.clone())?,
+            None => self.path.clone(),
+        })
     }
 
     fn last_words(&mut self) -> ExportError {

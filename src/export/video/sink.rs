@@ -61,10 +61,10 @@ impl Sink {
         }
     }
 
-    fn finish(self) -> Result<(), ExportError> {
+    fn finish(self) -> Result<Option<PathBuf>, ExportError> {
         match self {
-            Self::Stills { .. } | Self::Standard => Ok(()),
-            Self::Encoder { ffmpeg, .. } => ffmpeg.finish(),
+            Self::Stills { .. } | Self::Standard => Ok(None),
+            Self::Encoder { ffmpeg, .. } => ffmpeg.finish().map(Some),
         }
     }
 }
@@ -92,8 +92,8 @@ impl FrameWriter {
         self.frames.send(rgba).is_ok()
     }
 
-    /// Waits until all frames are written, and moves the output to its path.
-    pub(super) fn finish(self) -> Result<(), ExportError> {
+    /// Waits until all frames are written, and moves the output to its path. Returns the path of a video.
+    pub(super) fn finish(self) -> Result<Option<PathBuf>, ExportError> {
         drop(self.frames);
         let sink = self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         sink?.finish()

@@ -14,7 +14,7 @@ use super::events::UiEvent;
 use super::icons::{self, Icon};
 use super::now_playing::{NowPlaying, clock_time};
 use super::picture::{Cover, KeptPicture};
-use super::{assisted, style};
+use super::{assisted, marks, style};
 use mariana_commands::{Command, Panel, SEEK_SECONDS, Switch, VOLUME_STEP};
 use mariana_render::reading_order::isolated;
 
@@ -31,7 +31,7 @@ const COVER_GAP: f32 = 7.0;
 const SIGN: f32 = 15.0;
 const BAR_STEP: f32 = 3.0;
 /// Minimum and maximum width of the volume slider. The slider is hidden if there is less room than the minimum.
-const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
+const VOLUME_WIDTH: (f32, f32) = (38.0, 84.0);
 const RIGHT_BUTTONS: f32 = 11.0;
 /// Height of the line that shows the song's sections. The next constant is the size of the sections' letters.
 const SECTION_HEIGHT: f32 = 3.0;
@@ -60,6 +60,8 @@ pub struct Bar<'a> {
     pub shape: Option<&'a LoudnessShape>,
     /// The structure of the song, once it is known.
     pub song: Option<&'a SongStructure>,
+    /// The ends of the marked part of the track, in seconds.
+    pub marks: Option<[f64; 2]>,
     /// The present level, 0..1.
     pub level: f32,
     /// The shown scene, such as "speakers, 12 of 17".
@@ -89,6 +91,7 @@ impl Hash for Bar<'_> {
         (self.now, self.cover, self.scene, lit, self.seen).hash(state);
         self.shape.map(|shape| shape.revision).hash(state);
         self.song.map(|song| song.sections.len()).hash(state);
+        self.marks.map(|marks| marks.map(f64::to_bits)).hash(state);
         ((self.level * LEVEL_STEPS) as u32).hash(state);
     }
 }
@@ -186,6 +189,7 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
     if let Some(wanted) = assisted::rail(ui, &response, name, position, 0.0..=duration, SEEK_SECONDS) {
         events.push(UiEvent::Command(Command::SeekTo(wanted)));
     }
+    marks::show(ui, place, bar, duration, events);
     let Some(pointed) = pointed else { return };
     let seconds = f64::from(pointed) * duration;
     if response.clicked() || response.drag_stopped() {
@@ -303,6 +307,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, events: &mut Vec<UiEvent>) {
                 panel_button(ui, Icon::Tracks, Panel::Tracks, bar, events);
             }
             panel_button(ui, Icon::Folder, Panel::Files, bar, events);
+            panel_button(ui, Icon::Video, Panel::Video, bar, events);
         });
     });
 }

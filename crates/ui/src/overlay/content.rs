@@ -15,6 +15,7 @@ use crate::help_panel::HelpPanel;
 use crate::overlay::NextScene;
 use crate::scene_browser::SceneBrowser;
 use crate::settings_panel::SettingsPanel;
+use crate::video_panel::VideoPanel;
 use mariana_commands::SnapshotKeys;
 use mariana_control::{Slider, SoundBinding};
 use mariana_render::placement::Area;
@@ -54,6 +55,8 @@ pub struct OverlayContent<'a> {
     pub editor: Option<&'a Editor>,
     /// The controllers panel.
     pub controllers: Option<&'a ControllersPanel>,
+    /// The panel that makes videos.
+    pub video: Option<&'a VideoPanel>,
     /// The parameter for which a control is being learned.
     pub learning: Option<&'a str>,
     /// The entries of the show.
@@ -229,6 +232,7 @@ impl OverlayContent<'_> {
             && self.controllers.is_none()
             && self.cues.is_none()
             && self.decks.is_none()
+            && self.video.is_none()
             && self.corners.is_none()
             && self.next.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
@@ -252,6 +256,7 @@ impl OverlayContent<'_> {
             || self.controllers.is_some()
             || self.cues.is_some()
             || self.decks.is_some()
+            || self.video.is_some()
             || self.corners.is_some()
     }
 
@@ -271,6 +276,7 @@ impl OverlayContent<'_> {
         self.editor.map(Editor::revision).hash(&mut hasher);
         (self.controllers.map(ControllersPanel::revision), self.learning).hash(&mut hasher);
         (&self.cues, &self.decks).hash(&mut hasher);
+        self.video.map(VideoPanel::revision).hash(&mut hasher);
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
         self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);

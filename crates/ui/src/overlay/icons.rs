@@ -27,6 +27,7 @@ pub(super) enum Icon {
     Cross,
     Star,
     Folder,
+    Video,
     Text,
     Plus,
     Up,
@@ -110,6 +111,10 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
             for x in [-0.5, 0.0, 0.5] {
                 pen.line(&[(x - 0.1, -0.15), (x + 0.15, 0.2)]);
             }
+        }
+        Icon::Video => {
+            pen.frame((-0.95, -0.6), (0.4, 0.6));
+            pen.surface(&[(0.5, 0.0), (0.95, -0.5), (0.95, 0.5)]);
         }
         Icon::Sliders => {
             for (y, knob) in [(-0.6, 0.35), (0.0, -0.4), (0.6, 0.1)] {
@@ -280,6 +285,7 @@ mod tests {
             Icon::Plus,
             Icon::Up,
             Icon::Note,
+            Icon::Video,
         ];
         for icon in all {
             let context = egui::Context::default();

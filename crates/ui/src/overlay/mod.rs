@@ -23,6 +23,7 @@ mod files;
 mod fonts;
 mod help;
 mod icons;
+mod marks;
 mod now_playing;
 mod pairing_address;
 mod panels;
@@ -41,6 +42,7 @@ mod switches;
 #[cfg(test)]
 mod tests;
 mod tracks;
+mod video;
 mod welcome;
 mod words;
 
@@ -56,6 +58,7 @@ pub use content::{
     CueRow, CueSheet, Deck, DeckStrip, Notice, OverlayContent, Problem, SNAPSHOTS, SnapshotRow, SourceList,
 };
 pub use events::{FileListEvent, SceneListEvent, SettingEvent, TrackListEvent, UiEvent};
+pub use marks::near_border;
 pub use now_playing::NowPlaying;
 use panels::{LaidOut, Panels, pressed};
 use pending::PendingInput;

@@ -15,7 +15,7 @@ use super::picture::KeptPicture;
 use super::rooms::Rooms;
 use super::{
     assisted, bar, binding, browser, calm, controllers, corners, cues, decks, editor, files, help, params,
-    preview, problem, settings, sources, style, tracks, welcome,
+    preview, problem, settings, sources, style, tracks, video, welcome,
 };
 use mariana_render::system_fonts::SystemFonts;
 
@@ -50,6 +50,7 @@ struct Kept {
     seen_key: Option<help::Seen>,
     seen_setting: Option<settings::Seen>,
     seen_changed_by: Option<controllers::Seen>,
+    seen_video: Option<video::Seen>,
     binding: binding::OpenBinding,
     next: KeptPicture,
     cover: KeptPicture,
@@ -315,6 +316,10 @@ fn show_lists(
         }
         None => kept.seen_changed_by = None,
     }
+    match content.video {
+        Some(rows) => panels.push(video::show(context, space, rows, &mut kept.seen_video, events)),
+        None => kept.seen_video = None,
+    }
     if content.bar.is_none() && content.welcome.is_none() {
         kept.cover.clear();
     }
@@ -332,7 +337,8 @@ fn show_sentences(
     let has_heading = content.scenes.is_some()
         || content.files.is_some()
         || content.settings.is_some()
-        || content.controllers.is_some();
+        || content.controllers.is_some()
+        || content.video.is_some();
     if has_heading {
         // Keep messages away from the heading and the close button of an open list.
         let sentences = u8::from(content.hint.is_some()) + u8::from(content.notice.is_some());

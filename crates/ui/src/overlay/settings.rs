@@ -425,8 +425,6 @@ fn draw_number(
 fn footing(ui: &mut Ui, words: &str, height: f32) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     let font = style::proportional(style::SMALL_SIZE);
-    let mut job = egui::text::LayoutJob::simple(words.to_owned(), font, style::DIM, place.width().max(1.0));
-    job.wrap.max_rows = MEANING_LINES;
-    let galley = ui.painter().layout_job(job);
+    let galley = style::paragraph(ui.painter(), words, font, style::DIM, place.width(), MEANING_LINES);
     ui.painter().galley(pos2(place.left() + 6.0, place.top() + 6.0), galley, style::DIM);
 }

@@ -64,6 +64,20 @@ pub(super) fn lines(
     painter.layout_job(job)
 }
 
+/// Text in at most `rows` lines of `width` points. Text beyond the last line is replaced by an ellipsis.
+pub(super) fn paragraph(
+    painter: &Painter,
+    text: &str,
+    font: FontId,
+    color: Color32,
+    width: f32,
+    rows: usize,
+) -> Arc<Galley> {
+    let mut job = LayoutJob::simple(as_seen(text).into_owned(), font, color, width.max(1.0));
+    job.wrap.max_rows = rows;
+    painter.layout_job(job)
+}
+
 pub(super) fn ground(painter: &Painter, rect: Rect) {
     painter.rect(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside);
 }

@@ -33,6 +33,7 @@ mod controllers;
 mod decks;
 mod help;
 mod lists;
+mod video;
 mod wrapping;
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
@@ -204,6 +205,7 @@ fn bar(now: &NowPlaying) -> Bar<'_> {
         cover: None,
         shape: None,
         song: None,
+        marks: None,
         level: 0.5,
         scene,
         open: None,
@@ -293,6 +295,7 @@ fn every_button_of_the_bar_has_a_tooltip_and_its_own_command() {
         act(Command::Shuffle(Switch::Toggle)),
         act(Command::NextRepeat),
         act(Command::Mute(Switch::Toggle)),
+        act(Command::TogglePanel(Panel::Video)),
         act(Command::TogglePanel(Panel::Files)),
         act(Command::TogglePanel(Panel::Tracks)),
         act(Command::TogglePanel(Panel::Sources)),
@@ -487,6 +490,7 @@ fn letters_of_the_built_in_fonts_are_not_searched_for() {
         cover: None,
         shape: None,
         song: None,
+        marks: None,
         now: &playing(),
         level: 0.5,
         scene: "speakers, 1 of 17",

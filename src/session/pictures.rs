@@ -1,0 +1,151 @@
+//! Pictures of the show, saved as PNGs without panels.
+//!
+//! The next frame is drawn in the size and quality of the picture, with everything that belongs to the show: fades,
+//! brightness and the limit of flashes. The frame is read back without waiting, and another thread encodes and writes
+//! the picture.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::waker::Waker;
+use crate::atomic_file::AtomicFile;
+use crate::clock;
+use crate::export::still::png;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::picture_reader::PictureReader;
+use crate::gpu::renderer::Renderer;
+use crate::limits::LIMITS;
+use crate::placement::Placement;
+use crate::session::drawing_pace::drawn_size;
+use crate::session::dynamic_resolution::Level;
+
+/// Interval at which a picture that is being read back is looked for.
+const LOOK: Duration = Duration::from_millis(3);
+/// Number of looks at the end of the session, about a second.
+const LOOKS_MAX: usize = 330;
+
+#[derive(Default)]
+pub(super) struct Pictures {
+    wanted: Option<Wanted>,
+    reading: Option<(PictureReader, PathBuf)>,
+    writing: Vec<JoinHandle<()>>,
+    results: Option<(Sender<String>, Receiver<String>)>,
+}
+
+#[derive(Clone, Copy)]
+struct Wanted {
+    /// Size of the picture relative to the window.
+    scale: u32,
+    /// Time at which the wish is given up, because no frame can be drawn.
+    until: Instant,
+}
+
+impl Pictures {
+    /// Returns the level and size of the next frame, for a window of `whole` pixels: those of a wanted picture, if any.
+    pub(super) fn level(&self, level: Level, whole: (u32, u32), side_max: u32) -> (Level, (u32, u32)) {
+        match self.wanted {
+            None => (level, drawn_size(level, whole, side_max)),
+            Some(wanted) => (Level::STILL, wanted.size(whole, side_max)),
+        }
+    }
+
+    /// Drops everything that belongs to a lost context.
+    pub(super) fn let_go(&mut self) {
+        self.reading = None;
+    }
+
+    /// Waits until all pictures are written. The driver gets a second to hand over the last one.
+    pub(super) fn finish(&mut self, waker: &Waker) {
+        for _ in 0..LOOKS_MAX {
+            if self.reading.is_none() {
+                break;
+            }
+            self.update(clock::now(), waker);
+            std::thread::sleep(LOOK);
+        }
+        self.writing.drain(..).for_each(|thread| drop(thread.join()));
+    }
+
+    /// Asks for a picture of the present frame at `scale` times the size of the window.
+    pub(super) fn want(&mut self, scale: u32) {
+        let until = clock::now() + Duration::from_secs_f64(2.0 * LIMITS.picture_seconds_max);
+        self.wanted = Some(Wanted { scale, until });
+    }
+
+    /// Reads back the finished frame if a picture is wanted. `whole` is the size of the window, and `file` the path of
+    /// the picture.
+    ///
+    /// # Errors
+    /// Fails with a message.
+    pub(super) fn take(
+        &mut self,
+        (gl, renderer): (&Gl, &mut Renderer),
+        whole: (u32, u32),
+        file: impl FnOnce() -> Option<PathBuf>,
+    ) -> Result<(), String> {
+        let Some(wanted) = self.wanted.take() else { return Ok(()) };
+        let file = file().ok_or("there is no folder for pictures: set XDG_PICTURES_DIR or HOME")?;
+        let size = wanted.size(whole, gl.info().texture_side_max);
+        let reader =
+            read(gl, renderer, size).map_err(|error| format!("the picture was not saved: {error}"))?;
+        self.reading = reader.map(|reader| (reader, file));
+        Ok(())
+    }
+
+    /// Writes a picture that has been read back. Returns when to call again, and messages about pictures.
+    pub(super) fn update(&mut self, now: Instant, waker: &Waker) -> (Option<Instant>, Vec<String>) {
+        let mut messages = Vec::new();
+        if self.wanted.take_if(|wanted| wanted.until < now).is_some() {
+            messages.push("the picture was not saved: no frame could be drawn".to_owned());
+        }
+        if let Some((reader, file)) = &mut self.reading
+            && let Some(rgba) = reader.take()
+        {
+            let (size, file) = (reader.size(), std::mem::take(file));
+            self.reading = None;
+            let (told, _) = self.results.get_or_insert_with(channel);
+            let (told, waker) = (told.clone(), waker.clone());
+            let write = move || {
+                let _ = told.send(write(&rgba, size, &file));
+                waker.wake();
+            };
+            match std::thread::Builder::new().name("picture".into()).spawn(write) {
+                Ok(thread) => self.writing.push(thread),
+                Err(error) => messages.push(format!("the picture was not saved: {error}")),
+            }
+        }
+        messages.extend(self.results.iter().flat_map(|(_, results)| results.try_iter()));
+        self.writing.retain(|thread| !thread.is_finished());
+        (self.reading.is_some().then(|| now + LOOK), messages)
+    }
+}
+
+impl Wanted {
+    fn size(self, (width, height): (u32, u32), side_max: u32) -> (u32, u32) {
+        let side = |side: u32| side.saturating_mul(self.scale);
+        drawn_size(Level::STILL, (side(width), side(height)), side_max)
+    }
+}
+
+fn read(gl: &Gl, renderer: &mut Renderer, size: (u32, u32)) -> Result<Option<PictureReader>, GpuError> {
+    let mut reader = PictureReader::new(gl, size)?;
+    let whole = Placement::default();
+    let is_sent = renderer.send_placed(&mut reader, &whole.map(), whole.part())?;
+    Ok(is_sent.then_some(reader))
+}
+
+/// Returns a message about the written picture.
+fn write(rgba: &[u8], size: (u32, u32), file: &std::path::Path) -> String {
+    let folder = file.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(|error| error.to_string());
+    let bytes = folder.and_then(|()| png(rgba, size).map_err(|error| error.to_string()));
+    let written = bytes.and_then(|bytes| {
+        AtomicFile::create(file).and_then(|file| file.write_beside(&bytes)).map_err(|error| error.to_string())
+    });
+    match written {
+        Ok(file) => format!("saved as {}", file.display()),
+        Err(error) => format!("the picture was not saved: {error}; free some disk space or check the folder"),
+    }
+}

@@ -1,0 +1,381 @@
+//! The thread that owns the queue of videos and the process that renders.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use super::Shown;
+use super::estimate::{Estimate, Measure, Measuring};
+use super::process::{End, Process, show_in_folder};
+use super::queue::{JobState, Queue, QueueFile};
+use crate::commands::JobAction;
+use crate::config::{Folders, PerformanceFiles};
+use crate::ending::{self, Undo};
+use crate::export::video::VideoReport;
+
+/// A process that was asked to end is killed after this time.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Progress is published at most this often.
+const PUBLISH_EVERY: Duration = Duration::from_millis(250);
+/// The longest wait for an event.
+const LONG: Duration = Duration::from_secs(3600);
+
+pub(super) enum Event {
+    Add {
+        title: String,
+        file: PathBuf,
+        arguments: Vec<String>,
+    },
+    Act(u64, JobAction),
+    Measure(Option<Box<Measure>>),
+    Performance(String),
+    /// A report of the process with this number.
+    Report(u64, VideoReport),
+    /// The process with this number has closed its output.
+    Ended(u64),
+    End,
+}
+
+pub(super) struct Worker {
+    folders: Folders,
+    queue: Queue,
+    /// `None` if another window keeps its queue, or there is no folder.
+    file: Option<QueueFile>,
+    run: Option<Run>,
+    runs: u64,
+    /// The measurement to make when no video is rendered.
+    wanted: Option<Measure>,
+    shown: Shown,
+    published: Option<Instant>,
+    told: Vec<String>,
+    events: (Sender<Event>, Receiver<Event>),
+    shares: (Arc<Mutex<Shown>>, Sender<String>),
+    wake: Box<dyn Fn() + Send>,
+}
+
+/// A running process.
+struct Run {
+    number: u64,
+    process: Process,
+    task: Task,
+    /// Set once the process was asked to end: the time at which it is killed.
+    killed_at: Option<Instant>,
+}
+
+enum Task {
+    Render {
+        job: u64,
+        /// The time and frame at which the drawing began or continued.
+        since: Option<(Instant, u64)>,
+        name: Option<String>,
+    },
+    Measure {
+        measuring: Measuring,
+        folder: TempDir,
+        /// Removes the folder if the program ends.
+        _undo: Undo,
+    },
+}
+
+impl Worker {
+    pub(super) fn new(
+        folders: Folders,
+        events: (Sender<Event>, Receiver<Event>),
+        shares: (Arc<Mutex<Shown>>, Sender<String>),
+        wake: Box<dyn Fn() + Send>,
+    ) -> Self {
+        Self {
+            folders,
+            queue: Queue::default(),
+            file: None,
+            run: None,
+            runs: 0,
+            wanted: None,
+            shown: Shown::default(),
+            published: None,
+            told: Vec::new(),
+            events,
+            shares,
+            wake,
+        }
+    }
+
+    pub(super) fn work(mut self) {
+        let (file, told) = QueueFile::open(&self.folders, &mut self.queue);
+        self.file = file;
+        let unfinished = self.queue.jobs.iter().filter(|job| job.state == JobState::Unfinished).count();
+        let words = match unfinished {
+            0 => None,
+            1 => Some("a video is unfinished: press F10 to continue it".to_owned()),
+            count => Some(format!("{count} videos are unfinished: press F10 to continue them")),
+        };
+        told.into_iter().chain(words).for_each(|words| self.tell(words));
+        self.publish();
+        loop {
+            let killed_at = self.run.as_ref().and_then(|run| run.killed_at);
+            let wait = killed_at.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
+            match self.events.1.recv_timeout(wait) {
+                // The process ends with its input. Its video stays in the queue.
+                Ok(Event::End) | Err(RecvTimeoutError::Disconnected) => return,
+                Ok(event) => self.take(event),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            if let Some(run) = &mut self.run
+                && run.killed_at.is_some_and(|at| at <= Instant::now())
+            {
+                run.process.kill();
+                run.killed_at = Some(Instant::now() + PATIENCE);
+            }
+            self.begin_next();
+            self.publish();
+        }
+    }
+
+    /// Tells the user something, after the state to which it belongs is published.
+    fn tell(&mut self, words: String) {
+        self.told.push(words);
+    }
+
+    fn take(&mut self, event: Event) {
+        match event {
+            Event::Add { title, file, arguments } => {
+                if let Err(words) = self.queue.add(title, &file, arguments) {
+                    self.tell(words);
+                }
+                self.stop_measuring();
+            }
+            Event::Act(job, action) => self.act(job, action),
+            Event::Measure(measure) => {
+                self.stop_measuring();
+                self.wanted = measure.map(|measure| *measure);
+            }
+            Event::Performance(title) => {
+                let found = PerformanceFiles::newest(&self.folders, &title);
+                self.shown.performance = found.map(|file| (title, file));
+            }
+            Event::Report(number, report) => self.note(number, report),
+            Event::Ended(number) => self.note_end(number),
+            Event::End => {}
+        }
+    }
+
+    fn act(&mut self, job: u64, action: JobAction) {
+        let now = Instant::now();
+        let rendered = self.run.as_mut().filter(|run| run.renders(job));
+        let Some(found) = self.queue.job(job) else { return };
+        match (action, rendered) {
+            (JobAction::Pause, Some(run)) => {
+                if let JobState::Rendering { done, of, .. } = found.state {
+                    run.process.set_paused(true);
+                    found.state = JobState::Paused { done, of };
+                }
+            }
+            (JobAction::Continue, Some(run)) => {
+                if let JobState::Paused { done, of } = found.state {
+                    run.process.set_paused(false);
+                    run.restart_clock(now, done);
+                    found.state = JobState::Rendering { done, of, left: None };
+                }
+            }
+            (JobAction::Continue, None) if found.state != JobState::Done => {
+                (found.state, found.crashes) = (JobState::Waiting, 0);
+                self.stop_measuring();
+            }
+            (JobAction::Show, _) => {
+                let file = found.file.clone();
+                if let Err(words) = show_in_folder(&file) {
+                    self.tell(words);
+                }
+            }
+            (JobAction::Remove, Some(run)) => {
+                run.end(now);
+                self.queue.remove(job);
+            }
+            (JobAction::Remove, None) => self.queue.remove(job),
+            (JobAction::Pause | JobAction::Continue, None) => {}
+        }
+    }
+
+    fn stop_measuring(&mut self) {
+        self.wanted = None;
+        self.shown.estimate = Estimate::Unknown;
+        if let Some(run) = self.run.as_mut().filter(|run| matches!(run.task, Task::Measure { .. })) {
+            run.end(Instant::now());
+        }
+    }
+
+    fn note(&mut self, number: u64, report: VideoReport) {
+        let Some(run) = self.run.as_mut().filter(|run| run.number == number) else { return };
+        let now = Instant::now();
+        match (&mut run.task, report) {
+            (Task::Measure { measuring, .. }, VideoReport::Drawn { done, .. }) => measuring.note(done, now),
+            (Task::Measure { .. }, VideoReport::Written { .. }) => {}
+            (Task::Render { name, .. }, VideoReport::Written { name: written }) => *name = Some(written),
+            (Task::Render { job, since, .. }, VideoReport::Drawn { done, of }) => {
+                let (begun, before) = *since.get_or_insert((now, done));
+                let each =
+                    now.saturating_duration_since(begun).as_secs_f64() / (done - before.min(done)) as f64;
+                let left = of.map(|of| of.saturating_sub(done) as f64 * each).filter(|left| left.is_finite());
+                match self.queue.job(*job).map(|job| &mut job.state) {
+                    Some(JobState::Paused { done: shown, of: total }) => (*shown, *total) = (done, of),
+                    Some(state) => *state = JobState::Rendering { done, of, left },
+                    None => {}
+                }
+            }
+        }
+    }
+
+    fn note_end(&mut self, number: u64) {
+        let Some(Run { process, task, killed_at, .. }) = self.run.take_if(|run| run.number == number) else {
+            return;
+        };
+        let (end, was_ended) = (process.finish(), killed_at.is_some());
+        match task {
+            Task::Measure { measuring, folder, .. } if !was_ended => {
+                self.shown.estimate = match end {
+                    End::Done => measuring.estimate(&probe_file(&folder)),
+                    End::Refused(reason) => Estimate::Failed(reason),
+                    End::Crashed(_) => Estimate::Unknown,
+                };
+            }
+            Task::Measure { .. } => {}
+            Task::Render { job, name, .. } => self.note_rendered(job, name, end),
+        }
+    }
+
+    fn note_rendered(&mut self, job: u64, name: Option<String>, end: End) {
+        // A removed video is no longer in the queue.
+        let Some(job) = self.queue.job(job) else { return };
+        let words = match end {
+            End::Done => {
+                if let Some(name) = name {
+                    job.file.set_file_name(name);
+                }
+                job.state = JobState::Done;
+                format!("the video is ready: {}", job.file.display())
+            }
+            End::Crashed(reason) if job.crashes == 0 => {
+                job.crashes += 1;
+                job.state = JobState::Waiting;
+                tracing::warn!("rendering {} is tried again: {reason}", job.file.display());
+                return;
+            }
+            End::Refused(reason) => {
+                job.state = JobState::Failed(reason.clone());
+                format!("the video {} was not made: {reason}", job.title)
+            }
+            End::Crashed(reason) => {
+                let reason = format!("the renderer crashed twice, the last time with: {reason}");
+                job.state = JobState::Failed(reason.clone());
+                format!("the video {} was not made: {reason}", job.title)
+            }
+        };
+        self.tell(words);
+    }
+
+    /// Starts the next video, or else a measurement, unless a process is running.
+    fn begin_next(&mut self) {
+        while self.run.is_none() {
+            if let Some(job) = self.queue.next_waiting() {
+                let (id, arguments, file) = (job.id, job.arguments.clone(), job.file.clone());
+                let folder = file.parent().map_or(Ok(()), std::fs::create_dir_all);
+                let folder = folder.map_err(|error| {
+                    let folder = file.parent().unwrap_or(&file).display();
+                    format!("the folder {folder} cannot be made ({error}): choose another folder")
+                });
+                let task = Task::Render { job: id, since: None, name: None };
+                let begun = folder.and_then(|()| self.begin(task, &arguments, &file));
+                let state = match begun {
+                    Ok(()) => JobState::Rendering { done: 0, of: None, left: None },
+                    Err(reason) => {
+                        self.tell(format!("the video was not made: {reason}"));
+                        JobState::Failed(reason)
+                    }
+                };
+                if let Some(job) = self.queue.job(id) {
+                    job.state = state;
+                }
+            } else if let Some(measure) = self.wanted.take() {
+                let folder = temporary_folder().map_err(|error| error.to_string());
+                let begun = folder.and_then(|(folder, _undo)| {
+                    let (arguments, file) = (measure.arguments.clone(), probe_file(&folder));
+                    let measuring = Measuring::begin(measure, Instant::now());
+                    self.begin(Task::Measure { measuring, folder, _undo }, &arguments, &file)
+                });
+                self.shown.estimate = begun.map_or_else(Estimate::Failed, |()| Estimate::Measuring);
+            } else {
+                return;
+            }
+        }
+    }
+
+    fn begin(&mut self, task: Task, arguments: &[String], file: &Path) -> Result<(), String> {
+        self.runs += 1;
+        let (number, program) = (self.runs, self.folders.program.as_deref());
+        let process = Process::start(program, (arguments, file), number, self.events.0.clone())
+            .map_err(|error| format!("Mariana cannot start itself ({error}): close other programs"))?;
+        self.run = Some(Run { number, process, task, killed_at: None });
+        Ok(())
+    }
+
+    /// Keeps the queue and publishes it. Progress without other changes is published less often.
+    fn publish(&mut self) {
+        if let Some(Err(words)) = self.file.as_mut().map(|file| file.keep(&self.queue)) {
+            self.tell(words);
+        }
+        let now = Instant::now();
+        let is_progress = self.shown.jobs.len() == self.queue.jobs.len()
+            && self.shown.jobs.iter().zip(&self.queue.jobs).all(|(shown, job)| {
+                std::mem::discriminant(&shown.state) == std::mem::discriminant(&job.state)
+            });
+        let is_recent = self.published.is_some_and(|at| now.saturating_duration_since(at) < PUBLISH_EVERY);
+        if !(is_progress && is_recent) {
+            self.shown.jobs.clone_from(&self.queue.jobs);
+            self.published = Some(now);
+        }
+        let mut shared = self.shares.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_new = *shared != self.shown || !self.told.is_empty();
+        shared.clone_from(&self.shown);
+        drop(shared);
+        for words in self.told.drain(..) {
+            tracing::info!("{words}");
+            let _ = self.shares.1.send(words);
+        }
+        if is_new {
+            (self.wake)();
+        }
+    }
+}
+
+impl Run {
+    fn renders(&self, id: u64) -> bool {
+        matches!(self.task, Task::Render { job, .. } if job == id)
+    }
+
+    fn restart_clock(&mut self, now: Instant, done: u64) {
+        if let Task::Render { since, .. } = &mut self.task {
+            *since = Some((now, done));
+        }
+    }
+
+    fn end(&mut self, now: Instant) {
+        self.process.end();
+        self.killed_at.get_or_insert(now + PATIENCE);
+    }
+}
+
+fn temporary_folder() -> std::io::Result<(TempDir, Undo)> {
+    ending::begin(|| {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().to_owned();
+        let remove = move || drop(std::fs::remove_dir_all(path));
+        Ok((folder, remove))
+    })
+}
+
+fn probe_file(folder: &TempDir) -> PathBuf {
+    folder.path().join("probe.mp4")
+}
