@@ -138,7 +138,7 @@ impl Session {
         }
         self.interface.take_painted(&mut *self.screen, painted);
         if first {
-            self.interface.ui_state.welcomed.get_or_insert_with(Instant::now);
+            self.interface.ui_state.words.welcomed.get_or_insert_with(Instant::now);
             self.playback.listening.follow_request();
         }
         Ok(first)
@@ -371,14 +371,14 @@ impl Interface {
 
     fn note_scene(&mut self, playback: &mut Playback) {
         let Some(source) = playback.scene.scenes().shown_source() else { return };
-        if self.ui_state.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
+        if self.ui_state.words.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
             let words = match source {
                 SceneSource::Blend(blend) => {
                     format!("{} and {}", blend.from.source.title(), blend.to.source.title())
                 }
                 source => playback.scene.library().placed_name(source),
             };
-            self.ui_state.placed_scene = Some((source.clone(), words));
+            self.ui_state.words.placed_scene = Some((source.clone(), words));
         }
     }
 

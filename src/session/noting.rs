@@ -12,7 +12,7 @@ impl Session {
     /// Takes the results of the threads that write shows and scenes.
     pub(super) fn take_written(&mut self) {
         self.playback.tell_recording();
-        self.update_snapshots();
+        self.snapshot_desk().update();
         self.update_surprises();
     }
 }

@@ -5,6 +5,7 @@
 //! affected. If memory is missing for a frame, a smaller frame is drawn. `faults` lets tests cause both failures.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use image::RgbaImage;
 
@@ -23,6 +24,7 @@ use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::renderer::{Counting, Renderer};
+use crate::scenes::Drafts;
 use crate::session::SessionError;
 use crate::session::announcer::Announcer;
 use crate::session::controllers::Controllers;
@@ -109,10 +111,14 @@ impl Opening<'_> {
         let fps = settings.fps_cap.or_else(|| screen.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = clock::now();
         let direction = start_direction(settings, waker)?;
-        let stems = start_stem_reader(&folders, waker);
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         let playback = Playback {
-            listening: Listening::new(sound, songs, stems, start_cover_reader(waker)),
+            listening: Listening::new(
+                sound,
+                songs,
+                start_stem_reader(&folders, waker),
+                start_cover_reader(waker),
+            ),
             scene,
             direction,
             live: None,
@@ -130,21 +136,9 @@ impl Opening<'_> {
         };
         let of_videos = waker.clone();
         let videos = VideoMaking::start(Videos::start(&folders, move || of_videos.wake()));
-        let interface = Interface {
-            overlay,
-            ui_state: UiState::new(!choices.hints),
-            input: UserInput::default(),
-            pointer_rest: PointerRest::default(),
-            ui_events: Vec::new(),
-            drafts,
-            probing: Default::default(),
-            typing_times: Default::default(),
-            thumbnails: None,
-            thumbnails_ahead: (!settings.wallpaper).then(|| thumbnails_ahead_at(now)),
-            lists: MusicLists::start(&folders, waker),
-            folders,
-            waker: waker.clone(),
-        };
+        let thumbnails_ahead = (!settings.wallpaper).then(|| thumbnails_ahead_at(now));
+        let hints = choices.hints;
+        let interface = start_interface(overlay, (drafts, folders), (hints, thumbnails_ahead), waker);
         Ok(Session {
             playback,
             interface,
@@ -159,6 +153,29 @@ impl Opening<'_> {
             pictures: Default::default(),
             screen,
         })
+    }
+}
+
+fn start_interface(
+    overlay: Overlay,
+    (drafts, folders): (Drafts, Folders),
+    (hints, thumbnails_ahead): (bool, Option<Instant>),
+    waker: &Waker,
+) -> Interface {
+    Interface {
+        overlay,
+        ui_state: UiState::new(!hints),
+        input: UserInput::default(),
+        pointer_rest: PointerRest::default(),
+        ui_events: Vec::new(),
+        drafts,
+        probing: Default::default(),
+        typing_times: Default::default(),
+        thumbnails: None,
+        thumbnails_ahead,
+        lists: MusicLists::start(&folders, waker),
+        folders,
+        waker: waker.clone(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Playback, Session};
+use super::{Interface, Playback, Session};
 use crate::commands::{Bind, SnapshotKeys};
 use crate::config::{PerformanceFiles, Snapshot};
 use crate::session::recording::named;
@@ -21,9 +21,23 @@ pub(super) struct Snapshots {
     written: u64,
 }
 
+/// The snapshots with everything that they change.
+pub(super) struct SnapshotDesk<'a> {
+    playback: &'a mut Playback,
+    interface: &'a mut Interface,
+    snapshots: &'a mut Snapshots,
+}
+
 impl Session {
+    pub(super) fn snapshot_desk(&mut self) -> SnapshotDesk<'_> {
+        let Self { playback, interface, snapshots, .. } = self;
+        SnapshotDesk { playback, interface, snapshots }
+    }
+}
+
+impl SnapshotDesk<'_> {
     /// Recalls a snapshot. Takes it the first time, and when the user wants the next snapshot to be taken.
-    pub(super) fn press_snapshot(&mut self, number: usize) {
+    pub(super) fn press(&mut self, number: usize) {
         let takes = std::mem::take(&mut self.snapshots.keys.takes);
         match self.playback.snapshot(number).filter(|_| !takes) {
             Some(snapshot) => {
@@ -70,7 +84,7 @@ impl Session {
     }
 
     /// Writes the scene's snapshots as a show file in the folder of recordings.
-    pub(super) fn write_snapshots(&mut self) {
+    pub(super) fn write(&mut self) {
         let Some(source) = self.playback.scene.scenes().shown_source() else { return };
         let (title, scene) = (source.title(), named(source));
         let Some(snapshots) = self.playback.listening.settings().snapshots.get(&title) else {
@@ -92,7 +106,7 @@ impl Session {
         }
     }
 
-    fn tell_snapshots(&mut self) {
+    fn tell_written(&mut self) {
         let Some(written) = self.snapshots.files.as_ref().and_then(PerformanceFiles::poll) else { return };
         let words = match written {
             Ok(path) => format!("written: {}; start it with --show FILE", path.display()),
@@ -103,7 +117,7 @@ impl Session {
     }
 
     /// Updates the row of snapshots below the sliders, and reports a written show file.
-    pub(super) fn update_snapshots(&mut self) {
+    pub(super) fn update(&mut self) {
         let mut taken = [false; SNAPSHOTS];
         for number in self.playback.snapshot_numbers() {
             if let Some(taken) = number.checked_sub(1).and_then(|place| taken.get_mut(place)) {
@@ -111,7 +125,7 @@ impl Session {
             }
         }
         self.interface.ui_state.snapshots = SnapshotRow { taken, keys: self.snapshots.keys };
-        self.tell_snapshots();
+        self.tell_written();
     }
 }
 

@@ -30,9 +30,7 @@ use mariana_player::LoudnessShape;
 pub(crate) struct UiState {
     pub(crate) panels: PanelSwitches,
     pub(super) help: HelpPanel,
-    /// The shown scene, and its position in the list as text.
-    pub(super) placed_scene: Option<(SceneSource, String)>,
-    pub(super) welcomed: Option<Instant>,
+    pub(super) words: FirstWords,
     pub(super) browser: Option<SceneBrowser>,
     pub(super) files: Option<FileBrowser>,
     pub(super) tracks: Option<TrackPanel>,
@@ -48,6 +46,15 @@ pub(crate) struct UiState {
     pub(super) clean: bool,
     /// Hide everything except panels that are opened while this is set.
     pub(super) bare: bool,
+}
+
+/// What the first words say after the start.
+#[derive(Default)]
+pub(super) struct FirstWords {
+    /// The shown scene, and its position in the list as text.
+    pub(super) placed_scene: Option<(SceneSource, String)>,
+    /// When the words appeared.
+    pub(super) welcomed: Option<Instant>,
 }
 
 /// The panel that makes videos, and the marks on the seek bar.
@@ -96,8 +103,7 @@ impl UiState {
         Self {
             panels: PanelSwitches::default(),
             help: HelpPanel::default(),
-            placed_scene: None,
-            welcomed: None,
+            words: FirstWords::default(),
             browser: None,
             files: None,
             tracks: None,
@@ -127,7 +133,7 @@ impl UiState {
         now: Instant,
     ) {
         let (open, playing) = (self.panels.open(), reports.playing());
-        let scene = self.placed_scene.as_ref().map_or("", |(_, words)| words);
+        let scene = self.words.placed_scene.as_ref().map_or("", |(_, words)| words);
         content.add(reports.notice());
         content.help = Some(&self.help).filter(|_| self.panels.help());
         listening.show_in(content, open == Some(Panel::Sources), now);
@@ -140,7 +146,8 @@ impl UiState {
         }
         content.video = self.video.panel.as_ref();
         content.controllers = self.controllers.as_ref();
-        content.learning = controllers.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
+        content.learning =
+            controllers.learning_param(self.words.placed_scene.as_ref().map(|(scene, _)| scene));
         content.tracks = self.tracks.as_ref().map(|panel| Tracks { panel, present: playing.place.0 });
         content.cues = seen.cues.clone();
         let cover = seen.cover.as_ref().map(Cover);
@@ -154,6 +161,7 @@ impl UiState {
         } else if self.clean {
             content.notice = None;
         } else if let Some(since) = self
+            .words
             .welcomed
             .filter(|_| !seen.awake && open.is_none() && content.problem.is_none() && content.help.is_none())
         {

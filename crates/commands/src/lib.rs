@@ -19,6 +19,8 @@
 //! ```
 
 mod binding;
+#[macro_use]
+mod define;
 pub mod input;
 mod state;
 mod table;
@@ -29,8 +31,11 @@ use std::sync::OnceLock;
 
 pub use binding::Binding;
 pub use state::{ShowState, SnapshotKeys};
-pub use table::{CROSSFADE_STEP, Command, ROWS, SEEK_SECONDS, SHIFT_STEP_MS, VOLUME_STEP};
-pub use values::{Bind, Delay, Files, LoadedDeck, MovedCorner, SetSetting, TurnedNumbers};
+pub use table::{Command, ROWS};
+pub use values::{
+    Bind, CROSSFADE_STEP, Delay, Files, LoadedDeck, MovedCorner, SEEK_SECONDS, SHIFT_STEP_MS, SetSetting,
+    TurnedNumbers, VOLUME_STEP,
+};
 
 pub use video::{Edge, JobAction, Mark, VideoChoice, VideoEdit};
 

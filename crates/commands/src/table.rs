@@ -2,54 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use super::values::{Bind, Delay, Files, LoadedDeck, MovedCorner, SetSetting, TurnedNumbers};
+use super::values::{
+    Bind, CROSSFADE_STEP, Delay, Files, LoadedDeck, MovedCorner, SEEK_SECONDS, SetSetting, TurnedNumbers,
+    VOLUME_STEP,
+};
 use super::{Binding, Control, Edge, Group, Mark, Panel, Row, SceneName, Switch, VideoEdit};
 use crate::input::{Key, NamedKey};
 use mariana_control::midi::Target;
 use mariana_player::track::Repeat;
 use mariana_scenes::SceneSource;
 use mariana_settings::KnobEdit;
-
-/// The step of the seek keys, in seconds.
-pub const SEEK_SECONDS: f64 = 5.0;
-/// The step of the volume keys, on a scale of 0..1.
-pub const VOLUME_STEP: f32 = 0.05;
-
-/// The step of the crossfader's keys, as a part of its way.
-pub const CROSSFADE_STEP: f32 = 0.05;
-
-/// The step of the image delay keys, in milliseconds.
-pub const SHIFT_STEP_MS: f64 = 5.0;
-
-/// Defines [`Command`] and its table from one row per command.
-macro_rules! commands {
-    ($( $(#[$doc:meta])* $variant:ident $( ( $value:ty ) )? { $($field:ident: $of_row:expr),* $(,)? } )*) => {
-        /// A request by the user.
-        #[derive(Debug, Clone, PartialEq)]
-        pub enum Command {
-            $( $(#[$doc])* $variant $( ($value) )?, )*
-        }
-
-        /// One row per command, in the order of the help.
-        pub static ROWS: &[Row] = &[$( Row { $($field: $of_row,)* ..Row::PLAIN } ),*];
-
-        enum Place { $($variant),* }
-
-        impl Command {
-            /// Returns the command's row of the table.
-            pub fn row(&self) -> &'static Row {
-                let place = match self { $( Self::$variant { .. } => Place::$variant ),* };
-                &ROWS[place as usize]
-            }
-        }
-    };
-}
-
-macro_rules! keys {
-    ($($key:expr),+ => $command:expr, $written:literal, $help:literal $(, $field:ident: $value:expr)*) => {
-        Binding { keys: &[$(($key, $command)),+], written: $written, help: $help, $($field: $value,)* ..Binding::ONCE }
-    };
-}
 
 use Command as C;
 use Switch::Toggle;
@@ -116,9 +78,7 @@ commands! {
         name: Some("beat"),
         control: Some(Control::Press(|| C::Tap)),
         group: Some(Group::Playing),
-        bindings: &[keys!(
-            Key::Character("t") => C::Tap, "T", "tap the tempo; a single tap returns to the detected tempo"
-        )],
+        bindings: &[keys!(Key::Character("t") => C::Tap, "T", "tap the tempo; a single tap returns to the detected tempo")],
     }
     /// Sets the tempo in beats per minute; 0 returns to the detected tempo.
     Tempo(f32) {
@@ -148,9 +108,7 @@ commands! {
         control: Some(Control::Switch(C::Shuffle)),
         is_on: Some(|state| state.shuffled),
         group: Some(Group::Playing),
-        bindings: &[keys!(
-            Key::Character("s") => C::Shuffle(Toggle), "S", "play tracks in random order or in list order"
-        )],
+        bindings: &[keys!(Key::Character("s") => C::Shuffle(Toggle), "S", "play tracks in random order or in list order")],
     }
     /// Switches to the next repeat mode: all tracks, one track, or none.
     NextRepeat {
@@ -209,17 +167,11 @@ commands! {
             keys!(
                 Key::Character("e") => C::TogglePanel(Panel::Editor),
                 "E", "edit this scene, over the image", group: Some(Group::Scenes)),
-            keys!(
-                Key::Character("g") => C::TogglePanel(Panel::Settings),
-                "G", "settings: sound, image, scenes and more"
-            ),
+            keys!(Key::Character("g") => C::TogglePanel(Panel::Settings), "G", "settings: sound, image, scenes and more"),
             keys!(
                 Key::Character("j") => C::TogglePanel(Panel::Controllers),
                 "J", "controllers: MIDI, OSC, phones, and their mappings", group: Some(Group::Stage)),
-            keys!(
-                Key::Named(NamedKey::F10) => C::TogglePanel(Panel::Video),
-                "F10", "make a video of this song"
-            ),
+            keys!(Key::Named(NamedKey::F10) => C::TogglePanel(Panel::Video), "F10", "make a video of this song"),
             keys!(
                 Key::Character("y") => C::TogglePanel(Panel::Corners),
                 "Y", "drag the image's corners, for a projector at an angle", group: Some(Group::Stage)),
@@ -275,9 +227,7 @@ commands! {
         name: Some("surprise"),
         control: Some(Control::Number(C::Surprise, Some(0.0))),
         group: Some(Group::Looks),
-        bindings: &[keys!(
-            Key::Named(NamedKey::F5) => C::Surprise(0.0), "F5", "surprise me: another variation of this scene"
-        )],
+        bindings: &[keys!(Key::Named(NamedKey::F5) => C::Surprise(0.0), "F5", "surprise me: another variation of this scene")],
     }
     /// Returns to the variation before, and at last to the scene itself.
     SurpriseBack {
@@ -295,9 +245,7 @@ commands! {
         control: Some(Control::Press(|| C::KeepSurprise)),
         for_phones: false,
         group: Some(Group::Looks),
-        bindings: &[keys!(
-            Key::Named(NamedKey::F7) => C::KeepSurprise, "F7", "save this variation as a scene of your own"
-        )],
+        bindings: &[keys!(Key::Named(NamedKey::F7) => C::KeepSurprise, "F7", "save this variation as a scene of your own")],
     }
     /// Changes numbers in a scene's text and shows the result without parsing the text again.
     TurnNumbers(TurnedNumbers) {}
@@ -322,9 +270,7 @@ commands! {
         control: Some(Control::Switch(C::Follow)),
         is_on: Some(|state| state.follows),
         group: Some(Group::Scenes),
-        bindings: &[keys!(
-            Key::Character("a") => C::Follow(Toggle), "A", "turn automatic scene changes (the show) on or off"
-        )],
+        bindings: &[keys!(Key::Character("a") => C::Follow(Toggle), "A", "turn automatic scene changes (the show) on or off")],
     }
     /// Keeps the current scene while scenes follow the song, or allows scene changes again.
     Keep(Switch) {
@@ -332,9 +278,7 @@ commands! {
         control: Some(Control::Switch(C::Keep)),
         is_on: Some(|state| state.kept),
         group: Some(Group::Scenes),
-        bindings: &[keys!(
-            Key::Character("k") => C::Keep(Toggle), "K", "keep this scene when scenes would follow the song"
-        )],
+        bindings: &[keys!(Key::Character("k") => C::Keep(Toggle), "K", "keep this scene when scenes would follow the song")],
     }
     /// Plays two scenes on two decks, mixed by a crossfader, or one scene.
     Decks(Switch) {
@@ -342,9 +286,7 @@ commands! {
         control: Some(Control::Switch(C::Decks)),
         is_on: Some(|state| state.decks),
         group: Some(Group::Stage),
-        bindings: &[keys!(
-            Key::Named(NamedKey::F3) => C::Decks(Toggle), "F3", "two decks with a crossfader, or one scene"
-        )],
+        bindings: &[keys!(Key::Named(NamedKey::F3) => C::Decks(Toggle), "F3", "two decks with a crossfader, or one scene")],
     }
     /// Moves the crossfader to this position, 0..1: 0 shows deck A, 1 shows deck B.
     Crossfade(f32) {
@@ -429,10 +371,7 @@ commands! {
                 Key::Character("<") => C::Mark(Mark { edge: Edge::Start, at: None }),
                 "<", "mark the start of a part of the song, for a video"
             ),
-            keys!(
-                Key::Character(">") => C::Mark(Mark { edge: Edge::End, at: None }),
-                ">", "mark the end of the part"
-            ),
+            keys!(Key::Character(">") => C::Mark(Mark { edge: Edge::End, at: None }), ">", "mark the end of the part"),
         ],
     }
     /// Changes the choices for a video or the queue of videos.
@@ -457,9 +396,7 @@ commands! {
     /// Switches between a shortened tape in each cell and the whole tape everywhere.
     ToggleRegions {
         group: Some(Group::Developers),
-        bindings: &[keys!(
-            Key::Character("r") => C::ToggleRegions, "R", "skip empty space or not; the image is the same"
-        )],
+        bindings: &[keys!(Key::Character("r") => C::ToggleRegions, "R", "skip empty space or not; the image is the same")],
     }
     /// Returns to the scene's own camera after manual camera moves.
     ResetCamera {
@@ -541,9 +478,7 @@ commands! {
         control: Some(Control::Switch(C::Morph)),
         is_on: Some(|state| state.snapshots.morphs),
         group: Some(Group::Looks),
-        bindings: &[keys!(
-            Key::Named(NamedKey::F4) => C::Morph(Toggle), "F4", "recall snapshots over some beats, or at once"
-        )],
+        bindings: &[keys!(Key::Named(NamedKey::F4) => C::Morph(Toggle), "F4", "recall snapshots over some beats, or at once")],
     }
     /// Recalls snapshots over this number of beats; 0 recalls them at once.
     MorphBeats(f32) {
@@ -577,9 +512,7 @@ commands! {
         control: Some(Control::Switch(C::Freeze)),
         is_on: Some(|state| state.frozen),
         group: Some(Group::Stage),
-        bindings: &[keys!(
-            Key::Character("z") => C::Freeze(Toggle), "Z", "freeze or release the image; the song continues"
-        )],
+        bindings: &[keys!(Key::Character("z") => C::Freeze(Toggle), "Z", "freeze or release the image; the song continues")],
     }
     /// Sets the brightness of the image, 0..1, without saving it for the next run.
     Brightness(f32) {
@@ -629,9 +562,7 @@ commands! {
     /// Shows or hides the list of keys.
     ToggleHelp {
         group: Some(Group::Playing),
-        bindings: &[keys!(
-            Key::Character("h"), Key::Named(NamedKey::F1) => C::ToggleHelp, "H or F1", "show or hide the keys"
-        )],
+        bindings: &[keys!(Key::Character("h"), Key::Named(NamedKey::F1) => C::ToggleHelp, "H or F1", "show or hide the keys")],
     }
     /// Ends the program.
     Quit {

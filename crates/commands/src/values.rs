@@ -6,6 +6,17 @@ use mariana_control::SoundBinding;
 use mariana_scenes::SceneSource;
 use mariana_settings::Setting;
 
+/// The step of the seek keys, in seconds.
+pub const SEEK_SECONDS: f64 = 5.0;
+/// The step of the volume keys, on a scale of 0..1.
+pub const VOLUME_STEP: f32 = 0.05;
+
+/// The step of the crossfader's keys, as a part of its way.
+pub const CROSSFADE_STEP: f32 = 0.05;
+
+/// The step of the image delay keys, in milliseconds.
+pub const SHIFT_STEP_MS: f64 = 5.0;
+
 /// Files to open.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Files {
