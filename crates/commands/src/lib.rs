@@ -159,8 +159,8 @@ pub enum Control {
     Number(fn(f32) -> Command, Option<f32>),
     /// A scene.
     Scene(fn(SceneName) -> Command),
-    /// A number counted from 1.
-    Numbered(fn(usize) -> Command),
+    /// A number from 1; the second field is the number of pads that are offered for it.
+    Numbered(fn(usize) -> Command, u8),
 }
 
 /// A command's entry in the table.
@@ -205,7 +205,7 @@ impl Row {
             Control::Level(_) => ValueType::Level,
             Control::Number(..) => ValueType::Number,
             Control::Scene(_) => ValueType::Choice,
-            Control::Numbered(_) => ValueType::Index,
+            Control::Numbered(_, most) => ValueType::Index(most),
         };
         Some(ActionRow { name, takes, meaning: self.words() })
     }
@@ -236,7 +236,7 @@ impl Command {
                 ActionValue::Number(number) => SceneName::Number(number.round().max(0.0) as usize),
                 ActionValue::Nothing => return None,
             }),
-            Control::Numbered(command) => command(match &action.given {
+            Control::Numbered(command, _) => command(match &action.given {
                 ActionValue::Text(text) => text.trim().parse().ok()?,
                 ActionValue::Number(number) => number.round().max(0.0) as usize,
                 ActionValue::Nothing => return None,

@@ -317,7 +317,7 @@ commands! {
     /// Mixes the decks in the way with this number, from 1: melt, fade, ball or plane. 0 takes the next way.
     MixDecks(usize) {
         name: Some("mix"),
-        control: Some(Control::Numbered(C::MixDecks)),
+        control: Some(Control::Numbered(C::MixDecks, 4)),
         help: "how the decks mix: 1 melt, 2 fade, 3 ball, 4 plane, 0 the next way",
     }
     /// Loads a scene into this deck: 0 is A, 1 is B.
@@ -325,7 +325,7 @@ commands! {
     /// Lets sliders and controllers change the scene on this deck: 1 is A, 2 is B.
     TakeDeck(usize) {
         name: Some("deck"),
-        control: Some(Control::Numbered(C::TakeDeck)),
+        control: Some(Control::Numbered(C::TakeDeck, 2)),
         help: "the deck whose parameters sliders and controllers change: 1 is A, 2 is B",
     }
     /// Starts the next entry that waits for a key in the show file.
@@ -348,7 +348,7 @@ commands! {
     /// Goes to the entry of the show with this number, from 1.
     CueAt(usize) {
         name: Some("cue_at"),
-        control: Some(Control::Numbered(C::CueAt)),
+        control: Some(Control::Numbered(C::CueAt, 8)),
         help: "go to the entry of the show with this number",
     }
     /// Starts or ends a recording of the user's actions as a show.
@@ -450,7 +450,7 @@ commands! {
     /// Recalls the snapshot of the sliders with this number, from 1. The first time, takes the snapshot.
     Snapshot(usize) {
         name: Some("snapshot"),
-        control: Some(Control::Numbered(C::Snapshot)),
+        control: Some(Control::Numbered(C::Snapshot, 8)),
         for_phones: false,
         group: Some(Group::Looks),
         bindings: &[Binding {

@@ -13,8 +13,8 @@ pub enum ValueType {
     Number,
     /// A name, or a number counted from 1.
     Choice,
-    /// A number counted from 1.
-    Index,
+    /// A number from 1; the field is the number of pads that are offered for it.
+    Index(u8),
 }
 
 /// An action in the table.
@@ -66,8 +66,8 @@ impl ActionRow {
             (ValueType::Level, ActionValue::Number(number)) => {
                 action(ActionValue::Number(number.clamp(0.0, 1.0)))
             }
-            (ValueType::Level | ValueType::Choice | ValueType::Index, ActionValue::Nothing) => None,
-            (ValueType::Switch | ValueType::Number | ValueType::Choice | ValueType::Index, given) => {
+            (ValueType::Level | ValueType::Choice | ValueType::Index(_), ActionValue::Nothing) => None,
+            (ValueType::Switch | ValueType::Number | ValueType::Choice | ValueType::Index(_), given) => {
                 action(given)
             }
         }

@@ -24,7 +24,7 @@ pub fn action_table() -> String {
             ValueType::Level => "0..1",
             ValueType::Number => "a number",
             ValueType::Choice => "a name, or a number from 1",
-            ValueType::Index => "a number from 1",
+            ValueType::Index(_) => "a number from 1",
         };
         text.push_str(&format!("| `/{}` | {arguments} | {} |\n", row.name, row.meaning));
     }

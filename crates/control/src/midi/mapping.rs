@@ -264,7 +264,7 @@ fn actions_of<'a>(
     let (times, given) = match row.takes {
         ValueType::Press | ValueType::Switch => (presses, ActionValue::Nothing),
         ValueType::Level | ValueType::Number => (1, ActionValue::Number(mapping.leads_to(moved.value))),
-        ValueType::Choice | ValueType::Index => match value {
+        ValueType::Choice | ValueType::Index(_) => match value {
             Some(name) => (presses, ActionValue::Text(name.to_owned())),
             // Programs are numbered from 0, scenes from 1.
             None => (presses.min(1), ActionValue::Number((moved.value * 127.0).round() + 1.0)),

@@ -1,7 +1,6 @@
 //! Makes the rows of the panel from the state of the controllers.
 
 use super::{ControllerRow, ControllersState};
-use crate::overlay::SNAPSHOTS;
 use mariana_commands as commands;
 use mariana_control::Param;
 use mariana_control::action::ValueType;
@@ -59,10 +58,10 @@ pub(super) fn rows_of(facts: &ControllersState<'_>) -> Vec<ControllerRow> {
                 "choose a scene by program change".to_owned(),
                 None,
             );
-        } else if row.takes == ValueType::Index {
-            for number in (1..=SNAPSHOTS).map(|number| number.to_string()) {
-                let name = format!("{} {number}", row.name);
-                add(&mut rows, action(Some(number)), name, "take or recall with a pad".to_owned(), None);
+        } else if let ValueType::Index(most) = row.takes {
+            for number in (1..=most).map(|number| number.to_string()) {
+                let name = format!("{} {number}", row.name.replace('_', " "));
+                add(&mut rows, action(Some(number)), name, row.meaning.to_owned(), None);
             }
         } else {
             add(&mut rows, action(None), row.name.replace('_', " "), row.meaning.to_owned(), None);

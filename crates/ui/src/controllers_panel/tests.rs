@@ -1,9 +1,10 @@
 //! Tests of keys in the panel, and of the texts of its rows.
 
 use super::*;
-use crate::overlay::SNAPSHOTS;
+
 use mariana_commands as commands;
 use mariana_control::ChangedBy;
+use mariana_control::action::{ActionRow, ValueType};
 use mariana_control::midi::Source;
 use mariana_remote::RemoteState;
 
@@ -64,9 +65,13 @@ fn every_target_has_a_row_with_its_mappings_below() {
         "{below:?}"
     );
     let targets = panel.rows().iter().filter(|row| matches!(row, ControllerRow::Target { .. })).count();
-    // One parameter, two rows for scenes, and a row for each snapshot.
-    let more_rows = 1 + 1 + (SNAPSHOTS - 1);
-    assert_eq!(targets, commands::for_controllers().len() + more_rows);
+    // One parameter, two rows for scenes, and a row for each number.
+    let rows_of = |row: &ActionRow| match row.takes {
+        ValueType::Index(most) => usize::from(most),
+        ValueType::Choice => 2,
+        _ => 1,
+    };
+    assert_eq!(targets, 1 + commands::for_controllers().iter().map(rows_of).sum::<usize>());
     let last = panel.rows().last();
     assert!(
         matches!(last, Some(ControllerRow::Knob { words, .. }) if words.starts_with("fog in city")),

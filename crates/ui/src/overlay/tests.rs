@@ -300,6 +300,7 @@ fn every_button_of_the_bar_has_a_tooltip_and_its_own_command() {
         act(Command::TogglePanel(Panel::Tracks)),
         act(Command::TogglePanel(Panel::Sources)),
         act(Command::Follow(Switch::Toggle)),
+        act(Command::Decks(Switch::Toggle)),
         act(Command::TogglePanel(Panel::Scenes)),
         act(Command::TogglePanel(Panel::Editor)),
         act(Command::ToggleSliders),
