@@ -256,5 +256,7 @@ fn the_picture_key_saves_the_frame_without_panels_and_shift_doubles_it() {
         .zip(bare.pixels())
         .filter(|(a, b)| (0..3).any(|channel| a.0[channel].abs_diff(b.0[channel]) > 2));
     assert_eq!(differ.count(), 0, "the picture shows something else than the frame");
+    // Letters search in the table of keys while it is open.
+    app.press(&["F1"]);
     app.quit_content();
 }
