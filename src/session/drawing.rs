@@ -54,10 +54,15 @@ impl Session {
         let wanted = self.playback.pace.shown().filter(|_| held).unwrap_or(wanted);
         let new = self.playback.draw_picture(wanted, level, whole, begun)?;
         let Some(dims) = self.playback.finish_picture(new.as_ref(), begun)? else { return Ok(false) };
-        let is_there = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown()) == Some(wanted)
-            && !self.playback.scene.composer().is_drawing();
-        if is_there {
-            self.take_picture(wanted.moment.song_time, whole);
+        // A slow frame of a moving scene shows an earlier moment than the wanted one.
+        let is_alike = |shown: &Shown| {
+            let Shown { moment, revision, .. } = *shown;
+            *shown == Shown { moment, revision, ..wanted }
+        };
+        let drawn = new.as_ref().map(|new| new.shown).filter(is_alike);
+        let stands = self.playback.pace.shown().filter(|shown| *shown == wanted);
+        if let Some(shown) = drawn.or(stands).filter(|_| !self.playback.scene.composer().is_drawing()) {
+            self.take_picture(shown.moment.song_time, whole);
         }
         let lay = Lay { placement, screen, is_held: held };
         self.present(Picture { wanted, new, dims, level, begun }, &lay, size)

@@ -232,6 +232,17 @@ fn pictures(place: &Place) -> Vec<(String, RgbaImage)> {
 }
 
 #[test]
+fn a_picture_of_a_moving_scene_was_never_saved() {
+    apart!();
+    let place = Place::with_song();
+    let app = place.open(&place.song(), &["--scene", "orb", "--size", "480x270"]);
+    app.wait_until_reported("first picture");
+    app.press(&["F12"]);
+    app.wait_until("the picture", |_| pictures(&place).len() == 1);
+    app.quit_content();
+}
+
+#[test]
 fn the_picture_key_saves_the_frame_without_panels_and_shift_doubles_it() {
     apart!();
     let place = Place::with_song();
