@@ -3,21 +3,17 @@
 #![cfg(target_os = "linux")]
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::support::apart::apart;
-use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::osc::Sender;
 use crate::support::session::{self, App};
 use image::RgbaImage;
 use mariana::commands::Command;
-use mariana_testing::process::output_of;
 
 const SIZE: &str = "64x36";
 /// Length of the song in seconds. A key seeks by 5 s.
 const SECONDS: usize = 60;
-/// A frame counts as settled when it has stayed the same for this time.
-const REST: Duration = Duration::from_millis(150);
 
 /// A wall whose colour depends on the direction of view and on the time. Stills take more samples at edges, so there
 /// are no edges.
@@ -72,20 +68,8 @@ impl Place {
     fn crossfade(&self, app: &App, position: f32, before: &RgbaImage) -> RgbaImage {
         self.sender.send("/crossfade", &[position]);
         app.wait_until("the crossfader", |app| app.state().crossfade == Some(position));
-        settled(app, before, &format!("the crossfader at {position}"))
+        app.settled(before, &format!("the crossfader at {position}"))
     }
-}
-
-fn settled(app: &App, before: &RgbaImage, what: &str) -> RgbaImage {
-    let (mut last, mut since) = (before.clone(), Instant::now());
-    app.wait_until(&format!("{what}: another frame that stays the same"), |app| {
-        let picture = app.picture();
-        if picture != last || picture == *before {
-            (last, since) = (picture, Instant::now());
-        }
-        since.elapsed() > REST
-    });
-    last
 }
 
 /// Records the crossfader in each way to mix, with new scenes on the decks, and renders the recording again.
@@ -101,7 +85,7 @@ fn a_mix_of_two_decks_is_rendered_again_bit_for_bit() {
     let first = last.clone();
     let see = |pictures: &mut Vec<(f64, RgbaImage)>, last: &mut RgbaImage, time: f64, position: f32| {
         app.press(&["Right"]);
-        *last = settled(&app, last, &format!("{time} s"));
+        *last = app.settled(last, &format!("{time} s"));
         *last = place.crossfade(&app, position, last);
         pictures.push((time, last.clone()));
     };
@@ -109,11 +93,11 @@ fn a_mix_of_two_decks_is_rendered_again_bit_for_bit() {
     see(&mut pictures, &mut last, 10.0, 0.75);
     // Pictures at this time are not compared, because a parameter changes at it.
     app.press(&["Right"]);
-    last = settled(&app, &last, "15 s");
+    last = app.settled(&last, "15 s");
     place.sender.send("/deck", &[2.0]);
     app.wait_until_reported("basil on deck B in hand");
     place.sender.send("/param/level", &[0.3]);
-    last = settled(&app, &last, "a parameter of deck B");
+    last = app.settled(&last, "a parameter of deck B");
     see(&mut pictures, &mut last, 20.0, 0.5);
     see(&mut pictures, &mut last, 25.0, 1.0);
     // The next scene of deck A is coral, because basil is on deck B.
@@ -136,16 +120,7 @@ fn a_mix_of_two_decks_is_rendered_again_bit_for_bit() {
     for part in ["melt by fader", "fade by fader", "portal by fader", "set deck fader = ", "set level = "] {
         assert!(show.contains(part), "no `{part}` in\n{show}");
     }
-    for (time, picture) in &pictures {
-        let output = place.inner.path("still.png");
-        let mut still = command_in(PROGRAM, place.inner.folder(), None);
-        still.arg("still").arg(&place.song).args(["--show", path, "--size", SIZE, "-o"]).arg(&output);
-        output_of(still.args(["--at", &time.to_string()]), "mariana").unwrap();
-        let found = image::open(&output).unwrap().to_rgba8();
-        let apart = |(a, b): (&u8, &u8)| a.abs_diff(*b);
-        let most = found.as_raw().iter().zip(picture.as_raw()).map(apart).max();
-        assert!(found == *picture, "a different frame at {time} s, by up to {most:?} of 255:\n{show}");
-    }
+    place.inner.compare_with_stills((&place.song, path), SIZE, &pictures);
 }
 
 /// Resident memory of this process in MiB.

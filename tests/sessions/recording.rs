@@ -6,15 +6,12 @@ use crate::support::apart::apart;
 use std::fs;
 use std::net::UdpSocket;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
-use crate::support::desktop::{PROGRAM, command_in};
 use crate::support::osc::{Sender, sent_number};
 use crate::support::session::{self, App};
 use image::RgbaImage;
 use mariana::commands::{Bind, Command};
 use mariana_control::{Curve, SoundBinding};
-use mariana_testing::process::output_of;
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
@@ -23,8 +20,6 @@ const MOMENTS: usize = 20;
 const SECONDS: f64 = 120.0;
 /// The OSC address of the playback position, 0..1.
 const PROGRESS: &str = "/sound/progress";
-/// A frame counts as settled when it has stayed the same for this time.
-const REST: Duration = Duration::from_millis(150);
 
 /// A wall that fills the frame even if the camera turns a little. Its colour depends on the direction of view. The
 /// colour changes softly, so that the frame has no edges: stills take more samples at edges.
@@ -32,18 +27,6 @@ const WALL: &str = "param red = 0.2 in 0 .. 1\nparam width = 1 in 0.5 .. 4\n\
     material paint { color = 0  roughness = 1  emission = vec3(red, 0.5 + 0.2 * sin(0.2 * width * p.x), 0.5 + 0.2 * sin(0.2 * p.y + t)) }\n\
     object wall { shape = 5 - p.z  material = paint }\nlight none { direction = vec3(0, -1, 0)  color = 0 }\n\
     camera { position = vec3(0)  target = vec3(0, 0, 5) }\ncamera aside { position = vec3(0)  target = vec3(1, 0, 5) }\nsky { color = 0  ambient = 0 }\n";
-
-fn settled(app: &App, before: &RgbaImage, what: &str) -> RgbaImage {
-    let (mut last, mut since) = (before.clone(), Instant::now());
-    app.wait_until(&format!("{what}: another frame that stays the same"), |app| {
-        let picture = app.picture();
-        if picture != last || picture == *before {
-            (last, since) = (picture, Instant::now());
-        }
-        since.elapsed() > REST
-    });
-    last
-}
 
 struct Place {
     inner: session::Place,
@@ -122,16 +105,7 @@ impl Place {
             reported.lines().find_map(|line| line.split_once("recorded: ")?.1.split_once(';')).unwrap().0;
         app.quit_by_key();
         let show = fs::read_to_string(path).unwrap();
-        for (time, picture) in pictures {
-            let output = self.inner.path("still.png");
-            let mut still = command_in(PROGRAM, self.inner.folder(), None);
-            still.arg("still").arg(&self.song).args(["--show", path, "--size", SIZE, "-o"]).arg(&output);
-            output_of(still.args(["--at", &time.to_string()]), "mariana").unwrap();
-            let found = image::open(&output).unwrap().to_rgba8();
-            let apart = |(a, b): (&u8, &u8)| a.abs_diff(*b);
-            let most = found.as_raw().iter().zip(picture.as_raw()).map(apart).max();
-            assert!(found == *picture, "a different frame at {time} s, by up to {most:?} of 255:\n{show}");
-        }
+        self.inner.compare_with_stills((&self.song, path), SIZE, pictures);
         show
     }
 }
@@ -162,9 +136,9 @@ fn recorded_actions_are_rendered_again_bit_for_bit() {
             _ if number % 2 == 0 => sender.send("/scene/wool", &[]),
             _ => sender.send("/scene/wall", &[]),
         }
-        let after = settled(&app, &before, &format!("hand {number}"));
+        let after = app.settled(&before, &format!("hand {number}"));
         app.press(&["Right"]);
-        settled(&app, &after, &format!("after {number}"));
+        app.settled(&after, &format!("after {number}"));
         pictures.push((5.0 * number as f64, after));
     }
     place.compare(app, &pictures);
@@ -193,7 +167,7 @@ fn a_slider_that_follows_the_sound_is_rendered_again_bit_for_bit() {
         // At 1, 4, 7, ... seconds the level differs.
         let time = f64::from(3 * number - 2);
         place.go_to(&app, time);
-        last = settled(&app, &last, &format!("{time} s"));
+        last = app.settled(&last, &format!("{time} s"));
         pictures.push((time, last.clone()));
     }
     let show = place.compare(app, &pictures);
@@ -218,33 +192,33 @@ fn fades_blackouts_and_frozen_frames_are_rendered_again_bit_for_bit() {
     for number in 2..=5 {
         let time = 3.75 * f64::from(number);
         place.go_to(&app, time);
-        let there = settled(&app, &last, &format!("{time} s"));
+        let there = app.settled(&last, &format!("{time} s"));
         place.sender.send("/param/red", &[0.15 * number as f32]);
-        last = settled(&app, &there, &format!("a knob at {time} s"));
+        last = app.settled(&there, &format!("a knob at {time} s"));
         pictures.push((time, last.clone()));
     }
     place.go_to(&app, 26.25);
-    let there = settled(&app, &last, "the frame after the fade");
+    let there = app.settled(&last, "the frame after the fade");
     place.sender.send("/brightness", &[0.4]);
-    let dim = settled(&app, &there, "less light");
+    let dim = app.settled(&there, "less light");
     pictures.push((26.25, dim.clone()));
     place.go_to(&app, 27.5);
-    let dim = settled(&app, &dim, "less light at another time");
+    let dim = app.settled(&dim, "less light at another time");
     place.sender.send("/brightness", &[1.0]);
-    let there = settled(&app, &dim, "all light");
+    let there = app.settled(&dim, "all light");
     place.go_to(&app, 30.0);
-    let held = settled(&app, &there, "the frame to freeze");
+    let held = app.settled(&there, "the frame to freeze");
     place.freeze(&app);
     place.sender.send("/param/width", &[3.0]);
     place.go_to(&app, 33.75);
     assert!(app.picture() == held);
     pictures.push((31.875, held.clone()));
     place.sender.send("/freeze", &[0.0]);
-    let last = settled(&app, &held, "the frame after the freeze");
+    let last = app.settled(&held, "the frame after the freeze");
     pictures.push((33.75, last.clone()));
     // Freeze another frame. It fades out while the song plays.
     place.go_to(&app, 45.0);
-    let last = settled(&app, &last, "the frame to freeze");
+    let last = app.settled(&last, "the frame to freeze");
     place.freeze(&app);
     place.sender.send("/pause", &[0.0]);
     place.sender.send("/freeze", &[0.0]);
@@ -252,13 +226,13 @@ fn fades_blackouts_and_frozen_frames_are_rendered_again_bit_for_bit() {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     place.go_to(&app, 47.8125);
-    let fades = settled(&app, &last, "the fade from the frozen frame");
+    let fades = app.settled(&last, "the fade from the frozen frame");
     pictures.push((47.8125, fades.clone()));
     place.go_to(&app, 52.5);
-    let behind = settled(&app, &fades, "behind it");
+    let behind = app.settled(&fades, "behind it");
     pictures.push((52.5, behind.clone()));
     place.go_to(&app, 56.25);
-    settled(&app, &behind, "the frame before the blackout");
+    app.settled(&behind, "the frame before the blackout");
     app.press(&["x"]);
     app.wait_until("black", |_| app.picture().pixels().all(|pixel| pixel.0[..3] == [0; 3]));
     pictures.push((56.25, app.picture()));
@@ -281,15 +255,15 @@ fn an_interrupted_fade_is_rendered_again_bit_for_bit() {
     place.go_to(&app, 7.5);
     let first = app.picture();
     place.sender.send("/param/red", &[0.6]);
-    let mut last = settled(&app, &first, "the fade that will be interrupted");
+    let mut last = app.settled(&first, "the fade that will be interrupted");
     let mut pictures = vec![(7.5, last.clone())];
     place.go_to(&app, 11.25);
-    last = settled(&app, &last, "a later time of the fade");
+    last = app.settled(&last, "a later time of the fade");
     // Return to the first scene, long before the fade is complete.
     place.fade_while_it_runs(&app, 2, |app| app.press(&["p"]));
     for time in [15.0, 22.5] {
         place.go_to(&app, time);
-        last = settled(&app, &last, &format!("{time} s"));
+        last = app.settled(&last, &format!("{time} s"));
         pictures.push((time, last.clone()));
     }
     // A freeze also interrupts a fade. At the end of the freeze, the frozen frame fades to the new scene.
@@ -300,7 +274,7 @@ fn an_interrupted_fade_is_rendered_again_bit_for_bit() {
     place.fade_while_it_runs(&app, 3, |_| place.let_go());
     for time in [28.125, 37.5] {
         place.go_to(&app, time);
-        last = settled(&app, &last, &format!("{time} s"));
+        last = app.settled(&last, &format!("{time} s"));
         pictures.push((time, last.clone()));
     }
     let show = place.compare(app, &pictures);
@@ -318,7 +292,7 @@ fn a_freeze_during_a_fade_is_rendered_again_bit_for_bit() {
     let mut pictures = Vec::new();
     for (number, time) in [15.0, 26.25, 37.5].into_iter().enumerate() {
         place.go_to(&app, time);
-        last = settled(&app, &last, "the frame to freeze");
+        last = app.settled(&last, "the frame to freeze");
         pictures.push((time, last.clone()));
         place.freeze(&app);
         place.sender.send("/param/width", &[1.0 + number as f32]);
@@ -330,7 +304,7 @@ fn a_freeze_during_a_fade_is_rendered_again_bit_for_bit() {
     }
     for time in [48.75, 60.0] {
         place.go_to(&app, time);
-        last = settled(&app, &last, &format!("{time} s"));
+        last = app.settled(&last, &format!("{time} s"));
         pictures.push((time, last.clone()));
     }
     place.compare(app, &pictures);
@@ -349,7 +323,7 @@ fn scene_changes_behind_a_frozen_frame_are_rendered_again_bit_for_bit() {
         [(15.0, &["n"][..]), (30.0, &["p"]), (45.0, &["n", "p"])].into_iter().enumerate()
     {
         place.go_to(&app, time);
-        last = settled(&app, &last, "the frame to freeze");
+        last = app.settled(&last, "the frame to freeze");
         pictures.push((time, last.clone()));
         place.freeze(&app);
         for (key, scene) in keys.iter().zip(["wool", "wall"].iter().cycle().skip(number % 2)) {
@@ -363,7 +337,7 @@ fn scene_changes_behind_a_frozen_frame_are_rendered_again_bit_for_bit() {
         place.fade_while_it_runs(&app, number + 1, |_| place.let_go());
         for behind in [6.5625, 11.25] {
             place.go_to(&app, time + behind);
-            last = settled(&app, &last, &format!("{} s", time + behind));
+            last = app.settled(&last, &format!("{} s", time + behind));
             pictures.push((time + behind, last.clone()));
         }
     }
@@ -372,7 +346,7 @@ fn scene_changes_behind_a_frozen_frame_are_rendered_again_bit_for_bit() {
     place.go_to(&app, 52.5);
     place.fade_while_it_runs(&app, 4, |_| place.let_go());
     place.go_to(&app, 60.0);
-    last = settled(&app, &last, "the frame after the freeze");
+    last = app.settled(&last, "the frame after the freeze");
     pictures.retain(|(time, _)| *time < 52.5);
     pictures.push((60.0, last));
     place.compare(app, &pictures);
@@ -395,7 +369,7 @@ fn a_scene_of_a_show_shown_again_by_hand_is_rendered_again_bit_for_bit() {
     let mut pictures = Vec::new();
     let mut see = |app: &App, time: f64| {
         place.go_to(app, time);
-        last = settled(app, &last, &format!("{time} s"));
+        last = app.settled(&last, &format!("{time} s"));
         pictures.push((time, last.clone()));
     };
     see(&app, 15.0);

@@ -11,6 +11,7 @@ use tempfile::TempDir;
 use tracing_subscriber::filter::LevelFilter;
 
 use super::apart::is_apart;
+use super::desktop::{PROGRAM, command_in};
 use mariana::cli::prepare_show;
 use mariana::clock;
 use mariana::commands::{Command, ShowState};
@@ -18,12 +19,14 @@ use mariana::config::Folders;
 use mariana::input::{Input, Key, KeyPress, Modifiers, NamedKey, PointerButton, Wheel};
 use mariana::session::offscreen::Offscreen;
 use mariana::session::{Prepared, SessionError};
-use mariana_testing::process::WAIT_LIMIT;
+use mariana_testing::process::{WAIT_LIMIT, output_of};
 use mariana_testing::wave::write_wav;
 
 /// Options of most tests: no scenes prepared ahead, no overlay, no state from an earlier session, no sound.
 const ALONE: [&str; 5] = ["--prepare-ahead", "off", "--clean", "--new", "--silent"];
 
+/// A frame counts as settled when it has stayed the same for this time.
+const REST: Duration = Duration::from_millis(150);
 /// A little more than the duration of a frame.
 const PICTURE: Duration = Duration::from_millis(20);
 
@@ -135,6 +138,26 @@ impl Place {
 
     pub(crate) fn saved_settings(&self) -> String {
         std::fs::read_to_string(self.settings()).unwrap_or_default()
+    }
+
+    /// Compares frames of the window at their times, in seconds, with stills of the show in the file `show`.
+    pub(crate) fn compare_with_stills(
+        &self,
+        (song, show): (&Path, &str),
+        size: &str,
+        pictures: &[(f64, RgbaImage)],
+    ) {
+        let text = std::fs::read_to_string(show).unwrap();
+        for (time, picture) in pictures {
+            let output = self.path("still.png");
+            let mut still = command_in(PROGRAM, self.folder(), None);
+            still.arg("still").arg(song).args(["--show", show, "--size", size, "-o"]).arg(&output);
+            output_of(still.args(["--at", &time.to_string()]), "mariana").unwrap();
+            let found = image::open(&output).unwrap().to_rgba8();
+            let apart = |(a, b): (&u8, &u8)| a.abs_diff(*b);
+            let most = found.as_raw().iter().zip(picture.as_raw()).map(apart).max();
+            assert!(found == *picture, "a different frame at {time} s, by up to {most:?} of 255:\n{text}");
+        }
     }
 
     pub(crate) fn quiet_song(&self, name: &str, seconds: usize) -> PathBuf {
@@ -350,6 +373,19 @@ impl App {
                 (last, since) = (now, Instant::now());
             }
             since.elapsed() > Duration::from_millis(700) && app.session.borrow().is_at_rest()
+        });
+        last
+    }
+
+    /// Advances the session until another frame than `before` stays the same for [`REST`], and returns that frame.
+    pub(crate) fn settled(&self, before: &RgbaImage, what: &str) -> RgbaImage {
+        let (mut last, mut since) = (before.clone(), Instant::now());
+        self.wait_until(&format!("{what}: another frame that stays the same"), |app| {
+            let picture = app.picture();
+            if picture != last || picture == *before {
+                (last, since) = (picture, Instant::now());
+            }
+            since.elapsed() > REST
         });
         last
     }
