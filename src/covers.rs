@@ -5,7 +5,7 @@
 
 use std::io::{self, Cursor};
 
-use image::{ImageFormat, ImageReader, Limits, RgbaImage};
+use image::{ImageFormat, ImageReader, Limits, Rgba, RgbaImage};
 
 use crate::limits::LIMITS;
 use crate::song_structures::SongReader;
@@ -35,6 +35,37 @@ pub fn picture_of(song: &Song) -> Option<RgbaImage> {
     let cover = cover_of(song)?;
     let decoded = decoded(&cover);
     decoded.inspect_err(|reason| tracing::info!("the cover of a song is not shown: {reason}")).ok()
+}
+
+/// Paints a cover for a song that has none: a soft gradient of two colors, which the song's display name chooses.
+pub fn painted(name: &str) -> RgbaImage {
+    // FNV-1a: the hash must be the same in every version of the program.
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    let fraction = |shift: u32| (hash >> shift & 0xffff) as f32 / 65_536.0;
+    let hue = fraction(0);
+    let (first, second) = (of_hue(hue, 0.85), of_hue(hue + 0.12 + 0.3 * fraction(16), 0.35));
+    let angle = std::f32::consts::TAU * fraction(32);
+    let (across, down) = (angle.cos(), angle.sin());
+    RgbaImage::from_fn(SIDE, SIDE, |x, y| {
+        let place = |pixel: u32| (pixel as f32 + 0.5) / SIDE as f32 - 0.5;
+        let along = (0.5 + 0.7 * (across * place(x) + down * place(y))).clamp(0.0, 1.0);
+        let weight = along * along * (3.0 - 2.0 * along);
+        let [red, green, blue] = [0, 1, 2].map(|channel: usize| {
+            let of = |color: [f32; 3]| color.get(channel).copied().unwrap_or_default();
+            (255.0 * (of(first) + weight * (of(second) - of(first)))) as u8
+        });
+        Rgba([red, green, blue, 255])
+    })
+}
+
+/// A color of a hue (1 is the whole circle) and a brightness, 0..1, in sRGB.
+fn of_hue(hue: f32, brightness: f32) -> [f32; 3] {
+    [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|offset| {
+        let wave = 0.5 + 0.5 * (std::f32::consts::TAU * (hue - offset)).cos();
+        brightness * (0.3 + 0.7 * wave)
+    })
 }
 
 fn decoded(Cover { kind, bytes }: &Cover) -> Result<RgbaImage, String> {
@@ -96,6 +127,18 @@ mod tests {
         for kind in [CoverKind::Png, CoverKind::Jpeg] {
             assert_eq!(decoded(&encoded(1_000, 500, kind)).unwrap().dimensions(), (256, 128));
             assert_eq!(decoded(&encoded(100, 40, kind)).unwrap().dimensions(), (100, 40));
+        }
+    }
+
+    #[test]
+    fn painted_covers_differ_by_name_and_never_change() {
+        let one = painted("Hadal Lanterns");
+        assert!(one == painted("Hadal Lanterns") && one != painted("Hadal Lantern") && one != painted(""));
+        // A soft gradient has no edges.
+        for (x, y, pixel) in one.enumerate_pixels().filter(|(x, y, _)| *x > 0 && *y > 0) {
+            for beside in [one.get_pixel(x - 1, y), one.get_pixel(x, y - 1)] {
+                assert!((0..3).all(|i| pixel[i].abs_diff(beside[i]) <= 4), "{x}, {y}: {pixel:?} {beside:?}");
+            }
         }
     }
 

@@ -16,6 +16,7 @@ pub mod covers;
 pub mod demo_track;
 pub mod export;
 pub mod limits;
+pub mod moving_textures;
 pub mod program_cache;
 pub mod sending;
 pub mod session;

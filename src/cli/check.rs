@@ -12,9 +12,10 @@ use crate::export::print::{print_line, tell};
 use crate::gpu::renderer::Counting;
 use crate::gpu::scene_program::{SCENE_SHADER, compiled_variant_of};
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::scenes::{SceneError, SceneSource};
+use crate::moving_textures::description;
+use crate::scenes::{SceneError, SceneSource, TextureSource};
 use mariana_field::graph::{Graph, Input, Node, NodeId, Op, PartInput};
-use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, render_all};
+use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, TextureRef, render_all};
 use mariana_field::region::RegionPlan;
 use mariana_field::tape::{Tape, TapeOptions};
 use mariana_field::world::World;
@@ -37,9 +38,11 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     for argument in &arguments.scenes {
         let checked = scene_of(argument).and_then(|source| {
             Ok(match compile(&source)? {
-                Ok(scene) => {
+                Ok((scene, _)) => {
                     let (name, cost) = (source.name(), cost(&scene)?);
-                    Ok(format!("{name}: {cost}{}", advice(&drawable(&source, scene)?)))
+                    let moving: String =
+                        moving(&scene).map(|(_, words)| format!("\n  {}", words.text())).collect();
+                    Ok(format!("{name}: {cost}{}{moving}", advice(&drawable(&source, scene)?)))
                 }
                 Err(mistakes) => Err(mistakes),
             })
@@ -78,7 +81,10 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     for argument in scenes {
         let checked = scene_of(argument).and_then(|source| {
             let scene = match compile(&source)? {
-                Ok(scene) => Ok(drawable(&source, scene)?),
+                Ok((scene, sources)) => {
+                    print_warnings(&scene, &sources, &source)?;
+                    Ok(drawable(&source, scene)?)
+                }
                 Err(mistakes) => Err(mistakes),
             };
             Ok((scene, source))
@@ -105,6 +111,18 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
         wrong += 1;
     }
     if wrong == 0 { Ok(()) } else { refused(wrong, "listed") }
+}
+
+/// Prints a warning for each texture that will be grey.
+fn print_warnings(scene: &Scene, sources: &Sources, source: &SceneSource) -> anyhow::Result<()> {
+    for (texture, found) in moving(scene) {
+        if let Moving::Grey(text) = found {
+            let one = Diagnostic::new(texture.span, text);
+            let warning = Mistake { severity: "warning", ..mistake(&one, sources, source) };
+            print_line(&serde_json::to_string(&warning)?)?;
+        }
+    }
+    Ok(())
 }
 
 #[derive(Serialize)]
@@ -156,11 +174,12 @@ struct Mistakes {
 }
 
 /// Compiles a scene. Missing texture files are mistakes too.
-fn compile(source: &SceneSource) -> Result<Result<Scene, Mistakes>, SceneError> {
+fn compile(source: &SceneSource) -> Result<Result<(Scene, Sources), Mistakes>, SceneError> {
     let Compiled { scene, diagnostics, sources, .. } = source.compile()?;
-    let Some(scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
+    let Some(mut scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
+    source.find_videos(&mut scene);
     Ok(match source.textures(&scene) {
-        Ok(_) => Ok(scene),
+        Ok(_) => Ok((scene, sources)),
         Err(diagnostics) => Err(Mistakes { diagnostics, sources }),
     })
 }
@@ -180,6 +199,31 @@ fn drawable(source: &SceneSource, scene: Scene) -> anyhow::Result<World> {
         })?;
     }
     Ok(world)
+}
+
+/// A texture whose picture changes: what was found, or the reason why it will be grey.
+enum Moving {
+    Found(String),
+    Grey(String),
+}
+
+impl Moving {
+    fn text(&self) -> &str {
+        match self {
+            Self::Found(text) | Self::Grey(text) => text,
+        }
+    }
+}
+
+/// The videos, cameras and covers of a scene.
+fn moving(scene: &Scene) -> impl Iterator<Item = (&TextureRef, Moving)> {
+    scene.textures.iter().filter_map(|texture| {
+        let source = TextureSource::of(texture)?;
+        Some(match description(&source) {
+            Ok(found) => (texture, Moving::Found(found)),
+            Err(error) => (texture, Moving::Grey(error.to_string())),
+        })
+    })
 }
 
 fn cost(scene: &Scene) -> anyhow::Result<String> {

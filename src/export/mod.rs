@@ -4,6 +4,7 @@ mod alpha;
 pub mod analyze;
 pub mod bench;
 pub mod error;
+mod exact_textures;
 pub mod output;
 pub mod painter;
 pub mod print;

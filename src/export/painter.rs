@@ -2,6 +2,8 @@
 
 use super::alpha::{Coverage, require_no_sky};
 use super::error::ExportError;
+use super::exact_textures::ExactTextures;
+use super::song_features::SongFeatures;
 use crate::config::SdfChoice;
 use crate::frame::held_inputs::{HeldInputs, InputNames, Setting};
 use crate::frame::{Frame, FrameOptions};
@@ -69,6 +71,7 @@ pub(super) struct HeadlessRenderer {
     renderer: Renderer,
     view: Option<(ViewChoice, LegendPainter)>,
     coverage: Option<Coverage>,
+    textures: ExactTextures,
     // The last field, so that the context is dropped after the objects that use it.
     context: Headless,
 }
@@ -89,7 +92,7 @@ impl HeadlessRenderer {
         renderer.time_pictures()?;
         let view = choice.view.map(|view| (view, LegendPainter::default()));
         let coverage = choice.alpha.then(Coverage::default);
-        Ok(Self { renderer, view, coverage, context })
+        Ok(Self { renderer, view, coverage, textures: ExactTextures::default(), context })
     }
 
     /// Uploads a scene and links its program. With `auto`, the scene is compiled unless it is very large; the image is
@@ -124,8 +127,14 @@ impl HeadlessRenderer {
         Ok(Model { program, coverage, resources, mode })
     }
 
+    /// Sets the song whose cover the scenes show.
+    pub(super) fn hear(&mut self, song: &SongFeatures) {
+        self.textures.hear(song.song().clone(), song.name().to_owned());
+    }
+
     pub(super) fn draw(&mut self, model: &Model, mut frame: Frame) -> Result<(), ExportError> {
         let Model { program, resources, mode, .. } = model;
+        self.textures.put_into(&mut frame, resources.world());
         if let Some((coverage, program)) = self.coverage.as_mut().zip(model.coverage.as_ref()) {
             coverage.draw(&mut self.renderer, &mut frame, (resources, program))?;
         }
@@ -237,6 +246,11 @@ impl Painter {
     pub fn hold(&mut self, set: &[Setting]) -> Result<(), ExportError> {
         self.held = held_of(&self.model.world().scene, set)?;
         Ok(())
+    }
+
+    /// Sets the song whose cover the scene shows.
+    pub(super) fn hear(&mut self, song: &SongFeatures) {
+        self.headless_renderer.hear(song);
     }
 
     /// Draws a frame of `size` pixels at `time` seconds, with the `sound` of that moment.

@@ -149,6 +149,10 @@ impl SongFeatures {
         features
     }
 
+    pub(super) fn song(&self) -> &Song {
+        &self.song
+    }
+
     /// Returns the song's title for messages.
     pub fn name(&self) -> &str {
         &self.name

@@ -96,6 +96,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
             let prepared_show = show.prepared_show(&mut song, request.at)?;
             let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
             painter.graphs().for_each(|graph| song.know_for(graph));
+            painter.headless_renderer().hear(&song);
             let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
             painter.draw((request.at, sound), held, request.size)?;
@@ -126,6 +127,7 @@ fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> R
     require_inputs(&[&ready.world.scene], &request.set)?;
     let mut painter = Painter::of_ready(&request.scene, ready)?;
     painter.hold(&request.set)?;
+    painter.hear(song);
     painter.draw(request.at, sound, request.size)?;
     Ok(painter.read())
 }

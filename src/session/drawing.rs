@@ -260,6 +260,14 @@ impl Playback {
         }
     }
 
+    /// Takes the pictures of moving textures that have come.
+    pub(super) fn follow_textures(&mut self) {
+        let cover = self.scene.scenes().show_covers().then(|| self.listening.cover_or_painted());
+        for problem in self.scene.composer_mut().follow_textures(cover) {
+            self.reports.say(problem);
+        }
+    }
+
     pub(super) fn moment(&mut self) -> Option<Moment> {
         let now = self.listening.now()?;
         Some(self.pace.moment(now, self.scene.moves_by_itself()))

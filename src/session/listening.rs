@@ -8,6 +8,7 @@ use image::RgbaImage;
 
 use crate::clock;
 use crate::config::{Choices, Settings};
+use crate::covers;
 use crate::demo_track::is_demo;
 use crate::session::announcer::{TrackOrder, words_of};
 use crate::session::direction::Playing;
@@ -20,6 +21,7 @@ use crate::ui::settings_panel::Facts;
 use mariana_control::midi::ClockReading;
 use mariana_music::{Gain, LiveEnergy, SongMoment, SongStructure, Tables, TapTempo};
 use mariana_player::input::LiveStatus;
+use mariana_player::track::TrackInfo;
 use mariana_player::{Moment, Player, PlayerStatus};
 
 const NO_SONG: &str = "this show listens to an input: start Mariana without --mic and --system to play files";
@@ -45,6 +47,24 @@ pub(crate) struct Listening {
     level: f32,
     playing: Playing,
     track: u64,
+    painted: PaintedCover,
+}
+
+/// The cover of a song that has none: the track that plays, and the last painted cover with the name of its song.
+#[derive(Default)]
+struct PaintedCover {
+    track: Option<Arc<TrackInfo>>,
+    last: Option<(String, Arc<RgbaImage>)>,
+}
+
+impl PaintedCover {
+    fn picture(&mut self) -> Arc<RgbaImage> {
+        let name = self.track.as_ref().map_or("", |track| track.name.as_str());
+        match &self.last {
+            Some((known, picture)) if known == name => picture.clone(),
+            _ => self.last.insert((name.to_owned(), Arc::new(covers::painted(name)))).1.clone(),
+        }
+    }
 }
 
 impl Listening {
@@ -70,6 +90,7 @@ impl Listening {
             level: 0.0,
             playing: Playing::default(),
             track: 0,
+            painted: PaintedCover::default(),
         }
     }
 
@@ -312,6 +333,7 @@ impl Listening {
             covers.want([&status.track].into_iter().chain(&status.next));
         }
         self.parts.request([&status.track].into_iter().chain(&status.next));
+        self.painted.track = Some(status.track.clone());
         Some(PlayerStatus { paused: self.paused, ..status })
     }
 
@@ -326,6 +348,11 @@ impl Listening {
     /// The cover of the track that plays, at most 256 pixels wide and high, once it is decoded.
     pub(crate) fn cover(&self) -> Option<Arc<RgbaImage>> {
         self.covers.as_ref().filter(|_| self.sound.plays_song())?.get(self.track)
+    }
+
+    /// The cover of the track that plays, or a painted one.
+    pub(crate) fn cover_or_painted(&mut self) -> Arc<RgbaImage> {
+        self.cover().unwrap_or_else(|| self.painted.picture())
     }
 
     pub(crate) fn track_of(&self, moment: Moment) -> Option<u64> {

@@ -317,6 +317,7 @@ impl Session {
         let moment = self.playback.moment();
         self.playback.direct(moment);
         self.playback.follow_parts();
+        self.playback.follow_textures();
         let moves = self.playback.pace.note_wanted(moment, self.playback.scene.revision(), now);
         if self.playback.holds_picture() {
             self.playback.record_again(now);

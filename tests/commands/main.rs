@@ -4,6 +4,7 @@ mod cli;
 mod cli_bad_input;
 mod installing;
 mod interrupted;
+mod moving_textures;
 mod outputs;
 mod playlists;
 mod scene_commands;

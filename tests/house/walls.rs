@@ -159,6 +159,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("videos", &["atomic_file", "commands", "config", "ending", "export", "file_names", "limits"]),
     ("song_structures", &["atomic_file", "config", "limits"]),
     ("covers", &["limits", "song_structures"]),
+    ("moving_textures", &["clock", "frame", "scenes"]),
     ("stems", &["config", "limits", "song_structures"]),
     ("sending", &["limits", "y4m"]),
     ("y4m", &[]),
@@ -181,6 +182,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "input",
             "limits",
             "monitor",
+            "moving_textures",
             "placement",
             "probing",
             "scenes",
@@ -213,6 +215,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     (
         "export",
         &[
+            "covers",
             "scenes",
             "frame",
             "view",
@@ -222,6 +225,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "atomic_file",
             "ending",
             "limits",
+            "moving_textures",
             "show",
             "song_structures",
             "stems",
@@ -252,7 +256,18 @@ pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
     // Drawing code may use features of the sound, but not the source of the sound.
     (
         "mariana_player",
-        &["cli", "covers", "demo_track", "export", "session", "shell", "song_structures", "stems", "videos"],
+        &[
+            "cli",
+            "covers",
+            "demo_track",
+            "export",
+            "moving_textures",
+            "session",
+            "shell",
+            "song_structures",
+            "stems",
+            "videos",
+        ],
     ),
 ];
 

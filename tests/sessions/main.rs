@@ -9,6 +9,7 @@ mod decks;
 mod editor;
 mod lists;
 mod live;
+mod moving_textures;
 mod panels;
 mod playlist;
 mod programs;

@@ -4,6 +4,8 @@
 //! address that their input names. Inputs can be added only by [`CommandLine::input`]. It names the demuxers that may
 //! read the input, and the single protocol that reaches the input. These demuxers open only their own input.
 
+pub(crate) mod process;
+
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -46,6 +48,10 @@ const SONG_DEMUXERS: [&str; 34] = [
     "wv",
 ];
 
+/// Demuxers for videos without sound, and for pictures that move. They open only their own input.
+const VIDEO_DEMUXERS: [&str; 12] =
+    ["apng", "asf", "avi", "flv", "gif", "ivf", "matroska", "mov", "mpeg", "mpegts", "ogg", "webm"];
+
 /// An ffmpeg demuxer that reads only its own input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Demuxer(&'static str);
@@ -75,11 +81,27 @@ impl Demuxer {
     pub const OGG: Self = Self("ogg");
     /// WAVE.
     pub const WAV: Self = Self("wav");
+    /// Cameras of Video4Linux.
+    pub const V4L2: Self = Self("v4l2");
 
     /// Returns the demuxer for songs among the comma-separated names from ffprobe; `None` without such a demuxer.
     pub(crate) fn of_song(reported: &str) -> Option<Self> {
-        let is_reported = |known: &&str| reported.split(',').any(|name| name == *known);
-        SONG_DEMUXERS.into_iter().find(is_reported).map(Self)
+        Self::among(&SONG_DEMUXERS, reported)
+    }
+
+    /// Returns the demuxer for videos among the comma-separated names from ffprobe; `None` without such a demuxer.
+    pub(crate) fn of_video(reported: &str) -> Option<Self> {
+        Self::among(&VIDEO_DEMUXERS, reported)
+    }
+
+    /// False for the broadcast formats, in which a seek guesses a place in the file.
+    pub(crate) fn has_index(self) -> bool {
+        !matches!(self.0, "mpeg" | "mpegts")
+    }
+
+    fn among(known: &[&'static str], reported: &str) -> Option<Self> {
+        let is_reported = |known: &&&str| reported.split(',').any(|name| name == **known);
+        known.iter().find(is_reported).map(|name| Self(name))
     }
 }
 
@@ -90,6 +112,8 @@ pub enum ReadBy {
     Demuxer(Demuxer),
     /// The song demuxer that recognises the content.
     AnySongDemuxer,
+    /// The video demuxer that recognises the content.
+    AnyVideoDemuxer,
 }
 
 /// The origin of an input.
@@ -97,6 +121,8 @@ pub enum ReadBy {
 pub enum Source<'a> {
     /// A file.
     File(&'a Path),
+    /// A camera, by the absolute path of its device.
+    Camera(&'a Path),
     /// Standard input.
     StandardInput,
 }
@@ -140,6 +166,8 @@ impl CommandLine {
     ) -> Self {
         let (protocol, address) = match source {
             Source::File(path) => ("file", file_address(path)),
+            // The demuxer of cameras opens the path itself. An absolute path is neither an option nor an address.
+            Source::Camera(path) => ("file", Path::new("/").join(path).into_os_string()),
             Source::StandardInput => ("pipe", "pipe:0".into()),
         };
         let line = self.options(["-protocol_whitelist", protocol]);
@@ -147,6 +175,7 @@ impl CommandLine {
         let line = match read_by {
             ReadBy::Demuxer(Demuxer(name)) => line.options(["-format_whitelist", name, "-f", name]),
             ReadBy::AnySongDemuxer => line.options(["-format_whitelist", &SONG_DEMUXERS.join(",")]),
+            ReadBy::AnyVideoDemuxer => line.options(["-format_whitelist", &VIDEO_DEMUXERS.join(",")]),
         };
         line.options(options).options([OsStr::new("-i"), &address])
     }
@@ -197,6 +226,10 @@ mod tests {
     fn no_playlist_is_a_song() {
         assert_eq!(Demuxer::of_song("mov,mp4,m4a,3gp,3g2,mj2"), Some(Demuxer::MOV));
         assert_eq!(Demuxer::of_song("matroska,webm"), Some(Demuxer::MATROSKA));
+        assert_eq!(Demuxer::of_video("matroska,webm"), Some(Demuxer::MATROSKA));
+        for list in ["hls", "image2", "concat", "v4l2", "video4linux2,v4l2"] {
+            assert_eq!(Demuxer::of_video(list), None, "{list}");
+        }
         for list in ["hls", "applehttp", "dash", "concat", "image2", "tty", "", "m"] {
             assert_eq!(Demuxer::of_song(list), None, "{list}");
         }

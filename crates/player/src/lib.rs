@@ -16,6 +16,7 @@
 //! | [`covers`] | finds the cover of a song | caller |
 //! | [`lyrics`] | reads lyrics with times | caller |
 //! | [`stems`] | finds and opens the stems of a song | caller |
+//! | [`video`] | decodes the frames of videos and cameras | caller, who waits |
 //! | [`listed`] | the list as a window shows it | shared, locked briefly |
 //! | [`player`] | the handle for the window; the decoding and analysis threads | |
 //! | [`audible_segments`] | map frames of a segment to song time and features | shared, locked briefly |
@@ -64,6 +65,7 @@ pub mod stems;
 mod supervisor;
 pub mod tags;
 pub mod track;
+pub mod video;
 mod worker;
 
 pub use device::Target;

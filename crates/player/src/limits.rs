@@ -43,6 +43,12 @@ pub struct Limits {
     pub stem_files_max: usize,
     /// Maximum time, in seconds, that ffmpeg may take to deliver the next data of a file.
     pub ffmpeg_wait_seconds: f64,
+    /// Maximum width and height of a frame of a decoded video or camera, in pixels. Larger frames are scaled down.
+    pub video_size_max: (u32, u32),
+    /// Maximum width and height of a video, in pixels. Larger videos are refused: decoding them takes too much memory.
+    pub video_side_max: u32,
+    /// Maximum number of frames per second of a decoded video; further frames are left out.
+    pub video_rate_max: u32,
     /// Maximum length of a track, in seconds, for which a loudness shape is measured.
     pub shape_seconds_max: f64,
     /// Maximum shift of the image against the sound, in milliseconds, in either direction.
@@ -71,6 +77,9 @@ pub const LIMITS: Limits = Limits {
     lyrics_bytes_max: 1 << 20,
     stem_files_max: 10_000,
     ffmpeg_wait_seconds: 10.0,
+    video_size_max: (1_920, 1_080),
+    video_side_max: 8_192,
+    video_rate_max: 60,
     shape_seconds_max: 3.0 * 3_600.0,
     latency_ms_max: 5_000.0,
 };

@@ -40,13 +40,14 @@ impl Folder {
     }
 
     pub(super) fn bytes(&self, name: &str, max: usize) -> Result<Vec<u8>, Refusal> {
-        let path = self.inside(name)?;
-        let refused = |error: io::Error| Refusal::Unreadable(error.to_string());
         // Check before opening: opening a pipe blocks until another program writes to it.
-        if !fs::metadata(&path).map_err(refused)?.is_file() {
-            return Err(Refusal::NoFile);
-        }
-        read_at_most(&path, max).map_err(refused)?.ok_or(Refusal::TooLarge(max))
+        read_at_most(&self.file(name)?, max).map_err(refused)?.ok_or(Refusal::TooLarge(max))
+    }
+
+    /// Returns the path of a file, with links resolved.
+    pub(super) fn file(&self, name: &str) -> Result<PathBuf, Refusal> {
+        let path = self.inside(name)?;
+        if fs::metadata(&path).map_err(refused)?.is_file() { Ok(path) } else { Err(Refusal::NoFile) }
     }
 
     pub(super) fn text(&self, name: &str, max: usize) -> Result<String, Refusal> {
@@ -86,6 +87,10 @@ impl Folder {
     fn opened(&self) -> &Path {
         if self.0.as_os_str().is_empty() { Path::new(".") } else { &self.0 }
     }
+}
+
+fn refused(error: io::Error) -> Refusal {
+    Refusal::Unreadable(error.to_string())
 }
 
 /// Reads a file; `None` if it has more than `max` bytes. Never reads more than `max` bytes, even if the file reports

@@ -26,6 +26,7 @@ mod loader;
 mod number_edits;
 mod order;
 pub mod probing;
+mod sources;
 mod textures;
 pub mod thumbnails;
 mod watch;
@@ -46,7 +47,8 @@ pub use folder::read_at_most;
 pub use loader::{Loaded, Loader};
 pub use number_edits::NumberEdits;
 pub use order::SceneList;
-pub use textures::TextureCache;
+pub use sources::{TextureSource, VIDEO_ENDINGS};
+pub use textures::{NEUTRAL, TextureCache};
 pub use world::ReadyScene;
 
 use folder::Folder;
@@ -126,7 +128,8 @@ impl SceneSource {
         if let Some(compiled) = compiled {
             files.extend(compiled.includes_asked.iter().map(|name| folder.path(name)));
             let textures = compiled.scene.iter().flat_map(|scene| &scene.textures);
-            files.extend(textures.map(|texture| folder.path(&texture.name)));
+            let files_of = textures.filter(|one| TextureSource::of(one).is_none_or(|of| of.is_file()));
+            files.extend(files_of.map(|texture| folder.path(&texture.name)));
         }
         files
     }

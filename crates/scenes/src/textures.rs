@@ -1,8 +1,11 @@
 //! Textures of scenes.
 //!
-//! A scene file can use PNG and JPEG images only from its own folder. If the folder has no image of that name, the
+//! A scene file can use images (PNG and JPEG) and videos only from its own folder. If the folder has no image of that name, the
 //! shipped image is used, so that a copy of a shipped scene works anywhere. Shipped scenes and formulas can use only
 //! shipped images.
+//!
+//! A texture whose picture changes during the song ([`TextureSource`]) is loaded as a grey image, which stays until the
+//! first picture comes.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -11,17 +14,23 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, RgbaImage};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Rgba, RgbaImage};
 use include_dir::{Dir, include_dir};
 
 use super::SceneSource;
 use super::folder::{Folder, Refusal};
+use super::sources::{TextureSource, is_video};
 use crate::limits::{LIMITS, Limits};
 use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
 
 static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/textures");
 
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
+
+/// The color of a moving texture without a picture: a grey that reflects 18 % of the light.
+pub const NEUTRAL: Rgba<u8> = Rgba([118, 118, 118, 255]);
+/// Drivers may compile other programs for sides that are powers of two, which sides of videos rarely are.
+const NEUTRAL_SIDE: u32 = 6;
 
 /// Loads textures and caches the decoded ones of the last scene. Loading a scene again decodes only changed images
 /// and returns the same [`Arc`] for unchanged images.
@@ -75,6 +84,19 @@ impl TextureCache {
         kept: &mut HashMap<u64, Arc<RgbaImage>>,
     ) -> Result<Arc<RgbaImage>, Box<Diagnostic>> {
         let mut hasher = DefaultHasher::new();
+        if let Some(of) = TextureSource::of(texture) {
+            if of.is_file() {
+                let file = source.file().ok_or(Refusal::Missing);
+                let found = file.and_then(|file| Folder::of(file).file(&texture.name));
+                found.map_err(|refusal| refused(source, texture, &refusal))?;
+            }
+            // Each source has its own image, because textures of equal images are shared.
+            of.hash(&mut hasher);
+            let made = || Arc::new(RgbaImage::from_pixel(NEUTRAL_SIDE, NEUTRAL_SIDE, NEUTRAL));
+            let key = hasher.finish();
+            let known = kept.get(&key).or_else(|| self.pictures.get(&key)).cloned();
+            return Ok(kept.entry(key).or_insert_with(|| known.unwrap_or_else(made)).clone());
+        }
         let bytes = match (own_bytes(source, &texture.name), shipped(&texture.name)) {
             (Some(Ok(bytes)), _) => {
                 bytes.hash(&mut hasher);
@@ -117,14 +139,19 @@ fn shipped_names() -> Vec<String> {
 
 fn missing(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
     let name = &texture.name;
+    if let SceneSource::Blend(blend) = source {
+        return missing(&blend.to.source, texture);
+    }
+    if is_video(name) {
+        return missing_video(source, texture);
+    }
     let shipped = shipped_names();
     let (message, advice) = match source {
         SceneSource::File(_) => (
             format!("there is no image `{name}` in the scene's folder"),
             format!("put it there, or use a shipped image: {}", shipped.join(", ")),
         ),
-        SceneSource::Blend(blend) => return missing(&blend.to.source, texture),
-        SceneSource::Shipped(_) | SceneSource::Formula(_) => (
+        SceneSource::Shipped(_) | SceneSource::Formula(_) | SceneSource::Blend(_) => (
             format!("there is no shipped image `{name}`"),
             format!("use one of {}, or save the scene as a file next to your images", shipped.join(", ")),
         ),
@@ -139,15 +166,37 @@ fn missing(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
     Diagnostic::new(texture.span, message).hint(advice).did_you_mean(similar)
 }
 
+fn missing_video(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
+    let name = &texture.name;
+    let names = source.file().map_or_else(Vec::new, |file| Folder::of(file).beside(name));
+    let similar = nearest(name, names.iter().map(String::as_str).filter(|name| is_video(name)));
+    let (message, advice) = match source {
+        SceneSource::File(_) => {
+            (format!("there is no video `{name}` in the scene's folder"), "put the video there")
+        }
+        _ => (
+            format!("`{name}` is a video, and only a scene in a file can use videos"),
+            "save the scene as a file next to the video",
+        ),
+    };
+    Diagnostic::new(texture.span, message).hint(advice).did_you_mean(similar)
+}
+
 fn refused(source: &SceneSource, texture: &TextureRef, refusal: &Refusal) -> Diagnostic {
     if *refusal == Refusal::Missing {
         return missing(source, texture);
     }
-    let message = format!("the image `{}` cannot be read: {refusal}", texture.name);
+    let is_video = is_video(&texture.name);
+    let what = if is_video { "video" } else { "image" };
+    let message = format!("the {what} `{}` cannot be read: {refusal}", texture.name);
     let (over_limit, hint) = match refusal {
+        Refusal::Leaves | Refusal::LinkOut | Refusal::Missing if is_video => {
+            (false, "copy the video into the scene's folder")
+        }
         Refusal::Leaves | Refusal::LinkOut | Refusal::Missing => {
             (false, "copy the image into the scene's folder")
         }
+        Refusal::NoFile if is_video => (false, "name a video file"),
         Refusal::NoFile => (false, "name a PNG or JPEG file"),
         Refusal::Unreadable(_) | Refusal::NotText(_) => (false, "check the file's permissions"),
         Refusal::TooLarge(_) => (true, "scale it down, or save it with stronger compression"),
@@ -158,7 +207,7 @@ fn refused(source: &SceneSource, texture: &TextureRef, refusal: &Refusal) -> Dia
 
 /// Decodes a PNG or JPEG after checking the size in its header.
 fn decode(texture: &TextureRef, bytes: &[u8], limits: &Limits) -> Result<RgbaImage, Box<Diagnostic>> {
-    let TextureRef { name, span } = texture;
+    let TextureRef { name, span, .. } = texture;
     let diagnostic = |kind: fn(Span, String) -> Diagnostic, message: String, hint: &str| {
         Box::new(kind(*span, message).hint(hint))
     };

@@ -105,10 +105,11 @@ impl SceneSource {
     }
 
     fn prepare(&self, mut compiled: Compiled, textures: &mut TextureCache) -> Result<ReadyScene, SceneError> {
-        let Some(scene) = compiled.scene.take() else {
+        let Some(mut scene) = compiled.scene.take() else {
             let diagnostics = std::mem::take(&mut compiled.diagnostics);
             return Err(self.mistakes(diagnostics, compiled));
         };
+        self.find_videos(&mut scene);
         let pictures = match textures.load(self, &scene) {
             Ok(pictures) => pictures,
             Err(wrong) => return Err(self.mistakes(wrong, compiled)),

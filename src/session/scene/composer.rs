@@ -4,6 +4,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Duration;
 
+use image::RgbaImage;
+
 use super::camera::SceneCamera;
 use super::edits::Edits;
 use super::fading::{Begun, Fading};
@@ -23,6 +25,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Progress, Renderer};
 use crate::gpu::scene_program::Mode;
+use crate::moving_textures::LiveTextures;
 use crate::scenes::camera_number;
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPicture;
@@ -75,6 +78,7 @@ pub(crate) struct SceneComposer {
     /// True if the last frame was abandoned for a new version of its scene, as when keys are faster than frames.
     has_interrupted: bool,
     pub(super) pictures: SeenPictures,
+    textures: LiveTextures,
     pub(super) regions: SceneRegions,
     pub(super) fading: Fading,
     change: SceneChange,
@@ -86,12 +90,18 @@ pub(crate) struct SceneComposer {
 }
 
 impl SceneComposer {
-    pub(super) fn new(mut regions: SceneRegions, view: Option<ViewChoice>, fade: f64) -> Self {
+    pub(super) fn new(
+        mut regions: SceneRegions,
+        textures: LiveTextures,
+        view: Option<ViewChoice>,
+        fade: f64,
+    ) -> Self {
         regions.insist(view.is_some());
         Self {
             making: None,
             has_interrupted: false,
             pictures: SeenPictures::default(),
+            textures,
             regions,
             fading: Fading::of(fade),
             change: SceneChange::default(),
@@ -243,7 +253,8 @@ impl SceneComposer {
             // The finished tree is for an older moment, but both scenes of a fade must be drawn at the same moment.
             return Ok(None);
         }
-        let frame = frame.in_window(scene.resources.world(), aspect, quality);
+        let mut frame = frame.in_window(scene.resources.world(), aspect, quality);
+        self.textures.put_into(&mut frame, scene.resources.world());
         let making = |program| Making {
             of: drawn,
             below: below.map(|below| below.place),
@@ -422,6 +433,16 @@ impl SceneComposer {
     /// Requests a new frame: an input has changed that neither the sound's features nor the parameters show.
     pub(crate) fn outdate(&mut self) {
         self.revision += 1;
+    }
+
+    /// Passes the song's cover to the scenes that show it; `None` if there are none. Requests a new frame if a picture
+    /// has come that the last frame lacks. Returns sentences about videos and cameras that have failed.
+    pub(crate) fn follow_textures(&mut self, cover: Option<Arc<RgbaImage>>) -> Vec<String> {
+        let is_another = cover.is_some() && self.textures.set_cover(cover);
+        if self.textures.take_news() || is_another {
+            self.outdate();
+        }
+        self.textures.take_problems()
     }
 
     pub(super) fn revision(&self) -> u64 {

@@ -13,7 +13,7 @@ use crate::gpu::gl::Gl;
 use crate::gpu::program::Program;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
-use crate::scenes::{ReadyScene, SceneSource};
+use crate::scenes::{ReadyScene, SceneSource, TextureSource};
 use mariana_field::graph::Op;
 
 #[derive(Debug, Clone, Copy)]
@@ -54,6 +54,7 @@ pub(super) struct PreparedScene {
     pub hears_curves: bool,
     /// True if the scene reads parts of the song.
     pub hears_parts: bool,
+    pub shows_cover: bool,
     pub knobs: SceneKnobs,
     pub since: Instant,
     /// True if this version only turns the numbers of the shown scene back into constants.
@@ -101,6 +102,8 @@ impl PreparedScene {
         let graph = &ready.world.scene.graph;
         let (moves, hears_curves, hears_parts) =
             (graph.moves_by_itself(), graph.reads(&Op::CURVES), graph.reads(&Op::PARTS));
+        let is_cover = |(_, source): &(usize, TextureSource)| *source == TextureSource::Cover;
+        let (covers, moving): (Vec<_>, Vec<_>) = TextureSource::of_world(&ready.world).partition(is_cover);
         let resources = SceneResources::upload_after(last, gl, ready.world, ready.buffers, ready.plan)?;
         Ok(Self {
             id,
@@ -114,9 +117,10 @@ impl PreparedScene {
                 compilable: true,
             },
             tree: FirstTree::Coming,
-            moves,
+            moves: moves || !moving.is_empty(),
             hears_curves,
             hears_parts,
+            shows_cover: !covers.is_empty(),
             knobs,
             since: clock::now(),
             settles: ready.settles,

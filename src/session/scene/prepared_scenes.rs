@@ -134,6 +134,11 @@ impl PreparedScenes {
         self.all().any(|scene| scene.hears_parts)
     }
 
+    /// True if a scene shows the cover of the song.
+    pub(crate) fn show_covers(&self) -> bool {
+        self.all().any(|scene| scene.shows_cover)
+    }
+
     /// Keeps a scene until it has faded out. Replaces a scene that is still fading out.
     pub(super) fn fade_out(&mut self, scene: PreparedScene) {
         self.end_fade();

@@ -32,6 +32,7 @@ use crate::gpu::gl::Gl;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::{Renderer, Sketch};
 use crate::gpu::scene_program::Mode;
+use crate::moving_textures::LiveTextures;
 use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use crate::ui::overlay::DeckStrip;
 use crate::view::ViewChoice;
@@ -61,7 +62,7 @@ impl SceneSession {
         ways: DrawingWays,
         loaders: SceneLoaders,
         first: LoadedScene,
-        wake: impl Fn() + Send + Clone + 'static,
+        wake: impl Fn() + Send + Sync + Clone + 'static,
     ) -> Result<Self, GpuError> {
         let no_worker = |error: std::io::Error| GpuError::NoWorker { reason: error.to_string() };
         let regions = SceneRegions::start(wake.clone()).map_err(no_worker)?;
@@ -70,6 +71,7 @@ impl SceneSession {
         let choice = DrawingChoice { sdf: ways.sdf, cells: ways.cells };
         let library = SceneLibrary::new(loaders.shown, source.clone());
         let trials = TreeTrials::start(wake.clone()).map_err(no_worker)?;
+        let textures = LiveTextures::new(wake.clone());
         let programs = ProgramLibrary::start(gl, contexts, sources, wake);
         let preparation = ScenePreparation::new(gl, choice, library, trials, programs);
         let mut session = Self {
@@ -77,7 +79,7 @@ impl SceneSession {
             show: ShowFollower::default(),
             parameters: Parameters::new(Model::default(), clock::now()),
             messages: Messages::default(),
-            composer: SceneComposer::new(regions, ways.view, ways.fade),
+            composer: SceneComposer::new(regions, textures, ways.view, ways.fade),
             next_picture,
             decks: None,
             announced: None,

@@ -52,7 +52,9 @@ pub use lower::section_fields;
 pub(crate) use material::material_members;
 pub use material::{Material, material_glsl};
 pub use origins::{Origins, TextPlace};
-pub use scene::{Camera, Light, LightKind, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap};
+pub use scene::{
+    Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap,
+};
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]

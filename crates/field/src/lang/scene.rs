@@ -6,6 +6,7 @@
 //! shadows of objects that do not exist (Abt 2022, figure 12). Where rays step by the bound, the estimate is larger, so
 //! that no shadow is cast there.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::about::About;
@@ -222,4 +223,15 @@ pub struct TextureRef {
     pub name: String,
     /// The location of its first use.
     pub span: Span,
+    /// Set by the loader of scenes if the picture changes during the song; `None` for an image.
+    pub moves: Option<MovingTexture>,
+}
+
+/// A texture whose picture changes during the song. The loader of scenes finds out which source its name means.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct MovingTexture {
+    /// The file of the pictures; empty if the source is no file.
+    pub file: PathBuf,
+    /// Changes when the file changes.
+    pub version: u64,
 }

@@ -4,3 +4,4 @@ mod by_ffmpeg;
 mod damaged_files;
 mod decoding;
 mod song_taken_away;
+mod video;

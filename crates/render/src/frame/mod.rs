@@ -10,8 +10,11 @@ pub mod sound_tables;
 #[cfg(test)]
 pub(crate) mod testing;
 
+use std::sync::Arc;
+
 use camera::Camera;
 use held_inputs::HeldInputs;
+use image::RgbaImage;
 use mariana_field::graph::SoundInputs;
 use mariana_field::graph::{FrameInputs, LevelList, Levels, PartInput, TableData};
 use mariana_field::world::{FrameValues, World};
@@ -35,6 +38,9 @@ pub struct Frame {
     pub values: FrameValues,
     /// Exposure, bloom, tone mapping and lens.
     pub picture: Picture,
+    /// The pictures of moving textures, by the number of the texture. Other textures, and those without a picture here,
+    /// stay as they are.
+    pub pictures: Vec<Option<Arc<RgbaImage>>>,
     orbit: OrbitControls,
 }
 
@@ -86,8 +92,16 @@ impl Frame {
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values.camera, aspect(size));
         let picture = Picture::of(&values, &camera, world.features.lens);
-        let mut frame =
-            Self { size, inputs, camera, values, quality: 1.0, picture, orbit: OrbitControls::OFF };
+        let mut frame = Self {
+            size,
+            inputs,
+            camera,
+            values,
+            quality: 1.0,
+            picture,
+            pictures: Vec::new(),
+            orbit: OrbitControls::OFF,
+        };
         frame.see_from(world, aspect(size), OrbitControls::OFF);
         frame
     }

@@ -35,7 +35,7 @@ pub struct SceneResources {
     world: Arc<World>,
     buffers: Arc<TapeBuffers>,
     /// The world's images. A scene reuses textures of the previous scene if both scenes read the same image.
-    pictures: Vec<Rc<Texture>>,
+    pictures: Vec<Rc<SceneTexture>>,
     on_gpu: SceneBuffers,
     /// True if the driver has room for the tape.
     is_interpretable: bool,
@@ -207,13 +207,13 @@ impl SceneResources {
         buffers: Arc<TapeBuffers>,
         plan: Arc<RegionPlan>,
     ) -> Result<Self, GpuError> {
-        let pictures = world.pictures.iter().map(|picture| {
+        let pictures = world.pictures.iter().zip(&world.scene.textures).map(|(picture, of)| {
             let known = last.and_then(|last| {
                 last.pictures_with_textures().find(|(known, _)| Arc::ptr_eq(known, picture))
             });
             match known {
                 Some((_, texture)) => Ok(texture.clone()),
-                None => texture::upload(gl, picture).map(Rc::new),
+                None => SceneTexture::upload(gl, picture, of.moves.is_some()).map(Rc::new),
             }
         });
         let pictures = pictures.collect::<Result<_, _>>()?;
@@ -236,7 +236,7 @@ impl SceneResources {
         })
     }
 
-    fn pictures_with_textures(&self) -> impl Iterator<Item = (&Arc<RgbaImage>, &Rc<Texture>)> {
+    fn pictures_with_textures(&self) -> impl Iterator<Item = (&Arc<RgbaImage>, &Rc<SceneTexture>)> {
         self.world.pictures.iter().zip(&self.pictures)
     }
 
@@ -345,9 +345,14 @@ impl SceneResources {
         RegionTree { low, size, bounds, whole_tape }
     }
 
-    /// Uploads the tapes and sound tables of a frame whose regions are uploaded already.
-    pub(super) fn upload_inputs(&self, frame: &Frame) {
+    /// Uploads the tapes, sound tables and moving pictures of a frame whose regions are uploaded already.
+    pub(super) fn upload_inputs(&self, frame: &Frame) -> Result<(), GpuError> {
         let inputs = &frame.inputs;
+        for (texture, picture) in self.pictures.iter().zip(&frame.pictures) {
+            if let Some(picture) = picture {
+                texture.show(picture)?;
+            }
+        }
         if self.is_interpretable {
             let regions = self.regions();
             let whole = ShortPrograms::default();
@@ -359,11 +364,40 @@ impl SceneResources {
         if self.hears_tables {
             self.on_gpu.sound_tables.replace(&floats_as_bytes(&sound_tables::texels(inputs)));
         }
+        Ok(())
     }
 
     /// The OpenGL names of the scene's objects.
     pub fn names(&self) -> SceneNames {
-        self.on_gpu.names(self.pictures.iter().map(|picture| picture.native()).collect())
+        self.on_gpu.names(self.pictures.iter().map(|picture| picture.texture.native()).collect())
+    }
+}
+
+/// A texture of a scene. Several scenes may share it.
+struct SceneTexture {
+    gl: Gl,
+    texture: Texture,
+    moves: bool,
+    shown: RefCell<Arc<RgbaImage>>,
+}
+
+impl SceneTexture {
+    fn upload(gl: &Gl, picture: &Arc<RgbaImage>, moves: bool) -> Result<Self, GpuError> {
+        let texture =
+            if moves { texture::upload_moving(gl, picture)? } else { texture::upload(gl, picture)? };
+        Ok(Self { gl: gl.clone(), texture, moves, shown: RefCell::new(picture.clone()) })
+    }
+
+    /// Replaces the picture of a moving texture.
+    fn show(&self, picture: &Arc<RgbaImage>) -> Result<(), GpuError> {
+        let shown = &mut *self.shown.borrow_mut();
+        if !self.moves || Arc::ptr_eq(shown, picture) {
+            return Ok(());
+        }
+        let same_size = shown.dimensions() == picture.dimensions();
+        texture::replace(&self.gl, &self.texture, picture, same_size)?;
+        shown.clone_from(picture);
+        Ok(())
     }
 }
 

@@ -6,6 +6,7 @@
 //! a single level.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use image::RgbaImage;
 
@@ -16,20 +17,30 @@ use super::scene_resources::{SceneBuffers, SceneNames};
 use super::texture;
 use crate::frame::sound_tables;
 use mariana_field::graph::FrameInputs;
+use mariana_field::lang::TextureRef;
 use mariana_field::world::World;
 
 /// The sizes of the placeholders for a scene's textures. They have the properties that drivers compile into programs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneShape {
-    pictures: Vec<(u32, u32)>,
+    pictures: Vec<StandIn>,
 }
 
 impl SceneShape {
     /// The shape of a world's textures.
     pub fn of(world: &World) -> Self {
-        let stand_in = |(width, height): (u32, u32)| (stand_in_side(width), stand_in_side(height));
-        Self { pictures: world.pictures.iter().map(|picture| stand_in(picture.dimensions())).collect() }
+        let stand_in = |(picture, texture): (&Arc<RgbaImage>, &TextureRef)| StandIn {
+            size: (stand_in_side(picture.width()), stand_in_side(picture.height())),
+            moves: texture.moves.is_some(),
+        };
+        Self { pictures: world.pictures.iter().zip(&world.scene.textures).map(stand_in).collect() }
     }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct StandIn {
+    size: (u32, u32),
+    moves: bool,
 }
 
 fn stand_in_side(side: u32) -> u32 {
@@ -40,10 +51,11 @@ fn stand_in_side(side: u32) -> u32 {
     }
 }
 
-/// The placeholders of a context that warms up scenes. It has at most nine textures: sides are 1, 4 or 6.
+/// The placeholders of a context that warms up scenes. It has at most 18 textures: sides are 1, 4 or 6, and
+/// a texture may move.
 pub(super) struct StandIns {
     gl: Gl,
-    pictures: HashMap<(u32, u32), Texture>,
+    pictures: HashMap<StandIn, Texture>,
     buffers: SceneBuffers,
 }
 
@@ -55,11 +67,12 @@ impl StandIns {
 
     pub(super) fn names(&mut self, shape: &SceneShape) -> Result<SceneNames, GpuError> {
         let mut pictures = Vec::with_capacity(shape.pictures.len());
-        for size in &shape.pictures {
-            let texture = match self.pictures.entry(*size) {
+        for stand_in in &shape.pictures {
+            let texture = match self.pictures.entry(*stand_in) {
                 std::collections::hash_map::Entry::Occupied(known) => known.into_mut(),
                 std::collections::hash_map::Entry::Vacant(place) => {
-                    place.insert(texture::upload(&self.gl, &RgbaImage::new(size.0, size.1))?)
+                    let upload = if stand_in.moves { texture::upload_moving } else { texture::upload };
+                    place.insert(upload(&self.gl, &RgbaImage::new(stand_in.size.0, stand_in.size.1))?)
                 }
             };
             pictures.push(texture.native());

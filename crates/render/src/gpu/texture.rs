@@ -1,6 +1,11 @@
-//! Uploads images as mipmapped textures.
+//! Uploads images as mipmapped textures, and the pictures of moving textures.
+//!
+//! A moving texture has mip levels only on a GPU, which computes them fast. On a software renderer, computing them for
+//! each picture would take longer than a frame.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use std::borrow::Cow;
 
 use glow::HasContext;
 use image::RgbaImage;
@@ -115,47 +120,99 @@ const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
 /// [`GpuError::TooLarge`] if the image exceeds the driver's texture size; [`GpuError::Object`] if the driver cannot
 /// create another object.
 pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
-    let (width, height) = picture.dimensions();
-    let limit = gl.info().texture_side_max;
+    let levels = if gl.info().software { Levels::Computed } else { Levels::Generated };
+    upload_as(gl, picture, levels)
+}
+
+/// Uploads the first picture of a moving texture, like [`upload`].
+///
+/// # Errors
+/// Fails like [`upload`].
+pub fn upload_moving(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
+    upload_as(gl, picture, levels_of_moving(gl))
+}
+
+/// Replaces the picture of a moving texture. `same_size` is true if the last picture had the same size.
+///
+/// # Errors
+/// Fails like [`upload`].
+pub fn replace(gl: &Gl, texture: &Texture, picture: &RgbaImage, same_size: bool) -> Result<(), GpuError> {
+    check_size(gl, picture)?;
+    // SAFETY: the texture exists in the current context.
+    unsafe { gl.bind_texture(glow::TEXTURE_2D, Some(texture.native())) };
+    fill(gl, picture, levels_of_moving(gl), same_size);
+    gl.check("uploading a picture")
+}
+
+/// The mip levels below the full image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Levels {
+    /// The driver generates them.
+    Generated,
+    /// Computed here: llvmpipe would compile a shader before it generates them, and the first frame would wait for it.
+    Computed,
+    /// There are none.
+    Missing,
+}
+
+fn levels_of_moving(gl: &Gl) -> Levels {
+    if gl.info().software { Levels::Missing } else { Levels::Generated }
+}
+
+fn check_size(gl: &Gl, picture: &RgbaImage) -> Result<(), GpuError> {
+    let ((width, height), limit) = (picture.dimensions(), gl.info().texture_side_max);
     if width > limit || height > limit {
         return Err(GpuError::TooLarge { width, height, limit });
     }
-    let texture = Texture::new(gl)?;
+    Ok(())
+}
+
+/// Uploads the texels of the bound texture.
+fn fill(gl: &Gl, picture: &RgbaImage, levels: Levels, same_size: bool) {
     let software = gl.info().software;
-    let wanted = if software { ANISOTROPY_SOFTWARE } else { ANISOTROPY };
-    let texels = if software { linear_texels(picture) } else { picture.as_raw().clone() };
+    let texels = if software { Cow::Owned(linear_texels(picture)) } else { Cow::Borrowed(picture.as_raw()) };
     let (format, kind) =
         if software { (glow::RGBA16F, glow::HALF_FLOAT) } else { (glow::SRGB8_ALPHA8, glow::UNSIGNED_BYTE) };
-    let anisotropy = wanted.min(gl.info().anisotropy_max);
-    // SAFETY: the texture was just created in the current context, and `texels` holds width * height RGBA texels of
+    let (width, height) = (picture.width().cast_signed(), picture.height().cast_signed());
+    let (target, pixels) = (glow::TEXTURE_2D, glow::PixelUnpackData::Slice(Some(texels.as_slice())));
+    // SAFETY: the caller has bound a texture in the current context, and `texels` holds width * height RGBA texels of
     // `kind`.
     unsafe {
-        gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
         gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
-        gl.tex_image_2d(
-            glow::TEXTURE_2D,
-            0,
-            format.cast_signed(),
-            width.cast_signed(),
-            height.cast_signed(),
-            0,
-            glow::RGBA,
-            kind,
-            glow::PixelUnpackData::Slice(Some(&texels)),
-        );
-        if software {
-            upload_levels(gl, picture);
+        if same_size {
+            gl.tex_sub_image_2d(target, 0, 0, 0, width, height, glow::RGBA, kind, pixels);
         } else {
-            gl.generate_mipmap(glow::TEXTURE_2D);
+            gl.tex_image_2d(target, 0, format.cast_signed(), width, height, 0, glow::RGBA, kind, pixels);
         }
+        match levels {
+            Levels::Generated => gl.generate_mipmap(target),
+            Levels::Computed => upload_levels(gl, picture),
+            Levels::Missing => {}
+        }
+    }
+}
+
+fn upload_as(gl: &Gl, picture: &RgbaImage, levels: Levels) -> Result<Texture, GpuError> {
+    check_size(gl, picture)?;
+    let texture = Texture::new(gl)?;
+    let wanted = if gl.info().software { ANISOTROPY_SOFTWARE } else { ANISOTROPY };
+    let anisotropy = wanted.min(gl.info().anisotropy_max);
+    let smaller = if levels == Levels::Missing { glow::LINEAR } else { glow::LINEAR_MIPMAP_LINEAR };
+    // SAFETY: the texture was just created in the current context.
+    unsafe {
+        gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+        fill(gl, picture, levels, false);
         let parameters = [
-            (glow::TEXTURE_MIN_FILTER, glow::LINEAR_MIPMAP_LINEAR),
+            (glow::TEXTURE_MIN_FILTER, smaller),
             (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
             (glow::TEXTURE_WRAP_S, glow::REPEAT),
             (glow::TEXTURE_WRAP_T, glow::REPEAT),
         ];
         for (name, value) in parameters {
             gl.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
+        }
+        if levels == Levels::Missing {
+            gl.tex_parameter_i32(glow::TEXTURE_2D, glow::TEXTURE_MAX_LEVEL, 0);
         }
         if anisotropy > 1.0 {
             gl.tex_parameter_f32(glow::TEXTURE_2D, TEXTURE_MAX_ANISOTROPY, anisotropy);
@@ -165,8 +222,7 @@ pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     Ok(texture)
 }
 
-/// Uploads the lower mip levels of the bound texture. If llvmpipe generated them, the first frame would wait until
-/// llvmpipe has compiled a shader for this.
+/// Uploads the lower mip levels of the bound texture.
 fn upload_levels(gl: &Gl, picture: &RgbaImage) {
     let levels = std::iter::successors(Level::below(picture), Level::next);
     for (number, level) in (1..).zip(levels) {

@@ -207,7 +207,7 @@ impl Lowering<'_> {
                 .add(Diagnostic::over_limit(place, message).hint("combine several images into one file"));
             return None;
         }
-        self.declared.textures.push(TextureRef { name, span: place });
+        self.declared.textures.push(TextureRef { name, span: place, moves: None });
         Some((self.declared.textures.len() - 1) as u16)
     }
 }

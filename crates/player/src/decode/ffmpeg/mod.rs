@@ -6,7 +6,6 @@
 //! taken for an option or an address. [`CommandLine`] prevents them from opening other files and addresses.
 
 mod probe;
-mod process;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -16,10 +15,10 @@ use symphonia::core::audio::{Channels, Position};
 
 use super::downmix::Downmix;
 use super::{DecodeError, StreamInfo, sniff};
+use crate::ffmpeg::process::{Failure, Process};
 use crate::ffmpeg::{CommandLine, ReadBy, Source, file_address};
 use crate::limits::LIMITS;
 use probe::{Answer, Stream};
-use process::{Failure, Process};
 
 /// Maximum size of an answer of `ffprobe`, in bytes. The answer contains no cover images.
 const ANSWER_MAX: usize = 1 << 20;

@@ -96,7 +96,7 @@ impl Painter {
         scene: &SceneResources,
     ) -> Result<(), GpuError> {
         let tree = scene.tree_of(frame);
-        scene.upload_inputs(frame);
+        scene.upload_inputs(frame)?;
         self.begin_block(product, frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
     }
 

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
 use std::time::{Duration, Instant};
 
-use crate::ffmpeg::CommandLine;
+use super::CommandLine;
 
 const PIECE: usize = 1 << 15;
 
@@ -20,14 +20,14 @@ const WORDS_MAX: usize = 1 << 12;
 const END_LIMIT: Duration = Duration::from_millis(500);
 
 #[derive(Debug)]
-pub(super) enum Failure {
+pub(crate) enum Failure {
     Missing,
     Start(io::Error),
     Stalled,
 }
 
 /// A running program. Dropping this value kills the program. If Mariana ends, the pipe closes and ends the program.
-pub(super) struct Process {
+pub(crate) struct Process {
     child: Child,
     pieces: Receiver<Vec<u8>>,
     words: Arc<Mutex<Vec<u8>>>,
@@ -35,7 +35,7 @@ pub(super) struct Process {
 }
 
 impl Process {
-    pub(super) fn start(line: CommandLine, patience: Duration) -> Result<Self, Failure> {
+    pub(crate) fn start(line: CommandLine, patience: Duration) -> Result<Self, Failure> {
         let mut child = line
             .command()
             .stdin(Stdio::null())
@@ -76,7 +76,7 @@ impl Process {
         Ok(process)
     }
 
-    pub(super) fn next(&mut self) -> Result<Option<Vec<u8>>, Failure> {
+    pub(crate) fn next(&mut self) -> Result<Option<Vec<u8>>, Failure> {
         match self.pieces.recv_timeout(self.patience) {
             Ok(piece) => Ok(Some(piece)),
             Err(RecvTimeoutError::Disconnected) => Ok(None),
@@ -84,7 +84,7 @@ impl Process {
         }
     }
 
-    pub(super) fn all(&mut self, limit: usize) -> Result<Vec<u8>, Failure> {
+    pub(crate) fn all(&mut self, limit: usize) -> Result<Vec<u8>, Failure> {
         let start = Instant::now();
         let mut all = Vec::new();
         while let Some(piece) = self.next()? {
@@ -97,12 +97,12 @@ impl Process {
     }
 
     /// True if the program succeeded. Call this method after the program has closed its pipe.
-    pub(super) fn succeeded(&mut self) -> bool {
+    pub(crate) fn succeeded(&mut self) -> bool {
         self.wait().is_some_and(|success| success)
     }
 
     /// The last error message, on one line and without `path`.
-    pub(super) fn complaint(&self, path: &str) -> String {
+    pub(crate) fn complaint(&self, path: &str) -> String {
         let words = self.words.lock().unwrap_or_else(PoisonError::into_inner);
         let words = String::from_utf8_lossy(&words);
         let last = words.lines().rev().map(str::trim).find(|line| !line.is_empty());
@@ -123,7 +123,7 @@ impl Process {
     }
 
     #[cfg(test)]
-    pub(super) fn id(&self) -> u32 {
+    pub(crate) fn id(&self) -> u32 {
         self.child.id()
     }
 }

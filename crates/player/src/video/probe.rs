@@ -1,0 +1,211 @@
+//! What ffprobe knows about a video.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use serde::Deserialize;
+
+use super::error::VideoError;
+use crate::ffmpeg::process::Process;
+use crate::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, file_address};
+use crate::limits::LIMITS;
+
+/// Maximum size of an answer of `ffprobe`, in bytes.
+const ANSWER_MAX: usize = 1 << 18;
+/// Minimum number of frames per second of the grid on which a video is read.
+const RATE_MIN: f64 = 10.0;
+
+const ENTRIES: &str = "format=format_name,duration:\
+    stream=codec_name,width,height,avg_frame_rate,r_frame_rate,duration,nb_read_packets:stream_tags=DURATION";
+
+/// The size, the rate and the length of a video.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VideoInfo {
+    /// Width and height of the file's frames in pixels, before rotation and scaling.
+    pub size: (u32, u32),
+    /// Frames per second of the grid on which the video is read, as numerator and denominator.
+    pub rate: (u32, u32),
+    /// The number of frames of the grid; at least 1. A video that ends earlier keeps its last frame.
+    pub frames: u64,
+}
+
+impl VideoInfo {
+    /// Frames per second.
+    pub fn rate(&self) -> f64 {
+        f64::from(self.rate.0) / f64::from(self.rate.1.max(1))
+    }
+
+    /// The length in seconds.
+    pub fn seconds(&self) -> f64 {
+        self.frames as f64 / self.rate()
+    }
+
+    /// The number of the frame that is shown at `seconds` of the song. It counts on when the video is repeated: frame
+    /// `number % frames` of the file has this number. Times before 0 show the first frame.
+    pub fn number_at(&self, seconds: f64) -> u64 {
+        // Times of frames are rounded to 32-bit floats.
+        const ROUNDING: f64 = 0.02;
+        (seconds * self.rate() + ROUNDING) as u64
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Answer {
+    format: Format,
+    streams: Vec<Stream>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Format {
+    format_name: String,
+    duration: Option<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Stream {
+    codec_name: Option<String>,
+    width: u32,
+    height: u32,
+    avg_frame_rate: String,
+    r_frame_rate: String,
+    duration: Option<String>,
+    nb_read_packets: Option<String>,
+    tags: BTreeMap<String, String>,
+}
+
+/// Asks ffprobe about a video.
+pub(super) fn probe(path: &Path, name: &str) -> Result<(VideoInfo, Demuxer), VideoError> {
+    let unreadable = |reason| VideoError::Unreadable { name: name.to_owned(), reason };
+    // Check before opening: opening a pipe blocks until another program writes to it.
+    if !fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Err(unreadable(std::io::Error::other("it is not a file")));
+    }
+    let answer = ask(path, name, &[])?;
+    let answer = match answer.streams.first() {
+        // Some files, such as recordings of browsers, do not name their length.
+        Some(stream) if answer.seconds(stream).is_none() => ask(path, name, &["-count_packets"])?,
+        _ => answer,
+    };
+    let no_video = |what: &str| VideoError::NoVideo { name: name.to_owned(), what: what.to_owned() };
+    let demuxer = Demuxer::of_video(&answer.format.format_name);
+    let demuxer = demuxer.ok_or_else(|| no_video("ffmpeg finds no video format in it"))?;
+    let stream = answer.streams.first().ok_or_else(|| no_video("it has no video stream"))?;
+    let (width, height, max) = (stream.width, stream.height, LIMITS.video_side_max);
+    if width == 0 || height == 0 || stream.codec_name.is_none() {
+        return Err(no_video("its video stream cannot be decoded"));
+    }
+    if width > max || height > max {
+        return Err(VideoError::TooLarge { name: name.to_owned(), width, height, max });
+    }
+    let rate = rate_of(&stream.avg_frame_rate, &stream.r_frame_rate);
+    let per_second = f64::from(rate.0) / f64::from(rate.1);
+    let frames = match answer.seconds(stream) {
+        Some(seconds) => (seconds * per_second).round() as u64,
+        None => stream.nb_read_packets.as_deref().and_then(|count| count.parse().ok()).unwrap_or(0),
+    };
+    Ok((VideoInfo { size: (width, height), rate, frames: frames.max(1) }, demuxer))
+}
+
+fn ask(path: &Path, name: &str, options: &[&str]) -> Result<Answer, VideoError> {
+    let line = CommandLine::ffprobe()
+        .options(["-select_streams", "V:0", "-show_entries", ENTRIES, "-of", "json"])
+        .options(options.iter().copied())
+        .input(Source::File(path), ReadBy::AnyVideoDemuxer, [""; 0]);
+    let failed = |failure| VideoError::of(name, failure);
+    let patience = Duration::from_secs_f64(LIMITS.ffmpeg_wait_seconds);
+    let mut process = Process::start(line, patience).map_err(failed)?;
+    let answer = process.all(ANSWER_MAX).map_err(failed)?;
+    if !process.succeeded() {
+        let what = process.complaint(&file_address(path).to_string_lossy());
+        return Err(VideoError::Damaged { name: name.to_owned(), what });
+    }
+    serde_json::from_slice(&answer).map_err(|error| VideoError::Damaged {
+        name: name.to_owned(),
+        what: format!("ffprobe's answer about it is malformed ({error})"),
+    })
+}
+
+impl Answer {
+    /// The length in seconds, if the file names one.
+    fn seconds(&self, stream: &Stream) -> Option<f64> {
+        let number = |text: &String| text.parse::<f64>().ok();
+        let named = [&stream.duration, &self.format.duration].into_iter().flatten().filter_map(number);
+        let tagged = stream.tags.get("DURATION").and_then(|text| clock_seconds(text));
+        let mut all = named.chain(tagged);
+        all.find(|seconds| *seconds > 0.0 && *seconds <= LIMITS.claimed_duration_max)
+    }
+}
+
+/// The seconds of `hours:minutes:seconds`.
+fn clock_seconds(text: &str) -> Option<f64> {
+    text.split(':').try_fold(0.0, |sum, part| Some(60.0 * sum + part.trim().parse::<f64>().ok()?))
+}
+
+/// The rate of the grid: the average rate, or the highest rate of a file with a variable rate.
+fn rate_of(average: &str, highest: &str) -> (u32, u32) {
+    let fraction = |text: &str| {
+        let (above, below) = text.split_once('/')?;
+        let (above, below) = (above.parse::<u32>().ok()?, below.parse::<u32>().ok()?);
+        (above > 0 && below > 0).then_some((above, below))
+    };
+    let value = |(above, below): (u32, u32)| f64::from(above) / f64::from(below);
+    let known = [fraction(average), fraction(highest)].into_iter().flatten();
+    let (above, below) = known.max_by(|a, b| value(*a).total_cmp(&value(*b))).unwrap_or((25, 1));
+    let (max, rate) = (LIMITS.video_rate_max, value((above, below)));
+    if rate > f64::from(max) {
+        return (max, 1);
+    }
+    // A multiple of a low rate shows each frame near its own time.
+    let times = (RATE_MIN / rate).ceil().clamp(1.0, 1e6) as u32;
+    above.checked_mul(times).map_or((max, 1), |above| (above, below))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_are_limited_and_variable_rates_take_the_highest() {
+        assert_eq!(rate_of("25/1", "25/1"), (25, 1));
+        assert_eq!(rate_of("30000/1001", "30000/1001"), (30_000, 1_001));
+        assert_eq!(rate_of("12/1", "50/1"), (50, 1));
+        assert_eq!(rate_of("12/1", "90000/1"), (60, 1));
+        assert_eq!(rate_of("4/1", "4/1"), (12, 1));
+        for broken in ["", "0/0", "-1/2", "x/y", "1/0", "99999999999/1"] {
+            assert_eq!(rate_of(broken, broken), (25, 1), "{broken}");
+        }
+        assert_eq!(rate_of("1/4294967295", "0/0"), (1_000_000, 4_294_967_295));
+    }
+
+    #[test]
+    fn lengths_may_be_missing_or_absurd() {
+        let seconds = |text: &str| {
+            let answer: Answer = serde_json::from_str(text).unwrap();
+            answer.seconds(&answer.streams[0])
+        };
+        assert_eq!(seconds(r#"{"streams": [{"duration": "3.5"}]}"#), Some(3.5));
+        assert_eq!(seconds(r#"{"streams": [{"duration": "-1"}], "format": {"duration": "2"}}"#), Some(2.0));
+        assert_eq!(seconds(r#"{"streams": [{"tags": {"DURATION": "00:01:02.500000"}}]}"#), Some(62.5));
+        for text in ["{}", r#"{"duration": "nan"}"#, r#"{"duration": "1e99"}"#, r#"{"duration": "inf"}"#] {
+            assert_eq!(seconds(&format!(r#"{{"streams": [{text}]}}"#)), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_frame_stays_for_its_whole_step_and_the_count_goes_on_in_loops() {
+        let info = VideoInfo { size: (1, 1), rate: (25, 1), frames: 75 };
+        assert_eq!(
+            [0.0, 0.039, 0.04, 2.96, 3.0, 3.04].map(|time| info.number_at(time)),
+            [0, 0, 1, 74, 75, 76]
+        );
+        for number in 0..10_000_u64 {
+            assert_eq!(info.number_at(f64::from((number as f64 / 25.0) as f32)), number);
+        }
+        assert_eq!([-1.0, f64::NAN, f64::NEG_INFINITY].map(|time| info.number_at(time)), [0; 3]);
+    }
+}

@@ -1,0 +1,106 @@
+//! The pictures of moving textures in stills and videos, which wait for each picture.
+
+use std::sync::Arc;
+
+use image::RgbaImage;
+
+use super::print::tell;
+use crate::covers;
+use crate::frame::Frame;
+use crate::moving_textures::image_of;
+use crate::scenes::TextureSource;
+use mariana_field::world::World;
+use mariana_player::song::Song;
+use mariana_player::video::{VideoError, VideoReader};
+
+/// The moving textures of stills and videos. A source that fails shows grey, and is reported once.
+#[derive(Default)]
+pub(super) struct ExactTextures {
+    known: Vec<(TextureSource, Exact)>,
+    song: Option<(Song, String)>,
+}
+
+enum Exact {
+    Video {
+        reader: Box<VideoReader>,
+        shown: Option<(u64, Arc<RgbaImage>)>,
+    },
+    Still(Arc<RgbaImage>),
+    /// Grey, or the last picture of a video that failed.
+    Nothing,
+}
+
+impl ExactTextures {
+    /// Sets the song whose cover the scenes show, and its display name.
+    pub(super) fn hear(&mut self, song: Song, name: String) {
+        self.song = Some((song, name));
+    }
+
+    /// Adds the pictures at the frame's time to a frame of a world. Waits for them.
+    pub(super) fn put_into(&mut self, frame: &mut Frame, world: &World) {
+        frame.pictures.clear();
+        for (number, source) in TextureSource::of_world(world) {
+            let picture = self.picture(source, f64::from(frame.inputs.time));
+            frame.pictures.resize(number, None);
+            frame.pictures.push(picture);
+        }
+    }
+
+    fn picture(&mut self, source: TextureSource, time: f64) -> Option<Arc<RgbaImage>> {
+        let at = match self.known.iter().position(|(known, _)| *known == source) {
+            Some(at) => at,
+            None => {
+                let opened = self.open(&source).unwrap_or_else(|error| {
+                    tell(&format!("{error}; its texture is grey"));
+                    Exact::Nothing
+                });
+                self.known.push((source, opened));
+                self.known.len() - 1
+            }
+        };
+        let (_, exact) = self.known.get_mut(at)?;
+        match exact {
+            Exact::Still(picture) => Some(picture.clone()),
+            Exact::Nothing => None,
+            Exact::Video { reader, shown } => {
+                let number = reader.info().number_at(time) % reader.info().frames;
+                if let Some((_, picture)) = shown.as_ref().filter(|(known, _)| *known == number) {
+                    return Some(picture.clone());
+                }
+                match reader.frame(number) {
+                    Ok(frame) => {
+                        let picture = Arc::new(image_of(frame.clone())?);
+                        *shown = Some((number, picture.clone()));
+                        Some(picture)
+                    }
+                    Err(error) => {
+                        tell(&format!("{error}; its last picture stays"));
+                        let last = shown.take().map(|(_, picture)| picture);
+                        *exact = last.clone().map_or(Exact::Nothing, Exact::Still);
+                        last
+                    }
+                }
+            }
+        }
+    }
+
+    fn open(&self, source: &TextureSource) -> Result<Exact, VideoError> {
+        Ok(match source {
+            TextureSource::Video { file, .. } => {
+                Exact::Video { reader: Box::new(VideoReader::open(file, &source.name())?), shown: None }
+            }
+            TextureSource::Camera(_) | TextureSource::CameraDevice(_) => {
+                tell(&format!(
+                    "{} is live only, so its texture is grey: use a recording of it for stills and videos",
+                    source.name()
+                ));
+                Exact::Nothing
+            }
+            TextureSource::Cover => {
+                let of_song = self.song.as_ref().and_then(|(song, _)| covers::picture_of(song));
+                let name = self.song.as_ref().map_or("", |(_, name)| name);
+                Exact::Still(Arc::new(of_song.unwrap_or_else(|| covers::painted(name))))
+            }
+        })
+    }
+}
