@@ -91,7 +91,7 @@ impl ExactTextures {
             }
             TextureSource::Camera(_) | TextureSource::CameraDevice(_) => {
                 tell(&format!(
-                    "{} is live only, so its texture is grey: use a recording of it for stills and videos",
+                    "{} is live only, so its texture is grey: give stills and videos a recording of it",
                     source.name()
                 ));
                 Exact::Nothing

@@ -39,7 +39,7 @@ struct State {
     waits: bool,
     /// True if a picture has come for which the show waits.
     has_come: bool,
-    problem: Option<String>,
+    message: Option<String>,
     ended: bool,
 }
 
@@ -52,7 +52,7 @@ impl Feed {
         let of_thread = shared.clone();
         let started = Builder::new().name("moving texture".into()).spawn(move || of_thread.run(&source));
         if let Err(error) = started {
-            shared.lock().problem =
+            shared.lock().message =
                 Some(format!("a texture does not move: the system has no thread left ({error})"));
         }
         Self { shared }
@@ -75,9 +75,9 @@ impl Feed {
         std::mem::take(&mut self.shared.lock().has_come)
     }
 
-    /// The sentence about a failure, once.
-    pub(super) fn take_problem(&self) -> Option<String> {
-        self.shared.lock().problem.take()
+    /// A sentence about a failure, or a camera that is switched on, once.
+    pub(super) fn take_message(&self) -> Option<String> {
+        self.shared.lock().message.take()
     }
 }
 
@@ -149,7 +149,7 @@ impl Shared {
             let words = error.to_string();
             let mut state = self.lock();
             if told.as_ref() != Some(&words) {
-                state.problem = Some(words.clone());
+                state.message = Some(words.clone());
                 told = Some(words);
                 drop(state);
                 (self.wake)();
@@ -187,6 +187,10 @@ impl Shared {
             let frame = camera.next_frame()?;
             if self.lock().ended {
                 break;
+            }
+            if number == 0 {
+                self.lock().message = Some(format!("{} is on, because a scene shows it", camera.name()));
+                (self.wake)();
             }
             self.put(number, frame);
         }

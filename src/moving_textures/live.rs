@@ -28,7 +28,7 @@ struct Used {
 }
 
 impl LiveTextures {
-    /// `wake` is called when a picture comes that the last frame lacks, and when a source fails.
+    /// `wake` is called when a picture comes that the last frame lacks, and when a source has a message.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         Self { feeds: Vec::new(), cover: None, wake: Arc::new(wake) }
     }
@@ -43,18 +43,20 @@ impl LiveTextures {
 
     /// Adds the pictures at the frame's time to a frame of a world, as far as they have come. Starts missing sources,
     /// and closes those that are no longer used.
-    pub fn put_into(&mut self, frame: &mut Frame, world: &World) {
+    pub fn in_frame(&mut self, mut frame: Frame, world: &World) -> Frame {
         let (now, time) = (clock::now(), f64::from(frame.inputs.time));
-        frame.pictures.clear();
+        let mut pictures = Vec::new();
         for (number, source) in TextureSource::of_world(world) {
             let picture = match source {
                 TextureSource::Cover => self.cover.clone(),
                 source => self.of_feed(source, time, now),
             };
-            frame.pictures.resize(number, None);
-            frame.pictures.push(picture);
+            pictures.resize(number, None);
+            pictures.push(picture);
         }
+        frame.pictures = pictures;
         self.feeds.retain(|used| now.saturating_duration_since(used.last) < KEPT);
+        frame
     }
 
     fn of_feed(&mut self, source: TextureSource, time: f64, now: Instant) -> Option<Arc<RgbaImage>> {
@@ -75,8 +77,8 @@ impl LiveTextures {
         news.count() > 0
     }
 
-    /// Sentences about sources that have failed, each once.
-    pub fn take_problems(&mut self) -> Vec<String> {
-        self.feeds.iter().filter_map(|used| used.feed.take_problem()).collect()
+    /// Sentences about sources that have failed and cameras that are on, each once.
+    pub fn take_messages(&mut self) -> Vec<String> {
+        self.feeds.iter().filter_map(|used| used.feed.take_message()).collect()
     }
 }

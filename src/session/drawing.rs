@@ -263,8 +263,8 @@ impl Playback {
     /// Takes the pictures of moving textures that have come.
     pub(super) fn follow_textures(&mut self) {
         let cover = self.scene.scenes().show_covers().then(|| self.listening.cover_or_painted());
-        for problem in self.scene.composer_mut().follow_textures(cover) {
-            self.reports.say(problem);
+        for message in self.scene.composer_mut().follow_textures(cover) {
+            self.reports.say(message);
         }
     }
 

@@ -5,7 +5,7 @@
 use std::fs;
 use std::process::Command;
 
-use image::RgbaImage;
+use image::{Rgba, RgbaImage};
 
 use crate::support::apart::apart;
 use crate::support::desktop::{PROGRAM, command_in};
@@ -30,9 +30,15 @@ fn still(place: &Place, at: &str) -> RgbaImage {
     image::open(&path).unwrap().to_rgba8()
 }
 
-/// True if all pixels are equal, except for the rounding of edges.
+/// The share of equal pixels, except for the rounding of edges.
+fn share(one: &RgbaImage, other: &RgbaImage) -> f64 {
+    let is_equal =
+        |(a, b): &(&Rgba<u8>, &Rgba<u8>)| (0..3).all(|channel| a[channel].abs_diff(b[channel]) <= 3);
+    one.pixels().zip(other.pixels()).filter(is_equal).count() as f64 / f64::from(one.width() * one.height())
+}
+
 fn agree(one: &RgbaImage, other: &RgbaImage) -> bool {
-    one.pixels().zip(other.pixels()).all(|(a, b)| (0..3).all(|channel| a[channel].abs_diff(b[channel]) <= 3))
+    share(one, other) >= 1.0
 }
 
 #[test]
@@ -66,7 +72,9 @@ fn a_session_shows_the_frames_of_a_video_that_stills_show_also_after_seeks_and_w
     app.press(&["Left"]);
     app.wait_until_reported("clip.mp4");
     app.take_steps(5);
-    assert!(agree(&app.picture(), &stills[2]), "the last picture is gone");
+    // Messages cover a part of the picture.
+    let kept = share(&app.picture(), &stills[2]);
+    assert!(kept > 0.3, "only {kept} of the last picture is left");
     fs::rename(place.path("away.mp4"), &clip).unwrap();
     shows("the frame of the file that came back", 1);
     let reported = app.quit_by_key();

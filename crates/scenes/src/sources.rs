@@ -4,7 +4,6 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 
-use super::SceneSource;
 use super::folder::Folder;
 use mariana_field::lang::{MovingTexture, Scene, TextureRef};
 use mariana_field::world::World;
@@ -43,9 +42,7 @@ impl TextureSource {
         match name.split_once(' ').unwrap_or((name, "")) {
             ("cover", "") => Some(Self::Cover),
             ("camera", "") => Some(Self::Camera(1)),
-            ("camera", device) if device.starts_with("/dev/") => {
-                Some(Self::CameraDevice(PathBuf::from(device)))
-            }
+            ("camera", device) if is_camera_device(device) => Some(Self::CameraDevice(PathBuf::from(device))),
             ("camera", number) => number.parse().ok().filter(|number| *number > 0).map(Self::Camera),
             _ => None,
         }
@@ -75,26 +72,31 @@ impl TextureSource {
     }
 }
 
+/// True for paths that can only be video devices. Opening other devices may have effects.
+fn is_camera_device(path: &str) -> bool {
+    let number = path.strip_prefix("/dev/video");
+    number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
+        || path.starts_with("/dev/v4l/")
+}
+
 /// True if the name has the ending of a video.
 pub(super) fn is_video(name: &str) -> bool {
     name.rsplit_once('.')
         .is_some_and(|(_, end)| VIDEO_ENDINGS.iter().any(|known| end.eq_ignore_ascii_case(known)))
 }
 
-impl SceneSource {
-    /// Notes the files of moving textures in the scene. [`SceneSource::textures`] reports missing files.
-    pub fn find_videos(&self, scene: &mut Scene) {
-        for texture in &mut scene.textures {
-            let Some(of) = TextureSource::of(texture) else { continue };
-            let file = self.file().filter(|_| of.is_file());
-            let file = file.and_then(|scene| Folder::of(scene).file(&texture.name).ok());
-            let version = file.as_ref().and_then(|file| std::fs::metadata(file).ok()).map_or(0, |metadata| {
-                let mut hasher = DefaultHasher::new();
-                (metadata.len(), metadata.modified().ok()).hash(&mut hasher);
-                hasher.finish()
-            });
-            texture.moves = Some(MovingTexture { file: file.unwrap_or_default(), version });
-        }
+/// Notes the files of moving textures, which are in `folder`.
+pub(super) fn find_videos(folder: Option<&Folder>, scene: &mut Scene) {
+    for texture in &mut scene.textures {
+        let Some(of) = TextureSource::of(texture) else { continue };
+        let folder = folder.filter(|_| of.is_file());
+        let file = folder.and_then(|folder| folder.file(&texture.name).ok());
+        let version = file.as_ref().and_then(|file| std::fs::metadata(file).ok()).map_or(0, |metadata| {
+            let mut hasher = DefaultHasher::new();
+            (metadata.len(), metadata.modified().ok()).hash(&mut hasher);
+            hasher.finish()
+        });
+        texture.moves = Some(MovingTexture { file: file.unwrap_or_default(), version });
     }
 }
 
@@ -116,9 +118,19 @@ mod tests {
         assert_eq!(source("camera"), Some(TextureSource::Camera(1)));
         assert_eq!(source("camera 2"), Some(TextureSource::Camera(2)));
         assert_eq!(source("camera /dev/video3"), Some(TextureSource::CameraDevice("/dev/video3".into())));
-        for name in
-            ["wood.png", "cover.png", "camera.jpg", "camera 0", "camera -1", "camera x", "mp4", "cover 2"]
-        {
+        for name in [
+            "wood.png",
+            "cover.png",
+            "camera.jpg",
+            "camera 0",
+            "camera -1",
+            "camera x",
+            "camera /dev/sda",
+            "camera /dev/video",
+            "camera /etc/video1",
+            "mp4",
+            "cover 2",
+        ] {
             assert_eq!(source(name), None, "{name}");
         }
     }

@@ -19,7 +19,7 @@ use include_dir::{Dir, include_dir};
 
 use super::SceneSource;
 use super::folder::{Folder, Refusal};
-use super::sources::{TextureSource, is_video};
+use super::sources::{TextureSource, find_videos, is_video};
 use crate::limits::{LIMITS, Limits};
 use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
 
@@ -40,6 +40,11 @@ pub struct TextureCache {
 }
 
 impl SceneSource {
+    /// Notes the files of moving textures in the scene. [`SceneSource::textures`] reports missing files.
+    pub fn find_videos(&self, scene: &mut Scene) {
+        find_videos(self.file().map(Folder::of).as_ref(), scene);
+    }
+
     /// Loads the images of [`Scene::textures`] in the same order. Pixels are sRGB with straight alpha, top row first.
     ///
     /// # Errors

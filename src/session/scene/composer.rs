@@ -19,6 +19,7 @@ use super::scenery::{Pictured, SeenPictures};
 use super::show_follower::{Outgoing, ShowFollower};
 use super::views::Views;
 use crate::clock;
+use crate::frame::Frame;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
@@ -219,7 +220,7 @@ impl SceneComposer {
         picture: &WantedPicture,
         revision: u64,
     ) -> Result<Option<Making>, GpuError> {
-        let WantedPicture { moment, size, aspect, quality, edges, .. } = *picture;
+        let WantedPicture { moment, size, edges, .. } = *picture;
         let wanted = Shown { moment, size, edges, revision };
         let (wanted, sound) = self.change.resume(wanted, picture.sound.clone());
         let time = wanted.moment.song_time;
@@ -253,8 +254,7 @@ impl SceneComposer {
             // The finished tree is for an older moment, but both scenes of a fade must be drawn at the same moment.
             return Ok(None);
         }
-        let mut frame = frame.in_window(scene.resources.world(), aspect, quality);
-        self.textures.put_into(&mut frame, scene.resources.world());
+        let frame = self.in_window(frame, scene, picture);
         let making = |program| Making {
             of: drawn,
             below: below.map(|below| below.place),
@@ -291,6 +291,12 @@ impl SceneComposer {
         };
         self.pictures.begin(Pictured::of(scene, frame));
         Ok(begun)
+    }
+
+    /// Adapts a frame to the window, and adds the moving pictures of its moment.
+    fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture) -> Frame {
+        let world = scene.resources.world();
+        self.textures.in_frame(frame.in_window(world, picture.aspect, picture.quality), world)
     }
 
     fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
@@ -436,13 +442,13 @@ impl SceneComposer {
     }
 
     /// Passes the song's cover to the scenes that show it; `None` if there are none. Requests a new frame if a picture
-    /// has come that the last frame lacks. Returns sentences about videos and cameras that have failed.
+    /// has come that the last frame lacks. Returns sentences about videos and cameras.
     pub(crate) fn follow_textures(&mut self, cover: Option<Arc<RgbaImage>>) -> Vec<String> {
         let is_another = cover.is_some() && self.textures.set_cover(cover);
         if self.textures.take_news() || is_another {
             self.outdate();
         }
-        self.textures.take_problems()
+        self.textures.take_messages()
     }
 
     pub(super) fn revision(&self) -> u64 {

@@ -265,7 +265,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         "file, uv",
         Texture,
         (2, 2),
-        "an image's colour and alpha at uv, repeated beyond 0..1; in materials and the sky",
+        "colour and alpha of an image, a video, a camera or the cover at uv, repeated beyond 0..1; in materials and the sky",
     ),
 ];
 

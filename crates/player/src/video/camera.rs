@@ -41,6 +41,11 @@ impl Camera {
         Ok(Self { name: name.to_owned(), device: device.to_owned(), frames })
     }
 
+    /// The name in messages.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// Waits for the next frame.
     ///
     /// # Errors
