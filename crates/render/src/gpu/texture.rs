@@ -1,7 +1,7 @@
 //! Uploads images as mipmapped textures, and the pictures of moving textures.
 //!
 //! A moving texture has mip levels only on a GPU, which computes them fast. On a software renderer, computing them for
-//! each picture would take longer than a frame.
+//! each picture would take longer than a frame, and so would the conversion to linear light.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -169,10 +169,14 @@ fn check_size(gl: &Gl, picture: &RgbaImage) -> Result<(), GpuError> {
 
 /// Uploads the texels of the bound texture.
 fn fill(gl: &Gl, picture: &RgbaImage, levels: Levels, same_size: bool) {
-    let software = gl.info().software;
-    let texels = if software { Cow::Owned(linear_texels(picture)) } else { Cow::Borrowed(picture.as_raw()) };
-    let (format, kind) =
-        if software { (glow::RGBA16F, glow::HALF_FLOAT) } else { (glow::SRGB8_ALPHA8, glow::UNSIGNED_BYTE) };
+    let has_floats = levels == Levels::Computed;
+    let texels =
+        if has_floats { Cow::Owned(linear_texels(picture)) } else { Cow::Borrowed(picture.as_raw()) };
+    let (format, kind) = if has_floats {
+        (glow::RGBA16F, glow::HALF_FLOAT)
+    } else {
+        (glow::SRGB8_ALPHA8, glow::UNSIGNED_BYTE)
+    };
     let (width, height) = (picture.width().cast_signed(), picture.height().cast_signed());
     let (target, pixels) = (glow::TEXTURE_2D, glow::PixelUnpackData::Slice(Some(texels.as_slice())));
     // SAFETY: the caller has bound a texture in the current context, and `texels` holds width * height RGBA texels of
