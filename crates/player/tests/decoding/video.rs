@@ -79,7 +79,7 @@ fn a_variable_rate_is_read_on_a_grid_that_no_seek_changes() {
     let (mut ordered, mut sought) = (open(&path), open(&path));
     let (rate, frames) = (ordered.info().rate(), ordered.info().frames);
     let ordered: Vec<VideoFrame> = (0..frames).map(|number| frame(&mut ordered, number)).collect();
-    for step in 0..frames {
+    for step in (0..frames).step_by(4) {
         let number = step * 37 % frames;
         assert!(
             frame(&mut sought, number) == ordered[number as usize],
