@@ -381,8 +381,7 @@ fn a_notice_covered_the_heading_of_a_panel() {
     let rows = panel(&Choices::default(), None);
     for screen in [SCREEN, Vec2::new(560.0, 315.0)] {
         let mut stage = Stage::new(screen);
-        // It must not fade on a busy machine.
-        let since = Instant::now() + Duration::from_secs(60);
+        let since = Instant::now() + Duration::from_secs(60); // A busy machine must not let it fade.
         let notice = Some(Notice { text: "orb is being prepared", fraction: None, since });
         let content =
             || OverlayContent { settings: Some(&rows), notice, hint: Some("press D"), ..Default::default() };
