@@ -30,7 +30,8 @@ pub fn description(source: &TextureSource) -> Result<String, VideoError> {
     reader.frame(0)?;
     let info = reader.info();
     let ((width, height), rate, seconds) = (info.size, info.rate(), info.seconds());
-    Ok(format!("{name}: {width} x {height} pixels, {rate:.4} frames a second, repeats after {seconds:.2} s"))
+    let rate = (rate * 1000.0).round() / 1000.0;
+    Ok(format!("{name}: {width} x {height} pixels, {rate} frames a second, repeats after {seconds:.2} s"))
 }
 
 /// Copies no pixels. `None` if the number of pixels does not fit the size.

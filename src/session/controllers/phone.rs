@@ -106,7 +106,7 @@ mod tests {
             assert_eq!(row(name).map(|row| row.takes), Some(takes), "{name}");
         }
         let levels = elements("data-level=\"");
-        assert_eq!(levels.len(), 3);
+        assert_eq!(levels.len(), 4);
         for (name, _) in levels {
             assert_eq!(row(name).map(|row| row.takes), Some(ValueType::Level), "{name}");
         }
