@@ -83,7 +83,9 @@ fn sources_without_pictures_are_grey_and_reported_once() {
         assert!(spread(&picture) < 12 && middle.iter().all(|value| (100..140).contains(value)), "{middle:?}");
     }
     let checked = place.run(&["check", "own.scene", "sound.scene", "camera.scene"]).done();
-    for words in ["clip.mp4: 64 x 36 pixels, 25 frames", "after 2.00 s", "sound.mp4 has no moving", "live only"] {
+    for words in
+        ["clip.mp4: 64 x 36 pixels, 25 frames", "after 2.00 s", "sound.mp4 has no moving", "live only"]
+    {
         assert!(checked.contains(words), "{words} is missing: {checked}");
     }
     let mut without = place.command(&["check", "own.scene"]);
