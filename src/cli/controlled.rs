@@ -9,8 +9,8 @@ use crate::ending::{self, Signal};
 use crate::export::print::{print_line, tell};
 use crate::export::video::{CONTINUE, PAUSE, VideoReport, Written};
 
-/// The priority of the process. With the lowest priority, 19, the video would stand still beside a window that draws
-/// with a software renderer.
+/// The priority of the process. With the lowest priority, 19, a window with a software renderer would leave the video
+/// no time.
 #[cfg(target_os = "linux")]
 const NICENESS: i32 = 10;
 

@@ -7,7 +7,7 @@ use image::RgbaImage;
 use super::print::tell;
 use crate::covers;
 use crate::frame::Frame;
-use crate::moving_textures::image_of;
+use crate::moving_textures::{image_of, pictures_of};
 use crate::scenes::TextureSource;
 use mariana_field::world::World;
 use mariana_player::song::Song;
@@ -38,12 +38,8 @@ impl ExactTextures {
 
     /// Adds the pictures at the frame's time to a frame of a world. Waits for them.
     pub(super) fn put_into(&mut self, frame: &mut Frame, world: &World) {
-        frame.pictures.clear();
-        for (number, source) in TextureSource::of_world(world) {
-            let picture = self.picture(source, f64::from(frame.inputs.time));
-            frame.pictures.resize(number, None);
-            frame.pictures.push(picture);
-        }
+        let time = f64::from(frame.inputs.time);
+        frame.pictures = pictures_of(world, |source| self.picture(source, time));
     }
 
     fn picture(&mut self, source: TextureSource, time: f64) -> Option<Arc<RgbaImage>> {

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use image::RgbaImage;
 
 use super::feed::Feed;
+use super::pictures_of;
 use crate::clock;
 use crate::frame::Frame;
 use crate::scenes::TextureSource;
@@ -45,16 +46,10 @@ impl LiveTextures {
     /// and closes those that are no longer used.
     pub fn in_frame(&mut self, mut frame: Frame, world: &World) -> Frame {
         let (now, time) = (clock::now(), f64::from(frame.inputs.time));
-        let mut pictures = Vec::new();
-        for (number, source) in TextureSource::of_world(world) {
-            let picture = match source {
-                TextureSource::Cover => self.cover.clone(),
-                source => self.of_feed(source, time, now),
-            };
-            pictures.resize(number, None);
-            pictures.push(picture);
-        }
-        frame.pictures = pictures;
+        frame.pictures = pictures_of(world, |source| match source {
+            TextureSource::Cover => self.cover.clone(),
+            source => self.of_feed(source, time, now),
+        });
         self.feeds.retain(|used| now.saturating_duration_since(used.last) < KEPT);
         frame
     }

@@ -7,11 +7,14 @@
 mod feed;
 mod live;
 
+use std::sync::Arc;
+
 use image::RgbaImage;
 
 pub use live::LiveTextures;
 
 use crate::scenes::TextureSource;
+use mariana_field::world::World;
 use mariana_player::video::{VideoError, VideoFrame, VideoReader};
 
 /// Describes a source for `mariana check`. Reads the first frame of a video; leaves cameras alone.
@@ -32,6 +35,19 @@ pub fn description(source: &TextureSource) -> Result<String, VideoError> {
     let ((width, height), rate, seconds) = (info.size, info.rate(), info.seconds());
     let rate = (rate * 1000.0).round() / 1000.0;
     Ok(format!("{name}: {width} x {height} pixels, {rate} frames a second, repeats after {seconds:.2} s"))
+}
+
+/// The pictures of a world's moving textures, by the numbers of the textures. `picture` returns that of a source.
+pub(crate) fn pictures_of(
+    world: &World,
+    mut picture: impl FnMut(TextureSource) -> Option<Arc<RgbaImage>>,
+) -> Vec<Option<Arc<RgbaImage>>> {
+    let mut pictures = Vec::new();
+    for (number, source) in TextureSource::of_world(world) {
+        pictures.resize(number, None);
+        pictures.push(picture(source));
+    }
+    pictures
 }
 
 /// Copies no pixels. `None` if the number of pixels does not fit the size.

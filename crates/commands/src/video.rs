@@ -1,4 +1,4 @@
-//! What a user can do about videos of the playing song.
+//! Actions for videos of the playing song.
 
 /// A change in the panel of videos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

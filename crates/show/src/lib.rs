@@ -66,7 +66,7 @@ pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
 pub use performance::{Finish, OnStage, OtherDeck, Performance, Turned};
 pub use picture::{Held, Picture};
-pub use resolve::{entry_starts, resolve};
+pub use resolve::resolve;
 pub use scene_facts::{Refusal, Rise, SceneFacts};
 pub use show::{Cue, CueListError, Show, seed_of};
 pub use snapshots::snapshot_cues;

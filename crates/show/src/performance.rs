@@ -137,9 +137,9 @@ impl Performance {
         }
         let known = self.last.replace(time);
         let before = known.unwrap_or(time);
-        let is_close = plays_over || known.is_some_and(|known| time - known < 1e-3);
+        let is_close = |start: f64| plays_over || known.is_some_and(|known| start - known < 1e-3);
         if let Some(other) = &seen.other {
-            self.note_other(time, before, is_close, (seen, other));
+            self.note_other(time, before, is_close(time), (seen, other));
         }
         let last = self.scenes.last().filter(|played| played.is_of(seen));
         if last.is_none_or(Played::is_long) {
@@ -163,7 +163,7 @@ impl Performance {
                 transition,
                 begun,
                 start,
-                is_close: plays_over || known.is_some_and(|known| start - known < 1e-3),
+                is_close: is_close(start),
                 moves: seen.moves.to_vec(),
                 lines,
             });
@@ -438,7 +438,7 @@ impl Played {
     }
 
     fn is_of(&self, seen: &OnStage<'_>) -> bool {
-        if seen.other.is_some() && self.transition != seen.transition && self.transition.by_fader {
+        if seen.other.is_some() && self.transition != seen.transition {
             return false;
         }
         (self.scene.as_str(), self.camera.as_deref(), self.begun) == (seen.scene, seen.camera, seen.start)

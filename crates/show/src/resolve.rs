@@ -60,7 +60,7 @@ pub fn resolve(
 
 /// Returns the start of each entry in seconds, in the order of the cue list. It is `None` for an entry that waits for a
 /// press of the cue key, and for an entry whose moment the song lacks.
-pub fn entry_starts(cue_list: &CueList, song: &SongStructure, cues: &[f64]) -> Vec<Option<f64>> {
+pub(super) fn entry_starts(cue_list: &CueList, song: &SongStructure, cues: &[f64]) -> Vec<Option<f64>> {
     let starts = starts(cue_list, song, cues, &BarLines::of(song));
     starts.into_iter().map(|start| start.ok().flatten()).collect()
 }

@@ -25,10 +25,12 @@ impl DeckChanges<'_> {
         };
         let next = self.library.next_after(&shown, true);
         if next == shown {
-            return self.answer("there is no second scene for another deck: open more scenes".to_owned());
+            return self
+                .messages
+                .answer("there is no second scene for another deck: open more scenes".to_owned());
         }
         let (on_a, on_b) = (shown.title(), next.title());
-        self.answer(format!(
+        self.messages.answer(format!(
             "two decks: {on_a} on A, {on_b} on B; Shift+Left and Shift+Right move the crossfader"
         ));
         *self.decks = Some(Decks::new([shown, next], self.times.1));
@@ -39,7 +41,7 @@ impl DeckChanges<'_> {
     pub(super) fn end(&mut self) -> Option<SceneSource> {
         let decks = self.decks.take()?;
         self.show.end_decks();
-        self.answer("one scene again: press F3 for two decks".to_owned());
+        self.messages.answer("one scene again: press F3 for two decks".to_owned());
         let stays = 1 - decks.cued(self.times.0);
         decks.scenes().get(stays).cloned()
     }
@@ -90,9 +92,9 @@ impl DeckChanges<'_> {
         });
         if is_loaded {
             self.show();
-            self.answer(format!("{title} on deck {}", LETTERS[deck.min(1)]));
+            self.messages.answer(format!("{title} on deck {}", LETTERS[deck.min(1)]));
         } else if self.decks.is_some() {
-            self.answer(format!("{title} is on the other deck: choose another scene"));
+            self.messages.answer(format!("{title} is on the other deck: choose another scene"));
         }
     }
 
@@ -127,9 +129,5 @@ impl DeckChanges<'_> {
             }
             None => self.messages.answer("there is one scene: press F3 for two decks".to_owned()),
         }
-    }
-
-    fn answer(&mut self, words: String) {
-        self.messages.answer(words);
     }
 }

@@ -169,11 +169,7 @@ impl ShowFollower {
 
     /// The state of the show at `time` seconds, or of the decks.
     fn moment(&self, time: f64) -> Option<Moment<'_>> {
-        let timeline = self.prepared_show()?.timeline()?;
-        Some(match self.course.fader {
-            Some(fader) => timeline.at_end_with(fader),
-            None => timeline.at(time),
-        })
+        moment_of(self.prepared_show()?, self.course.fader, time)
     }
 
     /// The show with a substitute for each refused scene.
@@ -244,10 +240,7 @@ impl ShowFollower {
     ) -> Option<Step> {
         let prepared_show = self.course.prepared_show.clone()?;
         let fader = self.course.fader;
-        let moment = match fader {
-            Some(fader) => prepared_show.timeline()?.at_end_with(fader),
-            None => prepared_show.at(time)?,
-        };
+        let moment = moment_of(&prepared_show, fader, time)?;
         let is_between = moment.leaving.is_some();
         let is_back = !std::mem::replace(&mut self.course.was_between, is_between) && is_between;
         let is_new = self.course.entered.is_none_or(|(index, _)| index != moment.index)
@@ -377,6 +370,12 @@ impl ShowFollower {
             }
         }
     }
+}
+
+/// The state of a show at `time` seconds, or of decks whose fader is at this position.
+fn moment_of(show: &PreparedShow, fader: Option<f32>, time: f64) -> Option<Moment<'_>> {
+    let timeline = show.timeline()?;
+    Some(fader.map_or_else(|| timeline.at(time), |fader| timeline.at_end_with(fader)))
 }
 
 fn is_one_visit(clips: &[Clip], since: usize, until: usize) -> bool {

@@ -161,7 +161,7 @@ fn edits_are_taken_back_one_after_another() {
     expect(&mut player, "nothing to play", 0, 0);
     assert_eq!(undo(&player).as_deref(), Some("clear the list"));
     player.undo_edit();
-    // The track that played before goes on.
+    // The earlier track plays again.
     expect(&mut player, "a.wav", 1, 5);
     expect_names(&mut player, &["d", "a", "c", "x", "y"]);
     assert_eq!(undo(&player).as_deref(), Some("add 2 tracks"));

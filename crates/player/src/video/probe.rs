@@ -1,4 +1,4 @@
-//! What ffprobe knows about a video.
+//! Reads the size, rate and length of a video with ffprobe.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -58,10 +58,7 @@ pub(super) fn lines(
     width: f32,
     rows: usize,
 ) -> Arc<Galley> {
-    let mut job = LayoutJob::simple(as_seen(text).into_owned(), font, color, width.max(1.0));
-    job.wrap.max_rows = rows;
-    job.halign = egui::Align::Center;
-    painter.layout_job(job)
+    painter.layout_job(LayoutJob { halign: egui::Align::Center, ..wrapped(text, font, color, width, rows) })
 }
 
 /// Text in at most `rows` lines of `width` points. Text beyond the last line is replaced by an ellipsis.
@@ -73,9 +70,13 @@ pub(super) fn paragraph(
     width: f32,
     rows: usize,
 ) -> Arc<Galley> {
+    painter.layout_job(wrapped(text, font, color, width, rows))
+}
+
+fn wrapped(text: &str, font: FontId, color: Color32, width: f32, rows: usize) -> LayoutJob {
     let mut job = LayoutJob::simple(as_seen(text).into_owned(), font, color, width.max(1.0));
     job.wrap.max_rows = rows;
-    painter.layout_job(job)
+    job
 }
 
 pub(super) fn ground(painter: &Painter, rect: Rect) {
