@@ -1,6 +1,6 @@
 //! The program's identity on the desktop: one id for the desktop entry, the window and the media player, and the icon.
 
-use winit::window::{Icon, WindowAttributes};
+use winit::window::{Icon, Theme, WindowAttributes};
 
 /// The id of the desktop entry, the metadata and the icon (`assets/desktop`); the window's class on X11 and its app id
 /// on Wayland; the desktop entry in MPRIS.
@@ -16,7 +16,8 @@ pub(crate) fn reported_by(attributes: WindowAttributes) -> WindowAttributes {
         use winit::platform::x11::WindowAttributesExtX11;
         attributes.with_name(APP_ID, "mariana")
     };
-    attributes.with_window_icon(icon())
+    // Panels are dark on every system, so the title bar is too.
+    attributes.with_window_icon(icon()).with_theme(Some(Theme::Dark))
 }
 
 fn icon() -> Option<Icon> {

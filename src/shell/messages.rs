@@ -54,5 +54,6 @@ pub(crate) enum WindowMessage {
     OpenOutput(Monitor),
     CloseOutput,
     /// The show has called a window, which may have left events in a queue: see [`SharedWindow`].
+    #[cfg_attr(any(windows, target_os = "macos"), expect(dead_code, reason = "only X11 has such a queue"))]
     CallsMade,
 }

@@ -13,6 +13,7 @@ use crate::gpu::headless::Headless;
 use crate::session::SessionError;
 use crate::session::{BackgroundWork, Opening, Prepared, Run};
 use crate::shell::accessibility::AccessibilityPublisher;
+use crate::shell::console;
 use crate::shell::media_controls::MediaControls;
 use crate::shell::messages::{Typing, inbox};
 use crate::shell::monitors::{self, around};
@@ -70,7 +71,9 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         let output = Output::new(settings.choices.stage.output.clone(), proxy, &of_show);
         let wallpaper = settings.wallpaper.then(|| Wallpaper::start(output_surfaces, &of_show));
         let lines = Lines { inbox, controls, typing: of_window };
+        let handle = window.handle();
         let screen = Box::new(WindowScreen::new(window, lines, output, wallpaper)?);
+        console::close_if_own();
         let of_desktop = of_show.clone();
         let opening = Opening {
             tracks,
@@ -80,7 +83,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             background,
             screen,
             desktop: Box::new(move |position| {
-                Box::new(MediaControls::start(position, move || of_desktop.wake()))
+                Box::new(MediaControls::start(position, handle, move || of_desktop.wake()))
             }),
         };
         let stage = opening.session(&of_show)?;

@@ -22,14 +22,13 @@ use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
 use glutin_winit::GlWindow;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
-use winit::raw_window_handle::HasWindowHandle;
+use winit::raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
 use crate::gpu::background::WorkerContext;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::session::SessionError;
-use crate::session::waker::Waker;
 use crate::shell::identity;
 use crate::shell::messages::WindowMessage;
 use crate::shell::monitors::Rect;
@@ -121,6 +120,10 @@ impl OpenWindow {
         self.config.clone()
     }
 
+    pub(crate) fn handle(&self) -> Option<RawWindowHandle> {
+        self.window.calls().window_handle().ok().map(|handle| handle.as_raw())
+    }
+
     pub(crate) fn bind(self) -> Result<GlWindowContext, SessionError> {
         let Self { config, window, size, place, refresh_rate, log_debug } = self;
         let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
@@ -168,8 +171,7 @@ impl GlWindowContext {
                 tracing::info!("no second context ({error}); scenes are compiled between frames");
             })
         });
-        let is_egl = matches!(self.config, glutin::config::Config::Egl(_));
-        if is_egl { made.flatten().collect() } else { Vec::new() }
+        if config_kind(&self.config) == EGL { made.flatten().collect() } else { Vec::new() }
     }
 
     /// Drops the context and its surface, but not the window. All objects in the context must have been dropped before.
@@ -257,7 +259,7 @@ pub(crate) fn shared(
     let events = winit::platform::x11::ActiveEventLoopExtX11::is_x11(event_loop).then(|| {
         let events = events.clone();
         // After the end of the event loop, waking does nothing.
-        Waker::new(move || drop(events.send_event(WindowMessage::CallsMade)))
+        crate::session::waker::Waker::new(move || drop(events.send_event(WindowMessage::CallsMade)))
     });
     #[cfg(not(all(unix, not(target_os = "macos"))))]
     let events = (event_loop, events, None).2;
@@ -284,11 +286,13 @@ fn can_be_grasped(
     })
 }
 
+const EGL: &str = "EGL";
+
 fn config_kind(config: &glutin::config::Config) -> &'static str {
     match config {
         #[cfg(any(unix, windows))]
         #[cfg(not(target_os = "macos"))]
-        glutin::config::Config::Egl(_) => "EGL",
+        glutin::config::Config::Egl(_) => EGL,
         #[cfg(all(unix, not(target_os = "macos")))]
         glutin::config::Config::Glx(_) => "GLX",
         #[allow(unreachable_patterns, reason = "some systems have only one kind")]

@@ -8,6 +8,7 @@ use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
 use super::worker::Event;
+use crate::ending::apart_from_terminal;
 use crate::export::video::{CONTINUE, PAUSE};
 
 /// Only this many bytes at the end of the process's messages are read.
@@ -54,10 +55,7 @@ impl Process {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         command.env("LP_NUM_THREADS", (cores / 2).max(1).to_string());
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(messages.try_clone()?);
-        // Ctrl-C reaches only the window, which then ends this process.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut child = command.spawn()?;
+        let mut child = apart_from_terminal(&mut command).spawn()?;
         let (input, output) = (child.stdin.take(), child.stdout.take());
         let process = Self { child, input, messages };
         std::thread::Builder::new().name("video reports".into()).spawn(move || {
@@ -130,7 +128,11 @@ fn command(program: Option<&Path>) -> io::Result<Command> {
 
 /// Opens the folder of `file` in the desktop's file manager.
 pub(super) fn show_in_folder(file: &Path) -> Result<(), String> {
-    let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
+    let opener = match std::env::consts::OS {
+        "macos" => "open",
+        "windows" => "explorer",
+        _ => "xdg-open",
+    };
     let folder = file.parent().unwrap_or(file);
     let mut command = Command::new(opener);
     command.arg(folder).stdin(Stdio::null()).stdout(Stdio::null());

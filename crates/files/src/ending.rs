@@ -12,9 +12,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Write};
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
+use std::process::Command;
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// A signal that asks the program to end. Its number is the same on every Unix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,29 +79,50 @@ pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     std::thread::Builder::new().name("signals".into()).spawn(move || {
         let mut first = None;
         for number in signals.forever() {
-            let Some(signal) = u8::try_from(number).ok().and_then(Signal::of) else { continue };
-            let now = std::time::Instant::now();
-            match first {
-                None => {
-                    first = Some(now);
-                    ASKED.store(signal as u8, Ordering::Release);
-                    answer(signal);
-                }
-                Some(first) if now.duration_since(first) < ONE_REQUEST => {}
-                Some(_) => end_now(signal, || ()),
+            if let Some(signal) = u8::try_from(number).ok().and_then(Signal::of) {
+                take(signal, &mut first, &answer);
             }
         }
     })?;
     Ok(())
 }
 
-/// Does nothing, because these systems have no such signals.
+/// As on Unix, for Ctrl-C and for the end of the console or of the user's session.
 ///
 /// # Errors
-/// Never fails.
-#[cfg(not(unix))]
-pub fn watch(_answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
-    Ok(())
+/// Fails with the system's error if the handler cannot be set.
+#[cfg(windows)]
+pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
+    let mut first = None;
+    ctrlc::set_handler(move || take(Signal::Interrupt, &mut first, &answer)).map_err(io::Error::other)
+}
+
+/// Answers the first signal. A signal that is no part of the same request ends the process.
+fn take(signal: Signal, first: &mut Option<Instant>, answer: &impl Fn(Signal)) {
+    let now = Instant::now();
+    match *first {
+        None => {
+            *first = Some(now);
+            ASKED.store(signal as u8, Ordering::Release);
+            answer(signal);
+        }
+        Some(first) if now.duration_since(first) < ONE_REQUEST => {}
+        Some(_) => end_now(signal, || ()),
+    }
+}
+
+/// Starts `command` apart from the terminal, so that Ctrl-C reaches only Mariana, which then ends the process. On
+/// Windows the process gets no window either.
+pub fn apart_from_terminal(command: &mut Command) -> &mut Command {
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    #[cfg(windows)]
+    {
+        /// `CREATE_NO_WINDOW` of CreateProcess.
+        const NO_WINDOW: u32 = 0x0800_0000;
+        std::os::windows::process::CommandExt::creation_flags(command, NO_WINDOW);
+    }
+    command
 }
 
 /// Returns the ignored signals as bits, or 0 on systems without `/proc`.
@@ -117,7 +139,7 @@ pub fn outlive_file_limits() {
     #[cfg(unix)]
     {
         /// This flag is never read: handling the signal is enough to make the write fail.
-        static TAKEN: AtomicBool = AtomicBool::new(false);
+        static TAKEN: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
         // If the registration fails, the default action stays.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &TAKEN);
     }

@@ -10,6 +10,8 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use mariana_files::ending::apart_from_terminal;
+
 /// Demuxers for songs: audio, and video with sound. They open only their own input.
 const SONG_DEMUXERS: [&str; 34] = [
     "aac",
@@ -51,6 +53,9 @@ const SONG_DEMUXERS: [&str; 34] = [
 /// Demuxers for videos without sound, and for pictures that move. They open only their own input.
 const VIDEO_DEMUXERS: [&str; 12] =
     ["apng", "asf", "avi", "flv", "gif", "ivf", "matroska", "mov", "mpeg", "mpegts", "ogg", "webm"];
+
+/// Folders of programs on macOS that are not in the `PATH` of a program that was started from the desktop.
+const BEYOND_PATH: [&str; 3] = ["/opt/homebrew/bin", "/usr/local/bin", "/opt/local/bin"];
 
 /// An ffmpeg demuxer that reads only its own input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -135,14 +140,15 @@ pub struct CommandLine {
 }
 
 impl CommandLine {
-    /// Starts a command line of ffmpeg (found in `PATH`) that reports only errors and does not read standard input.
+    /// Starts a command line of ffmpeg (found in `PATH`, on macOS also beside this program and where Homebrew and
+    /// MacPorts install it; on Windows the system looks beside the program first) that reports only errors and does not read standard input.
     pub fn ffmpeg() -> Self {
-        Self::of("ffmpeg".as_ref()).options(["-nostdin"])
+        Self::of(&found("ffmpeg")).options(["-nostdin"])
     }
 
-    /// Starts a command line of ffprobe (found in `PATH`) that reports only errors.
+    /// Starts a command line of ffprobe, found like ffmpeg, that reports only errors.
     pub fn ffprobe() -> Self {
-        Self::of("ffprobe".as_ref())
+        Self::of(&found("ffprobe"))
     }
 
     pub(crate) fn of(program: &Path) -> Self {
@@ -183,9 +189,19 @@ impl CommandLine {
     /// Builds the command.
     pub fn command(self) -> Command {
         let mut command = Command::new(self.program);
-        command.args(self.arguments);
+        apart_from_terminal(command.args(self.arguments));
         command
     }
+}
+
+/// The path of a program, or only its name where the system is to look for it.
+fn found(name: &str) -> PathBuf {
+    if cfg!(not(target_os = "macos")) {
+        return name.into();
+    }
+    let beside = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.to_owned()));
+    let folders = beside.into_iter().chain(BEYOND_PATH.map(PathBuf::from));
+    folders.map(|folder| folder.join(name)).find(|program| program.is_file()).unwrap_or_else(|| name.into())
 }
 
 /// The `file:` address of a path, in which ffmpeg does not interpret colons, hyphens or percent signs.

@@ -55,9 +55,7 @@ impl EncoderProcess {
     ) -> io::Result<Self> {
         let heard = reported_problems.try_clone()?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
-        // The encoder gets its own process group, so that Ctrl-C reaches only Mariana, which then ends the encoder.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        ending::apart_from_terminal(&mut command);
         let (child, end) = ending::begin(|| {
             let child = Arc::new(Mutex::new(command.spawn()?));
             let its = child.clone();

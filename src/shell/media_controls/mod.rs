@@ -1,14 +1,22 @@
 //! Media keys and the desktop's media controls: on Linux MPRIS (Media Player Remote Interfacing Specification 2.2) on
-//! the session's D-Bus. A separate thread passes commands to the show and answers queries from a copy of the last
-//! state. Without a bus and on other systems there is no such service, which is no error; media keys then work only
-//! while the window has the keyboard.
+//! the session's D-Bus, on Windows and macOS the system's own. Commands reach the show from another thread; queries are
+//! answered from a copy of the last state. A missing service is no error: media keys then work only while the window
+//! has the keyboard.
 
-#[cfg(target_os = "linux")]
+#[cfg(all(unix, not(target_os = "macos")))]
 mod mpris;
+#[cfg(all(unix, not(target_os = "macos")))]
+use mpris as service;
+#[cfg(any(windows, target_os = "macos"))]
+mod system;
+#[cfg(any(windows, target_os = "macos"))]
+use system as service;
 
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
+
+use raw_window_handle::RawWindowHandle;
 
 use crate::commands::Command;
 use crate::session::desktop::DesktopControls;
@@ -69,13 +77,17 @@ impl SharedSeen {
 pub(crate) struct MediaControls {
     seen: SharedSeen,
     commands: Receiver<Command>,
-    #[cfg(target_os = "linux")]
-    changes: mpris::Changes,
+    changes: service::Changes,
 }
 
 impl MediaControls {
-    /// Starts the service on a thread that calls `wake` for each command. Without `position`, reports the position 0.
-    pub(crate) fn start(position: Option<Position>, wake: impl Fn() + Send + Sync + 'static) -> Self {
+    /// Starts the service, which calls `wake` for each command. Windows needs the `window`. Without `position`, reports
+    /// the position 0.
+    pub(crate) fn start(
+        position: Option<Position>,
+        window: Option<RawWindowHandle>,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
         let position: ReadPosition = Arc::new(move || position.as_ref().map_or(0.0, Position::seconds));
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
         let (sender, commands) = channel();
@@ -85,16 +97,8 @@ impl MediaControls {
                 wake();
             }
         };
-        #[cfg(target_os = "linux")]
-        let changes = mpris::serve(seen.clone(), position, send);
-        #[cfg(not(target_os = "linux"))]
-        drop((position, send));
-        Self {
-            seen,
-            commands,
-            #[cfg(target_os = "linux")]
-            changes,
-        }
+        let changes = service::serve(seen.clone(), position, window, send);
+        Self { seen, commands, changes }
     }
 }
 
@@ -116,12 +120,7 @@ impl DesktopControls for MediaControls {
             position: (status.position, now),
         };
         let old = std::mem::replace(&mut *self.seen.lock(), new.clone());
-        #[cfg(target_os = "linux")]
-        {
-            let jumped = (old.position_at(now) - status.position).abs() > JUMP;
-            self.changes.tell(&old, &new, jumped);
-        }
-        #[cfg(not(target_os = "linux"))]
-        let _ = (old, JUMP);
+        let jumped = (old.position_at(now) - status.position).abs() > JUMP;
+        self.changes.tell(&old, &new, jumped);
     }
 }

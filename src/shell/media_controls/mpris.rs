@@ -8,6 +8,8 @@ use mpris_server::{
     TrackId,
 };
 
+use raw_window_handle::RawWindowHandle;
+
 use super::{ReadPosition, Seen, SharedSeen};
 use crate::commands::{Command, Switch};
 use crate::shell::identity::APP_ID;
@@ -55,6 +57,7 @@ impl Changes {
 pub(super) fn serve(
     seen: SharedSeen,
     position: ReadPosition,
+    _: Option<RawWindowHandle>,
     send: impl Fn(Command) + Send + Sync + 'static,
 ) -> Changes {
     let (changes, inbox) = async_channel::bounded(CHANGES_MAX);

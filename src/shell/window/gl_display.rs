@@ -5,7 +5,13 @@
 //! socket, and the event thread, which waits for that socket, would not wake. While the frame is unchanged, nothing
 //! else wakes that thread, so keys and pings would wait for up to 30 s.
 
-#![expect(unsafe_code, reason = "glutin's functions that open displays are unsafe, and Xlib is a C library")]
+#![cfg_attr(
+    not(any(windows, target_os = "macos")),
+    expect(
+        unsafe_code,
+        reason = "glutin's functions that open displays are unsafe, and Xlib is a C library"
+    )
+)]
 
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};

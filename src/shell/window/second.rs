@@ -15,7 +15,7 @@ use glutin_winit::GlWindow;
 use raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::ActiveEventLoop;
-use winit::window::{Fullscreen, Window, WindowAttributes};
+use winit::window::{Window, WindowAttributes};
 
 use super::GlWindowContext;
 use crate::gpu::error::GpuError;
@@ -31,6 +31,7 @@ pub(crate) enum Ground {
     /// Below all windows of an X11 desktop, on this rectangle.
     Desktop(Rect),
     /// Inside another program's X11 window of this size in pixels.
+    #[cfg_attr(any(windows, target_os = "macos"), expect(dead_code, reason = "other systems have no X11"))]
     Within(u32, (u32, u32)),
 }
 
@@ -196,7 +197,7 @@ pub(crate) fn open_output(
         } else {
             let mut known = event_loop.available_monitors();
             let found = known.find(|known| known.name().as_deref() == Some(&*monitor.name));
-            attributes.with_fullscreen(Some(Fullscreen::Borderless(found)))
+            attributes.with_fullscreen(Some(winit::window::Fullscreen::Borderless(found)))
         }
     };
     let window = glutin_winit::finalize_window(event_loop, attributes, config).map_err(|error| {

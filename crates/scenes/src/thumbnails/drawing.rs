@@ -6,6 +6,8 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use mariana_files::ending::apart_from_terminal;
+
 use super::{MOMENT, SIZE};
 use crate::SceneSource;
 use crate::limits::LIMITS;
@@ -50,7 +52,7 @@ pub(super) fn draw(
     command.args(["still", "--at", &MOMENT.to_string(), "--size", &size, "-o"]).arg(&file);
     command.arg(option).env("LP_NUM_THREADS", "1");
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let mut child = Drawing(command.spawn()?);
+    let mut child = Drawing(apart_from_terminal(&mut command).spawn()?);
     lower_priority(&child.0);
     let until = Instant::now() + Duration::from_secs_f64(LIMITS.thumbnail_seconds_max);
     loop {

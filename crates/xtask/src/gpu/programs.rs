@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context as _, bail};
+use cpu_time::ProcessTime;
 use mariana::ending::begin_to_leave;
 use mariana::gpu::cell_use::CellUse;
 use mariana::gpu::flash_pass::FLASH_SHADERS;
@@ -15,7 +16,6 @@ use mariana::gpu::scene_program::{
 };
 use mariana::gpu::shader_source::{ShaderLibrary, Variant};
 use mariana::scenes::{SceneSource, shipped_names};
-use rustix::time::{ClockId, clock_gettime};
 use serde::{Deserialize, Serialize};
 use tracing_subscriber::layer::{Context, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
@@ -123,11 +123,6 @@ impl<S: tracing::Subscriber> tracing_subscriber::Layer<S> for Heard {
     }
 }
 
-fn cpu_seconds() -> f64 {
-    let time = clock_gettime(ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-}
-
 /// Prints a line for each program whose name contains one of the arguments, or for all programs. `--json` prints
 /// JSON; `--shaders FOLDER` uses other shaders.
 ///
@@ -155,9 +150,9 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let mut refused = Vec::new();
     for Wanted { name, file, variant } in wanted(gl, &names)? {
         heard.take();
-        let start = cpu_seconds();
+        let start = ProcessTime::now();
         let linked = Program::link(gl, &library, file, &variant);
-        let seconds = cpu_seconds() - start;
+        let seconds = start.elapsed().as_secs_f64();
         if let Err(error) = linked {
             refused.push(format!("{name}: {error}"));
             continue;
