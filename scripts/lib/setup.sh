@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # Installs the system packages and the Rust toolchain that Mariana needs. Source it. All output goes to stderr.
 #
-#   mariana_setup build run [test]    installs missing packages of these groups; exits with 1 if it cannot
+#   mariana_setup build run [test] [targets]    installs missing packages of these groups; exits with 1 if it cannot
 #
 # MARIANA_SETUP=dry-run prints the packages without installing them, and exits; MARIANA_SETUP=skip checks nothing.
 
@@ -48,6 +48,8 @@ test    cmd:update-mime-database  shared-mime-info   shared-mime-info     shared
 test    browser:chromium          chromium-headless-shell chromium        chromium          chromium             chromium
 test    cmd:zbarimg               zbar-tools         zbar                 zbar              zbar                 zbar
 test    cmd:glslangValidator      glslang-tools      glslang              glslang           glslang-devel        glslang
+targets cmd:x86_64-w64-mingw32-dlltool binutils-mingw-w64-x86-64 mingw64-binutils mingw-w64-binutils - mingw-w64
+targets cmd:node                  nodejs             nodejs               nodejs            nodejs               node
 TABLE
 }
 # ALSA's development package includes its run-time library. Opus is linked statically and built with cmake.
@@ -214,23 +216,30 @@ ensure_rust() {
     fi
 }
 
-# Unpacks mesa-drm-shim from this Debian's backports into target/. The system's package lists stay unchanged.
-unpack_gpu_shim() {
-    local folder=$root/target/mesa-drm-shim options codename uri
-    codename=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
-    uri=$(apt-get indextargets --format '$(REPO_URI)' "Codename: $codename" 'Created-By: Packages' | head -n 1)
-    [[ -n $codename && -n $uri ]] || return 1
-    rm -rf "$folder" && mkdir -p "$folder"/{lists,cache/archives}/partial || return 1
-    echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $uri $codename-backports main" >"$folder/sources.list"
-    options=(-qq -o APT::Sandbox::User=root -o Dir::Etc::SourceList="$folder/sources.list" -o Dir::Etc::SourceParts=/dev/null
-        -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/cache")
-    apt-get "${options[@]}" update && (cd "$folder" && apt-get "${options[@]}" download mesa-drm-shim) &&
-        dpkg -x "$folder"/mesa-drm-shim_*.deb "$folder"
+# unpack_package FOLDER PACKAGE[=VERSION] SUITE... downloads a package from suites of Debian and unpacks it into FOLDER.
+# VERSION is the beginning of the wanted one. The system's package lists stay unchanged.
+unpack_package() {
+    local folder=$1 name=${2%%=*} version=${2#"${2%%=*}"} suite options uri found
+    have apt-get && have dpkg || return 1
+    uri=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' | head -n 1)
+    [[ -n $uri ]] || return 1
+    rm -rf "$folder" && mkdir -p "$folder"/apt/{lists,cache/archives}/partial || return 1
+    for suite in "${@:3}"; do
+        echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $uri $suite main"
+    done >"$folder/apt/sources.list"
+    options=(-qq -o APT::Sandbox::User=root -o Dir::Etc::SourceList="$folder/apt/sources.list" -o Dir::Etc::SourceParts=/dev/null
+        -o Dir::State::Lists="$folder/apt/lists" -o Dir::Cache="$folder/apt/cache")
+    apt-get "${options[@]}" update || return 1
+    found=$(apt-cache "${options[@]}" madison "$name" | awk -v wanted="${version#=}" 'index($3, wanted) == 1 { print $3; exit }')
+    [[ -n $found ]] || return 1
+    (cd "$folder" && apt-get "${options[@]}" download "$name=$found") && dpkg -x "$folder/${name}"_*.deb "$folder" &&
+        rm -rf "$folder/apt" "$folder/${name}"_*.deb
 }
 
 # Gets mesa-drm-shim, which lets Mesa compile for GPUs that are not installed (`cargo xtask gpu`). Without it, the tests
 # print a note and compare nothing.
 get_gpu_shim() {
+    local codename
     if [[ $1 != apt || $(uname -m) != x86_64 || ${MARIANA_SETUP:-} == dry-run ]] || is_installed apt mesa-drm-shim ||
         compgen -G "$root/target/mesa-drm-shim/usr/lib/*/libamdgpu_noop_drm_shim.so" >/dev/null; then
         return
@@ -238,7 +247,9 @@ get_gpu_shim() {
     if apt-cache show mesa-drm-shim >/dev/null 2>&1; then
         install_with apt mesa-drm-shim
     else
-        unpack_gpu_shim </dev/null >&2 || say "mesa-drm-shim is not available: GPU programs are not compared."
+        codename=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
+        unpack_package "$root/target/mesa-drm-shim" mesa-drm-shim "$codename-backports" </dev/null >&2 ||
+            say "mesa-drm-shim is not available: GPU programs are not compared."
     fi
 }
 
