@@ -9,7 +9,7 @@ use cpal::traits::{DeviceTrait, HostTrait};
 use cpal::{ErrorKind, SupportedBufferSize};
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
-use super::device_list::ListedDevice;
+use super::device_list::{FoundDevice, ListedDevice};
 use super::error::{DeviceError, Direction};
 use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, is_watched, monitor_id};
 use super::server_connection::ServerConnection;
@@ -139,45 +139,40 @@ pub(crate) fn refusal(
     }
 }
 
-pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device, (DeviceError, ErrorKind)> {
+pub(crate) fn find(direction: Direction, target: &Target) -> Result<FoundDevice, (DeviceError, ErrorKind)> {
     let none = |error| (error, ErrorKind::DeviceNotAvailable);
     let hosts = || hosts_by_preference().into_iter().filter_map(|id| Some((id, host(id).ok()?)));
-    let is_for = |device: &cpal::Device| match direction {
-        Direction::Output => device.supports_output(),
-        Direction::Input => device.supports_input(),
-    };
+    let listed = |device| FoundDevice::of(direction, device);
     let default = || {
         let found = hosts().find_map(|(_, host)| match direction {
             Direction::Output => host.default_output_device(),
             Direction::Input => host.default_input_device(),
         });
-        found.ok_or_else(|| none(DeviceError::NoDevice(direction)))
+        let found = found.ok_or_else(|| none(DeviceError::NoDevice(direction)))?;
+        Ok(FoundDevice { entry: ListedDevice::of(&found), device: found })
     };
     match target {
         Target::Default => default(),
         Target::Preferred(wanted) => {
             // Query only hosts with a watched device list, because querying each device is slow on other hosts.
-            let listed = hosts().find(|(id, _)| is_watched(*id)).and_then(|(_, host)| host.devices().ok());
-            let there = listed
-                .into_iter()
-                .flatten()
-                .find(|device| device.id().is_ok_and(|id| id.to_string() == *wanted) && is_for(device));
-            there.map_or_else(default, Ok)
+            let devices = hosts().find(|(id, _)| is_watched(*id)).and_then(|(_, host)| host.devices().ok());
+            let mut there = devices.into_iter().flatten().filter_map(listed);
+            there.find(|found| found.entry.id == *wanted).map_or_else(default, Ok)
         }
         Target::Monitor => monitor().ok_or_else(|| none(DeviceError::NoLoopback)),
         Target::Named(name) | Target::MonitorOf(name) => {
             let monitors_only = matches!(target, Target::MonitorOf(_));
             let devices = hosts().filter_map(|(_, host)| host.devices().ok()).flatten();
-            let fitting = devices
-                .filter(|device| is_for(device) && (!monitors_only || ListedDevice::of(device).is_monitor()));
-            best_match(fitting.collect(), name, ListedDevice::of)
+            let fitting =
+                devices.filter_map(listed).filter(|found| !monitors_only || found.entry.is_monitor());
+            best_match(fitting.collect(), name, |found| &found.entry)
                 .ok_or_else(|| none(DeviceError::UnknownDevice { direction, name: name.clone() }))
         }
     }
 }
 
 /// Returns the device whose id or name equals `wanted`, or else contains `wanted`. Monitors are chosen last.
-fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedDevice) -> Option<T> {
+fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> &ListedDevice) -> Option<T> {
     let wanted = wanted.to_lowercase();
     let rank = |device: &T| {
         let entry = entry_of(device);
@@ -192,18 +187,13 @@ fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedD
     ranked.min_by_key(|(rank, _)| *rank).map(|(_, device)| device)
 }
 
-fn monitor() -> Option<cpal::Device> {
-    let hosts = hosts_by_preference();
-    if let Some(server) = hosts.iter().copied().find(|id| is_server(*id)) {
-        let host = host(server).ok()?;
-        let wanted = monitor_id(&host.default_output_device()?.id().ok()?.to_string());
-        return host
-            .input_devices()
-            .ok()?
-            .find(|device| device.id().is_ok_and(|id| id.to_string() == wanted));
-    }
-    // On Windows and macOS, an input stream on an output device records that output.
-    if cfg!(target_os = "linux") { None } else { host(*hosts.first()?).ok()?.default_output_device() }
+/// Returns the monitor of the default output.
+fn monitor() -> Option<FoundDevice> {
+    let watched = hosts_by_preference().into_iter().find(|id| is_watched(*id))?;
+    let host = host(watched).ok()?;
+    let wanted = monitor_id(&host.default_output_device()?.id().ok()?.to_string());
+    let mut inputs = host.devices().ok()?.filter_map(|device| FoundDevice::of(Direction::Input, device));
+    inputs.find(|found| found.entry.id == wanted)
 }
 
 /// True if the device belongs to the sound server, which converts formats and rates.
@@ -334,7 +324,7 @@ mod tests {
                 entry("p:usb", "Headset"),
             ]
         };
-        let found = |wanted| best_match(devices(), wanted, ListedDevice::clone).map(|entry| entry.id);
+        let found = |wanted| best_match(devices(), wanted, |entry| entry).map(|entry| entry.id);
         assert_eq!(found("headset").as_deref(), Some("p:usb"));
         assert_eq!(found("P:USB").as_deref(), Some("p:usb"));
         assert_eq!(found("usb").as_deref(), Some("p:usb_mic"));

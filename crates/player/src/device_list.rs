@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use cpal::traits::{DeviceTrait, HostTrait};
 
+use super::error::Direction;
 use super::hosts::{self, hosts_by_preference, hush_sound_library, is_watched, monitored_output};
 use super::worker::Worker;
 
@@ -31,9 +32,45 @@ impl ListedDevice {
         Self { id, name }
     }
 
+    /// The entry of an input that records this output.
+    fn monitor(&self) -> Self {
+        Self { id: hosts::monitor_id(&self.id), name: format!("Monitor of {}", self.name) }
+    }
+
     /// True for an input that records an output.
     pub fn is_monitor(&self) -> bool {
         monitored_output(&self.id).is_some()
+    }
+}
+
+/// A device as it is listed for playback or for recording.
+#[derive(Clone)]
+pub(crate) struct FoundDevice {
+    pub(crate) entry: ListedDevice,
+    pub(crate) device: cpal::Device,
+}
+
+impl FoundDevice {
+    /// Returns the entry of `device` in this direction, if the device supports it. Where outputs can be recorded, an
+    /// output that is no input too is listed for recording as its monitor.
+    pub(crate) fn of(direction: Direction, device: cpal::Device) -> Option<Self> {
+        let supports = (device.supports_output(), device.supports_input());
+        let is_monitor = listed_as_monitor(direction, supports, hosts::OUTPUTS_CAN_BE_RECORDED)?;
+        let own = ListedDevice::of(&device);
+        Some(Self { entry: if is_monitor { own.monitor() } else { own }, device })
+    }
+}
+
+/// Returns whether a device that supports output and input is listed as a monitor; `None` if it is not listed.
+fn listed_as_monitor(
+    direction: Direction,
+    (output, input): (bool, bool),
+    outputs_can_be_recorded: bool,
+) -> Option<bool> {
+    match direction {
+        Direction::Output => output.then_some(false),
+        Direction::Input if input => Some(false),
+        Direction::Input => (output && outputs_can_be_recorded).then_some(true),
     }
 }
 
@@ -76,12 +113,9 @@ impl DeviceList {
         let Ok(devices) = host.devices() else { return Self::default() };
         let mut device_list = Self { known: true, default_output, default_input, ..Self::default() };
         for device in devices {
-            if device.supports_output() {
-                device_list.outputs.push(ListedDevice::of(&device));
-            }
-            if device.supports_input() {
-                device_list.inputs.push(ListedDevice::of(&device));
-            }
+            let entry = |direction| FoundDevice::of(direction, device.clone()).map(|found| found.entry);
+            device_list.outputs.extend(entry(Direction::Output));
+            device_list.inputs.extend(entry(Direction::Input));
         }
         device_list
     }
@@ -181,6 +215,26 @@ mod tests {
         assert_eq!(monitors, [true, false, true]);
         device_list.default_output = None;
         assert_eq!(device_list.default_monitor(), None);
+    }
+
+    #[test]
+    fn an_output_is_listed_as_a_monitor_only_where_outputs_can_be_recorded() {
+        let (output, input, both) = ((true, false), (false, true), (true, true));
+        for recordable in [false, true] {
+            let listed = |direction, supports| listed_as_monitor(direction, supports, recordable);
+            assert_eq!(listed(Direction::Input, output), recordable.then_some(true));
+            assert_eq!(listed(Direction::Output, output), Some(false));
+            assert_eq!(
+                (listed(Direction::Input, input), listed(Direction::Output, input)),
+                (Some(false), None)
+            );
+            assert_eq!(
+                (listed(Direction::Input, both), listed(Direction::Output, both)),
+                (Some(false), Some(false))
+            );
+        }
+        assert_eq!(entry("p:a").monitor().name, "Monitor of P:A");
+        assert!(entry("p:a").monitor().is_monitor());
     }
 
     #[test]

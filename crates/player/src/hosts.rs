@@ -9,6 +9,10 @@ use cpal::traits::{DeviceTrait, HostTrait};
 
 use super::server_connection::{self, ServerConnection};
 
+/// True where an input stream on an output records that output (WASAPI, and macOS 14.6 and later). Servers instead list
+/// monitors of their outputs among the inputs.
+pub(crate) const OUTPUTS_CAN_BE_RECORDED: bool = cfg!(any(windows, target_os = "macos"));
+
 /// A monitor's id is the output's id with this suffix (PulseAudio, PipeWire).
 const MONITOR_SUFFIX: &str = ".monitor";
 

@@ -14,7 +14,7 @@ use crate::device::{
     BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
     error_callback, find, refusal, usable_rate, with_sample_type,
 };
-use crate::device_list::ListedDevice;
+use crate::device_list::FoundDevice;
 use crate::error::{DeviceError, Direction};
 use crate::hosts::hush_sound_library;
 
@@ -77,8 +77,7 @@ pub(super) fn open(
 ) -> OpenResult<InputCallbackLink> {
     hush_sound_library();
     let direction = Direction::Input;
-    let device = find(direction, target)?;
-    let entry = ListedDevice::of(&device);
+    let FoundDevice { device, entry } = find(direction, target)?;
     let name = format!("'{}'", entry.name);
     let refused = |error: cpal::Error| (refusal(direction, &name, target, &error), error.kind());
     let converted = converts(&device);

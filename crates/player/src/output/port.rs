@@ -14,7 +14,7 @@ use crate::device::{
     BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
     error_callback, find, refusal, usable_rate, with_sample_type,
 };
-use crate::device_list::ListedDevice;
+use crate::device_list::{FoundDevice, ListedDevice};
 use crate::error::{DeviceError, Direction};
 use crate::hosts::{for_playback, hush_sound_library};
 use crate::supervisor::{NoteReader, StreamStatus, Supervisor as Watching};
@@ -166,8 +166,7 @@ fn open(
 ) -> OpenResult<OutputCallbackLink> {
     hush_sound_library();
     let direction = Direction::Output;
-    let device = find(direction, target)?;
-    let entry = ListedDevice::of(&device);
+    let FoundDevice { device, entry } = find(direction, target)?;
     let name = format!("'{}'", entry.name);
     let refused = |error: cpal::Error| (refusal(direction, &name, target, &error), error.kind());
     let (device, connection) = for_playback(device).map_err(refused)?;
