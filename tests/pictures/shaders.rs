@@ -59,7 +59,7 @@ struct Case {
 
 impl Case {
     fn text(&self, library: &ShaderLibrary) -> Result<String, ShaderSourceError> {
-        library.assemble(self.file, driver_preamble(&driver(self.software)), &self.variant)
+        library.assemble(self.file, &driver_preamble(&driver(self.software)), &self.variant)
     }
 }
 
@@ -219,7 +219,7 @@ fn broken_shaders_are_rejected_with_file_and_line() {
 fn a_texture_without_a_fixed_unit_is_refused() {
     let text = format!("{}\nuniform sampler2D unknown;\n", shader_text("edges.frag"));
     let (_folder, library) = changed_shaders(&[("edges.frag", &text)]);
-    let whole = library.assemble("edges.frag", driver_preamble(&driver(true)), &Variant::default()).unwrap();
+    let whole = library.assemble("edges.frag", &driver_preamble(&driver(true)), &Variant::default()).unwrap();
     let complaint = check_with_naga(Stage::Fragment, &whole).unwrap_err();
     assert!(complaint.contains("'unknown'"), "{complaint}");
 }
