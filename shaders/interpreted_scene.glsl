@@ -107,7 +107,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
                 at = p + probes[probe - FIRST_OCCLUSION_PROBE] * s.normal;
             }
             Cell cell = cell_at(in_root(at));
-            COUNT(lookups);
+            COUNT(count_lookups);
             tape = cell.tape;
             if (probe < OBJECT_PROBE) break;
             if (probe == OBJECT_PROBE) {
@@ -123,12 +123,12 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
         vec2 d = run_region(tape, at, 0.0);
         if (probe < OBJECT_PROBE) {
             taps[probe] = d.y;
-            COUNT(normal);
+            COUNT(count_normal);
         } else if (probe == OBJECT_PROBE) {
             s.object = int(d.x + 0.5);
         } else {
             occluders[probe - FIRST_OCCLUSION_PROBE] = AS_DISTANCE(d.y);
-            COUNT(occlusion);
+            COUNT(count_occlusion);
         }
         probe++;
     }

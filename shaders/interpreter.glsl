@@ -16,11 +16,11 @@ uniform WORD_LIST tape;             // RGBA32UI
 #ifdef COUNT_EVALUATIONS
 float count_clauses = 0.0;          // clauses of regions run in this pixel, including empty clauses
 float count_surface_clauses = 0.0;  // clauses of materials and light
-#define COUNT_CLAUSES(kind, count) count_##kind += count
+#define COUNT_CLAUSES(counter, count) counter += count
 #define CLAUSES_RUN count_clauses
 #define SURFACE_CLAUSES_RUN count_surface_clauses
 #else
-#define COUNT_CLAUSES(kind, count)
+#define COUNT_CLAUSES(counter, count)
 #endif
 
 #define BYTE(word, place) ((word >> (8 * place)) & 255u)
@@ -90,7 +90,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
         while (texel < end) {
             words = TEXEL(regions, texel);
             texel++;
-            COUNT_CLAUSES(clauses, 2.0);
+            COUNT_CLAUSES(count_clauses, 2.0);
             region_clause(words.x, words.y, a, b);
             region_clause(words.z, words.w, a, b);
             if ((words.z & 255u) == 0u || region_is_rare(operator_number(words.z))) break;
@@ -108,7 +108,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
         bool last = (i & 1) != 0;
         if (last) { words.xy = words.zw; } else { words = TEXEL(regions, texel); texel++; }
-        COUNT_CLAUSES(clauses, 1.0);
+        COUNT_CLAUSES(count_clauses, 1.0);
         region_clause(words.x, words.y, a, b);
         if (last && (words.x & 255u) == 0u) break;
     }
@@ -179,7 +179,7 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
         while (texel < end) {
             words = TEXEL(tape, texel);
             texel++;
-            COUNT_CLAUSES(surface_clauses, 2.0);
+            COUNT_CLAUSES(count_surface_clauses, 2.0);
             tape_clause(words.x, words.y, false, p, n, a, b);
             tape_clause(words.z, words.w, true, p, n, a, b);
             if ((words.z & 255u) == 0u || tape_is_rare(operator_number(words.z))) break;
@@ -195,7 +195,7 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
     for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
         bool last = (i & 1) != 0;
         if (last) { words.xy = words.zw; } else { words = TEXEL(tape, texel); texel++; }
-        COUNT_CLAUSES(surface_clauses, 1.0);
+        COUNT_CLAUSES(count_surface_clauses, 1.0);
         tape_clause(words.x, words.y, last, p, n, a, b);
         if (last && (words.x & 255u) == 0u) break;
     }

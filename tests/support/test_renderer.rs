@@ -30,8 +30,12 @@ pub(crate) fn ready(scene: &SceneSource) -> ReadyScene {
 
 /// An imaginary driver of OpenGL whose limits are the minimum limits of OpenGL 3.3.
 pub(crate) fn driver(software: bool) -> GlInfo {
+    driver_of(Api::Desktop, software)
+}
+
+pub(crate) fn driver_of(api: Api, software: bool) -> GlInfo {
     GlInfo {
-        api: Api::Desktop,
+        api,
         vendor: String::new(),
         renderer: String::new(),
         version: String::new(),
@@ -65,8 +69,11 @@ impl TestRenderer {
     }
 
     pub(crate) fn of_ready(scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
+        Self::in_context(Context::new(), scene, mode, counting)
+    }
+
+    pub(crate) fn in_context(context: Context, scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
         let ReadyScene { world, buffers, plan, .. } = scene;
-        let context = Context::new();
         let gl = context.gl();
         let renderer =
             Renderer::new(gl, &ShaderLibrary::embedded(), counting).unwrap_or_else(|error| panic!("{error}"));

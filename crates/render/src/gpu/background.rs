@@ -20,6 +20,7 @@ use std::time::{Duration, Instant};
 use glutin::config::Config;
 use glutin::context::{NotCurrentContext, PossiblyCurrentContext};
 use glutin::display::{Display, GlDisplay};
+use glutin::error::ErrorKind;
 
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
@@ -91,7 +92,7 @@ impl WorkerContext {
     /// EGL and WGL support that. Contexts of GLX would share the window's connection to the X server. On macOS a
     /// context waits for the main thread, and OpenGL has no program binaries that a worker could pass on.
     fn make_current(self) -> Result<(Display, PossiblyCurrentContext), String> {
-        let current = match self.context {
+        let current: glutin::error::Result<PossiblyCurrentContext> = match self.context {
             #[cfg(any(windows, all(unix, not(target_os = "macos"))))]
             NotCurrentContext::Egl(context) => {
                 context.make_current_surfaceless().map(PossiblyCurrentContext::Egl)
@@ -101,7 +102,7 @@ impl WorkerContext {
                 context.make_current_surfaceless().map(PossiblyCurrentContext::Wgl)
             }
             #[allow(unreachable_patterns, reason = "some systems have one kind only")]
-            _ => return Err("this kind of context needs a window".into()),
+            _ => Err(ErrorKind::NotSupported("contexts of this kind need a window").into()),
         };
         current.map(|context| (self.display, context)).map_err(|error| error.to_string())
     }

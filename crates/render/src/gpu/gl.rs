@@ -96,7 +96,8 @@ impl Gl {
             version.is_embedded && !functions.supported_extensions().contains("GL_EXT_color_buffer_float");
         if !is_new || lacks_floats {
             // SAFETY: the same context is current.
-            let mut found = unsafe { functions.get_parameter_string(glow::VERSION) };
+            let found = unsafe { functions.get_parameter_string(glow::VERSION) };
+            let mut found = found.trim_start_matches("OpenGL ").to_owned();
             if is_new {
                 found.push_str(" without EXT_color_buffer_float");
             }

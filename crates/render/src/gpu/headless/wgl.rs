@@ -57,7 +57,7 @@ fn current_context(window: HiddenWindow, apis: &[Api]) -> Result<(Display, Curre
         let config = display.find_configs(template)?.next();
         let config = config.ok_or_else(|| Error::from(ErrorKind::BadConfig))?;
         let context = Api::create_context(apis, &display, &config, Some(handle))?;
-        let attributes = SurfaceAttributesBuilder::new().build(handle, side, side);
+        let attributes = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side, side);
         let surface = display.create_window_surface(&config, &attributes)?;
         let context = context.make_current(&surface)?;
         Ok((display, Current { _context: context, _surface: surface, _window: window }))
