@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::support::compare::{TIGHT, assert_alike};
+use crate::support::compare::{LOOSE, TIGHT, assert_alike};
 use crate::support::drawing::Context;
 use crate::support::test_renderer::{TestRenderer, loud_sound, ready};
 use mariana::gpu::api::Api;
@@ -49,7 +49,8 @@ fn lists_longer_than_a_row_grow_and_shrink() {
     let (few, whole) = image(false);
     let (many, divided) = image(true);
     assert!(few < 2048 && many > 8192, "{few} and {many} texels");
-    assert_alike("embedded-lattice-cells", &divided, &whole, TIGHT);
+    // Rays that skip cells hit surfaces at slightly different points.
+    assert_alike("embedded-lattice-cells", &divided, &whole, LOOSE);
     assert!(image(false) == (few, whole), "the image without cells has changed");
 }
 

@@ -72,6 +72,7 @@ impl Api {
     ///
     /// # Errors
     /// The driver's error for the first interface.
+    // SAFETY: the duties of the caller are above.
     pub unsafe fn create_context<D: GlDisplay>(
         apis: &[Self],
         display: &D,
