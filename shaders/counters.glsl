@@ -1,4 +1,4 @@
-// Counts distance evaluations by kind of ray, for `mariana bench`; without COUNT_EVALUATIONS its macros are empty.
+// Counts distance evaluations by kind of ray, for `mariana bench`; without COUNT_EVALUATIONS its macro is empty.
 
 #ifdef COUNT_EVALUATIONS
 float count_primary = 0.0;
@@ -8,9 +8,7 @@ float count_shadow = 0.0;
 float count_occlusion = 0.0;
 float count_capped = 0.0;   // number of rays of this pixel that reached their step limit
 float count_lookups = 0.0;  // number of lookups of a point's cell
-#define COUNT(kind) count_##kind += 1.0
-#define COUNT_N(kind, n) count_##kind += float(n)
+#define COUNT(counter) counter += 1.0
 #else
-#define COUNT(kind)
-#define COUNT_N(kind, n)
+#define COUNT(counter)
 #endif

@@ -13,12 +13,14 @@ uniform sampler2D shown_swings;     // output of flash_note.frag
 uniform sampler2D shown_rest;
 uniform sampler2D shown_red_swings;
 
-layout(location = 0) out vec4 light_swing;  // xyz the swing, w the remaining seconds of the cell's mark
-layout(location = 1) out vec4 red_swing;    // xyz the swing, w the remaining seconds of the cell's mark
-layout(location = 2) out vec4 light_newest; // ages of changes
-layout(location = 3) out vec4 light_others; // xy two older ages
-layout(location = 4) out vec4 red_newest;
-layout(location = 5) out vec4 red_others;
+#include "flash_halves.glsl"
+
+FIRST_HALF(0) vec4 light_swing;     // xyz the swing, w the remaining seconds of the cell's mark
+FIRST_HALF(1) vec4 red_swing;       // xyz the swing, w the remaining seconds of the cell's mark
+FIRST_HALF(2) vec4 light_newest;    // ages of changes
+OTHER_HALF(0) vec4 light_others;    // xy two older ages
+OTHER_HALF(1) vec4 red_newest;
+OTHER_HALF(2) vec4 red_others;
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);

@@ -11,12 +11,14 @@ uniform sampler2D shown_lows;
 uniform sampler2D shown_red_swings;
 uniform sampler2D shown_red_ages;
 
-layout(location = 0) out vec4 swing;        // xyz the swing of the luminance, w the cell's own ceiling
-layout(location = 1) out vec4 newest;       // ages of the luminance's changes
-layout(location = 2) out vec4 others;       // xy two older ages, z fraction of grey, w the fifth age of red
-layout(location = 3) out vec4 lows;         // xy darkest luminance of this part of the memory and of the previous one
-layout(location = 4) out vec4 red_swing;    // xyz the swing of the red, w the sixth age of the red's changes
-layout(location = 5) out vec4 red_newest;   // ages of the red's changes
+#include "flash_halves.glsl"
+
+FIRST_HALF(0) vec4 swing;       // xyz the swing of the luminance, w the cell's own ceiling
+FIRST_HALF(1) vec4 newest;      // ages of the luminance's changes
+FIRST_HALF(2) vec4 others;      // xy two older ages, z fraction of grey, w the fifth age of red
+OTHER_HALF(0) vec4 lows;        // xy darkest luminance of this part of the memory and of the previous one
+OTHER_HALF(1) vec4 red_swing;   // xyz the swing of the red, w the sixth age of the red's changes
+OTHER_HALF(2) vec4 red_newest;  // ages of the red's changes
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);

@@ -12,14 +12,14 @@ void scene_load() {}
 
 // Returns the program for a point or a direction from the grid of the directory entry `place`.
 int program_at(int place, vec3 at) {
-    int grid = int(texelFetch(tape, place >> 2)[place & 3]);
-    uvec4 low = texelFetch(tape, grid);
-    vec3 per_unit = uintBitsToFloat(texelFetch(tape, grid + 1).xyz);
+    int grid = int(TEXEL(tape, place >> 2)[place & 3]);
+    uvec4 low = TEXEL(tape, grid);
+    vec3 per_unit = uintBitsToFloat(TEXEL(tape, grid + 1).xyz);
     int last = int(low.w);
     vec3 cell = clamp((at - uintBitsToFloat(low.xyz)) * per_unit, vec3(0.0), vec3(float(last)));
     ivec3 q = clamp(ivec3(cell), ivec3(0), ivec3(last));
     int number = q.x + 8 * (q.y + 8 * q.z);
-    return int(texelFetch(tape, grid + 2 + (number >> 2))[number & 3]);
+    return int(TEXEL(tape, grid + 2 + (number >> 2))[number & 3]);
 }
 
 struct Place {
@@ -31,7 +31,7 @@ struct Place {
 // computed for this pixel, the pixel to the right, and the pixel above. The results stay in the registers that the
 // returned header lists.
 uvec4 run_program(int program, Place here, Place right, Place above) {
-    uvec4 head = texelFetch(tape, program);
+    uvec4 head = TEXEL(tape, program);
 #if SAMPLES > 0
     int samples = int(head.w);
     FORGET_SAMPLED;
@@ -46,7 +46,7 @@ uvec4 run_program(int program, Place here, Place right, Place above) {
         // and once for the program's own tape.
         for (;;) {
             bool is_own = sample_number >= samples;
-            texture_head = texelFetch(tape, program + 1 + sample_number);
+            texture_head = TEXEL(tape, program + 1 + sample_number);
             int first = is_own ? program + 1 + samples : int(texture_head.y);
             bool is_here = is_own || neighbour == 2;
             vec3 p = is_here ? here.p : neighbour == 0 ? right.p : above.p;
@@ -107,7 +107,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
                 at = p + probes[probe - FIRST_OCCLUSION_PROBE] * s.normal;
             }
             Cell cell = cell_at(in_root(at));
-            COUNT(lookups);
+            COUNT(count_lookups);
             tape = cell.tape;
             if (probe < OBJECT_PROBE) break;
             if (probe == OBJECT_PROBE) {
@@ -119,16 +119,16 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
         }
         if (probe >= end) break;
         // The object's tape is stored before the distance's tape.
-        if (probe == OBJECT_PROBE) tape = int(texelFetch(regions, tape - 1).x);
+        if (probe == OBJECT_PROBE) tape = int(TEXEL(regions, tape - 1).x);
         vec2 d = run_region(tape, at, 0.0);
         if (probe < OBJECT_PROBE) {
             taps[probe] = d.y;
-            COUNT(normal);
+            COUNT(count_normal);
         } else if (probe == OBJECT_PROBE) {
             s.object = int(d.x + 0.5);
         } else {
             occluders[probe - FIRST_OCCLUSION_PROBE] = AS_DISTANCE(d.y);
-            COUNT(occlusion);
+            COUNT(count_occlusion);
         }
         probe++;
     }

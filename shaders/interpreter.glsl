@@ -1,4 +1,4 @@
-// The interpreter of tapes in texture buffers. `crates/field/src/tape/` describes clauses, registers and operators;
+// The interpreter of tapes. `crates/field/src/tape/` describes clauses, registers and operators;
 // `interpreter.rs` there describes texels and the variant's defines, and writes operators.glsl.
 //
 // At the start the registers hold x, y, z and the normal. For a region's tape, the register of the normal's x holds the
@@ -9,16 +9,18 @@
 // they would otherwise be computed with every clause. The second loop is for GPUs, which skip branches. It runs one
 // clause per round, because compilers inline a function at each call.
 
-uniform usamplerBuffer tape;        // RGBA32UI
+#include "texel_lists.glsl"
+
+uniform WORD_LIST tape;             // RGBA32UI
 
 #ifdef COUNT_EVALUATIONS
 float count_clauses = 0.0;          // clauses of regions run in this pixel, including empty clauses
 float count_surface_clauses = 0.0;  // clauses of materials and light
-#define COUNT_CLAUSES(kind, count) count_##kind += count
+#define COUNT_CLAUSES(counter, count) counter += count
 #define CLAUSES_RUN count_clauses
 #define SURFACE_CLAUSES_RUN count_surface_clauses
 #else
-#define COUNT_CLAUSES(kind, count)
+#define COUNT_CLAUSES(counter, count)
 #endif
 
 #define BYTE(word, place) ((word >> (8 * place)) & 255u)
@@ -86,8 +88,9 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     int end = first + TEXELS_MAX;
     for (int round = 0; round < TEXELS_MAX; ++round) {
         while (texel < end) {
-            words = texelFetch(regions, texel++);
-            COUNT_CLAUSES(clauses, 2.0);
+            words = TEXEL(regions, texel);
+            texel++;
+            COUNT_CLAUSES(count_clauses, 2.0);
             region_clause(words.x, words.y, a, b);
             region_clause(words.z, words.w, a, b);
             if ((words.z & 255u) == 0u || region_is_rare(operator_number(words.z))) break;
@@ -104,8 +107,8 @@ vec2 run_region(int first, vec3 p, float penumbra) {
 #else
     for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
         bool last = (i & 1) != 0;
-        if (last) { words.xy = words.zw; } else { words = texelFetch(regions, texel++); }
-        COUNT_CLAUSES(clauses, 1.0);
+        if (last) { words.xy = words.zw; } else { words = TEXEL(regions, texel); texel++; }
+        COUNT_CLAUSES(count_clauses, 1.0);
         region_clause(words.x, words.y, a, b);
         if (last && (words.x & 255u) == 0u) break;
     }
@@ -174,8 +177,9 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
     int end = first + TEXELS_MAX;
     for (int round = 0; round < TEXELS_MAX; ++round) {
         while (texel < end) {
-            words = texelFetch(tape, texel++);
-            COUNT_CLAUSES(surface_clauses, 2.0);
+            words = TEXEL(tape, texel);
+            texel++;
+            COUNT_CLAUSES(count_surface_clauses, 2.0);
             tape_clause(words.x, words.y, false, p, n, a, b);
             tape_clause(words.z, words.w, true, p, n, a, b);
             if ((words.z & 255u) == 0u || tape_is_rare(operator_number(words.z))) break;
@@ -190,8 +194,8 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
 #else
     for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
         bool last = (i & 1) != 0;
-        if (last) { words.xy = words.zw; } else { words = texelFetch(tape, texel++); }
-        COUNT_CLAUSES(surface_clauses, 1.0);
+        if (last) { words.xy = words.zw; } else { words = TEXEL(tape, texel); texel++; }
+        COUNT_CLAUSES(count_surface_clauses, 1.0);
         tape_clause(words.x, words.y, last, p, n, a, b);
         if (last && (words.x & 255u) == 0u) break;
     }

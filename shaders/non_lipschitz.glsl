@@ -58,7 +58,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             q = place_on(walk, t);
             cell = cell_at(q);
-            COUNT(lookups);
+            COUNT(count_lookups);
             if (!(cell.bound > 0.0) || inside >= 0.0) break;
             outside = t;
             above = 0.0;
@@ -68,8 +68,8 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (t >= end) return behind;
         float value = scene_distance(cell, origin + t * direction, 0.0).x;
 #ifdef COUNT_EVALUATIONS
-        if (reflected) { COUNT(reflection); } else { COUNT(primary); }
-        if (i == NON_LIPSCHITZ_STEPS_MAX - 1) COUNT(capped);
+        if (reflected) { COUNT(count_reflection); } else { COUNT(count_primary); }
+        if (i == NON_LIPSCHITZ_STEPS_MAX - 1) COUNT(count_capped);
 #endif
         float radius = cone + spread * max(t, NON_LIPSCHITZ_NEAR);
         // Treat NaN as inside.

@@ -24,16 +24,16 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             q = place_on(walk, t);
             cell = cell_at(q);
-            COUNT(lookups);
+            COUNT(count_lookups);
             if (!(cell.bound > 0.0)) break;
             t = max(past(t), exit_of(cell, walk, q, t));
             if (t >= end) break;
         }
         if (t >= end) break;
         vec2 values = scene_distance(cell, origin + t * to_light, t / sharpness);
-        COUNT(shadow);
+        COUNT(count_shadow);
 #ifdef COUNT_EVALUATIONS
-        if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
+        if (i == SHADOW_STEPS_MAX - 1) COUNT(count_capped);
 #endif
         // Treat NaN as inside.
         if (!(values.y > 0.0)) return 0.0;

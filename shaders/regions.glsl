@@ -7,7 +7,9 @@
 // - y: the brick's first texel if the cell has a brick; else the tape's first texel, and the number of the nearest
 //   object from bit 24 on
 
-uniform usamplerBuffer regions;     // RGBA32UI
+#include "texel_lists.glsl"
+
+uniform WORD_LIST regions;          // RGBA32UI
 
 const uint DIVIDED = 0xFFFFFFFFu;
 // ROOT_SIDE, AHEAD and other constants are shared with the CPU: crates/field/src/rays.rs.
@@ -32,11 +34,11 @@ Cell cell_at(vec3 q) {
     float per_root = 1.0;
     ivec3 place = inside ? ivec3(q) : ivec3(0);
     int at = place.x + 16 * (place.y + 16 * place.z);
-    if (inside) texel = texelFetch(regions, at);
+    if (inside) texel = TEXEL(regions, at);
     while (texel.x == DIVIDED) {
         per_root *= 4.0;
         place = ivec3(q * per_root) & 3;
-        texel = texelFetch(regions, int(texel.y) + place.x + 4 * (place.y + 4 * place.z));
+        texel = TEXEL(regions, int(texel.y) + place.x + 4 * (place.y + 4 * place.z));
     }
     Cell cell;
     cell.bound = inside ? uintBitsToFloat(texel.x) : 0.0;

@@ -1,11 +1,12 @@
 // The inputs of a scene's expressions that need functions: tables of the sound, and textures.
 
 #include "levels.glsl"
+#include "texel_lists.glsl"
 
 // The spectrum, the waveform, the numbers of the song's parts, then the rows of the history
 // (crates/render/src/frame/sound_tables.rs). The curves are cubic B-splines: each texel holds the polynomial between two
 // entries, constant term first. The numbers are in x. All zero without sound.
-uniform samplerBuffer sound_tables;
+uniform NUMBER_LIST sound_tables;
 
 // Returns the number of the piece at the coordinate u in a row of `pieces` pieces. x is the position in the piece,
 // 0..1. u is clamped to 0..1.
@@ -23,7 +24,7 @@ float table_curve(vec4 piece, float x) {
 float table_row(int first, int pieces, float u) {
     float x;
     int piece = table_piece(pieces, u, x);
-    return table_curve(texelFetch(sound_tables, first + piece), x);
+    return table_curve(TEXEL(sound_tables, first + piece), x);
 }
 
 float table_spectrum(float u) {
@@ -36,7 +37,7 @@ float table_waveform(float u) {
 
 float table_part(float index) {
     int number = int(clamp(index, 0.0, float(PART_NUMBERS - 1)));
-    return texelFetch(sound_tables, SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + number).x;
+    return TEXEL(sound_tables, SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + number).x;
 }
 
 // Blends the four rows around an age. The buffer has one extra row before the first row of the history.
@@ -56,7 +57,7 @@ float table_history(float u, float age) {
         float off = abs(y + 1.0 - float(row));
         float far = 2.0 - off;
         float weight = off < 1.0 ? 2.0 / 3.0 - 0.5 * off * off * far : far * far * far / 6.0;
-        sum += weight * table_curve(texelFetch(sound_tables, at + row * PIECES), x);
+        sum += weight * table_curve(TEXEL(sound_tables, at + row * PIECES), x);
     }
     return sum;
 }

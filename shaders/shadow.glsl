@@ -57,7 +57,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
             cell = cell_at(q);
-            COUNT(lookups);
+            COUNT(count_lookups);
             float leaves = max(past(t), exit_of(cell, walk, q, t));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
             t = leaves;
@@ -70,9 +70,9 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #endif
         vec2 nearest = scene_distance(cell, origin + t * to_light, t / sharpness);
         float d = nearest.y;
-        COUNT(shadow);
+        COUNT(count_shadow);
 #ifdef COUNT_EVALUATIONS
-        if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
+        if (i == SHADOW_STEPS_MAX - 1) COUNT(count_capped);
 #endif
         // Spheres around the last two points contain no surface. They meet in a circle around the ray: its radius is
         // `closest`, its centre is `behind` before this point. `behind` is 0 after a stride beyond the last sphere.

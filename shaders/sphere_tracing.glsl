@@ -113,7 +113,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
             cell = cell_at(q);
-            COUNT(lookups);
+            COUNT(count_lookups);
             float least = reach * (cone + spread * t);
 #ifdef BEAMS
             if (free > 0.0) least = max(least, BEAM_BOUND * beam_spread * t);
@@ -130,8 +130,8 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
 #endif
         d = scene_distance(cell, origin + t * direction, 0.0).x;
 #ifdef COUNT_EVALUATIONS
-        if (reflected) { COUNT(reflection); } else { COUNT(primary); }
-        if (i == STEPS_MAX - 1) COUNT(capped);
+        if (reflected) { COUNT(count_reflection); } else { COUNT(count_primary); }
+        if (i == STEPS_MAX - 1) COUNT(count_capped);
 #endif
         // Not d >= reach, so that NaN also ends the ray.
         if (!(d >= reach * (cone + spread * t))) break;

@@ -41,10 +41,10 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
             object = nearest;
         } else if (i < FIRST_PROBE) {
             s.normal += estimate * tap;
-            COUNT(normal);
+            COUNT(count_normal);
         } else {
             d = mix(d, vec4(AS_DISTANCE(estimate)), place);
-            COUNT(occlusion);
+            COUNT(count_occlusion);
         }
     }
     if (plane == NOTHING && last < FIRST_PROBE) s.normal = normal_of(s.normal);

@@ -64,7 +64,7 @@ vec3 view_slice(vec3 direction) {
 float tape_length(int first) {
     int texels = 0;
     for (; texels < TAPE_TEXELS_MAX; texels++) {
-        if ((texelFetch(regions, first + texels).z & 255u) == 0u) break;
+        if ((TEXEL(regions, first + texels).z & 255u) == 0u) break;
     }
     // A texel has two clauses, but the second clause of the last texel is END.
     return 2.0 * float(texels) + 1.0;

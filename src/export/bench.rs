@@ -218,7 +218,7 @@ impl Bench<'_> {
 
     fn time(&self, renderer: &mut Renderer, runs: &mut [Run]) -> Result<(), ExportError> {
         let (gl, resources, frame) = (self.gl, &self.resources, &self.frame);
-        let timer = if gl.info().software { None } else { Some(GpuTimer::new(gl)?) };
+        let timer = gl.info().has_timers().then(|| GpuTimer::new(gl)).transpose()?;
         for _ in 0..self.request.frames.max(1) {
             for run in &mut *runs {
                 if run.wall.len() >= FRAMES_MIN && run.wall.iter().sum::<f64>() > ROW_MS_MAX {

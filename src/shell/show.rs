@@ -41,7 +41,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
             let context = Headless::new(false)?;
-            print_line(&format!("context              EGL without a window\n{}", context.gl().info()))?;
+            print_line(&format!("context              {}\n{}", Headless::KIND, context.gl().info()))?;
             return Ok(());
         }
         Err(error) => return Err(SessionError::NoDisplay(reason(&error.to_string()).to_owned()).into()),

@@ -1,4 +1,4 @@
-//! A window with an OpenGL 3.3 core context: opening, binding, resizing and showing frames.
+//! A window with a context of OpenGL 3.3 core or of OpenGL ES 3.0: opening, binding, resizing and showing frames.
 
 #![expect(unsafe_code, reason = "glutin's functions that create contexts from window handles are unsafe")]
 
@@ -12,10 +12,7 @@ use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use glutin::config::ConfigTemplateBuilder;
-use glutin::context::{
-    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentGlContext, PossiblyCurrentContext,
-    PossiblyCurrentGlContext, Version,
-};
+use glutin::context::{NotCurrentGlContext, PossiblyCurrentContext, PossiblyCurrentGlContext};
 use glutin::display::{GetGlDisplay, GlDisplay};
 use glutin::error::ErrorKind;
 use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
@@ -25,6 +22,7 @@ use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
+use crate::gpu::api::Api;
 use crate::gpu::background::WorkerContext;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
@@ -130,21 +128,11 @@ impl OpenWindow {
         let calls = window.calls();
         let handle = calls.window_handle().map_err(|error| no_context(&error))?.as_raw();
         let display = config.display();
-        let wanted = ContextAttributesBuilder::new()
-            .with_profile(GlProfile::Core)
-            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
-            .build(Some(handle));
-        // An older driver reports only an error number; a context of any version can report the version.
-        let any = ContextAttributesBuilder::new()
-            .with_profile(GlProfile::Compatibility)
-            .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))
-            .build(Some(handle));
+        let apis = Api::tried()?;
         // SAFETY: the handle belongs to `window`, which `GlWindowContext` keeps until after context and surface (order
         // of its fields).
         let (context, surface) = unsafe {
-            let context = display
-                .create_context(&config, &wanted)
-                .or_else(|error| display.create_context(&config, &any).map_err(|_| error))
+            let context = Api::create_context(apis, &display, &config, Some(handle))
                 .map_err(|error| no_context(&error))?;
             let attributes =
                 calls.build_surface_attributes(Default::default()).map_err(|error| no_context(&error))?;
@@ -171,7 +159,7 @@ impl GlWindowContext {
                 tracing::info!("no second context ({error}); scenes are compiled between frames");
             })
         });
-        if config_kind(&self.config) == EGL { made.flatten().collect() } else { Vec::new() }
+        if WorkerContext::are_of(&self.config) { made.flatten().collect() } else { Vec::new() }
     }
 
     /// Drops the context and its surface, but not the window. All objects in the context must have been dropped before.
@@ -286,13 +274,11 @@ fn can_be_grasped(
     })
 }
 
-const EGL: &str = "EGL";
-
 fn config_kind(config: &glutin::config::Config) -> &'static str {
     match config {
         #[cfg(any(unix, windows))]
         #[cfg(not(target_os = "macos"))]
-        glutin::config::Config::Egl(_) => EGL,
+        glutin::config::Config::Egl(_) => "EGL",
         #[cfg(all(unix, not(target_os = "macos")))]
         glutin::config::Config::Glx(_) => "GLX",
         #[allow(unreachable_patterns, reason = "some systems have only one kind")]

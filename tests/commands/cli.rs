@@ -6,7 +6,7 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-use crate::support::program::{FORMATS, Workplace};
+use crate::support::program::{FORMATS, Outcome, RUN_LIMIT, Workplace};
 use crate::support::shader_folder::changed_shaders;
 use image::GenericImageView;
 use mariana_music::{BAND_COUNT, band_edge};
@@ -344,6 +344,18 @@ fn gl_info_needs_no_display() {
     for part in ["renderer", "version", "shading language"] {
         assert!(text.contains(part), "'{part}' in {text}");
     }
+}
+
+#[test]
+fn a_variable_chooses_opengl_es() {
+    let place = Workplace::new();
+    let with = |value| {
+        let mut command = place.command(&["--gl-info"]);
+        Outcome::of(command.env("MARIANA_GL", value), RUN_LIMIT)
+    };
+    let text = with("es").done();
+    assert!(text.contains("interface            OpenGL ES\n"), "{text}");
+    with("vulkan").refused(&["MARIANA_GL", "'vulkan'"]);
 }
 
 #[test]

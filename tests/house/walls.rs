@@ -62,6 +62,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
             "thiserror",
             "tracing",
             "unicode-bidi",
+            "windows-sys",
         ],
     ),
     (

@@ -9,7 +9,7 @@ use crate::support::drawing::Context;
 use crate::support::expression::{Random, frame, random_expression, spread, tables_glsl};
 use crate::support::glsl::{Stage, check_with_glslang};
 use mariana::gpu::probe::Probe;
-use mariana::gpu::texture_buffer::BufferTexel;
+use mariana::gpu::texel_list::ListTexel;
 use mariana_field::graph::{
     CELL_HASH_GLSL, Compound, Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Point,
 };
@@ -23,6 +23,7 @@ uniform samplerBuffer normals;
 uniform samplerBuffer programs;
 uniform usamplerBuffer regions;
 ";
+const LISTS: &str = include_str!("../../shaders/texel_lists.glsl");
 
 /// Maximum number of registers of a region's tape.
 const REGION_REGISTERS: usize = 128;
@@ -69,7 +70,8 @@ impl Programs {
     }
 
     fn text(&self, main: &str) -> String {
-        let interpreter = include_str!("../../shaders/interpreter.glsl").replace(
+        let interpreter = include_str!("../../shaders/interpreter.glsl");
+        let interpreter = interpreter.replace("#include \"texel_lists.glsl\"", LISTS).replace(
             "#include \"operators.glsl\"",
             &self.variant.text(
                 &self.variant.operators,
@@ -96,13 +98,13 @@ impl PointReader {
             Probe::new(self.context.gl(), text, size, 1).unwrap_or_else(|error| panic!("{error}"));
         for (name, vectors) in [("points", points), ("normals", normals)] {
             let padded: Vec<f32> = vectors.iter().flat_map(|v| [v[0], v[1], v[2], 0.0]).collect();
-            probe.add_buffer(name, BufferTexel::Rgba32F, &floats(&padded)).unwrap();
+            probe.add_list(name, ListTexel::Rgba32F, &floats(&padded)).unwrap();
         }
         if let Some(programs) = programs {
             let words = bytes(programs.texels.as_flattened(), u32::to_le_bytes);
-            probe.add_buffer("tape", BufferTexel::Rgba32U, &words).unwrap();
-            probe.add_buffer("regions", BufferTexel::Rgba32U, &words).unwrap();
-            probe.add_buffer("programs", BufferTexel::R32F, &floats(&programs.starts)).unwrap();
+            probe.add_list("tape", ListTexel::Rgba32U, &words).unwrap();
+            probe.add_list("regions", ListTexel::Rgba32U, &words).unwrap();
+            probe.add_list("programs", ListTexel::R32F, &floats(&programs.starts)).unwrap();
         }
         probe.draw();
         self.context.gl().check("drawing a probe").unwrap();

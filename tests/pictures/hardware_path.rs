@@ -17,10 +17,21 @@ use mariana::scenes::{SceneSource, shipped_names};
 /// to filter textures as GPUs do.
 const SCENES: [&str; 3] = ["gyroid", "kaleidoscope", "first_steps"];
 
-/// If `hardware` is true, the program treats the software renderer as a GPU.
-fn run(place: &Workplace, hardware: bool, arguments: &[&str]) -> String {
+/// What the program takes the software renderer for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Renderer {
+    Software,
+    Gpu,
+    /// A GPU with OpenGL ES only, like that of a Raspberry Pi.
+    EmbeddedGpu,
+}
+
+fn run(place: &Workplace, renderer: Renderer, arguments: &[&str]) -> String {
     let mut command = place.command(arguments);
-    if hardware {
+    if renderer == Renderer::EmbeddedGpu {
+        command.env("MESA_GL_VERSION_OVERRIDE", "3.1").env("MESA_GLES_VERSION_OVERRIDE", "3.0");
+    }
+    if renderer != Renderer::Software {
         // Hide Mesa's message about the option.
         command.env("force_gl_renderer", "GPU").env("MESA_DEBUG", "silent");
     }
@@ -46,21 +57,26 @@ const BEAMS: &str = "#define BEAMS\n";
 #[test]
 fn the_gpu_path_draws_the_same_images() {
     let place = Workplace::new();
-    let info = run(&place, true, &["--gl-info"]);
-    assert!(info.contains("software renderer    no"), "the hardware path is not used: {info}");
+    for (renderer, interface) in [(Renderer::Gpu, "OpenGL"), (Renderer::EmbeddedGpu, "OpenGL ES")] {
+        let info = run(&place, renderer, &["--gl-info"]);
+        assert!(info.contains("software renderer    no"), "the hardware path is not used: {info}");
+        assert!(info.contains(&format!("interface            {interface}\n")), "{info}");
+    }
     let without_beams = shaders_without_beams(&place);
     for scene in SCENES {
-        let still = |hardware, mode, more: &[&str]| {
+        let still = |renderer, mode, more: &[&str]| {
             let arguments = ["still", "--scene", scene, "--sdf", mode, "--at", "62", "--size", "96x54"];
-            run(&place, hardware, &[&arguments[..], more, &["-o", "still.png"]].concat());
+            run(&place, renderer, &[&arguments[..], more, &["-o", "still.png"]].concat());
             image::open(place.path("still.png")).unwrap().to_rgba8()
         };
         for mode in ["compiled", "interpreted"] {
-            let actual = still(true, mode, &[]);
-            let expected = still(false, mode, &["--shaders", &without_beams]);
+            let actual = still(Renderer::Gpu, mode, &[]);
+            let expected = still(Renderer::Software, mode, &["--shaders", &without_beams]);
             assert_alike(&format!("hardware-{scene}-{mode}"), &actual, &expected, TIGHT);
+            let embedded = still(Renderer::EmbeddedGpu, mode, &[]);
+            assert_alike(&format!("hardware-es-{scene}-{mode}"), &embedded, &expected, TIGHT);
             // With beams, rays start farther from the eye, so their hits differ by up to a quarter of a pixel.
-            let with_beams = still(false, mode, &[]);
+            let with_beams = still(Renderer::Software, mode, &[]);
             assert_alike(&format!("hardware-{scene}-{mode}-beams"), &actual, &with_beams, LOOSE);
         }
     }
@@ -84,7 +100,7 @@ fn further_samples_find_details_thinner_than_a_pixel() {
     let place = Workplace::new();
     for (number, scene) in THIN.into_iter().enumerate() {
         place.write("thin.scene", scene);
-        let [beams, all] = [false, true].map(|hardware| {
+        let [beams, all] = [Renderer::Software, Renderer::Gpu].map(|renderer| {
             let arguments = [
                 "still",
                 "--scene",
@@ -96,7 +112,7 @@ fn further_samples_find_details_thinner_than_a_pixel() {
                 "-o",
                 "still.png",
             ];
-            run(&place, hardware, &arguments);
+            run(&place, renderer, &arguments);
             image::open(place.path("still.png")).unwrap().to_rgba8()
         });
         // On a GPU, samples start at the eye, so `all` contains every detail.

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod blends;
+mod embedded;
 mod fades;
 mod flash_limiter;
 mod flashes;

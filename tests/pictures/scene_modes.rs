@@ -292,7 +292,7 @@ fn a_tape_too_large_for_the_driver_is_compiled() {
     let scene = ready(&speakers());
     let needed = scene.buffers.texels_max();
     assert!(needed > 100, "the speakers take only {needed} texels");
-    let with = |texels: usize| GlInfo { texture_buffer_texels_max: texels as u32, ..driver(false) };
+    let with = |texels: usize| GlInfo { list_texels_max: texels as u32, ..driver(false) };
 
     assert_eq!(Interpreter::fits(&scene.buffers, &scene.plan, &with(needed)), Ok(()));
     assert_eq!(

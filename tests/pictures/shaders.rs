@@ -1,15 +1,16 @@
 //! Checks every shader variant with naga, glslang and the driver. Also checks the errors that these compilers report
 //! for broken shaders.
 //!
-//! naga's GLSL front end does not support texture buffers (`usamplerBuffer`, `samplerBuffer`). The text for naga
-//! replaces the region lookups by a function. Only glslang and the driver check the interpreter's variants.
+//! naga's GLSL front end supports neither OpenGL ES nor texture buffers (`usamplerBuffer`, `samplerBuffer`). The text for
+//! naga replaces the region lookups by a function. Only glslang and the driver check the interpreter's variants.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::support::drawing::Context;
 use crate::support::glsl::{Stage, check_with_glslang, check_with_naga};
 use crate::support::shader_folder::{changed_shaders, shader_folder, shader_names, shader_text};
-use crate::support::test_renderer::{driver, ready, speakers};
+use crate::support::test_renderer::{driver, driver_of, ready, speakers};
+use mariana::gpu::api::Api;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
 use mariana::gpu::post::POST_SHADERS;
@@ -20,7 +21,7 @@ use mariana::gpu::scene_program::{
     Mode, SCENE_SHADER, as_coverage, as_views, variant_of, without_cells, without_sky,
 };
 use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
-use mariana::scenes::{ReadyScene, SceneSource};
+use mariana::scenes::{ReadyScene, SceneSource, shipped_names};
 
 /// A plane and a traced part, without textures. The shader omits the code for all other features.
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
@@ -51,7 +52,7 @@ struct Case {
     name: String,
     file: &'static str,
     variant: Variant,
-    /// True if the shader reads texture buffers other than the region tree.
+    /// True if the shader reads lists of texels other than the region tree.
     interpreted: bool,
     /// True for a software renderer.
     software: bool,
@@ -59,7 +60,11 @@ struct Case {
 
 impl Case {
     fn text(&self, library: &ShaderLibrary) -> Result<String, ShaderSourceError> {
-        library.assemble(self.file, driver_preamble(&driver(self.software)), &self.variant)
+        self.text_for(Api::Desktop, library)
+    }
+
+    fn text_for(&self, api: Api, library: &ShaderLibrary) -> Result<String, ShaderSourceError> {
+        library.assemble(self.file, &driver_preamble(&driver_of(api, self.software)), &self.variant)
     }
 }
 
@@ -114,12 +119,16 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-fn judge_cases(judge: fn(Stage, &str) -> Result<(), String>, can_read: fn(&Case) -> bool) {
+fn judge_cases(
+    cases: impl IntoIterator<Item = Case>,
+    api: Api,
+    judge: fn(Stage, &str) -> Result<(), String>,
+) {
     let library = ShaderLibrary::embedded();
     let mut refused = String::new();
-    for case in cases().iter().filter(|case| can_read(case)) {
+    for case in cases {
         let (name, file) = (&case.name, case.file);
-        let text = case.text(&library).unwrap();
+        let text = case.text_for(api, &library).unwrap();
         if let Err(complaint) = judge(Stage::of(file), &text) {
             refused.push_str(&format!("\n{name}:\n{complaint}"));
         }
@@ -145,12 +154,34 @@ fn every_define_is_in_some_case_in_both_modes() {
 
 #[test]
 fn naga_accepts_every_variant_without_tapes() {
-    judge_cases(check_with_naga, |case| !case.interpreted);
+    let cases = cases().into_iter().filter(|case| !case.interpreted);
+    judge_cases(cases, Api::Desktop, check_with_naga);
 }
 
 #[test]
 fn glslang_accepts_every_variant() {
-    judge_cases(check_with_glslang, |_| true);
+    for api in [Api::Desktop, Api::Embedded] {
+        judge_cases(cases(), api, check_with_glslang);
+    }
+}
+
+#[test]
+fn glslang_accepts_every_shipped_scene_in_opengl_es() {
+    let scenes = shipped_names().into_iter().map(SceneSource::Shipped);
+    let cases = scenes.flat_map(|scene| {
+        [(Mode::Compiled, false), (Mode::Interpreted, false), (Mode::Interpreted, true)]
+            .map(|(mode, software)| scene_case(&scene, mode, software, Counting::Off))
+    });
+    judge_cases(cases, Api::Embedded, check_with_glslang);
+}
+
+#[test]
+fn opengl_es_rejects_what_only_opengl_has() {
+    for body in ["uniform samplerBuffer list;\nvoid main() {}", "void main() { float x = 1; }"] {
+        let of = |api| check_with_glslang(Stage::Fragment, &(driver_preamble(&driver_of(api, false)) + body));
+        assert_eq!(of(Api::Desktop), Ok(()), "{body}");
+        assert!(of(Api::Embedded).is_err(), "{body}");
+    }
 }
 
 #[test]
@@ -219,7 +250,7 @@ fn broken_shaders_are_rejected_with_file_and_line() {
 fn a_texture_without_a_fixed_unit_is_refused() {
     let text = format!("{}\nuniform sampler2D unknown;\n", shader_text("edges.frag"));
     let (_folder, library) = changed_shaders(&[("edges.frag", &text)]);
-    let whole = library.assemble("edges.frag", driver_preamble(&driver(true)), &Variant::default()).unwrap();
+    let whole = library.assemble("edges.frag", &driver_preamble(&driver(true)), &Variant::default()).unwrap();
     let complaint = check_with_naga(Stage::Fragment, &whole).unwrap_err();
     assert!(complaint.contains("'unknown'"), "{complaint}");
 }

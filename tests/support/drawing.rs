@@ -8,6 +8,8 @@ use std::ops::Deref;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::thread::ThreadId;
 
+use mariana::gpu::api::Api;
+use mariana::gpu::error::GpuError;
 use mariana::gpu::headless::Headless;
 
 /// The thread that draws, and the number of its contexts.
@@ -54,8 +56,17 @@ pub(crate) struct Context {
 
 impl Context {
     pub(crate) fn new() -> Self {
+        Self::made(|| Headless::new(false))
+    }
+
+    /// A context of OpenGL ES.
+    pub(crate) fn embedded() -> Self {
+        Self::made(|| Headless::with(&[Api::Embedded], false))
+    }
+
+    fn made(make: impl FnOnce() -> Result<Headless, GpuError>) -> Self {
         let alone = DrawsAlone::wait();
-        Self { headless: Headless::new(false).unwrap_or_else(|error| panic!("{error}")), _alone: alone }
+        Self { headless: make().unwrap_or_else(|error| panic!("{error}")), _alone: alone }
     }
 }
 

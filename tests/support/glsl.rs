@@ -15,7 +15,7 @@
 //! | `uniform samplerBuffer sound_tables;`, likewise | `vec4 fetch_sound_tables(int texel)` |
 //! | `texelFetch(regions, texel)` | `fetch_regions(texel)` |
 //!
-//! glslang expands the macros first, because naga's preprocessor has no `##`.
+//! glslang expands the macros first; `TEXEL(regions, texel)` then is a call of `texelFetch`.
 
 use std::io::Write;
 use std::process::Command;

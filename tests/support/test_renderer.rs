@@ -6,6 +6,7 @@ use crate::support::drawing::Context;
 use image::RgbaImage;
 use mariana::frame::Frame;
 use mariana::frame::picture::Picture;
+use mariana::gpu::api::Api;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::gl::GlInfo;
 use mariana::gpu::program::Program;
@@ -27,15 +28,20 @@ pub(crate) fn ready(scene: &SceneSource) -> ReadyScene {
     scene.ready().unwrap_or_else(|error| panic!("{}: {error}", scene.name()))
 }
 
-/// An imaginary driver whose limits are the minimum limits of OpenGL 3.3.
+/// An imaginary driver of OpenGL whose limits are the minimum limits of OpenGL 3.3.
 pub(crate) fn driver(software: bool) -> GlInfo {
+    driver_of(Api::Desktop, software)
+}
+
+pub(crate) fn driver_of(api: Api, software: bool) -> GlInfo {
     GlInfo {
+        api,
         vendor: String::new(),
         renderer: String::new(),
         version: String::new(),
         shading_language: String::new(),
         texture_side_max: 1024,
-        texture_buffer_texels_max: 65_536,
+        list_texels_max: 65_536,
         anisotropy_max: 1.0,
         program_binaries: false,
         software,
@@ -63,8 +69,11 @@ impl TestRenderer {
     }
 
     pub(crate) fn of_ready(scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
+        Self::in_context(Context::new(), scene, mode, counting)
+    }
+
+    pub(crate) fn in_context(context: Context, scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
         let ReadyScene { world, buffers, plan, .. } = scene;
-        let context = Context::new();
         let gl = context.gl();
         let renderer =
             Renderer::new(gl, &ShaderLibrary::embedded(), counting).unwrap_or_else(|error| panic!("{error}"));

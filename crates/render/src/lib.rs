@@ -1,4 +1,4 @@
-//! Draws scenes of signed distance functions with OpenGL 3.3: takes a world, the sound and a size, and returns an
+//! Draws scenes of signed distance functions with OpenGL 3.3 or OpenGL ES 3.0: takes a world, the sound and a size, and returns an
 //! image.
 //!
 //! ```text

@@ -18,7 +18,7 @@ use crate::graph::{FrameInputs, Interval};
 pub struct RegionOptions {
     /// True for a tree with cells. Without cells, the whole tape is used everywhere.
     pub cells: bool,
-    /// Maximum number of texels that the driver supports in a texture buffer.
+    /// Maximum number of texels that the driver supports in a list.
     pub texels_max: usize,
     /// Centre of the tree if the scene has no bounds.
     pub center: [f32; 3],

@@ -27,7 +27,7 @@ pub struct ShortenRequest {
 /// Options for shortening.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShortenOptions<'a> {
-    /// Maximum number of texels in a texture buffer, as reported by the driver. The whole programs are included.
+    /// Maximum number of texels in a list, as reported by the driver. The whole programs are included.
     pub texels_max: usize,
     /// The middle of the grid in a scene without bounds.
     pub center: [f32; 3],

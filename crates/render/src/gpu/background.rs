@@ -18,10 +18,9 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use glutin::config::Config;
-use glutin::context::{
-    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentContext, PossiblyCurrentContext, Version,
-};
+use glutin::context::{NotCurrentContext, PossiblyCurrentContext};
 use glutin::display::{Display, GlDisplay};
+use glutin::error::ErrorKind;
 
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
@@ -50,20 +49,16 @@ impl WorkerContext {
     /// these lists meanwhile (Mesa 22.3), so drawing in one context could crash another context.
     ///
     /// # Errors
-    /// Fails with EGL's error.
+    /// Fails with the system's error.
     pub fn new(display: &Display, config: &Config, info: &GlInfo) -> glutin::error::Result<Self> {
         #[cfg(all(unix, not(target_os = "macos")))]
         if info.software
-            && let Some((display, context)) = super::headless::software_context()
+            && let Some((display, context)) = super::headless::software_context(info.api)
         {
             return Ok(Self { display: Display::Egl(display), context: NotCurrentContext::Egl(context) });
         }
-        let attributes = ContextAttributesBuilder::new()
-            .with_profile(GlProfile::Core)
-            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
-            .build(None);
-        // SAFETY: `display` is alive, and `config` comes from the same EGL library.
-        let context = unsafe { display.create_context(config, &attributes) }?;
+        // SAFETY: `display` is alive, and `config` comes from the same library.
+        let context = unsafe { display.create_context(config, &info.api.context_attributes(None)) }?;
         Ok(Self { display: display.clone(), context })
     }
 
@@ -80,15 +75,34 @@ impl WorkerContext {
         None
     }
 
-    /// Makes the context current on this thread. Without a window only EGL supports that.
+    /// True if workers can use contexts of the kind of `config`: those of EGL and WGL.
+    pub fn are_of(config: &Config) -> bool {
+        match config {
+            #[cfg(any(windows, all(unix, not(target_os = "macos"))))]
+            Config::Egl(_) => true,
+            #[cfg(windows)]
+            Config::Wgl(_) => true,
+            #[allow(unreachable_patterns, reason = "some systems have one kind only")]
+            _ => false,
+        }
+    }
+
+    /// Makes the context current on this thread, without a window.
+    ///
+    /// EGL and WGL support that. Contexts of GLX would share the window's connection to the X server. On macOS a
+    /// context waits for the main thread, and OpenGL has no program binaries that a worker could pass on.
     fn make_current(self) -> Result<(Display, PossiblyCurrentContext), String> {
-        let current = match self.context {
+        let current: glutin::error::Result<PossiblyCurrentContext> = match self.context {
             #[cfg(any(windows, all(unix, not(target_os = "macos"))))]
             NotCurrentContext::Egl(context) => {
                 context.make_current_surfaceless().map(PossiblyCurrentContext::Egl)
             }
+            #[cfg(windows)]
+            NotCurrentContext::Wgl(context) => {
+                context.make_current_surfaceless().map(PossiblyCurrentContext::Wgl)
+            }
             #[allow(unreachable_patterns, reason = "some systems have one kind only")]
-            _ => return Err("contexts without a window need EGL".into()),
+            _ => Err(ErrorKind::NotSupported("contexts of this kind need a window").into()),
         };
         current.map(|context| (self.display, context)).map_err(|error| error.to_string())
     }

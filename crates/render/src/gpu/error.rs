@@ -17,14 +17,20 @@ pub enum GpuError {
         /// The system's error.
         reason: String,
     },
-    /// The driver is older than OpenGL 3.3.
+    /// The driver is older than OpenGL 3.3 and than OpenGL ES 3.0.
     #[error(
-        "OpenGL {found} is too old; Mariana needs OpenGL 3.3 core: update the graphics driver, or set \
-         LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
+        "OpenGL {found} is too old; Mariana needs OpenGL 3.3 core, or OpenGL ES 3.0 with EXT_color_buffer_float: update \
+         the graphics driver, or set LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
     )]
     TooOld {
         /// The driver's version string.
         found: String,
+    },
+    /// The variable that chooses OpenGL ES has an unknown value.
+    #[error("the variable MARIANA_GL is '{value}': set it to es to draw with OpenGL ES, or unset it")]
+    UnknownApi {
+        /// The variable's value.
+        value: String,
     },
     /// A shader text is missing or malformed.
     #[error(transparent)]
@@ -98,10 +104,10 @@ pub enum GpuError {
 /// The reason why a driver cannot interpret a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum DoesNotFit {
-    /// The tapes are too long for a texture buffer.
+    /// The tapes are too long for the driver's lists.
     #[error(
-        "the scene's tape needs {needed} texels of a texture buffer, but the driver has {available}: the scene is \
-         compiled instead"
+        "the scene's tape needs {needed} texels of a list, but the driver has {available}: the scene is compiled \
+         instead"
     )]
     Texels {
         /// Texels needed.

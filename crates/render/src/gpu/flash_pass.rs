@@ -29,9 +29,10 @@ use crate::flash::{CELLS, COLUMNS, Correction, Grid, ROWS, Steps};
 /// The vertex shader that places the cells to dim.
 pub const FLASH_VERTEX_SHADER: &str = "flash_cells.vert";
 /// The fragment shaders of the limiter and their defines.
-pub const FLASH_SHADERS: [(&str, &[&str]); 11] = [
+pub const FLASH_SHADERS: [(&str, &[&str]); 13] = [
     ("cells.frag", &[]),
     ("flash_follow.frag", &[]),
+    ("flash_follow.frag", &[SECOND_HALF]),
     ("flash_rows.frag", &[]),
     ("flash_fields.frag", &[]),
     ("flash_areas.frag", &[]),
@@ -39,9 +40,15 @@ pub const FLASH_SHADERS: [(&str, &[&str]); 11] = [
     ("flash_spread.frag", &[]),
     ("cells.frag", &["SHOWN"]),
     ("flash_note.frag", &[]),
+    ("flash_note.frag", &[SECOND_HALF]),
     ("limit_flashes.frag", &[]),
     ("limit_flashes.frag", &["ENLARGED"]),
 ];
+
+/// The define of the programs that write the second half of the outputs.
+const SECOND_HALF: &str = "SECOND_HALF";
+/// Number of outputs of each half: OpenGL ES 3.0 guarantees four.
+const HALF: usize = 3;
 
 /// The outputs of `flash_follow.frag`, in order.
 const FOLLOWED: [&str; 6] =
@@ -67,23 +74,26 @@ pub struct FlashPass {
 
 struct FlashPrograms {
     measure: Program,
-    follow: Program,
+    follow: [Program; 2],
     gather: Program,
     find_fields: Program,
     find_areas: Program,
     decide: Program,
     spread: Program,
     measure_shown: Program,
-    note: Program,
+    note: [Program; 2],
     limit: Program,
     limit_enlarged: Program,
 }
 
+/// The first and the second half of the outputs of `flash_follow.frag` or `flash_note.frag`.
+type Halves = [Target; 2];
+
 struct FlashMemory {
     measured: Target,
     /// States of this frame and of the previous frame.
-    followed: [Target; 2],
-    noted: [Target; 2],
+    followed: [Halves; 2],
+    noted: [Halves; 2],
     marks: Target,
     covered: Target,
     areas: Target,
@@ -172,12 +182,12 @@ impl FlashPass {
             }
             1 => {
                 memory.measured.bind_color(0, unit_of("cells"));
-                bind(followed_before, &FOLLOWED);
-                bind(noted_before, &NOTED);
-                cells.draw(&programs.follow, followed);
+                bind_halves(followed_before, &FOLLOWED);
+                bind_halves(noted_before, &NOTED);
+                cells.draw_halves(&programs.follow, followed);
             }
             2 => {
-                bind(followed, &FOLLOWED);
+                bind_halves(followed, &FOLLOWED);
                 cells.draw(&programs.gather, &memory.marks);
             }
             3 => {
@@ -202,7 +212,7 @@ impl FlashPass {
             _ => {
                 bind(&memory.shown, &["shown_cells"]);
                 bind(own, &["own_ceilings"]);
-                cells.draw(&programs.note, noted);
+                cells.draw_halves(&programs.note, noted);
             }
         }
     }
@@ -251,6 +261,7 @@ impl FlashPrograms {
         let [
             measure,
             follow,
+            follow_second,
             gather,
             find_fields,
             find_areas,
@@ -258,19 +269,20 @@ impl FlashPrograms {
             spread,
             measure_shown,
             note,
+            note_second,
             limit,
             limit_enlarged,
         ] = FLASH_SHADERS.map(|(shader, defines)| move || linked(gl, library, shader, defines));
         Ok(Self {
             measure: measure()?,
-            follow: follow()?,
+            follow: [follow()?, follow_second()?],
             gather: gather()?,
             find_fields: find_fields()?,
             find_areas: find_areas()?,
             decide: decide()?,
             spread: spread()?,
             measure_shown: measure_shown()?,
-            note: note()?,
+            note: [note()?, note_second()?],
             limit: limit()?,
             limit_enlarged: limit_enlarged()?,
         })
@@ -281,11 +293,12 @@ impl FlashMemory {
     fn new(gl: &Gl) -> Result<Self, GpuError> {
         let of = |size, count| Target::new(gl, size, &vec![Texel::Rgba32F; count], None);
         let of_cells = |count: usize| of((COLUMNS as u32, ROWS as u32), count);
+        let halves = || Ok::<_, GpuError>([of_cells(HALF)?, of_cells(HALF)?]);
         let of_rows = || of((1, ROWS as u32), 1);
         Ok(Self {
             measured: of_cells(1)?,
-            followed: [of_cells(FOLLOWED.len())?, of_cells(FOLLOWED.len())?],
-            noted: [of_cells(NOTED.len())?, of_cells(NOTED.len())?],
+            followed: [halves()?, halves()?],
+            noted: [halves()?, halves()?],
             marks: of_rows()?,
             covered: of_rows()?,
             areas: of_rows()?,
@@ -304,16 +317,12 @@ impl CellDraws {
     fn reset_state(&self) {
         // SAFETY: sets state of the current context and binds a vertex array of `self`.
         unsafe {
-            for state in [
-                glow::SCISSOR_TEST,
-                glow::STENCIL_TEST,
-                glow::DEPTH_TEST,
-                glow::CULL_FACE,
-                glow::BLEND,
-                glow::FRAMEBUFFER_SRGB,
-            ] {
+            for state in
+                [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::DEPTH_TEST, glow::CULL_FACE, glow::BLEND]
+            {
                 self.gl.disable(state);
             }
+            self.gl.store_colors_unchanged();
             self.gl.bind_vertex_array(Some(self.vertices.native()));
         }
     }
@@ -332,6 +341,10 @@ impl CellDraws {
         // SAFETY: draws without attributes into the target bound above, with objects of the current context.
         let draw = || unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
         if target.colors() == 1 { self.gl.replacing(draw) } else { draw() }
+    }
+
+    fn draw_halves(&self, programs: &[Program; 2], halves: &Halves) {
+        programs.iter().zip(halves).for_each(|(program, half)| self.draw(program, half));
     }
 
     fn draw_cells(&self, program: &Program, size: (u32, u32)) {
@@ -353,6 +366,10 @@ fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> R
         }
         _ => Program::link(gl, library, shader, &variant),
     }
+}
+
+fn bind_halves(halves: &Halves, names: &[&str; 2 * HALF]) {
+    halves.iter().zip(names.chunks(HALF)).for_each(|(half, names)| bind(half, names));
 }
 
 fn bind(target: &Target, names: &[&str]) {

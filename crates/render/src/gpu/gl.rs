@@ -10,8 +10,10 @@ use std::sync::Arc;
 use glow::HasContext;
 use serde::Serialize;
 
+use super::api::Api;
 use super::error::GpuError;
 use super::target::Target;
+use super::texel_list::texels_in_rows;
 use crate::faults::{self, Fault};
 
 /// The functions of the context that is current on this thread. Clones share the context.
@@ -33,6 +35,8 @@ struct ContextState {
 /// Properties that the driver reports.
 #[derive(Debug, Clone, Serialize)]
 pub struct GlInfo {
+    /// The interface of the context.
+    pub api: Api,
     /// GL_VENDOR.
     pub vendor: String,
     /// GL_RENDERER.
@@ -43,8 +47,8 @@ pub struct GlInfo {
     pub shading_language: String,
     /// Largest side of a texture, in texels.
     pub texture_side_max: u32,
-    /// Largest texture buffer in texels (OpenGL 3.3 guarantees 65,536).
-    pub texture_buffer_texels_max: u32,
+    /// The longest list of texels that shaders read ([`super::texel_list`]). OpenGL 3.3 guarantees 65,536 texels.
+    pub list_texels_max: u32,
     /// Highest anisotropy of texture filters; 1 if the driver does not support it.
     pub anisotropy_max: f32,
     /// True if the driver supports program binaries (GL_ARB_get_program_binary with at least one format).
@@ -53,33 +57,50 @@ pub struct GlInfo {
     pub software: bool,
 }
 
+impl GlInfo {
+    /// True if the driver measures the GPU's time ([`super::timer`]).
+    pub fn has_timers(&self) -> bool {
+        self.api == Api::Desktop && !self.software
+    }
+}
+
 impl std::fmt::Display for GlInfo {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "interface            {}", self.api)?;
         writeln!(f, "vendor               {}", self.vendor)?;
         writeln!(f, "renderer             {}", self.renderer)?;
         writeln!(f, "version              {}", self.version)?;
         writeln!(f, "shading language     {}", self.shading_language)?;
         writeln!(f, "software renderer    {}", if self.software { "yes" } else { "no" })?;
         writeln!(f, "texture side         {} texels", self.texture_side_max)?;
-        writeln!(f, "texture buffer       {} texels", self.texture_buffer_texels_max)?;
+        writeln!(f, "list of texels       {} texels", self.list_texels_max)?;
         write!(f, "anisotropy           {}", self.anisotropy_max)
     }
 }
 
 impl Gl {
-    /// Loads the functions of the current context with `loader` and checks that the version is OpenGL 3.3 or newer.
+    /// Loads the functions of the current context with `loader` and checks that the version is OpenGL 3.3 or newer, or
+    /// OpenGL ES 3.0 or newer with 32-bit floats as targets (EXT_color_buffer_float).
     ///
     /// With `log_debug`, the driver's debug output is logged, if the driver has any (KHR_debug).
     ///
     /// # Errors
-    /// [`GpuError::TooOld`] for versions below 3.3 and for OpenGL ES.
+    /// [`GpuError::TooOld`] for older versions, and for OpenGL ES without this extension.
     pub fn load(loader: impl FnMut(&CStr) -> *const c_void, log_debug: bool) -> Result<Self, GpuError> {
         // SAFETY: the caller has made a context current on this thread, and `loader` returns its functions.
         let mut functions = unsafe { glow::Context::from_loader_function_cstr(loader) };
         let version = functions.version();
-        if version.is_embedded || (version.major, version.minor) < (3, 3) {
+        let least = if version.is_embedded { (3, 0) } else { (3, 3) };
+        let is_new = (version.major, version.minor) >= least;
+        let lacks_floats =
+            version.is_embedded && !functions.supported_extensions().contains("GL_EXT_color_buffer_float");
+        if !is_new || lacks_floats {
             // SAFETY: the same context is current.
             let found = unsafe { functions.get_parameter_string(glow::VERSION) };
+            let mut found = found.trim_start_matches("OpenGL ").to_owned();
+            if is_new {
+                found.push_str(" without EXT_color_buffer_float");
+            }
             return Err(GpuError::TooOld { found });
         }
         if log_debug && functions.supports_debug() {
@@ -118,6 +139,15 @@ impl Gl {
     /// Properties that the driver reports.
     pub fn info(&self) -> &GlInfo {
         &self.context.info
+    }
+
+    /// Turns the conversion to sRGB in framebuffers off. OpenGL ES has no such switch, and converts only in sRGB
+    /// framebuffers, which Mariana does not use.
+    pub(super) fn store_colors_unchanged(&self) {
+        if self.info().api == Api::Desktop {
+            // SAFETY: sets state of the current context.
+            unsafe { self.functions.disable(glow::FRAMEBUFFER_SRGB) }
+        }
     }
 
     /// Calls `draw` in the state for passes that overwrite one colour attachment. If blending is off, llvmpipe compiles
@@ -185,20 +215,24 @@ fn read_info(gl: &glow::Context) -> GlInfo {
         let renderer = gl.get_parameter_string(glow::RENDERER);
         let lower = renderer.to_lowercase();
         let version = gl.version();
-        let gives_binaries = (version.major, version.minor) >= (4, 1)
+        let api = if version.is_embedded { Api::Embedded } else { Api::Desktop };
+        let gives_binaries = version.is_embedded
+            || (version.major, version.minor) >= (4, 1)
             || gl.supported_extensions().contains("GL_ARB_get_program_binary");
         let anisotropic = ["GL_EXT_texture_filter_anisotropic", "GL_ARB_texture_filter_anisotropic"]
             .iter()
             .any(|name| gl.supported_extensions().contains(*name));
+        let texture_side_max = gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE).max(0).cast_unsigned();
         GlInfo {
+            api,
             vendor: gl.get_parameter_string(glow::VENDOR),
             version: gl.get_parameter_string(glow::VERSION),
             shading_language: gl.get_parameter_string(glow::SHADING_LANGUAGE_VERSION),
-            texture_side_max: gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE).max(0).cast_unsigned(),
-            texture_buffer_texels_max: gl
-                .get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE)
-                .max(0)
-                .cast_unsigned(),
+            texture_side_max,
+            list_texels_max: match api {
+                Api::Desktop => gl.get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE).max(0).cast_unsigned(),
+                Api::Embedded => texels_in_rows(texture_side_max),
+            },
             anisotropy_max: if anisotropic { gl.get_parameter_f32(MAX_ANISOTROPY).max(1.0) } else { 1.0 },
             program_binaries: gives_binaries && gl.get_parameter_i32(glow::NUM_PROGRAM_BINARY_FORMATS) > 0,
             software: ["llvmpipe", "softpipe", "swrast", "software rasterizer"]

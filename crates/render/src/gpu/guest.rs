@@ -8,14 +8,8 @@ use super::error::GpuError;
 use super::gl::Gl;
 
 /// The capabilities that another library may leave on.
-const SWITCHES: [u32; 6] = [
-    glow::BLEND,
-    glow::CULL_FACE,
-    glow::DEPTH_TEST,
-    glow::FRAMEBUFFER_SRGB,
-    glow::SCISSOR_TEST,
-    glow::STENCIL_TEST,
-];
+const SWITCHES: [u32; 5] =
+    [glow::BLEND, glow::CULL_FACE, glow::DEPTH_TEST, glow::SCISSOR_TEST, glow::STENCIL_TEST];
 
 impl Gl {
     /// Lets `draws` draw over the window's framebuffer, then restores OpenGL's defaults, with conversion to sRGB off.
@@ -52,6 +46,7 @@ impl Gl {
             for switch in SWITCHES {
                 self.disable(switch);
             }
+            self.store_colors_unchanged();
             self.blend_equation(glow::FUNC_ADD);
             self.blend_func(glow::ONE, glow::ZERO);
             self.color_mask(true, true, true, true);
@@ -100,7 +95,7 @@ mod tests {
         let vertices = VertexArray::new(gl).unwrap();
         // SAFETY: sets state of the current context; the names belong to this test.
         gl.lend_window("testing", || unsafe {
-            SWITCHES.into_iter().for_each(|switch| gl.enable(switch));
+            SWITCHES.into_iter().chain([glow::FRAMEBUFFER_SRGB]).for_each(|switch| gl.enable(switch));
             gl.scissor(3, 3, 5, 5);
             gl.blend_equation(glow::FUNC_SUBTRACT);
             gl.blend_func(glow::ZERO, glow::ONE);
@@ -116,7 +111,7 @@ mod tests {
         .unwrap();
         // SAFETY: only queries state of the current context.
         unsafe {
-            for switch in SWITCHES {
+            for switch in SWITCHES.into_iter().chain([glow::FRAMEBUFFER_SRGB]) {
                 assert!(!gl.is_enabled(switch), "{switch:#06x} is still on");
             }
             for (name, expected) in [

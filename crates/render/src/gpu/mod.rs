@@ -1,5 +1,6 @@
 //! The GPU side: context, programs, targets, passes and readback. Only this module uses glow.
 
+pub mod api;
 pub mod background;
 mod bloom;
 pub mod cell_use;
@@ -31,7 +32,7 @@ pub mod scene_resources;
 pub mod shader_source;
 pub mod stand_ins;
 pub mod target;
+pub mod texel_list;
 pub mod texture;
-pub mod texture_buffer;
 mod tiles;
 pub mod timer;

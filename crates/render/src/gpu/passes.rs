@@ -38,12 +38,11 @@ impl Passes {
             gl.disable(glow::DEPTH_TEST);
             gl.disable(glow::CULL_FACE);
             gl.disable(glow::SCISSOR_TEST);
-            gl.disable(glow::FRAMEBUFFER_SRGB);
-
             gl.clear_color(0.0, 0.0, 0.0, 0.0);
             gl.disable(glow::STENCIL_TEST);
             gl.disable(glow::BLEND);
         }
+        self.gl.store_colors_unchanged();
     }
 
     pub(super) fn bind_vertices(&self) {
@@ -72,7 +71,8 @@ impl Passes {
         // SAFETY: sets state and draws without attributes into the window's framebuffer, in the current context.
         unsafe {
             let gl = &self.gl;
-            for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND, glow::FRAMEBUFFER_SRGB] {
+            gl.store_colors_unchanged();
+            for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND] {
                 gl.disable(state);
             }
             gl.bind_framebuffer(glow::FRAMEBUFFER, gl.window());

@@ -96,16 +96,23 @@ impl PictureReader {
             }
         }
         let buffer = newest?;
-        let mut bytes = vec![0; self.size().0 as usize * self.size().1 as usize * 4];
-        // SAFETY: `self` owns the buffer, which has as many bytes as `bytes`; the fence shows that the copy is
-        // complete.
-        unsafe {
-            self.gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(buffer.native()));
-            self.gl.get_buffer_sub_data(glow::PIXEL_PACK_BUFFER, 0, &mut bytes);
-            self.gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
-        }
+        let length = self.size().0 as usize * self.size().1 as usize * 4;
+        let mapped_length = i32::try_from(length).unwrap_or(i32::MAX);
+        // SAFETY: `self` owns the buffer, which has `length` bytes; the fence shows that the copy is complete. A pointer
+        // that is not null points to these bytes until the buffer is unmapped.
+        let bytes = unsafe {
+            let target = glow::PIXEL_PACK_BUFFER;
+            self.gl.bind_buffer(target, Some(buffer.native()));
+            let mapped = self.gl.map_buffer_range(target, 0, mapped_length, glow::MAP_READ_BIT);
+            let bytes = (!mapped.is_null()).then(|| std::slice::from_raw_parts(mapped, length).to_vec());
+            if bytes.is_some() {
+                self.gl.unmap_buffer(target);
+            }
+            self.gl.bind_buffer(target, None);
+            bytes
+        };
         self.free.push(buffer);
-        Some(bytes)
+        bytes
     }
 }
 

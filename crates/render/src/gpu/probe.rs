@@ -1,4 +1,4 @@
-//! Runs a single fragment shader with texture buffers as inputs and floats as outputs. Tests and measurements of
+//! Runs a single fragment shader with lists of texels as inputs and floats as outputs. Tests and measurements of
 //! generated shaders use it.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
@@ -9,21 +9,22 @@ use super::error::GpuError;
 use super::gl::Gl;
 use super::object::{ProgramObject, VertexArray};
 use super::program::link_texts;
+use super::shader_source::driver_preamble;
 use super::target::{Target, Texel};
-use super::texture_buffer::{BufferTexel, TextureBuffer};
+use super::texel_list::{self, ListTexel, TexelList};
 
-const VERTEX: &str = "#version 330 core
-void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }
+const VERTEX: &str =
+    "void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }
 ";
 
-/// A linked fragment shader with its texture buffers and a target of 32-bit floats.
+/// A linked fragment shader with its lists and a target of 32-bit floats.
 pub struct Probe {
     gl: Gl,
     program: ProgramObject,
     target: Target,
     vertices: VertexArray,
-    /// Texture buffers. The index of a buffer is its texture unit.
-    buffers: Vec<TextureBuffer>,
+    /// Lists of texels. The index of a list is its texture unit.
+    lists: Vec<TexelList>,
 }
 
 impl Probe {
@@ -32,21 +33,22 @@ impl Probe {
     /// # Errors
     /// Fails with the driver's log. Its line numbers refer to the files that [`super::shader_source`] marked.
     pub fn new(gl: &Gl, fragment: &str, size: (u32, u32), outputs: usize) -> Result<Self, GpuError> {
-        let program = link_texts(gl, ("a probe's vertex shader", VERTEX), ("a probe", fragment))?;
+        let vertex = driver_preamble(gl.info()) + VERTEX;
+        let program = link_texts(gl, ("a probe's vertex shader", &vertex), ("a probe", fragment))?;
         let target = Target::new(gl, size, &vec![Texel::Rgba32F; outputs], None)?;
         let vertices = VertexArray::new(gl)?;
-        Ok(Self { gl: gl.clone(), program, target, vertices, buffers: Vec::new() })
+        Ok(Self { gl: gl.clone(), program, target, vertices, lists: Vec::new() })
     }
 
-    /// Adds a texture buffer with these bytes for the uniform `name`, which is ignored if the shader does not use it.
+    /// Adds a list with these bytes for the uniform `name`, which is ignored if the shader does not use it.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver cannot create another object.
-    pub fn add_buffer(&mut self, name: &str, texel: BufferTexel, bytes: &[u8]) -> Result<(), GpuError> {
-        let buffer = TextureBuffer::new(&self.gl, texel, bytes)?;
-        self.set_integer(name, self.buffers.len() as i32);
-        self.buffers.push(buffer);
-        self.gl.check("adding a texture buffer")
+    pub fn add_list(&mut self, name: &str, texel: ListTexel, bytes: &[u8]) -> Result<(), GpuError> {
+        let list = TexelList::new(&self.gl, texel, bytes)?;
+        self.set_integer(name, self.lists.len() as i32);
+        self.lists.push(list);
+        self.gl.check("adding a list")
     }
 
     /// Sets an integer uniform, which is ignored if the shader does not use it.
@@ -63,13 +65,12 @@ impl Probe {
     /// Draws every pixel once.
     pub fn draw(&self) {
         self.target.bind();
-        // SAFETY: `self` owns the program, buffers and vertices; the complete target is bound; all belong to the
-        // current context.
+        for (list, unit) in self.lists.iter().zip(0..) {
+            texel_list::bind(&self.gl, unit, list.texture());
+        }
+        // SAFETY: `self` owns the program and vertices; the complete target is bound; all belong to the current
+        // context.
         unsafe {
-            for (buffer, unit) in self.buffers.iter().zip(glow::TEXTURE0..) {
-                self.gl.active_texture(unit);
-                self.gl.bind_texture(glow::TEXTURE_BUFFER, Some(buffer.texture()));
-            }
             self.gl.use_program(Some(self.program.native()));
             self.gl.bind_vertex_array(Some(self.vertices.native()));
             self.gl.draw_arrays(glow::TRIANGLES, 0, 3);

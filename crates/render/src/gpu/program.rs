@@ -126,7 +126,8 @@ impl ProgramTexts {
         variant: &Variant,
         info: &GlInfo,
     ) -> Result<Self, ShaderSourceError> {
-        let assembled = |name| library.assemble(name, driver_preamble(info), variant);
+        let preamble = driver_preamble(info);
+        let assembled = |name| library.assemble(name, &preamble, variant);
         let fragment = (fragment.to_owned(), assembled(fragment)?);
         Ok(Self { vertex: (vertex, assembled(vertex)?), fragment })
     }

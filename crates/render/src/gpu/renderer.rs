@@ -112,7 +112,7 @@ impl Renderer {
     /// # Errors
     /// [`GpuError::Object`] if the driver cannot create another query.
     pub fn time_pictures(&mut self) -> Result<(), GpuError> {
-        if !self.gl.info().software {
+        if self.gl.info().has_timers() {
             self.painter.clock = PictureClock::new(&self.gl)?;
         }
         Ok(())
@@ -385,7 +385,7 @@ impl Renderer {
         self.presenter.flashes.pass.iter_mut().for_each(FlashPass::forget);
     }
 
-    /// Returns the GPU time of an image drawn in one call, once the time is known; never on a software renderer.
+    /// Returns the GPU time of an image drawn in one call, once the time is known; only if the driver has timers ([`super::gl::GlInfo::has_timers`]).
     pub fn gpu_time(&mut self) -> Option<Duration> {
         self.painter.clock.take()
     }

@@ -2,7 +2,7 @@
 //!
 //! Both forms are `scene.frag` with different versions of the included `scene_functions.glsl`. In the compiled form
 //! this file contains the scene's expressions. In the interpreted form it contains an interpreter that reads the
-//! expressions from a texture buffer. A variant of the interpreter draws every scene that needs no more operators,
+//! expressions from a list of texels. A variant of the interpreter draws every scene that needs no more operators,
 //! registers and textures than the variant has.
 //!
 //! **One loop around the interpreter.** Drivers inline every call and compile it again. Therefore one call in a loop
@@ -97,7 +97,7 @@ impl Interpreter {
             return Err(DoesNotFit::Registers);
         }
         let needed = buffers.texels_max().max(plan.whole_texels());
-        let available = info.texture_buffer_texels_max as usize;
+        let available = info.list_texels_max as usize;
         if needed <= available { Ok(()) } else { Err(DoesNotFit::Texels { needed, available }) }
     }
 

@@ -16,8 +16,8 @@ use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
 use super::scene_program::{Interpreter, Mode};
+use super::texel_list::{self, ListTexel, TexelList};
 use super::texture;
-use super::texture_buffer::{BufferTexel, TextureBuffer};
 use super::tiles::Costs;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
@@ -36,7 +36,7 @@ pub struct SceneResources {
     buffers: Arc<TapeBuffers>,
     /// The world's images. A scene reuses textures of the previous scene if both scenes read the same image.
     pictures: Vec<Rc<SceneTexture>>,
-    on_gpu: SceneBuffers,
+    on_gpu: SceneLists,
     /// True if the driver has room for the tape.
     is_interpretable: bool,
     plan: Arc<RegionPlan>,
@@ -217,7 +217,7 @@ impl SceneResources {
             }
         });
         let pictures = pictures.collect::<Result<_, _>>()?;
-        let on_gpu = SceneBuffers::new(gl, &sound_tables::texels(&FrameInputs::default()))?;
+        let on_gpu = SceneLists::new(gl, &sound_tables::texels(&FrameInputs::default()))?;
         gl.check("uploading a scene")?;
         Ok(Self {
             hears_tables: sound_tables::are_read_by(&world),
@@ -232,7 +232,7 @@ impl SceneResources {
             with_cells: Cell::new(true),
             shortens: Cell::new(true),
             uploaded: RefCell::new(None),
-            texels_max: LIMITS.region_texels_max.min(gl.info().texture_buffer_texels_max as usize),
+            texels_max: LIMITS.region_texels_max.min(gl.info().list_texels_max as usize),
         })
     }
 
@@ -401,18 +401,18 @@ impl SceneTexture {
     }
 }
 
-pub(super) struct SceneBuffers {
-    tape: TextureBuffer,
-    regions: TextureBuffer,
-    sound_tables: TextureBuffer,
+pub(super) struct SceneLists {
+    tape: TexelList,
+    regions: TexelList,
+    sound_tables: TexelList,
 }
 
-impl SceneBuffers {
+impl SceneLists {
     pub(super) fn new(gl: &Gl, sound: &[[f32; 4]]) -> Result<Self, GpuError> {
         Ok(Self {
-            tape: TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?,
-            regions: TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?,
-            sound_tables: TextureBuffer::new(gl, BufferTexel::Rgba32F, &floats_as_bytes(sound))?,
+            tape: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
+            regions: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
+            sound_tables: TexelList::new(gl, ListTexel::Rgba32F, &floats_as_bytes(sound))?,
         })
     }
 
@@ -445,12 +445,10 @@ impl SceneNames {
                 gl.active_texture(unit);
                 gl.bind_texture(glow::TEXTURE_2D, Some(*picture));
             }
-            let buffers =
-                [("tape", self.tape), ("regions", self.regions), ("sound_tables", self.sound_tables)];
-            for (name, buffer) in buffers {
-                gl.active_texture(glow::TEXTURE0 + unit_of(name));
-                gl.bind_texture(glow::TEXTURE_BUFFER, Some(buffer));
-            }
+        }
+        let lists = [("tape", self.tape), ("regions", self.regions), ("sound_tables", self.sound_tables)];
+        for (name, list) in lists {
+            texel_list::bind(gl, unit_of(name), list);
         }
     }
 }

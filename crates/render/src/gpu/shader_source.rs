@@ -9,8 +9,10 @@ use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
+use super::api::Api;
 pub use super::error::ShaderSourceError;
 use super::gl::GlInfo;
+use super::texel_list::ROW_BITS;
 use crate::flash::rules_glsl;
 use crate::limits::LIMITS;
 use mariana_field::lang::material_glsl;
@@ -24,9 +26,21 @@ const MATERIAL_FIELDS: &str = "material_fields.glsl";
 /// A generated file: the constants of the flash limiter, shared with the limiter on the CPU.
 const FLASH_RULES: &str = "flash_rules.glsl";
 
-/// The first lines of every shader: the GLSL version, and the define `SOFTWARE` for software renderers.
-pub fn driver_preamble(info: &GlInfo) -> &'static str {
-    if info.software { "#version 330 core\n#define SOFTWARE 1\n" } else { "#version 330 core\n" }
+/// The first lines of every shader: the version of GLSL, the precisions and the rows of lists for OpenGL ES, and the
+/// define `SOFTWARE` for software renderers.
+pub fn driver_preamble(info: &GlInfo) -> String {
+    let mut lines = match info.api {
+        Api::Desktop => "#version 330 core\n".to_owned(),
+        Api::Embedded => {
+            let precisions = ["float", "int", "sampler2D", "usampler2D"];
+            let precisions = precisions.map(|kind| format!("precision highp {kind};\n")).concat();
+            format!("#version 300 es\n{precisions}#define LIST_ROW_BITS {ROW_BITS}\n")
+        }
+    };
+    if info.software {
+        lines.push_str("#define SOFTWARE 1\n");
+    }
+    lines
 }
 
 /// A folder of shader files, embedded or on disk.

@@ -1,4 +1,4 @@
-//! Placeholder textures and buffers for warming up a program.
+//! Placeholder textures and lists for warming up a program.
 //!
 //! A context that compiles in parallel does not share the window's objects ([`super::program::ReadyProgram`]). It uses
 //! small placeholders, which have all properties of the scene's objects that drivers compile into a program. For
@@ -13,7 +13,7 @@ use image::RgbaImage;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::Texture;
-use super::scene_resources::{SceneBuffers, SceneNames};
+use super::scene_resources::{SceneLists, SceneNames};
 use super::texture;
 use crate::frame::sound_tables;
 use mariana_field::graph::FrameInputs;
@@ -56,13 +56,13 @@ fn stand_in_side(side: u32) -> u32 {
 pub(super) struct StandIns {
     gl: Gl,
     pictures: HashMap<StandIn, Texture>,
-    buffers: SceneBuffers,
+    lists: SceneLists,
 }
 
 impl StandIns {
     pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
         let silence = sound_tables::texels(&FrameInputs::default());
-        Ok(Self { gl: gl.clone(), pictures: HashMap::new(), buffers: SceneBuffers::new(gl, &silence)? })
+        Ok(Self { gl: gl.clone(), pictures: HashMap::new(), lists: SceneLists::new(gl, &silence)? })
     }
 
     pub(super) fn names(&mut self, shape: &SceneShape) -> Result<SceneNames, GpuError> {
@@ -77,7 +77,7 @@ impl StandIns {
             };
             pictures.push(texture.native());
         }
-        Ok(self.buffers.names(pictures))
+        Ok(self.lists.names(pictures))
     }
 }
 

@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use glow::HasContext;
 
+use super::api::Api;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::{Buffer, Framebuffer, Renderbuffer, Texture};
@@ -39,14 +40,15 @@ pub enum Texel {
 }
 
 impl Texel {
-    fn internal_format(self) -> u32 {
+    /// The stored format, and the format and kind of the values that OpenGL ES requires for it.
+    fn formats(self) -> (u32, u32, u32) {
         match self {
-            Texel::R8 => glow::R8,
-            Texel::R16F => glow::R16F,
-            Texel::R32F => glow::R32F,
-            Texel::Rgba8 => glow::RGBA8,
-            Texel::Rgba16F => glow::RGBA16F,
-            Texel::Rgba32F => glow::RGBA32F,
+            Texel::R8 => (glow::R8, glow::RED, glow::UNSIGNED_BYTE),
+            Texel::R16F => (glow::R16F, glow::RED, glow::HALF_FLOAT),
+            Texel::R32F => (glow::R32F, glow::RED, glow::FLOAT),
+            Texel::Rgba8 => (glow::RGBA8, glow::RGBA, glow::UNSIGNED_BYTE),
+            Texel::Rgba16F => (glow::RGBA16F, glow::RGBA, glow::HALF_FLOAT),
+            Texel::Rgba32F => (glow::RGBA32F, glow::RGBA, glow::FLOAT),
         }
     }
 }
@@ -132,11 +134,11 @@ impl Target {
             for (texel, attachment) in texels.iter().zip(glow::COLOR_ATTACHMENT0..) {
                 let texture = Texture::new(gl)?;
                 gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
-                let (kind, format) = (glow::UNSIGNED_BYTE, glow::RGBA);
+                let (stored, format, kind) = texel.formats();
                 gl.tex_image_2d(
                     glow::TEXTURE_2D,
                     0,
-                    texel.internal_format().cast_signed(),
+                    stored.cast_signed(),
                     size.0.cast_signed(),
                     size.1.cast_signed(),
                     0,
@@ -235,10 +237,9 @@ impl Target {
     fn blit(&self, other: Option<glow::NativeFramebuffer>, size: (u32, u32)) {
         let filter = if size == self.size { glow::NEAREST } else { glow::LINEAR };
         let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
-        // SAFETY: both framebuffers are complete and belong to the current context. sRGB conversion is off, so bytes
-        // are copied unchanged.
+        self.gl.store_colors_unchanged();
+        // SAFETY: both framebuffers are complete and belong to the current context.
         unsafe {
-            self.gl.disable(glow::FRAMEBUFFER_SRGB);
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
             self.gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, other);
             self.gl.blit_framebuffer(
@@ -298,16 +299,25 @@ impl Target {
 
     /// Reads the red channel of the last colour attachment as floats, lowest row first.
     pub fn read_last_red32f(&self) -> Vec<f32> {
-        let mut bytes = vec![0; self.size.0 as usize * 4 * self.size.1 as usize];
-        self.read(self.colors.len().saturating_sub(1) as u32, glow::RED, glow::FLOAT, &mut bytes);
-        bytes.as_chunks::<4>().0.iter().map(|word| f32::from_ne_bytes(*word)).collect()
+        let last = self.colors.len().saturating_sub(1) as u32;
+        let words = self.read_red_of::<4>(last, glow::FLOAT);
+        words.into_iter().map(f32::from_ne_bytes).collect()
     }
 
     /// Reads the red channel of colour attachment 0 as bytes, lowest row first.
     pub fn read_red(&self) -> Vec<u8> {
-        let mut bytes = vec![0; self.size.0 as usize * self.size.1 as usize];
-        self.read(0, glow::RED, glow::UNSIGNED_BYTE, &mut bytes);
-        bytes
+        self.read_red_of::<1>(0, glow::UNSIGNED_BYTE).into_flattened()
+    }
+
+    /// Reads red values of `BYTES` bytes. OpenGL ES guarantees only that all four channels can be read.
+    fn read_red_of<const BYTES: usize>(&self, index: u32, kind: u32) -> Vec<[u8; BYTES]> {
+        let (format, channels) = match self.gl.info().api {
+            Api::Desktop => (glow::RED, 1),
+            Api::Embedded => (glow::RGBA, 4),
+        };
+        let mut bytes = vec![0; channels * BYTES * self.size.0 as usize * self.size.1 as usize];
+        self.read(index, format, kind, &mut bytes);
+        bytes.as_chunks().0.iter().step_by(channels).copied().collect()
     }
 
     /// Reads colour attachment `index` as floats, four per pixel, top row first.

@@ -1,4 +1,5 @@
-//! Measures the GPU's time with GL_TIME_ELAPSED. Ignore the times of software renderers, because they are meaningless.
+//! Measures the GPU's time with GL_TIME_ELAPSED, if the driver has timers ([`super::gl::GlInfo::has_timers`]): OpenGL ES
+//! has none, and the times of software renderers are meaningless.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 

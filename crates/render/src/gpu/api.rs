@@ -1,0 +1,108 @@
+//! The two interfaces of OpenGL that Mariana draws with, and contexts for them.
+//!
+//! OpenGL ES 3.0 is for devices whose drivers have no OpenGL 3.3, such as the Raspberry Pi. It differs in the header of
+//! the shaders ([`super::shader_source`]) and in the lists that shaders read ([`super::texel_list`]). It has no timers
+//! that Mariana uses, and reads fewer formats back ([`super::target`]).
+
+#![expect(unsafe_code, reason = "glutin's functions that create contexts are unsafe")]
+
+use glutin::config::Api as ConfigApi;
+use glutin::context::{ContextApi, ContextAttributes, ContextAttributesBuilder, GlProfile, Version};
+use glutin::display::GlDisplay;
+use glutin::error::{Error, ErrorKind};
+use raw_window_handle::RawWindowHandle;
+use serde::Serialize;
+
+use super::error::GpuError;
+
+/// An interface of OpenGL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Api {
+    /// OpenGL 3.3 core or newer.
+    Desktop,
+    /// OpenGL ES 3.0 or newer.
+    Embedded,
+}
+
+/// The variable that chooses the interface.
+const VARIABLE: &str = "MARIANA_GL";
+
+impl Api {
+    /// The interfaces to try, in this order. With `MARIANA_GL=es`, only OpenGL ES is tried.
+    ///
+    /// # Errors
+    /// [`GpuError::UnknownApi`] if the variable has another value.
+    pub fn tried() -> Result<&'static [Self], GpuError> {
+        match std::env::var_os(VARIABLE) {
+            Some(value) if value == "es" => Ok(&[Self::Embedded]),
+            Some(value) if !value.is_empty() => {
+                Err(GpuError::UnknownApi { value: value.to_string_lossy().into_owned() })
+            }
+            _ => Ok(&[Self::Desktop, Self::Embedded]),
+        }
+    }
+
+    /// The interface that pixel formats must support.
+    pub fn of_configs(self) -> ConfigApi {
+        match self {
+            Self::Desktop => ConfigApi::OPENGL,
+            Self::Embedded => ConfigApi::GLES3,
+        }
+    }
+
+    /// The attributes of a context, for a window if there is one.
+    pub fn context_attributes(self, window: Option<RawWindowHandle>) -> ContextAttributes {
+        match self {
+            Self::Desktop => ContextAttributesBuilder::new()
+                .with_profile(GlProfile::Core)
+                .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3)))),
+            Self::Embedded => {
+                ContextAttributesBuilder::new().with_context_api(ContextApi::Gles(Some(Version::new(3, 0))))
+            }
+        }
+        .build(window)
+    }
+
+    /// Creates a context with the first of `apis` that the driver supports. The context shares no objects and is not
+    /// current. If the driver supports none, the context has an older version, which [`super::gl::Gl::load`] reports.
+    ///
+    /// # Safety
+    /// `config` comes from `display`, and the window exists as long as the context.
+    ///
+    /// # Errors
+    /// The driver's error for the first interface.
+    // SAFETY: the duties of the caller are above.
+    pub unsafe fn create_context<D: GlDisplay>(
+        apis: &[Self],
+        display: &D,
+        config: &D::Config,
+        window: Option<RawWindowHandle>,
+    ) -> Result<D::NotCurrentContext, Error> {
+        // A driver that refuses a request does not give its version, which any context can report.
+        let any = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Compatibility)
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))
+            .build(window);
+        let any = apis.contains(&Self::Desktop).then_some(any);
+        let wanted = apis.iter().map(|api| api.context_attributes(window));
+        let mut first_error = None;
+        for attributes in wanted.chain(any) {
+            // SAFETY: the caller keeps the window and passes a config of `display`.
+            match unsafe { display.create_context(config, &attributes) } {
+                Ok(context) => return Ok(context),
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
+        }
+        Err(first_error.unwrap_or_else(|| ErrorKind::BadConfig.into()))
+    }
+}
+
+impl std::fmt::Display for Api {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Desktop => "OpenGL",
+            Self::Embedded => "OpenGL ES",
+        })
+    }
+}
