@@ -27,10 +27,13 @@ run     lib:libX11-xcb.so.1       libx11-xcb1        libX11-xcb           libx11
 run     lib:libXcursor.so.1       libxcursor1        libXcursor           libxcursor        libXcursor1          -
 run     lib:libXi.so.6            libxi6             libXi                libxi             libXi6               -
 run     lib:libxkbcommon-x11.so.0 libxkbcommon-x11-0 libxkbcommon-x11     libxkbcommon-x11  libxkbcommon-x11-0   -
-package cmd:objdump           binutils           binutils             binutils          binutils             -
-package cmd:rpmbuild          rpm                rpm-build            rpm-tools         rpm-build            -
-test    cmd:lintian           lintian            -                    -                 -                    -
-test    cmd:ruby              ruby               ruby                 ruby              ruby                 ruby
+run     lib:libwayland-egl.so.1   libwayland-egl1    libwayland-egl       wayland           libwayland-egl1      -
+package cmd:objdump               binutils           binutils             binutils          binutils             -
+package cmd:rpmbuild              rpm                rpm-build            rpm-tools         rpm-build            -
+package cmd:zip                   zip                zip                  zip               zip                  -
+test    cmd:dpkg-deb              dpkg               dpkg                 dpkg              dpkg                 dpkg
+test    cmd:lintian               lintian            -                    -                 -                    -
+test    cmd:ruby                  ruby               ruby                 ruby              ruby                 ruby
 test    cmd:Xvfb                  xvfb               xorg-x11-server-Xvfb xorg-server-xvfb  xorg-x11-server-Xvfb -
 test    cmd:xdotool               xdotool            xdotool              xdotool           xdotool              -
 test    cmd:openbox               openbox            openbox              openbox           openbox              -

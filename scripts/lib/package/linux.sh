@@ -91,6 +91,9 @@ make_deb() {
 make_rpm() {
     local folder=$work/rpm payload=w6.xzdio recommends made
     have rpmbuild || fail "rpmbuild is missing. Install rpm (Debian) or rpm-build (Fedora)."
+    # rpmbuild cuts its folder at a space, and deletes what it takes for its own.
+    [[ $work != *[!A-Za-z0-9/._-]* ]] ||
+        fail "rpmbuild cannot work in $work. Set TMPDIR to a folder whose path has only letters, digits and ._-."
     stage_files
     if [[ $fast == yes ]]; then payload=w1.gzdio; fi
     mkdir -p "$folder"
@@ -103,8 +106,10 @@ make_rpm() {
     } >"$folder/mariana.spec"
     rpmbuild -bb --quiet --target "$machine" --define "_topdir $folder" --define "_binary_payload $payload" \
         --define "_buildhost mariana" --define "use_source_date_epoch_as_buildtime 1" \
-        --define "clamp_mtime_to_source_date_epoch 1" "$folder/mariana.spec" >&2 ||
+        --define "clamp_mtime_to_source_date_epoch 1" "$folder/mariana.spec" >"$folder/log" 2>&1 || {
+        cat "$folder/log" >&2
         fail "rpmbuild failed. See its message above."
+    }
     made=$(find "$folder/RPMS" -name '*.rpm')
     cp "$made" "$out"
     printf '%s\n' "$out/${made##*/}"
