@@ -64,22 +64,25 @@ fill() {
 
 # Prints the licences of all crates in the program: each text once, after the names of its crates.
 third_party_notices() {
-    local home=${CARGO_HOME:-${HOME:-}/.cargo} crates
+    local home=${CARGO_HOME:-${HOME:-}/.cargo} crates texts
     crates=$(cd "$root" && cargo tree --quiet --locked --package mariana --edges normal --prefix none --format '{p}|{l}|{r}') ||
         fail "cargo cannot list the crates. See its message above."
     crates=$(sed -n 's/ (\*)$//; s/^\([^ ]*\) v\([^ |]*\)[^|]*|/\1-\2|/p' <<<"$crates" | grep -v '^mariana' | LC_ALL=C sort -u)
-    printf 'Mariana contains these libraries, under these licences:\n\n'
-    awk -F '|' '{ print "  " $1 ": " $2 ($3 == "" ? "" : ", " $3) }' <<<"$crates"
     # Sort by checksum, so that crates with the same text follow each other.
-    cut -d '|' -f 1 <<<"$crates" | while read -r crate; do
+    texts=$(cut -d '|' -f 1 <<<"$crates" | while read -r crate; do
         find "$home"/registry/src/*/"$crate" -maxdepth 2 -type f \
             \( -iname 'licen[cs]e*' -o -iname 'copying*' -o -iname 'notice*' -o -iname 'unlicense*' -o -iname '[ou]fl.txt' \) \
             ! -name '*.rs' -exec cksum {} + 2>/dev/null || true
-    done | LC_ALL=C sort | awk '
-        { sum = $1 " " $2; path = $3; crate = path; sub(/.*\/registry\/src\/[^\/]*\//, "", crate); sub(/\/.*/, "", crate) }
-        sum != last { if (last != "") print file "|" names; last = sum; file = path; names = crate; next }
-        { if (index(names, crate) == 0) names = names ", " crate }
-        END { if (last != "") print file "|" names }' |
+    done | LC_ALL=C sort)
+    [[ -n $texts ]] || fail "$home/registry/src has no licences of crates. Run 'cargo fetch', then run this again."
+    printf 'Mariana contains these libraries, under these licences:\n\n'
+    awk -F '|' '{ print "  " $1 ": " $2 ($3 == "" ? "" : ", " $3) }' <<<"$crates"
+    awk '
+        { sum = $1 " " $2; sub(/^[0-9]+ [0-9]+ /, ""); crate = $0 }
+        { sub(/.*\/registry\/src\/[^\/]*\//, "", crate); sub(/\/.*/, "", crate) }
+        sum != last { if (last != "") print file "|" names; last = sum; file = $0; names = crate; next }
+        index(names, crate) == 0 { names = names ", " crate }
+        END { print file "|" names }' <<<"$texts" |
         while IFS='|' read -r file names; do
             printf '\n%s\n%s\n\n' "$(printf '=%.0s' {1..80})" "$names" | fold -s -w 100
             cat "$file"
