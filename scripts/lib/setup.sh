@@ -147,6 +147,8 @@ install_with() {
 install_packages() {
     local manager=$1 group check apt dnf pacman zypper brew package missing=() unmet=()
     local groups=" ${*:2} " shared_libraries=""
+    # On Windows no package manager can be assumed. A build needs cmake and a C compiler there.
+    if [[ $(uname -s) == @(MINGW|MSYS)* ]]; then return; fi
     if [[ $(uname -s) == Linux ]]; then
         shared_libraries=$(PATH="$PATH:/usr/sbin:/sbin" ldconfig -p 2>/dev/null) || true
     fi

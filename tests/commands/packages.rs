@@ -202,6 +202,18 @@ fn wrong_requests_are_refused_with_advice() {
     }
     let refusal = refusal(&["tar", "--binary", PROGRAM], &place.path().join("file/out"));
     assert!(refusal.contains("Choose another with --out"), "{refusal}");
+
+    for (script, arguments, expected) in [
+        ("scripts/try-package", &[][..], "Name a release and a package"),
+        ("scripts/try-package", &["trixie", "/nowhere/mariana.deb"], "/nowhere/mariana.deb is not a file"),
+        (".ci/publish", &["v9.9.9"], "Name the tag and the folder"),
+        (".ci/publish", &["v9.9.9", "/nowhere"], "/nowhere has no SHA256SUMS"),
+    ] {
+        let output = Command::new("bash").arg(root().join(script)).args(arguments).output().unwrap();
+        let reported = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{script} {arguments:?}: {reported}");
+        assert!(reported.contains(expected), "{script} {arguments:?}: {reported}");
+    }
 }
 
 #[test]

@@ -51,11 +51,14 @@ description() {
 
 # fill TEMPLATE NAME=VALUE... prints a file of packaging/ with the facts, and the given values, in place of @NAME@.
 fill() {
-    local text pair left
+    local text pair value left
+    # In new shells, a & in a value would mean the replaced name.
+    shopt -u patsub_replacement 2>/dev/null || true
     text=$(<"$root/packaging/$1")
     for pair in "${@:2}" VERSION="$version" LICENCE="$licence" COPYRIGHT="$copyright" REPOSITORY="$repository" \
         HOMEPAGE="$homepage" DOCUMENTATION="$documentation" SUMMARY="$summary" MAINTAINER="$maintainer" ID="$id"; do
-        text=${text//"@${pair%%=*}@"/"${pair#*=}"}
+        value=${pair#*=}
+        text=${text//"@${pair%%=*}@"/$value}
     done
     left=$(grep -o '@[A-Z][A-Z_0-9]*@' <<<"$text" | sort -u | tr '\n' ' ') || true
     [[ -z $left ]] || fail "packaging/$1 has unknown names: $left. Remove them, or define them in scripts/lib/package."

@@ -19,7 +19,8 @@ stage_files() {
     DESTDIR=$stage "$root/scripts/install" --prefix /usr --binary "$binary"
     # Package managers have their own lists of installed files.
     rm -r "$stage/usr/share/mariana"
-    strip --strip-all "$stage/usr/bin/mariana"
+    strip --strip-all "$stage/usr/bin/mariana" ||
+        fail "strip cannot read $binary. Package a program on a computer of its own kind."
     gzip -9n "$stage"/usr/share/man/man1/*.1
     gzip -9nc "$root/CHANGELOG.md" >"$stage/usr/share/doc/mariana/changelog.gz"
     third_party_notices | gzip -9n >"$stage/usr/share/doc/mariana/third-party-notices.gz"
