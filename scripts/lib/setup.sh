@@ -1,7 +1,8 @@
 # shellcheck shell=bash
 # Installs the system packages and the Rust toolchain that Mariana needs. Source it. All output goes to stderr.
 #
-#   mariana_setup build run [test] [targets]    installs missing packages of these groups; exits with 1 if it cannot
+#   mariana_setup build [run] [package] [test] [targets]    installs missing packages of these groups; exits with 1 if
+#                                                          it cannot
 #
 # MARIANA_SETUP=dry-run prints the packages without installing them, and exits; MARIANA_SETUP=skip checks nothing.
 
@@ -27,6 +28,13 @@ run     lib:libX11-xcb.so.1       libx11-xcb1        libX11-xcb           libx11
 run     lib:libXcursor.so.1       libxcursor1        libXcursor           libxcursor        libXcursor1          -
 run     lib:libXi.so.6            libxi6             libXi                libxi             libXi6               -
 run     lib:libxkbcommon-x11.so.0 libxkbcommon-x11-0 libxkbcommon-x11     libxkbcommon-x11  libxkbcommon-x11-0   -
+run     lib:libwayland-egl.so.1   libwayland-egl1    libwayland-egl       wayland           libwayland-egl1      -
+package cmd:objdump               binutils           binutils             binutils          binutils             -
+package cmd:rpmbuild              rpm                rpm-build            rpm-tools         rpm-build            -
+package cmd:zip                   zip                zip                  zip               zip                  -
+test    cmd:dpkg-deb              dpkg               dpkg                 dpkg              dpkg                 dpkg
+test    cmd:lintian               lintian            -                    -                 -                    -
+test    cmd:ruby                  ruby               ruby                 ruby              ruby                 ruby
 test    cmd:Xvfb                  xvfb               xorg-x11-server-Xvfb xorg-server-xvfb  xorg-x11-server-Xvfb -
 test    cmd:xdotool               xdotool            xdotool              xdotool           xdotool              -
 test    cmd:openbox               openbox            openbox              openbox           openbox              -
@@ -142,6 +150,8 @@ install_with() {
 install_packages() {
     local manager=$1 group check apt dnf pacman zypper brew package missing=() unmet=()
     local groups=" ${*:2} " shared_libraries=""
+    # On Windows no package manager can be assumed. A build needs cmake and a C compiler there.
+    if [[ $(uname -s) == @(MINGW|MSYS)* ]]; then return; fi
     if [[ $(uname -s) == Linux ]]; then
         shared_libraries=$(PATH="$PATH:/usr/sbin:/sbin" ldconfig -p 2>/dev/null) || true
     fi

@@ -6,9 +6,6 @@ use winit::window::{Icon, Theme, WindowAttributes};
 /// on Wayland; the desktop entry in MPRIS.
 pub const APP_ID: &str = "org.mariana.Mariana";
 
-/// The icon for window managers that ignore desktop entries. Made by `cargo xtask desktop`.
-const ICON: &[u8] = include_bytes!("../../assets/desktop/icons/128x128/apps/org.mariana.Mariana.png");
-
 pub(crate) fn reported_by(attributes: WindowAttributes) -> WindowAttributes {
     #[cfg(all(unix, not(target_os = "macos")))]
     let attributes = {
@@ -20,8 +17,9 @@ pub(crate) fn reported_by(attributes: WindowAttributes) -> WindowAttributes {
     attributes.with_window_icon(icon()).with_theme(Some(Theme::Dark))
 }
 
+/// The icon for window managers that ignore desktop entries.
 fn icon() -> Option<Icon> {
-    let pixels = image::load_from_memory(ICON).ok()?.into_rgba8();
+    let pixels = image::load_from_memory(mariana_assets::ICON).ok()?.into_rgba8();
     let (width, height) = pixels.dimensions();
     Icon::from_rgba(pixels.into_raw(), width, height).ok()
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::scene_facts::{facts_of, refusal, source_of};
 use crate::scenes::{SceneBlend, SceneSource, SeenScene};
+use mariana_assets::DEMO_SHOW;
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 use mariana_show::limits::LIMITS as SHOW_LIMITS;
@@ -12,7 +13,6 @@ use mariana_show::{
     Clip, Cue, CueListError, Moment, SceneCard, Show, TimedTransition, Timeline, TransitionKind,
 };
 
-const DEMO_SHOW: &str = include_str!("../../assets/demo.show");
 const DEMO_NAME: &str = "demo.show";
 
 /// The source of a show.

@@ -115,7 +115,7 @@ fn broken_and_silent_songs_are_neutral() {
 /// Bars of the demo track have 102,400 samples, and its score has drops at bars 12 and 24.
 #[test]
 fn the_demo_track_has_the_drops_of_its_score() {
-    const DEMO: Song = Song::Embedded { name: "demo.ogg", bytes: include_bytes!("../../assets/demo.ogg") };
+    const DEMO: Song = Song::Embedded { name: "demo.ogg", bytes: mariana_assets::DEMO_TRACK };
     let structure = structure_of(&DEMO, &StructureCache::in_folder("/missing/x".into()));
     assert_eq!(structure.drops.len(), 2, "{:?}", structure.drops);
     for (drop, bar) in structure.drops.iter().zip([12.0, 24.0]) {

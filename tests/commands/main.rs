@@ -6,6 +6,7 @@ mod installing;
 mod interrupted;
 mod moving_textures;
 mod outputs;
+mod packages;
 mod playlists;
 mod scene_commands;
 mod scene_reload;

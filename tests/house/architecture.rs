@@ -18,6 +18,7 @@ const TOP_LEVEL: &[&str] = &[
     ".ci",
     ".editorconfig",
     ".gitattributes",
+    ".github",
     ".gitignore",
     "ARCHITECTURE.md",
     "CHANGELOG.md",
@@ -36,6 +37,7 @@ const TOP_LEVEL: &[&str] = &[
     "docs",
     "examples",
     "fuzz",
+    "packaging",
     "rustfmt.toml",
     "scripts",
     "shaders",
@@ -43,12 +45,12 @@ const TOP_LEVEL: &[&str] = &[
     "tests",
 ];
 
-fn root() -> &'static Path {
+pub(super) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// Returns all files under `folder` as sorted paths from the repository's root, with `/` as the separator.
-fn files_under(folder: &str) -> Vec<String> {
+pub(super) fn files_under(folder: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut folders = vec![PathBuf::from(folder)];
     while let Some(folder) = folders.pop() {
@@ -66,7 +68,7 @@ fn files_under(folder: &str) -> Vec<String> {
     found
 }
 
-fn read(file: &str) -> String {
+pub(super) fn read(file: &str) -> String {
     fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 

@@ -3,6 +3,7 @@
 mod architecture;
 mod dependencies;
 mod readme;
+mod releases;
 mod security;
 mod shape;
 mod walls;

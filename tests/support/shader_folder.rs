@@ -9,11 +9,6 @@ pub(crate) fn shader_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders")
 }
 
-/// The names of all shader files, sorted. The folder's README is left out.
-pub(crate) fn shader_names() -> Vec<String> {
-    ShaderLibrary::embedded_names().into_iter().filter(|name| name != "README.md").collect()
-}
-
 pub(crate) fn shader_text(name: &str) -> String {
     let path = shader_folder().join(name);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
@@ -22,7 +17,7 @@ pub(crate) fn shader_text(name: &str) -> String {
 /// A copy of the shaders in which the files of `replaced` have new texts. The library is valid while the folder exists.
 pub(crate) fn changed_shaders(replaced: &[(&str, &str)]) -> (TempDir, ShaderLibrary) {
     let folder = tempfile::tempdir().unwrap();
-    for name in shader_names() {
+    for name in ShaderLibrary::embedded_names() {
         let text = replaced.iter().find(|(other, _)| *other == name);
         let text = text.map_or_else(|| shader_text(&name), |(_, text)| (*text).to_owned());
         std::fs::write(folder.path().join(&name), text).unwrap();

@@ -37,8 +37,6 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use include_dir::{Dir, include_dir};
-
 pub use blend::{SceneBlend, SeenScene, camera_number};
 pub use draft_texts::DraftTexts;
 pub use drafts::{Drafts, Findings, Mistake};
@@ -52,10 +50,9 @@ pub use textures::{NEUTRAL, TextureCache};
 pub use world::ReadyScene;
 
 use folder::Folder;
+use mariana_assets::SCENES;
 use mariana_field::lang::{self, Compiled};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
-
-static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/scenes");
 
 const ENDING: &str = "scene";
 
@@ -195,7 +192,7 @@ impl SceneSource {
             Self::Formula(_) => lang::compile(&name, text, &mut including(Folder::of(Path::new("")), drafts)),
             Self::Shipped(_) => {
                 let mut include = |path: &str| {
-                    let file = SHIPPED.get_file(path).and_then(|file| file.contents_utf8());
+                    let file = SCENES.get_file(path).and_then(|file| file.contents_utf8());
                     file.map(str::to_owned).ok_or_else(|| "no such file is shipped".to_owned())
                 };
                 lang::compile(&name, text, &mut include)
@@ -240,7 +237,7 @@ pub fn first_comment(text: &str) -> impl Iterator<Item = &str> {
 
 /// Returns the names of the shipped scenes, sorted.
 pub fn shipped_names() -> Vec<String> {
-    let mut names: Vec<String> = SHIPPED
+    let mut names: Vec<String> = SCENES
         .files()
         .filter_map(|file| file.path().to_str()?.strip_suffix(&format!(".{ENDING}")).map(str::to_owned))
         .collect();
@@ -249,7 +246,7 @@ pub fn shipped_names() -> Vec<String> {
 }
 
 fn shipped(name: &str) -> Option<&'static str> {
-    SHIPPED.get_file(format!("{name}.{ENDING}"))?.contents_utf8()
+    SCENES.get_file(format!("{name}.{ENDING}"))?.contents_utf8()
 }
 
 fn read(path: &Path) -> Result<String, SceneError> {

@@ -15,15 +15,13 @@ use std::sync::Arc;
 
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Rgba, RgbaImage};
-use include_dir::{Dir, include_dir};
 
 use super::SceneSource;
 use super::folder::{Folder, Refusal};
 use super::sources::{TextureSource, find_videos, is_video};
 use crate::limits::{LIMITS, Limits};
+use mariana_assets::TEXTURES;
 use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
-
-static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../assets/textures");
 
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
@@ -132,12 +130,12 @@ fn own_bytes(source: &SceneSource, name: &str) -> Option<Result<Vec<u8>, Refusal
 }
 
 fn shipped(name: &str) -> Option<&'static [u8]> {
-    SHIPPED.get_file(name).map(|file| file.contents())
+    TEXTURES.get_file(name).map(|file| file.contents())
 }
 
 fn shipped_names() -> Vec<String> {
     let mut names: Vec<String> =
-        SHIPPED.files().filter_map(|file| Some(file.path().to_str()?.to_owned())).collect();
+        TEXTURES.files().filter_map(|file| Some(file.path().to_str()?.to_owned())).collect();
     names.sort();
     names
 }

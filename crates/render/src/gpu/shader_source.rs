@@ -7,8 +7,6 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use include_dir::{Dir, include_dir};
-
 use super::api::Api;
 pub use super::error::ShaderSourceError;
 use super::gl::GlInfo;
@@ -17,8 +15,7 @@ use crate::flash::rules_glsl;
 use crate::limits::LIMITS;
 use mariana_field::lang::material_glsl;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
-
-static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../shaders");
+use mariana_shaders::SHADERS;
 
 /// A generated file: the material fields of the shaders, from the table of fields.
 const MATERIAL_FIELDS: &str = "material_fields.glsl";
@@ -84,10 +81,13 @@ impl ShaderLibrary {
         Ok(assembly.text)
     }
 
-    /// The names of all embedded files, sorted.
+    /// The names of all embedded shaders, sorted.
     pub fn embedded_names() -> Vec<String> {
-        let mut names: Vec<String> =
-            EMBEDDED.files().map(|file| file.path().to_string_lossy().into_owned()).collect();
+        let is_shader = |path: &Path| {
+            path.extension().is_some_and(|end| ["frag", "glsl", "vert"].iter().any(|kind| end == *kind))
+        };
+        let paths = SHADERS.files().map(|file| file.path()).filter(|path| is_shader(path));
+        let mut names: Vec<String> = paths.map(|path| path.to_string_lossy().into_owned()).collect();
         names.sort();
         names
     }
@@ -100,7 +100,7 @@ impl ShaderLibrary {
                     .map_err(|source| ShaderSourceError::Unreadable { path, source })
             }
             None => {
-                EMBEDDED.get_file(name).and_then(|file| file.contents_utf8()).map(str::to_owned).ok_or_else(
+                SHADERS.get_file(name).and_then(|file| file.contents_utf8()).map(str::to_owned).ok_or_else(
                     || ShaderSourceError::Unknown { name: name.into(), asked_by: asked_by.into() },
                 )
             }
