@@ -15,5 +15,12 @@ build_release() {
     elif [[ ! -x $binary ]]; then
         say "Building Mariana. The first build takes a few minutes."
     fi
-    (cd "$root" && cargo build --profile "$profile" ${quiet[@]+"${quiet[@]}"} --bin mariana) </dev/null >&2
+    if ! mkdir -p "$target" 2>/dev/null || [[ ! -w $target ]]; then
+        fail "The folder $target cannot be written. Set CARGO_TARGET_DIR to a folder for the build, then run this again."
+    fi
+    # Separately, because a missing network and a failed build need different advice.
+    (cd "$root" && cargo fetch --quiet --target "$(rustc -vV | sed -n 's/^host: //p')") </dev/null >&2 ||
+        fail "Cargo could not get Mariana's libraries; its message is above. Check the network, or set HTTPS_PROXY if yours has a proxy, then run this again."
+    (cd "$root" && cargo build --profile "$profile" ${quiet[@]+"${quiet[@]}"} --bin mariana) </dev/null >&2 ||
+        fail "Mariana could not be built; the reason is above. If it stopped for want of memory or disk, free some, then run this again: the build continues."
 }

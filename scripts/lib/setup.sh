@@ -133,6 +133,10 @@ install_with() {
     elif [[ $EUID -ne 0 ]]; then
         have sudo || fail "Mariana needs the packages $*. Ask an administrator to install them, then run this again."
         as_root=(sudo)
+        # sudo clears the variables that name a proxy.
+        if [[ -n ${http_proxy:-}${https_proxy:-}${HTTP_PROXY:-}${HTTPS_PROXY:-} ]]; then
+            as_root+=("--preserve-env=http_proxy,https_proxy,HTTP_PROXY,HTTPS_PROXY,no_proxy,NO_PROXY")
+        fi
     fi
     say "Installing with $manager${as_root[*]+ and sudo}: $*"
     case $manager in

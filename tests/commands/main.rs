@@ -11,6 +11,7 @@ mod playlists;
 mod scene_commands;
 mod scene_reload;
 mod scene_textures;
+mod setting_up;
 mod shows;
 mod song_numbers;
 mod standard_streams;
