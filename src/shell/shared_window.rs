@@ -4,10 +4,17 @@
 //! that arrive with the reply are queued in Xlib. The event thread would notice these events only when the socket
 //! becomes readable again, so each call must wake the event thread. Therefore the window is reached only through a
 //! guard that wakes this thread.
+//!
+//! Windows and macOS give a window's handle only to the thread that opened the window, so the handle is taken there.
 
+#![expect(unsafe_code, reason = "the handle of a window moves to another thread")]
+
+use std::num::NonZeroU32;
 use std::ops::Deref;
 use std::sync::Arc;
 
+use glutin::surface::{SurfaceAttributes, SurfaceAttributesBuilder, WindowSurface};
+use raw_window_handle::{HandleError, HasWindowHandle, RawWindowHandle};
 use winit::window::Window;
 
 use crate::session::waker::Waker;
@@ -15,17 +22,43 @@ use crate::session::waker::Waker;
 #[derive(Clone)]
 pub(crate) struct SharedWindow {
     window: Arc<Window>,
+    handle: Handle,
     /// Wakes the event thread. `None` where calls never queue events.
     events: Option<Waker>,
 }
+
+#[derive(Clone, Copy)]
+struct Handle(RawWindowHandle);
+
+// SAFETY: the handle is a name of the window. Only the driver uses it, on the thread of the context.
+unsafe impl Send for Handle {}
+// SAFETY: as above.
+unsafe impl Sync for Handle {}
 
 /// Access to a window. Dropping it wakes the event thread.
 pub(crate) struct WindowCalls<'a>(&'a SharedWindow);
 
 impl SharedWindow {
-    /// Wraps a window whose events arrive on the thread that `events` wakes; `None` if calls never queue events.
-    pub(crate) fn new(window: Arc<Window>, events: Option<Waker>) -> Self {
-        Self { window, events }
+    /// Wraps a window whose events arrive on the thread that `events` wakes; `None` if calls never queue events. Must be
+    /// called on the thread that opened the window.
+    ///
+    /// # Errors
+    /// Fails with winit's error if the window has no handle here.
+    pub(crate) fn new(window: Arc<Window>, events: Option<Waker>) -> Result<Self, HandleError> {
+        let handle = Handle(window.window_handle()?.as_raw());
+        Ok(Self { window, handle, events })
+    }
+
+    /// The handle for drivers. It is valid as long as this value.
+    pub(crate) fn handle(&self) -> RawWindowHandle {
+        self.handle.0
+    }
+
+    /// The attributes of a surface on this window, in its current size.
+    pub(crate) fn surface_attributes(&self) -> SurfaceAttributes<WindowSurface> {
+        let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
+        let size = self.calls().inner_size();
+        SurfaceAttributesBuilder::new().build(self.handle(), side(size.width), side(size.height))
     }
 
     pub(crate) fn calls(&self) -> WindowCalls<'_> {

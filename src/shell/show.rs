@@ -83,7 +83,7 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
             background,
             screen,
             desktop: Box::new(move |position| {
-                Box::new(MediaControls::start(position, handle, move || of_desktop.wake()))
+                Box::new(MediaControls::start(position, Some(handle), move || of_desktop.wake()))
             }),
         };
         let stage = opening.session(&of_show)?;

@@ -16,10 +16,9 @@ use glutin::context::{NotCurrentGlContext, PossiblyCurrentContext, PossiblyCurre
 use glutin::display::{GetGlDisplay, GlDisplay};
 use glutin::error::ErrorKind;
 use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
-use glutin_winit::GlWindow;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
-use winit::raw_window_handle::{HasWindowHandle, RawWindowHandle};
+use winit::raw_window_handle::RawWindowHandle;
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
 use crate::gpu::api::Api;
@@ -110,7 +109,7 @@ impl OpenWindow {
         let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
         let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
         let own = Arc::new(window);
-        let window = shared(event_loop, events, own.clone());
+        let window = shared(event_loop, events, own.clone())?;
         Ok((Self { config, window, size, place, refresh_rate, log_debug: input_queue.log_debug }, own))
     }
 
@@ -118,15 +117,14 @@ impl OpenWindow {
         self.config.clone()
     }
 
-    pub(crate) fn handle(&self) -> Option<RawWindowHandle> {
-        self.window.calls().window_handle().ok().map(|handle| handle.as_raw())
+    pub(crate) fn handle(&self) -> RawWindowHandle {
+        self.window.handle()
     }
 
     pub(crate) fn bind(self) -> Result<GlWindowContext, SessionError> {
         let Self { config, window, size, place, refresh_rate, log_debug } = self;
         let no_context = |error: &dyn std::fmt::Display| SessionError::NoContext(error.to_string());
-        let calls = window.calls();
-        let handle = calls.window_handle().map_err(|error| no_context(&error))?.as_raw();
+        let handle = window.handle();
         let display = config.display();
         let apis = Api::tried()?;
         // SAFETY: the handle belongs to `window`, which `GlWindowContext` keeps until after context and surface (order
@@ -134,13 +132,11 @@ impl OpenWindow {
         let (context, surface) = unsafe {
             let context = Api::create_context(apis, &display, &config, Some(handle))
                 .map_err(|error| no_context(&error))?;
-            let attributes =
-                calls.build_surface_attributes(Default::default()).map_err(|error| no_context(&error))?;
-            let surface =
-                display.create_window_surface(&config, &attributes).map_err(|error| no_context(&error))?;
+            let surface = display
+                .create_window_surface(&config, &window.surface_attributes())
+                .map_err(|error| no_context(&error))?;
             (context, surface)
         };
-        drop(calls);
         let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
         if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN)) {
             tracing::info!("no vertical sync ({error}); only the frame cap limits the rate");
@@ -242,7 +238,7 @@ pub(crate) fn shared(
     event_loop: &ActiveEventLoop,
     events: &EventLoopProxy<WindowMessage>,
     window: Arc<Window>,
-) -> SharedWindow {
+) -> Result<SharedWindow, SessionError> {
     #[cfg(all(unix, not(target_os = "macos")))]
     let events = winit::platform::x11::ActiveEventLoopExtX11::is_x11(event_loop).then(|| {
         let events = events.clone();
@@ -252,6 +248,7 @@ pub(crate) fn shared(
     #[cfg(not(all(unix, not(target_os = "macos"))))]
     let events = (event_loop, events, None).2;
     SharedWindow::new(window, events)
+        .map_err(|error| SessionError::Window { doing: "a window for drawing", reason: error.to_string() })
 }
 
 /// Width and height of the smallest part of a window's upper edge by which the user can drag the window, in pixels.

@@ -209,10 +209,11 @@ impl ApplicationHandler<WindowMessage> for Front {
             }
             WindowMessage::OpenOutput(monitor) => {
                 let Some(running) = self.running.as_mut().filter(|_| self.ends_by.is_none()) else { return };
-                match open_output(event_loop, &running.config, &monitor) {
-                    Ok(window) => {
-                        running.output = Some(window.clone());
-                        let window = shared(event_loop, &self.proxy, window);
+                let opened = open_output(event_loop, &running.config, &monitor)
+                    .and_then(|window| Ok((window.clone(), shared(event_loop, &self.proxy, window)?)));
+                match opened {
+                    Ok((own, window)) => {
+                        running.output = Some(own);
                         let _ = self.messages.send(Message::Output(window));
                     }
                     Err(error) => tracing::warn!("{error}"),

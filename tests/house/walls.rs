@@ -97,6 +97,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
         ],
     ),
     ("show", &["mariana-field", "mariana-music", "thiserror"]),
+    ("browser", &["mariana-field", "mariana-music"]),
     ("testing", &["tempfile"]),
     (
         "ui",
@@ -299,6 +300,7 @@ pub(super) const IMPURE: &[&str] = &[
 pub(super) const UNSAFE: &[&str] = &[
     "crates/render/examples/",
     "crates/render/src/gpu/",
+    "crates/browser/src/",
     "crates/testing/",
     "src/shell/",
     "src/sending/v4l2.rs",

@@ -9,12 +9,14 @@ mod field;
 mod music;
 
 /// Compiles, evaluates and prunes a formula.
+// SAFETY: no other function has this name.
 #[unsafe(no_mangle)]
 pub extern "C" fn check_field() -> u32 {
     field::check().err().unwrap_or(0)
 }
 
 /// Analyzes generated music.
+// SAFETY: no other function has this name.
 #[unsafe(no_mangle)]
 pub extern "C" fn check_music() -> u32 {
     music::check().err().unwrap_or(0)

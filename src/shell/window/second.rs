@@ -11,8 +11,7 @@ use glutin::error::ErrorKind;
 use glutin::surface::{
     GlSurface, Surface, SurfaceAttributes, SurfaceAttributesBuilder, SwapInterval, WindowSurface,
 };
-use glutin_winit::GlWindow;
-use raw_window_handle::{HasWindowHandle, RawWindowHandle};
+use raw_window_handle::RawWindowHandle;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Window, WindowAttributes};
@@ -51,7 +50,7 @@ pub(crate) trait DrawTarget {
 
 impl DrawTarget for SharedWindow {
     fn handle(&self) -> Option<RawWindowHandle> {
-        self.calls().window_handle().ok().map(|handle| handle.as_raw())
+        Some(SharedWindow::handle(self))
     }
 
     fn is_about_to_show(&self) {
@@ -76,12 +75,8 @@ impl SecondSurface {
 impl GlWindowContext {
     /// Creates a surface on another window of the same config. Only that surface waits for vertical sync from now on.
     pub(crate) fn second_surface(&self, window: SharedWindow) -> Result<SecondSurface, SessionError> {
-        let refused = |error: &dyn std::fmt::Display| refused("a second window", error);
-        let calls = window.calls();
-        let attributes =
-            calls.build_surface_attributes(Default::default()).map_err(|error| refused(&error))?;
-        let size = calls.inner_size().into();
-        drop(calls);
+        let attributes = window.surface_attributes();
+        let size = window.calls().inner_size().into();
         let vertical_sync = SwapInterval::Wait(NonZeroU32::MIN);
         let second = self.surface_on(Arc::new(window), &attributes, size, vertical_sync)?;
         self.wait_for_monitor(false);
