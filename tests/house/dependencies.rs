@@ -1,5 +1,5 @@
-//! Rules for dependencies: allowed licences, and one version of each crate. The lists are in deny.toml, which `cargo
-//! deny` also reads.
+//! Rules for dependencies: allowed licences, one version of each crate, and profiles without rows of unused crates. The
+//! lists are in deny.toml, which `cargo deny` also reads.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -162,4 +162,17 @@ fn duplicate_crates_have_reasons() {
     );
     let idle: Vec<&&str> = skipped.iter().filter(|row| !used.contains(**row)).collect();
     assert!(idle.is_empty(), "delete these unused rows of deny.toml: {idle:?}");
+}
+
+#[test]
+fn profiles_name_crates_that_are_used() {
+    let (manifest, lock) = (read("Cargo.toml"), read("Cargo.lock"));
+    let packages = lock["package"].as_array().unwrap();
+    let used: BTreeSet<&str> = packages.iter().map(|package| package["name"].as_str().unwrap()).collect();
+    for (profile, settings) in manifest["profile"].as_table().unwrap() {
+        let Some(crates) = settings.get("package") else { continue };
+        for name in crates.as_table().unwrap().keys().filter(|name| *name != "*") {
+            assert!(used.contains(name.as_str()), "{name} is not used: delete its row in profile.{profile}");
+        }
+    }
 }
