@@ -58,7 +58,11 @@ impl SharedWindow {
     pub(crate) fn surface_attributes(&self) -> SurfaceAttributes<WindowSurface> {
         let side = |side: u32| NonZeroU32::new(side).unwrap_or(NonZeroU32::MIN);
         let size = self.calls().inner_size();
-        SurfaceAttributesBuilder::new().build(self.handle(), side(size.width), side(size.height))
+        SurfaceAttributesBuilder::<WindowSurface>::new().build(
+            self.handle(),
+            side(size.width),
+            side(size.height),
+        )
     }
 
     pub(crate) fn calls(&self) -> WindowCalls<'_> {
