@@ -265,7 +265,7 @@ impl ApplicationHandler<WindowMessage> for Front {
             Err(SessionError::Window { doing: "to continue", reason })
         });
         // Dropped after the show, which draws into them.
-        drop(self.layers.take());
+        self.layers = None;
         drop(accessibility);
         drop(output);
         drop(window);
