@@ -65,13 +65,18 @@ impl Waiting {
     }
 }
 
+/// The time of OSC: seconds since 1900, and the rest of a second in 2^-32 s.
+#[cfg(test)]
+pub(super) fn of_osc(time: SystemTime) -> OscTime {
+    let time = time.duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let seconds = u32::try_from(time.as_secs() + TO_UNIX).unwrap_or(u32::MAX);
+    let fraction = (u64::from(time.subsec_nanos()) << 32).div_ceil(1_000_000_000);
+    OscTime { seconds, fractional: u32::try_from(fraction).unwrap_or(u32::MAX) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn of_osc(time: SystemTime) -> OscTime {
-        OscTime::try_from(time).unwrap()
-    }
 
     #[test]
     fn past_and_immediate_messages_are_due_now_and_others_wait() {

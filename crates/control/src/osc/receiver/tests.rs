@@ -1,9 +1,10 @@
 use std::sync::mpsc::channel;
 
-use rosc::{OscBundle, OscTime};
+use rosc::OscBundle;
 
 use super::*;
 use crate::action::{ActionValue, ValueType};
+use crate::osc::waiting::of_osc;
 use crate::{Amount, ChangedBy};
 
 const ACTIONS: &[ActionRow] = &[ActionRow { name: "pause", takes: ValueType::Switch, meaning: "pause" }];
@@ -39,7 +40,7 @@ fn batch(hearing: &Hearing, packet: &[u8]) -> Vec<OscMessage> {
 }
 
 fn bundle(time: SystemTime, addr: &str, args: Vec<OscType>) -> Vec<u8> {
-    let timetag = OscTime::try_from(time).unwrap();
+    let timetag = of_osc(time);
     let content = vec![OscPacket::Message(message(addr.to_owned(), args))];
     encoder::encode(&OscPacket::Bundle(OscBundle { timetag, content })).unwrap()
 }
