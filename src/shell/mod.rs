@@ -2,6 +2,7 @@
 //! session runs on a second thread ([`show`]) and draws on a [`window_screen`]. [`messages`] connect the two.
 
 mod accessibility;
+#[cfg(windows)]
 mod console;
 pub mod identity;
 #[cfg(all(unix, not(target_os = "macos")))]

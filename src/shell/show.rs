@@ -13,7 +13,6 @@ use crate::gpu::headless::Headless;
 use crate::session::SessionError;
 use crate::session::{BackgroundWork, Opening, Prepared, Run};
 use crate::shell::accessibility::AccessibilityPublisher;
-use crate::shell::console;
 use crate::shell::media_controls::MediaControls;
 use crate::shell::messages::{Typing, inbox};
 use crate::shell::monitors::{self, around};
@@ -73,7 +72,8 @@ pub fn run(prepared: Prepared) -> anyhow::Result<()> {
         let lines = Lines { inbox, controls, typing: of_window };
         let handle = window.handle();
         let screen = Box::new(WindowScreen::new(window, lines, output, wallpaper)?);
-        console::close_if_own();
+        #[cfg(windows)]
+        crate::shell::console::close_if_own();
         let of_desktop = of_show.clone();
         let opening = Opening {
             tracks,

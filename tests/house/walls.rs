@@ -6,7 +6,10 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
     ("commands", &["bitflags", "mariana-control", "mariana-player", "mariana-scenes", "mariana-settings"]),
     ("control", &["midir", "rosc", "serde", "thiserror", "toml", "tracing"]),
     ("field", &["fidget", "image", "multiversion", "naga", "serde", "thiserror"]),
-    ("files", &["directories", "serde", "serde_json", "signal-hook", "tempfile", "thiserror", "tracing"]),
+    (
+        "files",
+        &["ctrlc", "directories", "serde", "serde_json", "signal-hook", "tempfile", "thiserror", "tracing"],
+    ),
     ("music", &["ebur128", "rustfft", "serde"]),
     (
         "player",

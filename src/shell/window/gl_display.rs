@@ -5,14 +5,6 @@
 //! socket, and the event thread, which waits for that socket, would not wake. While the frame is unchanged, nothing
 //! else wakes that thread, so keys and pings would wait for up to 30 s.
 
-#![cfg_attr(
-    not(any(windows, target_os = "macos")),
-    expect(
-        unsafe_code,
-        reason = "glutin's functions that open displays are unsafe, and Xlib is a C library"
-    )
-)]
-
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
@@ -49,6 +41,8 @@ fn best<'a>(configs: Box<dyn Iterator<Item = Config> + 'a>) -> Option<Config> {
 
 #[cfg(all(unix, not(target_os = "macos")))]
 mod x11 {
+    #![expect(unsafe_code, reason = "glutin's displays and Xlib are C interfaces")]
+
     use super::*;
 
     use std::ptr::{NonNull, null};
