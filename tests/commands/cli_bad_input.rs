@@ -151,7 +151,7 @@ fn an_old_opengl_has_its_own_message() {
     let place = Workplace::new();
     for arguments in [&["still", "-o", "frame.png"][..], &["--gl-info"]] {
         let mut command = place.command(arguments);
-        command.env("MESA_GL_VERSION_OVERRIDE", "2.1");
+        command.env("MESA_GL_VERSION_OVERRIDE", "2.1").env("MESA_GLES_VERSION_OVERRIDE", "2.0");
         Outcome::of(&mut command, RUN_LIMIT).refused(&["OpenGL", "3.3", "update the graphics driver"]);
     }
 }
