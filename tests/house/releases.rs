@@ -60,7 +60,7 @@ fn workflows_call_scripts_and_pin_actions() {
     let mut found = Vec::new();
     for file in files {
         let (workflow, text) = (yaml(&file), read(&file));
-        // Nothing is permitted but what a job asks for.
+        // Each job has only the permissions that it requests.
         if workflow["permissions"] != serde_json::json!({}) {
             found.push(format!("{file}: write 'permissions: {{}}' at its top"));
         }

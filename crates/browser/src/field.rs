@@ -1,4 +1,4 @@
-//! What a page would do with a formula.
+//! Parses, evaluates and prunes formulas.
 
 use crate::expect;
 use mariana_field::Field;

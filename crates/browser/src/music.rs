@@ -1,4 +1,4 @@
-//! What a page would do with samples.
+//! Analyzes generated samples.
 
 use std::f32::consts::TAU;
 

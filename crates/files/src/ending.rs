@@ -138,8 +138,9 @@ fn ignored_signals() -> u64 {
 pub fn outlive_file_limits() {
     #[cfg(unix)]
     {
+        use std::sync::atomic::AtomicBool;
         /// This flag is never read: handling the signal is enough to make the write fail.
-        static TAKEN: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+        static TAKEN: AtomicBool = AtomicBool::new(false);
         // If the registration fails, the default action stays.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &TAKEN);
     }

@@ -43,8 +43,7 @@ impl ListedDevice {
     }
 }
 
-/// A device as it is listed for playback or for recording.
-#[derive(Clone)]
+/// A device and its entry in the list of one direction.
 pub(crate) struct FoundDevice {
     pub(crate) entry: ListedDevice,
     pub(crate) device: cpal::Device,

@@ -140,8 +140,9 @@ pub struct CommandLine {
 }
 
 impl CommandLine {
-    /// Starts a command line of ffmpeg (found in `PATH`, on macOS also beside this program and where Homebrew and
-    /// MacPorts install it; on Windows the system looks beside the program first) that reports only errors and does not read standard input.
+    /// Starts a command line of ffmpeg that reports only errors and does not read standard input. ffmpeg is found in
+    /// `PATH`. Windows first looks into the folder of this program, and macOS into that folder and into those of Homebrew
+    /// and MacPorts.
     pub fn ffmpeg() -> Self {
         Self::of(&found("ffmpeg")).options(["-nostdin"])
     }

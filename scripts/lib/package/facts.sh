@@ -14,7 +14,7 @@ fact() {
     printf '%s\n' "$value"
 }
 
-# Sets the facts as variables. Times in packages are those of the last commit, so that packages can be reproduced.
+# Sets the facts as variables. Files in packages have the time of the last commit, so that packages can be reproduced.
 read_facts() {
     version=$(fact version)
     licence=$(fact license)
@@ -49,7 +49,7 @@ description() {
         { sub(/ *$/, ""); print (item && !/^  \* / ? "    " : "") $0 }'
 }
 
-# fill TEMPLATE NAME=VALUE... prints a file of packaging/ with the facts, and the given values, in place of @NAME@.
+# fill TEMPLATE NAME=VALUE... prints a file of packaging/ whose names (@NAME@) are replaced by the facts and these values.
 fill() {
     local text pair value left
     # In new shells, a & in a value would mean the replaced name.

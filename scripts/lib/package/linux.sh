@@ -78,7 +78,7 @@ make_deb() {
     mv "$folder/usr/share/zsh/site-functions" "$folder/usr/share/zsh/vendor-completions"
     mkdir -p "$folder/usr/share/lintian/overrides" "$folder/DEBIAN"
     fill debian/lintian-overrides >"$folder/usr/share/lintian/overrides/mariana"
-    # Nothing is drawn without libegl1. The other libraries are for X11 and for a renderer in software.
+    # The program cannot draw without libegl1. The other libraries are for X11 and for a renderer in software.
     depends=$({ linked_packages && echo libegl1; } | LC_ALL=C sort -u | comma_separated)
     recommends=$({ loaded_libraries 3 | grep -vx libegl1 && echo ffmpeg; } | comma_separated)
     size=$(du -k --apparent-size -s "$folder/usr" | cut -f 1)

@@ -90,7 +90,7 @@ impl WorkerContext {
     /// Makes the context current on this thread, without a window.
     ///
     /// EGL and WGL support that. Contexts of GLX would share the window's connection to the X server. On macOS a
-    /// context waits for the main thread, and OpenGL has no program binaries that a worker could pass on.
+    /// context waits for the main thread.
     fn make_current(self) -> Result<(Display, PossiblyCurrentContext), String> {
         let current: glutin::error::Result<PossiblyCurrentContext> = match self.context {
             #[cfg(any(windows, all(unix, not(target_os = "macos"))))]

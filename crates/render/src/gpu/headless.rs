@@ -6,7 +6,7 @@
 //! | system | context |
 //! |---|---|
 //! | Linux and other Unix systems | EGL on a device, without a window system (`egl`) |
-//! | Windows | WGL with a hidden window (`wgl`); not yet tried on hardware |
+//! | Windows | WGL with a hidden window (`wgl`); tried only under Wine |
 //! | macOS | CGL without a view (`cgl`); not yet tried on hardware |
 
 #[cfg(target_os = "macos")]

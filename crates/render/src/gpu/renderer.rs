@@ -385,7 +385,8 @@ impl Renderer {
         self.presenter.flashes.pass.iter_mut().for_each(FlashPass::forget);
     }
 
-    /// Returns the GPU time of an image drawn in one call, once the time is known; only if the driver has timers ([`super::gl::GlInfo::has_timers`]).
+    /// Returns the GPU time of an image drawn in one call, once the time is known. `None` if the driver has no timers
+    /// ([`super::gl::GlInfo::has_timers`]).
     pub fn gpu_time(&mut self) -> Option<Duration> {
         self.painter.clock.take()
     }

@@ -1,4 +1,4 @@
-//! Contexts of WGL, with a hidden window. Not yet tried on hardware.
+//! Contexts of WGL, with a hidden window. Tried only under Wine.
 //!
 //! WGL needs a window for its functions, its pixel formats and its contexts. The window is never shown, and nothing
 //! draws into it.
