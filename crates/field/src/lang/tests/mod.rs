@@ -16,6 +16,8 @@ mod parts;
 #[cfg(test)]
 mod shapes;
 #[cfg(test)]
+mod slopes;
+#[cfg(test)]
 mod warnings;
 
 pub(crate) use shapes::SHAPES;
