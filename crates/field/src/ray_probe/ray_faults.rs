@@ -182,6 +182,25 @@ mod tests {
     }
 
     #[test]
+    fn faults_are_warned_of_with_a_remedy() {
+        let world = world_of("object one { shape = sphere(p, 1) }\nobject two { shape = y - sin(x) }");
+        let fine =
+            RayFaults { rays: 1000, capped: 4, slope: Some(0.2), overstepped: vec![2, 0], ..faults("x") };
+        assert!(fine.warnings(&world).is_empty());
+        let faulty = RayFaults { capped: 20, overstepped: vec![0, 3], ..fine.clone() };
+        let warnings = faulty.warnings(&world);
+        let hints: Vec<&str> = warnings.iter().filter_map(|one| one.hint.as_deref()).collect();
+        assert_eq!(warnings.len(), 2);
+        assert!(warnings[0].message.contains("surface of `two`") && hints[0].contains("other_cells"));
+        assert!(
+            warnings[1].message.starts_with("2.0 %") && hints[1].contains("Multiply it by 5.0"),
+            "{hints:?}"
+        );
+        let steep = RayFaults { capped: 20, slope: Some(0.9), ..fine };
+        assert!(steep.warnings(&world)[0].hint.as_ref().unwrap().contains("slope near 1"));
+    }
+
+    #[test]
     fn rays_step_over_surfaces_of_a_repetition_whose_cells_differ() {
         let differing = "\
 object floor { shape = y + 1 }

@@ -452,7 +452,9 @@ fn hover_help(response: &Response, document: &Document, page: &Page, offset: usi
     if at.x > behind || !response.hovered() {
         return;
     }
-    if let Some(mistake) = document.mistakes().chain(document.warnings()).find(|one| one.range.contains(&offset)) {
+    if let Some(mistake) =
+        document.mistakes().chain(document.warnings()).find(|one| one.range.contains(&offset))
+    {
         let words = match mistake.hint.as_str() {
             "" => mistake.message,
             hint => format!("{}\n{hint}", mistake.message),
