@@ -69,13 +69,13 @@ pub const PICTURES: &[(&str, &str)] = &[
     ("repeat_limited", "sphere(repeat_limited(p, 0.5, vec3(2, 1, 1)), 0.2)"),
     (
         "cell_of",
-        "min(sphere(repeat(p, vec3(0.5, 0, 0.5)), 0.08 + 0.12 * hash(cell_of(p, vec3(0.5, 0, 0.5)))), \
-         max(other_cells(p, vec3(0.5, 0, 0.5), 0.2), length(p.xz) - 1.4))",
+        "intersect(min(sphere(repeat(p, vec3(0.5, 0, 0.5)), 0.08 + 0.12 * hash(cell_of(p, vec3(0.5, 0, 0.5)))), \
+         other_cells(p, vec3(0.5, 0, 0.5), 0.2)), max(abs(x), abs(z)) - 1.25)",
     ),
     (
         "other_cells",
         "intersect(min(box(repeat(p, vec3(0.5, 0, 0.5)), vec3(0.15, 0.1 + 0.5 * hash(cell_of(p, vec3(0.5, 0, 0.5))), 0.15)), \
-         other_cells(p, vec3(0.5, 0, 0.5), 0.15)), length(p.xz) - 1.4)",
+         other_cells(p, vec3(0.5, 0, 0.5), 0.15)), max(abs(x), abs(z)) - 1.25)",
     ),
     ("hex_repeat", "intersect(extrude(hexagon(hex_repeat(p.xz, 0.5).yx, 0.2), y, 0.15), length(p.xz) - 1.5)"),
     (
@@ -88,10 +88,6 @@ pub const PICTURES: &[(&str, &str)] = &[
     ("mirror_y", "cone(mirror_y(p) - vec3(0, 0.9, 0), 0.5, 1)"),
     ("mirror_z", "torus(mirror_z(p) - vec3(0, 0, 0.6), 0.45, 0.15)"),
     ("polar_repeat", "round_box(polar_repeat(p, 9) - vec3(0.9, 0, 0), vec3(0.2, 0.2, 0.12), 0.04)"),
-    (
-        "polar_cell",
-        "round_box(polar_repeat(p, 9) - vec3(0.9, 0, 0), vec3(0.2, 0.1 + 0.05 * polar_cell(p, 9), 0.12), 0.04)",
-    ),
     ("smooth_polar_repeat", "sphere(smooth_polar_repeat(p, 7, 0.6) - vec3(0.72, 0, 0), 0.38)"),
     ("twist", "round_box(twist(p, 1.3), vec3(0.4, 1, 0.4), 0.05) / (1 + 1.3 * 0.64)"),
     ("bend", "round_box(bend(p, 0.7), vec3(1.2, 0.15, 0.4), 0.05) / (1 + 0.7 * 1.3)"),
