@@ -25,6 +25,7 @@ mod builtin;
 mod changing;
 mod diagnostic;
 mod fields;
+mod glsl_names;
 mod lexer;
 mod library;
 mod load;

@@ -15,6 +15,8 @@ mod messages;
 mod parts;
 #[cfg(test)]
 mod shapes;
+#[cfg(test)]
+mod statements;
 
 pub(crate) use shapes::SHAPES;
 
