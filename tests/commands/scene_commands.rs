@@ -35,8 +35,9 @@ fn the_tape_of_a_cell_has_one_of_two_shapes_and_bounds() {
     assert!(lines[0].contains("a surface may be inside"), "{printed}");
     let (count, of) = lines[1].split_once(" of ").unwrap();
     let whole = of.split(' ').next().unwrap();
-    assert!(count.parse::<usize>().unwrap() < whole.parse().unwrap(), "{printed}");
-    assert_eq!(lines.len() - 3, count.parse().unwrap(), "{printed}");
+    let (count, whole): (usize, usize) = (count.parse().unwrap(), whole.parse().unwrap());
+    assert!(count < whole, "{printed}");
+    assert_eq!(lines.len() - 3, count, "{printed}");
     let last = lines[lines.len() - 1].rsplit("  ").next().unwrap();
     let (low, high) = last.trim().split_once(" .. ").unwrap();
     let value = 0.905_538_5_f32 - 1.0;
