@@ -1,9 +1,9 @@
 //! Compounds: several operators in one clause, because the interpreter's time grows with the number of clauses. A
 //! clause has two registers and a number. Most operators use only two of these three; most compounds use all three.
 //!
-//! A compound's value and GLSL follow from its parts, each of which is rounded separately. Compounds have no rules of
-//! their own for bounds and slopes, because they are made when a tape is written for the interpreter, after pruning and all other
-//! analysis. A compound may therefore contain minima without hiding a choice from pruning.
+//! A compound's value, bounds and GLSL follow from its parts, each of which is rounded separately. Compounds are made
+//! when a tape is written for the interpreter, after pruning and all other analysis. A compound may therefore contain
+//! minima without hiding a choice from pruning.
 //!
 //! Compounds have the numbers 96..128, after the two-operand operators. They make the interpreter's code at most 7.3 %
 //! longer on Vega GPUs and 5 % longer on Xe GPUs, without additional GPU registers.

@@ -223,10 +223,8 @@ impl Lowering<'_> {
             let value = self.arguments.get(mark + index).copied().unwrap_or(Value::Unknown);
             self.scope.bind(parameter.name.symbol, value);
         }
-        let flow = std::mem::take(&mut self.scope.flow);
         self.scope.enters_body = matches!(self.ast.expr(function.body), Expr::Block(..));
         let value = self.expr(function.body);
-        self.scope.flow = flow;
         self.scope.unbind(self.scope.frame);
         self.scope.frame = outside;
         value

@@ -39,6 +39,7 @@ pub(super) struct Flow {
     pub path: Option<NodeId>,
     /// The condition that the loop has ended early; without a node, false.
     pub ended: Option<NodeId>,
+    pub in_loop: bool,
 }
 
 impl Scope {

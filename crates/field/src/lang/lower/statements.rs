@@ -19,15 +19,17 @@ impl Lowering<'_> {
         let mark = self.scope.bindings.len();
         let is_body = std::mem::take(&mut self.scope.enters_body);
         let floor = if is_body { self.scope.frame } else { mark };
-        let outside = std::mem::replace(&mut self.scope.floor, floor);
+        let outside = (self.scope.floor, self.scope.flow);
+        // A block that is a value does not end the loop around it, because both sides of a choice are lowered.
+        (self.scope.floor, self.scope.flow) = (floor, Flow::default());
         self.statements(Statements { first, count });
         let value = self.expr_below(result, span);
         self.scope.unbind(mark);
-        self.scope.floor = outside;
+        (self.scope.floor, self.scope.flow) = outside;
         value
     }
 
-    /// Lowers statements up to one that ends the loop for certain.
+    /// Lowers statements; stops after a `break` without a condition.
     fn statements(&mut self, Statements { first, count }: Statements) {
         for index in 0..count {
             let id = ExprId(self.ast.extra(first + index));
@@ -70,9 +72,15 @@ impl Lowering<'_> {
                 }
             }
             Expr::Break => {
-                let Flow { path, ended } = self.scope.flow;
+                let Flow { path, in_loop, .. } = self.scope.flow;
+                if !in_loop {
+                    let message = "there is no loop here that `break` could end";
+                    let hint = "write it among the statements of `for i in 0..8 { … }`";
+                    self.reports.add(Diagnostic::new(span, message).hint(hint));
+                    return;
+                }
                 let now = path.unwrap_or_else(|| self.constant(1.0));
-                self.scope.flow.ended = Some(ended.map_or(now, |ended| self.graph.max(ended, now)));
+                self.end_where(now);
             }
             _ => {}
         }
@@ -235,7 +243,7 @@ impl Lowering<'_> {
             return;
         }
         let (before, outside) = (self.scope.values(), self.scope.flow);
-        self.scope.flow.path = None;
+        (self.scope.flow.path, self.scope.flow.in_loop) = (None, true);
         let mark = self.scope.bindings.len();
         for number in start..end {
             if self.reports.stopped {

@@ -75,6 +75,13 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "a = 2",
         "`a = if a then b else c`",
     ),
+    ("{ let a = 1  break  a }", "there is no loop here that `break` could end", "break", "`for i in 0..8"),
+    (
+        "{ let a = 1  for i in 0..2 { a = if x > 0 then { break  2 } else 3 }  a }",
+        "there is no loop here that `break` could end",
+        "break",
+        "`for i in 0..8",
+    ),
     ("{ let a = 1  if a { a = 2 }  a }", "`if` needs a condition, but this is a number", "a", "`a > 0`"),
     (
         "{ let a = 1 for i in 0..x { a += 1 } a }",
@@ -361,7 +368,7 @@ fn every_mistake_is_explained_at_its_location() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What people write who know GLSL. Each row is accepted (an empty hint), or its first hint tells what to write.
+/// Habits from GLSL, each with a part of its hint; with an empty hint, the text is accepted.
 const HABITS: &[(&str, &str)] = &[
     ("fn f(p) { float d = length(p); d }\nf(p)", "`let d = …`"),
     ("fn f(p) { vec3 q = p; q.x }\nf(p)", "`let q = …`"),
