@@ -16,6 +16,8 @@ mod parts;
 #[cfg(test)]
 mod shapes;
 
+#[cfg(test)]
+pub(in crate::lang) use fuzz::mutated;
 pub(crate) use shapes::SHAPES;
 
 use super::{Compiled, Scene, compile, no_includes};
