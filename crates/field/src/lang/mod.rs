@@ -31,6 +31,7 @@ mod library;
 mod load;
 mod lower;
 mod material;
+mod names;
 mod origins;
 mod parser;
 mod path;
@@ -53,6 +54,7 @@ pub use library::{Accuracy, Entry, PICTURES, entries, inputs, is_part, part_inpu
 pub use lower::section_fields;
 pub(crate) use material::material_members;
 pub use material::{Material, material_glsl};
+pub use names::{Declaration, Meaning, NameKind, Names, names};
 pub use origins::{Origins, TextPlace};
 pub use scene::{
     Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap,
@@ -141,7 +143,7 @@ fn compile_all(
 ) -> Compiled {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(limits.scene_diagnostics_max);
-    let names = library::library().names.clone();
+    let empty = load::Loaded::new(library::library().names.clone());
     let mut includes_asked = Vec::new();
     let mut note_and_resolve = |path: &str| {
         if !includes_asked.iter().any(|known| known == path) {
@@ -149,7 +151,7 @@ fn compile_all(
         }
         resolve(path)
     };
-    let loaded = load::load(name, text, &mut note_and_resolve, names, limits, &mut sources, &mut diagnostics);
+    let loaded = load::load(name, text, &mut note_and_resolve, empty, limits, &mut sources, &mut diagnostics);
     let scene = lower::lower(loaded, changing, limits, &sources, &mut diagnostics);
     let scene = if diagnostics.is_empty() { scene } else { None };
     Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
@@ -159,7 +161,7 @@ fn compile_all(
 pub fn check_syntax(name: &str, text: &str) -> (Vec<Diagnostic>, Sources) {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
-    let names = library::library().names.clone();
-    load::load(name, text, &mut |_| Ok(String::new()), names, &LIMITS, &mut sources, &mut diagnostics);
+    let empty = load::Loaded::new(library::library().names.clone());
+    load::load(name, text, &mut |_| Ok(String::new()), empty, &LIMITS, &mut sources, &mut diagnostics);
     (diagnostics.finish(), sources)
 }

@@ -123,6 +123,7 @@ pub(super) fn blanks(before: (&Piece<'_>, Role), this: (&Piece<'_>, Role)) -> us
         return 0;
     }
     let one = b.is(Kind::CloseBrace)
+        || b.is(Kind::OpenBrace) && a.is(Kind::CloseParen)
         || a.is(Kind::Comma)
         || a.is(Kind::Colon)
         || a.is(Kind::Assign)

@@ -73,7 +73,7 @@ fn blanks_and_indentation_become_regular() {
         ("let a =\n1", "let a =\n  1\n"),
         ("sky {\ncolor = 1 +\n2\n}\n\n\n\nx", "sky {\n  color = 1 +\n    2\n}\n\nx\n"),
         ("\n\n# a\n   # b\nx#c", "# a\n# b\nx #c\n"),
-        ("a /* b */+/*\n c */ d", "a /* b */ +/*\n c */ d\n"),
+        ("a /* b */+/*\n c */ d", "a /* b */+/*\n c */ d\n"),
         ("let a = 1\r\nlet b = 2", "let a = 1\r\nlet b = 2\r\n"),
         ("\u{feff}x", "\u{feff}x\n"),
         ("let v = 1 .x", "let v = 1 .x\n"),

@@ -20,6 +20,7 @@ mod scope;
 mod sections;
 
 pub use sections::section_fields;
+pub(in crate::lang) use sections::word;
 
 use super::changing::ChangingNumbers;
 use super::diagnostic::Diagnostics;

@@ -1,7 +1,8 @@
 //! Parses expressions by precedence climbing.
 
-use super::super::ast::{BinaryOp, Expr, ExprId};
+use super::super::ast::{BinaryOp, Expr, ExprId, Name};
 use super::super::diagnostic::Diagnostic;
+use super::super::names::{NameEvent, NameKind};
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::token::{Kind, word};
@@ -139,7 +140,9 @@ impl Parser<'_> {
                 self.report(wrong);
                 break;
             }
-            let components = self.advance().symbol;
+            let member = self.advance();
+            let components = member.symbol;
+            self.ast.note(NameEvent::Member(member.span));
             if self.kind() == Kind::OpenParen && (self.in_parens || !self.token().newline) {
                 inner = self.part_band(inner, components, start);
                 continue;
@@ -170,10 +173,13 @@ impl Parser<'_> {
                 _ if token.is_reserved() || token.newline && self.begins_item() => self.no_expression(),
                 _ => {
                     self.advance();
+                    let name = Name { symbol: token.symbol, span: token.span };
                     let next = self.token();
                     if next.kind == Kind::OpenParen && (self.in_parens || !next.newline) {
+                        self.ast.note(NameEvent::Calls(name));
                         return self.call();
                     }
+                    self.ast.note(NameEvent::Reads(name));
                     self.ast.push(Expr::Name(token.symbol), token.span)
                 }
             },
@@ -354,7 +360,10 @@ impl Parser<'_> {
             let wrong = self.expected("`:` before the loop's body");
             self.report(wrong.hint(hint));
         }
+        self.ast.note(NameEvent::Opens);
+        self.ast.note(NameEvent::Declares(NameKind::LoopVariable, variable));
         let body = self.expression();
+        self.ast.note(NameEvent::Closes(self.end_before));
         let index = self.ast.extra.len() as u32;
         self.ast.extra.extend([variable.symbol.0, first.0, end.0, body.0]);
         let span = self.since(start);
@@ -365,6 +374,7 @@ impl Parser<'_> {
     pub(super) fn block(&mut self) -> ExprId {
         let open = self.advance().span;
         let mark = self.lists.len();
+        self.ast.note(NameEvent::Opens);
         let result = self.within(false, |parser| {
             loop {
                 parser.block_lets();
@@ -383,6 +393,7 @@ impl Parser<'_> {
                 }
             }
         });
+        self.ast.note(NameEvent::Closes(self.end_before));
         let (first, count) = self.take_list(mark);
         let span = self.since(open);
         self.ast.push(Expr::Block(first, count / 2, result), span)
