@@ -69,7 +69,7 @@ fn items(documents: &mut Documents, params: &AtPosition, snippets: bool) -> Opti
         let has_parameters = snippets && about.is_function && !calls;
         let new_text = if has_parameters { format!("{}($0)", one.name) } else { one.name.clone() };
         let edit = TextEdit { range: unit.range(&document.buffer, range.clone()), new_text };
-        let item = json!({
+        json!({
             "label": one.name,
             "kind": kind,
             "detail": about.head,
@@ -78,8 +78,7 @@ fn items(documents: &mut Documents, params: &AtPosition, snippets: bool) -> Opti
             "filterText": one.name,
             "insertTextFormat": if has_parameters { 2 } else { 1 },
             "textEdit": edit,
-        });
-        item
+        })
     });
     Some(items.collect())
 }

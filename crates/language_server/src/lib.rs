@@ -18,6 +18,7 @@ mod color;
 mod completion;
 mod documents;
 mod framing;
+pub mod grammars;
 mod hover;
 pub mod limits;
 mod navigation;

@@ -56,6 +56,7 @@ pub(crate) use material::material_members;
 pub use material::{Material, material_glsl};
 pub use names::{Declaration, Meaning, NameKind, Names, names};
 pub use origins::{Origins, TextPlace};
+pub use parser::{Operator, PREFIX_BINDS, operators};
 pub use scene::{
     Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap,
 };
@@ -63,7 +64,7 @@ pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]
 pub(crate) use tests::SHAPES;
-pub use words::{Word, WordKind, keywords, words};
+pub use words::{Word, WordKind, item_words, keywords, reserved_words, type_names, words};
 
 use std::collections::BTreeSet;
 

@@ -33,6 +33,45 @@ fn infix(kind: Kind) -> Option<(BinaryOp, u8, u8)> {
     })
 }
 
+/// An operator between two expressions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Operator {
+    /// The sign, such as `+`.
+    pub sign: &'static str,
+    /// How tightly it binds: operators with a larger number bind tighter.
+    pub binds: u8,
+    /// True if `a ^ b ^ c` is `a ^ (b ^ c)`.
+    pub groups_from_the_right: bool,
+}
+
+/// How tightly a prefix operator binds, on the scale of [`Operator::binds`].
+pub const PREFIX_BINDS: u8 = PREFIX;
+
+/// Returns the operators between two expressions, from the loosest to the tightest.
+pub fn operators() -> impl Iterator<Item = Operator> {
+    let kinds = [
+        Kind::Or,
+        Kind::And,
+        Kind::Equal,
+        Kind::NotEqual,
+        Kind::Less,
+        Kind::LessEqual,
+        Kind::Greater,
+        Kind::GreaterEqual,
+        Kind::Plus,
+        Kind::Minus,
+        Kind::Star,
+        Kind::Slash,
+        Kind::Percent,
+        Kind::Caret,
+    ];
+    kinds.into_iter().filter_map(infix).map(|(op, binds, right_least)| Operator {
+        sign: op.sign(),
+        binds,
+        groups_from_the_right: right_least <= binds,
+    })
+}
+
 impl Parser<'_> {
     pub(super) fn expression(&mut self) -> ExprId {
         self.binary(0)
