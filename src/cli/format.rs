@@ -57,7 +57,7 @@ fn format(file: &Path, check: bool) -> anyhow::Result<bool> {
         let (mistakes, sources) = check_syntax(&name, &text);
         let mistakes = render_all(&mistakes, &sources, colors(&std::io::stderr()));
         bail!(
-            "{name} has mistakes and was left as it was: correct what is underlined\n{}",
+            "{name} has mistakes and was not changed: correct what is underlined\n{}",
             mistakes.trim_end()
         );
     };

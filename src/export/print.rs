@@ -15,7 +15,7 @@ pub fn print_line(text: &str) -> Result<(), ExportError> {
     }
 }
 
-/// Prints a text on standard output, as it is. A closed pipe is no error.
+/// Prints a text on standard output, without a further line end. A closed pipe is no error.
 ///
 /// # Errors
 /// [`ExportError::Print`] if standard output cannot be written.

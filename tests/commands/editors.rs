@@ -27,7 +27,7 @@ fn files_are_formatted_in_place() {
     assert_eq!(place.read("ugly.scene"), UGLY.as_bytes());
     place.run(&["format", "wrong.scene"]).refused_with_details(&[
         "wrong.scene:1:",
-        "left as it was",
+        "was not changed",
         "expected",
     ]);
     let all = place.run(&["format", "wrong.scene", "ugly.scene", "neat.scene"]);

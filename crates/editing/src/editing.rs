@@ -231,8 +231,8 @@ impl Editing {
         Ok(())
     }
 
-    /// Formats the text as one undo step. The cursor stays at its word. Returns false if the text has mistakes in its
-    /// grammar or is not UTF-8; it then stays as it is.
+    /// Formats the text as one undo step. The cursor stays at its word. Returns false and
+    /// changes nothing if the text has mistakes in its grammar or is not UTF-8.
     ///
     /// # Errors
     /// [`Refused`] if the result would be too long.

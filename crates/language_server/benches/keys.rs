@@ -95,7 +95,7 @@ impl Typing {
         json!({ "id": self.version, "method": method, "params": params })
     }
 
-    /// What a client sends after a key: the change, and requests for completion, arguments and colours.
+    /// Sends the messages of a key press: the change, and requests for completion, arguments and colours.
     fn key(&mut self) -> Vec<Value> {
         let mut messages = vec![Ok(self.change())];
         for method in

@@ -21,7 +21,7 @@ pub struct Check {
     pub(crate) revision: u64,
     pub(crate) snapshot: Snapshot,
     pub(crate) unit: Unit,
-    /// True if the client shows related places of a diagnostic.
+    /// True if the client shows related locations of a diagnostic.
     pub(crate) shows_related: bool,
 }
 

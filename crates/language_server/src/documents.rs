@@ -1,7 +1,6 @@
 //! The open documents, and the names in them.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -99,7 +98,7 @@ impl Parsed {
     }
 }
 
-/// A document as a part of a scene: of its own, or of a scene that includes it.
+/// A document as a part of a scene. The scene is the document itself, or another document that includes it.
 #[derive(Clone)]
 pub(crate) struct Context {
     pub parsed: Arc<Parsed>,
@@ -197,7 +196,7 @@ impl Documents {
         Some(parsed)
     }
 
-    /// Returns the open scenes that include a document; if there are none, the document as a scene of its own.
+    /// Returns the open scenes that include a document. Without such a scene, the document itself is the scene.
     pub(crate) fn contexts(&mut self, uri: &str) -> Vec<Context> {
         let path = self.open.get(uri).and_then(|document| document.path.clone());
         let roots: Vec<String> = self.open.keys().filter(|root| *root != uri).cloned().collect();
@@ -228,10 +227,25 @@ impl Documents {
         Some((uri_of(path.as_deref()?)?, Buffer::new(text)))
     }
 
-    /// Returns the place of a span of a scene's sources.
+    /// Returns the location of a span.
     pub(crate) fn location(&self, parsed: &Parsed, span: lang::Span) -> Option<Location> {
-        let (file, bytes): (usize, Range<usize>) = parsed.sources.place_in_file(span)?;
-        let (uri, buffer) = self.text_of(parsed, file)?;
-        Some(Location { uri, range: self.unit.range(&buffer, bytes) })
+        self.locations(parsed, [span]).pop()
+    }
+
+    /// Returns the locations of spans. Omits spans in files without an address.
+    pub(crate) fn locations(
+        &self,
+        parsed: &Parsed,
+        spans: impl IntoIterator<Item = lang::Span>,
+    ) -> Vec<Location> {
+        let mut texts: BTreeMap<usize, Option<(String, Buffer)>> = BTreeMap::new();
+        let mut found = Vec::new();
+        for span in spans {
+            let Some((file, bytes)) = parsed.sources.place_in_file(span) else { continue };
+            let text = texts.entry(file).or_insert_with(|| self.text_of(parsed, file));
+            let Some((uri, buffer)) = text else { continue };
+            found.push(Location { uri: uri.clone(), range: self.unit.range(buffer, bytes) });
+        }
+        found
     }
 }

@@ -37,11 +37,11 @@ impl Framing {
         self.bytes.extend_from_slice(bytes.get(skipped..).unwrap_or_default());
     }
 
-    /// Returns the next message that has arrived as a whole.
+    /// Returns the next complete message.
     ///
     /// # Errors
     /// [`Unreadable::Message`] for a message that is no JSON or is too large. [`Unreadable::Stream`] for a header
-    /// without a length: the place of the next message is then unknown, and no further message is returned.
+    /// without a length: the start of the next message is then unknown, and no further message is returned.
     pub fn message(&mut self) -> Option<Result<Value, Unreadable>> {
         if self.is_broken {
             return None;

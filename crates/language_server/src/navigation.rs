@@ -39,14 +39,14 @@ pub(crate) fn references(documents: &mut Documents, params: &ReferencesParams) -
     json!(all)
 }
 
-/// Returns where a name is used in the document itself.
+/// Returns the uses of a name in the document itself.
 pub(crate) fn highlights(documents: &mut Documents, params: &AtPosition) -> Value {
     let all = places(documents, params, true);
     let here = all.into_iter().filter(|one| one.uri == params.text_document.uri);
     json!(here.map(|one| json!({ "range": one.range })).collect::<Vec<_>>())
 }
 
-/// Returns the places of the name at a position, in all open scenes that contain the document.
+/// Returns the locations of the name at a position, in all open scenes that contain the document.
 pub(crate) fn places(
     documents: &mut Documents,
     params: &AtPosition,
@@ -60,13 +60,10 @@ pub(crate) fn places(
             continue;
         };
         let declared = context.parsed.names.declarations.get(index).map(|one| one.name);
-        for span in context.parsed.names.places(index) {
-            if !with_declaration && Some(span) == declared {
-                continue;
-            }
-            if let Some(location) = documents.location(&context.parsed, span)
-                && seen.insert((location.uri.clone(), location.range.start))
-            {
+        let spans = context.parsed.names.places(index);
+        let spans = spans.filter(|span| with_declaration || Some(*span) != declared);
+        for location in documents.locations(&context.parsed, spans) {
+            if seen.insert((location.uri.clone(), location.range.start)) {
                 found.push(location);
             }
         }

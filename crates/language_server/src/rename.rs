@@ -1,7 +1,6 @@
 //! Gives a name another name. The scene must stay the same, so every renamed scene is read again and compared.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use mariana_field::lang::{self, Meaning, Names};
 use serde_json::{Value, json};
@@ -45,7 +44,7 @@ pub(crate) fn rename(documents: &mut Documents, params: &RenameParams) -> Result
     }
     for context in &contexts {
         if let Some(index) = declared(context) {
-            compare(documents, &context.parsed, index, name).map_err(refuse)?;
+            compare(&context.parsed, index, name).map_err(refuse)?;
         }
     }
     let mut changes: BTreeMap<String, Vec<TextEdit>> = BTreeMap::new();
@@ -57,18 +56,10 @@ pub(crate) fn rename(documents: &mut Documents, params: &RenameParams) -> Result
 }
 
 /// Fails if the scene does not stay the same when a declaration gets another name.
-fn compare(documents: &Documents, parsed: &Arc<Parsed>, index: usize, name: &str) -> Result<(), String> {
+fn compare(parsed: &Parsed, index: usize, name: &str) -> Result<(), String> {
     let sources = &parsed.sources;
-    let mut texts: Vec<String> = sources.files().iter().map(|file| file.text.clone()).collect();
-    let places: Vec<lang::Span> = parsed.names.places(index).collect();
-    for span in places.iter().rev() {
-        if let Some((file, bytes)) = sources.place_in_file(*span)
-            && let Some(text) = texts.get_mut(file)
-            && text.get(bytes.clone()).is_some()
-        {
-            text.replace_range(bytes, name);
-        }
-    }
+    let texts: Vec<String> =
+        (0..sources.files().len()).map(|file| renamed(parsed, file, index, name)).collect();
     let mut after = |path: &str| {
         let file = sources.files().iter().skip(1).position(|file| file.name == path);
         file.and_then(|file| texts.get(file + 1)).cloned().ok_or_else(|| "it was not read".to_owned())
@@ -77,10 +68,9 @@ fn compare(documents: &Documents, parsed: &Arc<Parsed>, index: usize, name: &str
         let file = sources.files().iter().skip(1).find(|file| file.name == path);
         file.map(|file| file.text.clone()).ok_or_else(|| "it was not read".to_owned())
     };
-    let _ = documents;
     let text = texts.first().map(String::as_str).unwrap_or_default();
-    let (renamed, _) = lang::names("", text, &mut after);
-    if meanings(&renamed) != meanings(&parsed.names) {
+    let (names, _) = lang::names("", text, &mut after);
+    if meanings(&names) != meanings(&parsed.names) {
         return Err(format!("`{name}` already has a meaning here: choose another name"));
     }
     let original = sources.files().first().map(|file| file.text.as_str()).unwrap_or_default();
@@ -92,6 +82,20 @@ fn compare(documents: &Documents, parsed: &Arc<Parsed>, index: usize, name: &str
         Some(_) => Err(format!("with the name `{name}` the scene would change: choose another name")),
         None => Err(compiled.diagnostics.first().map_or_else(String::new, |first| first.message.clone())),
     }
+}
+
+/// Returns the text of a file in which a declaration and its uses have another name.
+fn renamed(parsed: &Parsed, file: usize, index: usize, name: &str) -> String {
+    let text = parsed.sources.files().get(file).map(|file| file.text.as_str()).unwrap_or_default();
+    let places = parsed.names.places(index).filter_map(|span| parsed.sources.place_in_file(span));
+    let (mut out, mut at) = (String::with_capacity(text.len()), 0);
+    for (_, bytes) in places.filter(|(of, _)| *of == file) {
+        out.push_str(text.get(at..bytes.start).unwrap_or_default());
+        out.push_str(name);
+        at = bytes.end;
+    }
+    out.push_str(text.get(at..).unwrap_or_default());
+    out
 }
 
 fn meanings(names: &Names) -> Vec<Meaning> {

@@ -25,10 +25,14 @@ fn data(documents: &mut Documents, uri: &str) -> Option<Vec<usize>> {
     let (mut last_line, mut last_start) = (0, 0);
     for line in 0..document.buffer.line_count() {
         let begin = document.buffer.line_start(line);
+        // The byte up to which the units of the line are counted, and their number.
+        let (mut counted, mut units) = (0, 0);
         for word in document.colors.words(&document.buffer, line) {
             let Some(of) = type_of(&parsed, word.kind, begin + word.start) else { continue };
             let bytes = document.buffer.line(line);
-            let start = unit.length_of(bytes.get(..word.start).unwrap_or_default());
+            units += unit.length_of(bytes.get(counted..word.start).unwrap_or_default());
+            counted = word.start;
+            let start = units;
             let length = unit.length_of(bytes.get(word.start..word.end).unwrap_or_default());
             if length == 0 {
                 continue;

@@ -54,8 +54,8 @@ struct Diagnosing {
     revision: u64,
     /// The last result for each document.
     results: BTreeMap<String, Checked>,
-    /// Documents with diagnostics in the client.
-    shown: BTreeSet<String>,
+    /// The diagnostics that the client shows, by document.
+    shown: BTreeMap<String, Vec<Value>>,
 }
 
 impl Server {
@@ -273,7 +273,7 @@ impl Server {
         alone.iter().for_each(|uri| self.diagnosing.want(uri));
         self.diagnosing.wanted.remove(&uri);
         self.diagnosing.revisions.remove(&uri);
-        self.publish()
+        self.publish(&uri)
     }
 
     /// Requests diagnostics of a document and of all scenes that include it.
@@ -311,12 +311,14 @@ impl Server {
         if newest != Some(&result.revision) || self.documents.get(&result.uri).is_none() {
             return Vec::new();
         }
-        self.diagnosing.results.insert(result.uri.clone(), result);
-        self.publish()
+        let uri = result.uri.clone();
+        self.diagnosing.results.insert(uri.clone(), result);
+        self.publish(&uri)
     }
 
-    /// Returns the diagnostics of each document: those of the scenes that include it or, without such a scene, its own.
-    fn publish(&mut self) -> Vec<Value> {
+    /// Returns the diagnostics of a document that was checked, and of all documents whose diagnostics have changed. A
+    /// document has the diagnostics of the scenes that include it or, without such a scene, its own.
+    fn publish(&mut self, checked: &str) -> Vec<Value> {
         let results = &self.diagnosing.results;
         // A document belongs to the scenes that include it, unless they include each other.
         let is_part = |part: &Checked| {
@@ -325,30 +327,29 @@ impl Server {
                 .values()
                 .any(|scene| scene.uri != part.uri && includes(scene, part) && !includes(part, scene))
         };
-        let mut all: BTreeMap<String, Vec<Value>> = BTreeMap::new();
-        for result in results.values() {
-            if is_part(result) {
-                continue;
-            }
+        let mut all: BTreeMap<String, Vec<Value>> = BTreeMap::from([(checked.to_owned(), Vec::new())]);
+        for result in results.values().filter(|result| !is_part(result)) {
             for (uri, diagnostics) in &result.diagnostics {
                 let list = all.entry(self.client_uri(uri)).or_default();
                 let new: Vec<&Value> = diagnostics.iter().filter(|one| !list.contains(one)).collect();
                 list.extend(new.into_iter().cloned());
             }
         }
-        let gone =
-            self.diagnosing.shown.iter().filter(|uri| !all.contains_key(*uri)).cloned().collect::<Vec<_>>();
-        all.extend(gone.into_iter().map(|uri| (uri, Vec::new())));
-        let notify = |(uri, diagnostics): (&String, &Vec<Value>)| {
+        for uri in self.diagnosing.shown.keys() {
+            all.entry(uri.clone()).or_default();
+        }
+        let none = Vec::new();
+        let is_new = |uri: &str, list: &Vec<Value>| self.diagnosing.shown.get(uri).unwrap_or(&none) != list;
+        let changed = all.iter().filter(|(uri, list)| *uri == checked || is_new(uri, list));
+        let messages = changed.map(|(uri, diagnostics)| {
             let mut params = json!({ "uri": uri, "diagnostics": diagnostics });
             if let Some(document) = self.documents.get(uri) {
                 params["version"] = document.version.into();
             }
             notification("textDocument/publishDiagnostics", params)
-        };
-        let messages = all.iter().map(notify).collect();
-        self.diagnosing.shown =
-            all.into_iter().filter(|(_, list)| !list.is_empty()).map(|(uri, _)| uri).collect();
+        });
+        let messages = messages.collect();
+        self.diagnosing.shown = all.into_iter().filter(|(_, list)| !list.is_empty()).collect();
         messages
     }
 

@@ -76,7 +76,7 @@ pub(super) enum Expr {
 pub(super) struct Ast {
     nodes: Vec<(Expr, Span)>,
     pub extra: Vec<u32>,
-    /// What the parser reads about names, in the order of the text. `None` if nobody needs it.
+    /// Records about names, in the order of the text. `None` unless an editor needs them.
     pub name_events: Option<Vec<NameEvent>>,
 }
 

@@ -4,6 +4,8 @@
 //! language: values, functions and materials have separate namespaces; top-level names are valid everywhere, a local
 //! name from its declaration to the end of its block. Texts with mistakes are resolved as far as the parser reads them.
 
+use std::collections::HashMap;
+
 use super::ast::{Name, Section};
 use super::diagnostic::Diagnostics;
 use super::fields::Holds;
@@ -13,7 +15,7 @@ use super::symbol::{Interner, Symbol};
 use super::{Resolver, library, lower};
 use crate::limits::LIMITS;
 
-/// What a declared name stands for.
+/// The kind of a declared name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
     /// A parameter of the scene.
@@ -36,7 +38,7 @@ pub enum NameKind {
     Camera,
 }
 
-/// What the parser reads about names.
+/// A record of the parser about a name or a scope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NameEvent {
     /// An item begins at this offset, outside of all scopes.
@@ -55,7 +57,7 @@ pub(super) enum NameEvent {
     Reads(Name),
     /// A function is called.
     Calls(Name),
-    /// A name behind a point.
+    /// A name after a point.
     Member(Span),
     /// A file is included.
     Includes(Name),
@@ -64,17 +66,17 @@ pub(super) enum NameEvent {
 /// A declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Declaration {
-    /// What is declared.
+    /// The kind.
     pub kind: NameKind,
-    /// The name's place.
+    /// The span of the name.
     pub name: Span,
     /// The whole item; for a local name, the item in which it is declared.
     pub item: Span,
-    /// For a local name, where it is valid.
+    /// The text in which a local name is valid; `None` for a top-level name.
     pub local: Option<Span>,
 }
 
-/// What a name in the text means.
+/// The meaning of a name in the text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
     /// The name of the declaration with this index in [`Names::declarations`], at the declaration or at a use.
@@ -89,12 +91,12 @@ pub enum Meaning {
     Include,
 }
 
-/// The names of a scene's texts. Offsets are those of [`Sources`].
+/// The names of a scene's texts. Offsets refer to [`Sources`].
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Names {
     /// The declarations, in the order of the texts.
     pub declarations: Vec<Declaration>,
-    /// The place and the meaning of each name, sorted by place.
+    /// The span and the meaning of each name, in the order of the texts.
     pub all: Vec<(Span, Meaning)>,
 }
 
@@ -106,7 +108,7 @@ impl Names {
         (offset <= found.0.end).then_some(*found)
     }
 
-    /// Returns the places of a declaration's name: its declaration and its uses.
+    /// Returns the spans of a declaration's name: of the declaration and of all uses.
     pub fn places(&self, declaration: usize) -> impl Iterator<Item = Span> {
         let found = self.all.iter().filter(move |(_, meaning)| *meaning == Meaning::Declared(declaration));
         found.map(|(span, _)| *span)
@@ -148,8 +150,10 @@ struct Resolving {
     names: Names,
     /// Indices of the top-level declarations, with their names.
     global: Vec<(Namespace, Symbol, usize)>,
-    /// Indices of the local declarations that are valid here, the innermost last.
+    /// The local names that are valid here, with the indices of their declarations, the innermost last.
     local: Vec<(Symbol, usize)>,
+    /// For each local name that is valid here, the indices of its declarations, the innermost last.
+    innermost: HashMap<Symbol, Vec<usize>>,
     /// For each open scope, the number of local declarations outside.
     scopes: Vec<usize>,
     /// The offset at which the current item begins.
@@ -188,8 +192,8 @@ fn resolved(events: &[NameEvent], interner: &Interner) -> Names {
                 Some(Holds::ToneMap | Holds::TransitionStyle) => {
                     this.names.all.push((name.span, Meaning::OfLanguage));
                 }
-                _ => match this.local.iter().rev().find(|(symbol, _)| *symbol == name.symbol) {
-                    Some((_, index)) => this.names.all.push((name.span, Meaning::Declared(*index))),
+                _ => match this.innermost.get(&name.symbol).and_then(|indices| indices.last()) {
+                    Some(index) => this.names.all.push((name.span, Meaning::Declared(*index))),
                     None => uses.push((name.span, Namespace::Values, name.symbol)),
                 },
             },
@@ -224,7 +228,10 @@ impl Resolving {
         let namespace = namespace(kind);
         let local = (!self.scopes.is_empty()).then(|| Span::new(name.span.end, name.span.end));
         match (local, namespace) {
-            (Some(_), _) => self.local.push((name.symbol, index)),
+            (Some(_), _) => {
+                self.local.push((name.symbol, index));
+                self.innermost.entry(name.symbol).or_default().push(index);
+            }
             (None, Some(namespace)) => self.global.push((namespace, name.symbol, index)),
             (None, None) => {}
         }
@@ -235,7 +242,10 @@ impl Resolving {
 
     fn close(&mut self, end: u32) {
         let Some(outside) = self.scopes.pop() else { return };
-        for (_, index) in self.local.drain(outside.min(self.local.len())..) {
+        for (symbol, index) in self.local.drain(outside.min(self.local.len())..) {
+            if let Some(indices) = self.innermost.get_mut(&symbol) {
+                indices.pop();
+            }
             if let Some(declaration) = self.names.declarations.get_mut(index) {
                 declaration.local = Some(Span::new(declaration.name.end, end));
             }

@@ -1,7 +1,8 @@
 //! The grammar for tree-sitter, which Neovim, Helix, Emacs and Zed read.
 //!
-//! The grammar accepts every scene and is simpler than the language in two places. It does not read line ends: a `-`
-//! at the start of a line always continues the expression before it, and a `(` behind a blank is never a call.
+//! The grammar is simpler than the language in three places. It does not read line ends: a `-` at the start of a line
+//! always continues the expression before it. A `(` after a blank is never a call. In a range without blanks, the point
+//! ends a number only at the start of the range: `n - 1..5` needs blanks around `..`.
 
 use mariana_field::lang::{
     PREFIX_BINDS, entries, inputs, item_words, operators, parts, reserved_words, type_names,
@@ -67,7 +68,7 @@ module.exports = grammar({{
 
     // In `0..8` the point does not belong to the number.
     _range: ($) => choice(seq($._expression, '..', $._expression), seq($.range_start, $._expression)),
-    range_start: () => /[0-9]+\.\./,
+    range_start: () => /-?[0-9]+\.\./,
     number: () => /([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?/,
     boolean: () => choice('true', 'false'),
     text: () => /"[^"\n]*"/,

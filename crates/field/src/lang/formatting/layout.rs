@@ -54,9 +54,9 @@ pub(super) struct Comment {
 
 /// The inside of a `{`, or the top level.
 struct Frame {
-    /// The place of the `}`.
+    /// Where the `}` begins.
     closing: Start,
-    /// The place of statements: of items, fields, lets and results.
+    /// Where items, fields, lets and results begin.
     inside: Start,
     /// The line in which the current statement begins.
     statement: usize,

@@ -2,8 +2,8 @@
 //!
 //! The formatter keeps every token, comment and line break, because a line break can end an expression. It works in
 //! three steps: [`pieces`] splits the text, [`layout`] arranges the pieces of each line, and [`alignment`] writes the
-//! lines with their `=` and comments in columns. Columns that the author has aligned by hand stay as they are, except
-//! that consecutive lines share the column of their `=`.
+//! lines with their `=` and comments in columns. Columns that the author has aligned are kept. If
+//! the `=` of consecutive lines are no longer aligned, they get a common column.
 
 mod alignment;
 mod layout;

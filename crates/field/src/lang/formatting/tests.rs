@@ -23,7 +23,7 @@ fn scene(text: &str) -> Option<Scene> {
     compile("test", text, &mut no_includes).scene
 }
 
-/// What the parser reads: each token, and whether it begins a line.
+/// Returns each token, and true if it begins a line.
 fn tokens(text: &str) -> Vec<(PieceKind, String, bool)> {
     let tokens = pieces(text).into_iter().filter(|piece| !piece.is_comment());
     tokens.map(|piece| (piece.kind, piece.text.to_owned(), piece.newline)).collect()
