@@ -56,10 +56,7 @@ fn format(file: &Path, check: bool) -> anyhow::Result<bool> {
     let Some(formatted) = formatted(&text) else {
         let (mistakes, sources) = check_syntax(&name, &text);
         let mistakes = render_all(&mistakes, &sources, colors(&std::io::stderr()));
-        bail!(
-            "{name} has mistakes and was not changed: correct what is underlined\n{}",
-            mistakes.trim_end()
-        );
+        bail!("{name} has mistakes and was not changed: correct what is underlined\n{}", mistakes.trim_end());
     };
     if check {
         if formatted != text {
