@@ -26,6 +26,7 @@ mod changing;
 mod diagnostic;
 mod fields;
 mod formatting;
+mod glsl_names;
 mod lexer;
 mod library;
 mod load;

@@ -308,6 +308,12 @@ mod tests {
             ("picture { tone_map = agx } let agx = 1", "picture { tone_map:picture = agx:- } let agx:0 = 1"),
             ("let d = drums.band(3) + drums.kick", "let d:0 = drums:-.band:m(3) + drums:-.kick:m"),
             ("fn f(a = a let b = a fn g(c) = c", "fn f:0(a:1 = a let b:2 = a:- fn g:3(c:4) = c:4"),
+            (
+                "fn f(p) { let z = p for i in 0..i while i < z { let k = z.x z.x += k if k < i { let k = i z = k } } z }",
+                "fn f:0(p:1) { let z:2 = p:1 for i:3 in 0..i:- while i:3 < z:2 { let k:4 = z:2.x:m z:2.x:m += k:4 \
+                 if k:4 < i:3 { let k:5 = i:3 z:2 = k:5 } } z:2 }",
+            ),
+            ("let r = (near = near, b = 1).near", "let r:0 = (near:m = near:-, b:m = 1).near:m"),
             ("param a = 1 in 0 .. a", "param a:0 = 1 in 0 .. a:0"),
         ] {
             assert_eq!(shown(text), expected);
@@ -367,7 +373,8 @@ mod tests {
                     renamed.replace_range(span.start as usize..span.end as usize, &format!("fresh_{index}"));
                 }
             }
-            let before = compile("test", &text, &mut no_includes).scene.unwrap();
+            let before = compile("test", &text, &mut no_includes);
+            let before = before.scene.unwrap_or_else(|| panic!("{file}: {:?}", before.diagnostics));
             let after = compile("test", &renamed, &mut no_includes);
             let after = after.scene.unwrap_or_else(|| panic!("{file}: {:?}", after.diagnostics));
             assert!(before.draws_the_same(&after), "{file}");

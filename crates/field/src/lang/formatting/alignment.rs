@@ -113,7 +113,7 @@ fn arrange(table: &mut [Entry<'_>]) {
         entry.column > entry.head && sharing(entry.column) > 1 || is_lone
     });
     for entry in table {
-        let column = if is_aligned { entry.column } else { common };
+        let column = if is_aligned && sharing(entry.column) > 1 { entry.column } else { common };
         *entry.blanks = if is_table { column.saturating_sub(entry.head).max(1) } else { 1 };
     }
 }

@@ -159,13 +159,14 @@ impl<'a> Layout<'a> {
 
     fn append(&mut self, piece: &Piece<'_>, blanks: usize) {
         let in_statement = self.frames.last().is_some_and(|frame| frame.statement == self.last_line());
+        let begins_value = piece.is(Kind::Assign) && in_statement && self.role != Role::Compound;
         let Some(line) = self.lines.last_mut() else { return };
         let (text, written_at) = (piece.text.to_owned(), piece.column);
         if piece.kind == PieceKind::LineComment {
             line.comment = Some(Comment { text, blanks: blanks.max(1), written_at });
         } else if let Some(equals) = &mut line.equals {
             push(&mut equals.tail, blanks, &text);
-        } else if piece.is(Kind::Assign) && in_statement && !line.head.contains(['{', '}', '\n']) {
+        } else if begins_value && !line.head.contains(['{', '}', '\n', '=']) {
             line.equals = Some(Equals { blanks, written_at, tail: text });
         } else {
             push(&mut line.head, blanks, &text);

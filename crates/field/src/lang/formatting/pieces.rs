@@ -52,7 +52,7 @@ impl Piece<'_> {
             PieceKind::Token(kind) => {
                 matches!(kind, Kind::Number | Kind::Name | Kind::Text | Kind::CloseParen | Kind::CloseBrace)
             }
-            PieceKind::Reserved => matches!(self.text, "true" | "false"),
+            PieceKind::Reserved => matches!(self.text, "true" | "false" | "break"),
             PieceKind::LineComment | PieceKind::BlockComment => false,
         }
     }

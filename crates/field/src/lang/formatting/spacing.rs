@@ -13,6 +13,8 @@ pub(super) enum Role {
     Tight,
     /// A sign before its operand.
     Prefix,
+    /// An operator whose `=` follows at once, as in `+=`.
+    Compound,
     /// A `-` that begins a line outside of parentheses: the parser distinguishes `-x` and `- x`.
     FirstMinus,
     /// A word such as `object`, which begins an item.
@@ -59,7 +61,7 @@ pub(super) fn continues(piece: &Piece<'_>) -> bool {
                 | Kind::OpenBrace
         )
     );
-    sign || is_binary(piece.kind) || ["then", "else", "in"].iter().any(|word| piece.is_word(word))
+    sign || is_binary(piece.kind) || ["then", "else", "in", "while"].iter().any(|word| piece.is_word(word))
 }
 
 /// Returns the role of the piece `this` between the tokens `before` and `after`.
@@ -72,6 +74,9 @@ pub(super) fn role(
 ) -> Role {
     let is_glued = |after: &Piece<'_>| after.breaks == 0 && after.blanks == 0;
     let first = this.newline || before.is_none();
+    if is_binary(this.kind) && after.is_some_and(|after| after.is(Kind::Assign) && is_glued(after)) {
+        return Role::Compound;
+    }
     if this.is(Kind::Minus) && first && !in_parens {
         return Role::FirstMinus;
     }
@@ -99,7 +104,7 @@ pub(super) fn blanks(before: (&Piece<'_>, Role), this: (&Piece<'_>, Role)) -> us
         return written;
     }
     match role_a {
-        Role::Prefix => return 0,
+        Role::Prefix | Role::Compound => return 0,
         Role::FirstMinus => return written.min(1),
         _ => {}
     }
@@ -128,7 +133,7 @@ pub(super) fn blanks(before: (&Piece<'_>, Role), this: (&Piece<'_>, Role)) -> us
         || a.is(Kind::Colon)
         || a.is(Kind::Assign)
         || matches!(role_a, Role::Spaced | Role::ItemWord)
-        || role_b == Role::Spaced
+        || matches!(role_b, Role::Spaced | Role::Compound)
         || a.kind == PieceKind::Reserved && !a.ends_operand();
     if one { 1 } else { written.max(1) }
 }

@@ -77,6 +77,10 @@ fn blanks_and_indentation_become_regular() {
         ("let a = 1\r\nlet b = 2", "let a = 1\r\nlet b = 2\r\n"),
         ("\u{feff}x", "\u{feff}x\n"),
         ("let v = 1 .x", "let v = 1 .x\n"),
+        (
+            "fn f(p) {\nlet z  =p\nz.xy+=1 ;z *=2\nfor i in 0..8 while z.x<4{\nz = z*z\nif z.x > 3 break\n}\nif z.x>1 {\nz=p\n} else{\n z = -z\n}\n( a=z , b = 1 )\n}",
+            "fn f(p) {\n  let z = p\n  z.xy += 1; z *= 2\n  for i in 0..8 while z.x < 4 {\n    z = z*z\n    if z.x > 3 break\n  }\n  if z.x > 1 {\n    z = p\n  } else {\n    z = -z\n  }\n  (a = z, b = 1)\n}\n",
+        ),
         ("min(\nx,\n  y\n)", "min(\n  x,\n  y\n)\n"),
         ("", ""),
     ] {

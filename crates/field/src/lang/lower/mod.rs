@@ -7,6 +7,7 @@
 
 mod builtins;
 mod call;
+mod composites;
 mod declare;
 mod declared;
 mod expr;
@@ -18,6 +19,7 @@ mod reports;
 mod scene;
 mod scope;
 mod sections;
+mod statements;
 
 pub use sections::section_fields;
 pub(in crate::lang) use sections::word;

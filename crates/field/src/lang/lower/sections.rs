@@ -259,7 +259,7 @@ impl SceneBuilder<'_> {
             other => {
                 let message = format!("`{name}` must be a vec3, but this is {}", other.described());
                 let wrong = Diagnostic::new(span, message);
-                let wrong = match other.type_of() {
+                let wrong = match self.lowering.scope.composites.type_of(other) {
                     Some(super::super::ast::Type::Vec4) => {
                         wrong.hint("take three components: `.rgb` or `.xyz`")
                     }

@@ -4,7 +4,7 @@ use super::super::ast::{Entry, Expr, ExprId, Function, Item, Name, Parameter, Se
 use super::super::diagnostic::Diagnostic;
 use super::super::names::{NameEvent, NameKind};
 use super::super::suggest;
-use super::super::token::{Kind, word};
+use super::super::token::{Kind, Token, word};
 use super::Parser;
 
 /// Words that begin an item if a name, a text or an opening brace follows.
@@ -47,9 +47,23 @@ fn named(section: Section) -> Option<NameKind> {
 
 /// GLSL types and qualifiers that people write out of habit.
 const GLSL_TYPES: &[&str] = &[
-    "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "const", "var",
-    "void",
+    "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "var", "void",
 ];
+const GLSL_QUALIFIERS: &[&str] = &[
+    "const",
+    "uniform",
+    "varying",
+    "attribute",
+    "inout",
+    "out",
+    "highp",
+    "mediump",
+    "lowp",
+    "flat",
+    "precision",
+];
+/// Maximum number of words before a declared name, such as `const highp float`.
+const GLSL_WORDS_MAX: usize = 4;
 
 pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
     let token = parser.token();
@@ -126,6 +140,9 @@ impl Parser<'_> {
             let unknown = Diagnostic::new(token.span, format!("{} is not a keyword", self.found()));
             let near = suggest::nearest(typed, known);
             let diagnostic = match near {
+                _ if typed == "struct" => {
+                    unknown.hint("a function returns several values by names: `(near = a, index = b)`")
+                }
                 Some(_) => unknown.did_you_mean(near),
                 None => unknown.hint(
                     "keywords are `object`, `material`, `light`, `camera`, `sky`, `picture`, \
@@ -181,7 +198,7 @@ impl Parser<'_> {
         Some((name, value))
     }
 
-    fn end_of_entry(&mut self) {
+    pub(super) fn end_of_entry(&mut self) {
         let kind = self.kind();
         let hint = match kind {
             Kind::Comma => "separate entries by a line end, a space or `;`",
@@ -215,19 +232,32 @@ impl Parser<'_> {
             self.advance();
             return Habit::None;
         }
-        if !next.is_name() || !GLSL_TYPES.contains(&text) {
+        // Qualifiers and types precede the name, as in `const float name`.
+        let is_type = |token: Token| {
+            let text = self.names.name(token.symbol);
+            token.is_name() && (GLSL_TYPES.contains(&text) || GLSL_QUALIFIERS.contains(&text))
+        };
+        let words = (0..GLSL_WORDS_MAX).take_while(|at| is_type(self.ahead(*at))).count();
+        let named = self.ahead(words);
+        if words == 0 || !named.is_name() {
             return Habit::None;
         }
-        let name = self.names.name(next.symbol);
-        let is_function = self.ahead(2).kind == Kind::OpenParen;
+        let name = self.names.name(named.symbol);
+        let is_function = self.ahead(words + 1).kind == Kind::OpenParen;
         let hint = match is_function {
+            true if matches!(name, "main" | "mainImage") => {
+                "leave it out: a scene is a distance, and Mariana traces its rays".to_owned()
+            }
             true => format!("write `fn {name}(p) {{ … }}`"),
+            false if text == "uniform" => format!("declare a slider: `param {name} = 0.5 in 0 .. 1`"),
             false => format!("write `let {name} = …`"),
         };
         self.report(
             Diagnostic::unsupported(token.span, "a declaration does not begin with a type").hint(hint),
         );
-        self.advance();
+        for _ in 0..words {
+            self.advance();
+        }
         if self.begins_assignment() {
             return Habit::Let;
         }
@@ -315,6 +345,16 @@ impl Parser<'_> {
     }
 
     fn parameter(&mut self) -> Option<Parameter> {
+        if self.token().is_word(word::IN) {
+            let unknown = Diagnostic::unsupported(self.token().span, "every parameter is an `in`");
+            self.report(unknown.hint("write its name alone, as in `fn f(p)`"));
+            self.advance();
+            let is_typed =
+                self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(self.token().symbol));
+            if is_typed {
+                self.advance();
+            }
+        }
         let token = self.token();
         if token.is_name() && self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(token.symbol)) {
             let (of, name) = (self.names.name(token.symbol), self.names.name(self.ahead(1).symbol));
@@ -336,7 +376,7 @@ impl Parser<'_> {
             let near = suggest::nearest(text, Type::ALL.iter().map(|one| one.name()));
             let unknown = match near {
                 Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint("types are number, bool, vec2, vec3, vec4 and texture"),
+                None => unknown.hint("types are number, bool, vec2, vec3, vec4, mat2, mat3 and texture"),
             };
             self.diagnostics.push(unknown);
         }

@@ -15,6 +15,8 @@ mod messages;
 mod parts;
 #[cfg(test)]
 mod shapes;
+#[cfg(test)]
+mod statements;
 
 #[cfg(test)]
 pub(in crate::lang) use fuzz::mutated;
