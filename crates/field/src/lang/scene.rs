@@ -88,6 +88,9 @@ pub struct Object {
     pub bound: Option<NodeId>,
     /// Index into [`Scene::materials`].
     pub material: usize,
+    /// True if rays may step by the shape's value although its slope exceeds 1, as with an estimate of the distance to
+    /// a fractal.
+    pub trusted: bool,
 }
 
 /// A row: documentation, variant, name in shaders, and the field that [`Light::place`] returns.

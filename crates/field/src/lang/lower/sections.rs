@@ -36,6 +36,12 @@ const OBJECT: &[Field] = &[
         FRAME,
         "the radius within which the object flows into the previous object; both materials mix there",
     ),
+    of_object(
+        "trust",
+        Holds::Number,
+        FRAME,
+        "the fraction of `shape` by which rays step, 0..1, for estimates of a distance that are steeper than a distance",
+    ),
 ];
 
 const fn of_object(name: &'static str, holds: Holds, uses: u8, doc: &'static str) -> Field {
