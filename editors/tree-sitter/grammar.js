@@ -6,6 +6,8 @@ const list = (rule) => optional(seq(rule, repeat(seq(',', rule)), optional(','))
 module.exports = grammar({
   name: 'mariana',
   word: ($) => $.name,
+  // Only the sign behind `z.x` tells whether it is a value or the target of an assignment.
+  conflicts: ($) => [[$._expression, $.part]],
   extras: ($) => [/\s/, '\uFEFF', ';', $.comment],
   rules: {
     scene: ($) => repeat($._item),
@@ -18,15 +20,30 @@ module.exports = grammar({
     function: ($) => seq('fn', field('name', $.name), '(', list($.parameter), ')',
       choice(field('body', $.block), seq('=', field('body', $._expression)))),
     parameter: ($) => seq(field('name', $.name), optional(seq(':', field('type', $.type)))),
-    type: () => choice('number', 'bool', 'vec2', 'vec3', 'vec4', 'texture'),
+    type: () => choice('number', 'bool', 'vec2', 'vec3', 'vec4', 'mat2', 'mat3', 'texture'),
     section: ($) => seq(field('kind', choice('object', 'material', 'light', 'camera', 'sky', 'picture', 'about')), optional(field('name', $.name)),
       '{', repeat(choice($.let, $.field)), '}'),
     field: ($) => seq(field('name', $.name), '=', choice(field('value', $._expression), $._range)),
 
-    _expression: ($) => choice($.number, $.boolean, $.text, $.name, $.call, $.member, $.group, $.block, $.if, $.for,
+    _expression: ($) => choice($.number, $.boolean, $.text, $.name, $.call, $.member, $.group, $.record, $.block, $.if, $.for,
       $.unary, $.binary),
     group: ($) => seq('(', $._expression, ')'),
-    block: ($) => seq('{', repeat($.let), optional($._expression), '}'),
+    record: ($) => seq('(', $.entry, repeat(seq(',', $.entry)), optional(','), ')'),
+    entry: ($) => seq(field('name', $.name), '=', field('value', $._expression)),
+
+    block: ($) => seq('{', repeat($._statement), optional($._expression), '}'),
+    body: ($) => seq('{', repeat($._statement), '}'),
+    _statement: ($) => choice($.let, $.assignment, $.loop, $.when, $.break),
+    assignment: ($) => seq(field('target', choice($.name, $.part)),
+      field('operator', choice('=', '+=', '-=', '*=', '/=')), field('value', $._expression)),
+    part: ($) => seq($.name, '.', field('name', $.name)),
+    loop: ($) => seq('for', field('variable', $.name), 'in', $._range,
+      optional(seq('while', field('condition', $._expression))), $.body),
+    when: ($) => prec.right(seq('if', field('condition', $._expression), $._branch,
+      optional(seq('else', $._branch)))),
+    _branch: ($) => choice($.body, $._statement),
+    break: () => 'break',
+
     if: ($) => prec.right(seq('if', $._expression, 'then', $._expression, 'else', $._expression)),
     for: ($) => prec.right(seq('for', field('variable', $.name), 'in', $._range, ':', $._expression)),
     call: ($) => prec(20, seq(field('function', $.name), token.immediate('('), list($._expression), ')')),

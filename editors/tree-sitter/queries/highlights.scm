@@ -15,16 +15,20 @@
 (param name: (name) @variable.parameter)
 (parameter name: (name) @variable.parameter)
 (for variable: (name) @variable.parameter)
+(loop variable: (name) @variable.parameter)
+(entry name: (name) @property)
 (field name: (name) @property)
 (member name: (name) @property)
+(part name: (name) @property)
 (section name: (name) @type.definition)
 
 (function name: (name) @function)
 (call function: (name) @function.call)
 ((call function: (name) @function.builtin)
-  (#any-of? @function.builtin "abs" "sign" "floor" "ceil" "round" "trunc" "fract" "sqrt" "exp" "exp2" "log" "log2" "sin" "cos" "tan" "asin" "acos" "sinh" "cosh" "tanh" "atan" "pow" "mod" "min" "max" "sum" "product" "step" "mix" "clamp" "smoothstep" "length" "dot" "vec2" "vec3" "vec4" "cell_hash" "band" "note" "chroma" "pan" "width" "spectrum" "waveform" "history" "texture" "inversesqrt" "saturate" "radians" "degrees" "distance" "normalize" "cross" "reflect" "refract" "faceforward" "sphere" "box" "round_box" "box_frame" "torus" "capped_torus" "link" "cylinder" "capped_cylinder" "rounded_cylinder" "cone" "capped_cone" "round_cone" "plane" "hex_prism" "tri_prism" "capsule" "vertical_capsule" "ellipsoid" "octahedron" "pyramid" "rhombus" "solid_angle" "cut_sphere" "cut_hollow_sphere" "death_star" "triangle" "quad" "edge_square" "gyroid" "circle" "rectangle" "round_rectangle" "segment" "equilateral" "hexagon" "polygon" "star" "ring" "pie" "arc" "heart" "union" "intersect" "subtract" "smooth_union" "smooth_intersect" "smooth_subtract" "chamfer_union" "morph" "translate" "rotate_x" "rotate_y" "rotate_z" "rotate" "rotate_2d" "scale" "repeat" "repeat_limited" "mirror" "mirror_x" "mirror_y" "mirror_z" "polar_repeat" "twist" "bend" "elongate" "shell" "extrude" "revolve" "displace" "hash" "noise" "noise_2d" "fbm" "triplanar" "palette" "hsv" "default_sky" "default_ambient" "orbit" "swing" "sway" "way_share" "loop_share" "path_share" "loop_4" "loop_6" "path_4" "path_6"))
+  (#any-of? @function.builtin "abs" "sign" "floor" "ceil" "round" "trunc" "fract" "sqrt" "exp" "exp2" "log" "log2" "sin" "cos" "tan" "asin" "acos" "sinh" "cosh" "tanh" "atan" "pow" "mod" "min" "max" "sum" "product" "step" "mix" "clamp" "smoothstep" "length" "dot" "vec2" "vec3" "vec4" "mat2" "mat3" "transpose" "inverse" "determinant" "float" "int" "cell_hash" "band" "note" "chroma" "pan" "width" "spectrum" "waveform" "history" "texture" "inversesqrt" "saturate" "radians" "degrees" "distance" "normalize" "cross" "reflect" "refract" "faceforward" "rotation_2d" "rotation_x" "rotation_y" "rotation_z" "rotation" "sphere" "box" "round_box" "box_frame" "torus" "capped_torus" "link" "cylinder" "capped_cylinder" "rounded_cylinder" "cone" "capped_cone" "round_cone" "plane" "hex_prism" "tri_prism" "capsule" "vertical_capsule" "ellipsoid" "octahedron" "pyramid" "rhombus" "solid_angle" "cut_sphere" "cut_hollow_sphere" "death_star" "triangle" "quad" "edge_square" "gyroid" "circle" "rectangle" "round_rectangle" "segment" "equilateral" "hexagon" "polygon" "star" "ring" "pie" "arc" "heart" "union" "intersect" "subtract" "smooth_union" "smooth_intersect" "smooth_subtract" "chamfer_union" "morph" "translate" "rotate_x" "rotate_y" "rotate_z" "rotate" "rotate_2d" "scale" "repeat" "repeat_limited" "mirror" "mirror_x" "mirror_y" "mirror_z" "polar_repeat" "twist" "bend" "elongate" "shell" "extrude" "revolve" "displace" "hash" "noise" "noise_2d" "fbm" "triplanar" "palette" "hsv" "default_sky" "default_ambient" "orbit" "swing" "sway" "way_share" "loop_share" "path_share" "loop_4" "loop_6" "path_4" "path_6"))
 
-["param" "include" "object" "material" "light" "camera" "sky" "picture" "about" "let" "fn" "for" "in" "if" "then" "else"] @keyword
-["||" "&&" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "%" "^" "=" ".." "!"] @operator
+["param" "include" "object" "material" "light" "camera" "sky" "picture" "about" "let" "fn" "for" "in" "if" "then" "else" "while"] @keyword
+(break) @keyword
+["||" "&&" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "%" "^" "=" ".." "!" "+=" "-=" "*=" "/="] @operator
 ["(" ")" "{" "}"] @punctuation.bracket
 ["," ":" "."] @punctuation.delimiter

@@ -4,6 +4,9 @@
 mod textmate;
 mod tree_sitter;
 
+/// The operators that change the value of a name.
+const CHANGING: [&str; 4] = ["+=", "-=", "*=", "/="];
+
 /// Returns the path in `editors/` and the text of each file.
 pub fn files() -> Vec<(&'static str, String)> {
     vec![

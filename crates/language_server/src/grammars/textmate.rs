@@ -1,6 +1,7 @@
 //! The TextMate grammar, which VS Code, Zed's extensions, Sublime Text and GitHub read. It colours words; it does not
 //! know scopes.
 
+use super::CHANGING;
 use mariana_field::lang::{
     entries, inputs, item_words, operators, part_inputs, parts, reserved_words, section_fields, type_names,
 };
@@ -47,7 +48,8 @@ fn patterns() -> Vec<Value> {
     let input_names = any_of(inputs().chain(parts()).map(|(name, _)| name));
     let of_parts = any_of(part_inputs().map(|(name, _)| name));
     let part_names = any_of(parts().map(|(name, _)| name));
-    let mut signs: Vec<&str> = operators().map(|one| one.sign).chain(["..", "=", "!"]).collect();
+    let mut signs: Vec<&str> =
+        operators().map(|one| one.sign).chain(["..", "=", "!"]).chain(CHANGING).collect();
     signs.sort_by_key(|sign| (std::cmp::Reverse(sign.len()), *sign));
     let signs = signs.into_iter().map(escaped).collect::<Vec<_>>().join("|");
     vec![

@@ -4,6 +4,7 @@
 //! always continues the expression before it. A `(` after a blank is never a call. In a range without blanks, the point
 //! ends a number only at the start of the range: `n - 1..5` needs blanks around `..`.
 
+use super::CHANGING;
 use mariana_field::lang::{
     PREFIX_BINDS, entries, inputs, item_words, operators, parts, reserved_words, type_names,
 };
@@ -36,6 +37,8 @@ const list = (rule) => optional(seq(rule, repeat(seq(',', rule)), optional(','))
 module.exports = grammar({{
   name: 'mariana',
   word: ($) => $.name,
+  // Only the sign behind `z.x` tells whether it is a value or the target of an assignment.
+  conflicts: ($) => [[$._expression, $.part]],
   extras: ($) => [/\s/, '\uFEFF', ';', $.comment],
   rules: {{
     scene: ($) => repeat($._item),
@@ -53,10 +56,25 @@ module.exports = grammar({{
       '{{', repeat(choice($.let, $.field)), '}}'),
     field: ($) => seq(field('name', $.name), '=', choice(field('value', $._expression), $._range)),
 
-    _expression: ($) => choice($.number, $.boolean, $.text, $.name, $.call, $.member, $.group, $.block, $.if, $.for,
+    _expression: ($) => choice($.number, $.boolean, $.text, $.name, $.call, $.member, $.group, $.record, $.block, $.if, $.for,
       $.unary, $.binary),
     group: ($) => seq('(', $._expression, ')'),
-    block: ($) => seq('{{', repeat($.let), optional($._expression), '}}'),
+    record: ($) => seq('(', $.entry, repeat(seq(',', $.entry)), optional(','), ')'),
+    entry: ($) => seq(field('name', $.name), '=', field('value', $._expression)),
+
+    block: ($) => seq('{{', repeat($._statement), optional($._expression), '}}'),
+    body: ($) => seq('{{', repeat($._statement), '}}'),
+    _statement: ($) => choice($.let, $.assignment, $.loop, $.when, $.break),
+    assignment: ($) => seq(field('target', choice($.name, $.part)),
+      field('operator', choice('=', {changing})), field('value', $._expression)),
+    part: ($) => seq($.name, '.', field('name', $.name)),
+    loop: ($) => seq('for', field('variable', $.name), 'in', $._range,
+      optional(seq('while', field('condition', $._expression))), $.body),
+    when: ($) => prec.right(seq('if', field('condition', $._expression), $._branch,
+      optional(seq('else', $._branch)))),
+    _branch: ($) => choice($.body, $._statement),
+    break: () => 'break',
+
     if: ($) => prec.right(seq('if', $._expression, 'then', $._expression, 'else', $._expression)),
     for: ($) => prec.right(seq('for', field('variable', $.name), 'in', $._range, ':', $._expression)),
     call: ($) => prec({CALL}, seq(field('function', $.name), token.immediate('('), list($._expression), ')')),
@@ -78,6 +96,7 @@ module.exports = grammar({{
 }});
 "#,
         member = CALL + 1,
+        changing = quoted(CHANGING),
     )
 }
 
@@ -86,9 +105,11 @@ pub(super) fn highlights() -> String {
         |words: Vec<&str>| words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" ");
     let functions: Vec<&str> = entries().iter().map(|entry| entry.name).collect();
     let inputs: Vec<&str> = inputs().chain(parts()).map(|(name, _)| name).collect();
-    let words: Vec<&str> =
-        item_words().chain(reserved_words()).filter(|word| !matches!(*word, "true" | "false")).collect();
-    let signs: Vec<&str> = operators().map(|one| one.sign).chain(["=", "..", "!"]).collect();
+    let words: Vec<&str> = item_words()
+        .chain(reserved_words())
+        .filter(|word| !matches!(*word, "true" | "false" | "break"))
+        .collect();
+    let signs: Vec<&str> = operators().map(|one| one.sign).chain(["=", "..", "!"]).chain(CHANGING).collect();
     format!(
         r#"; {HEAD}
 ; If several patterns match a node, the last one counts.
@@ -107,8 +128,11 @@ pub(super) fn highlights() -> String {
 (param name: (name) @variable.parameter)
 (parameter name: (name) @variable.parameter)
 (for variable: (name) @variable.parameter)
+(loop variable: (name) @variable.parameter)
+(entry name: (name) @property)
 (field name: (name) @property)
 (member name: (name) @property)
+(part name: (name) @property)
 (section name: (name) @type.definition)
 
 (function name: (name) @function)
@@ -117,6 +141,7 @@ pub(super) fn highlights() -> String {
   (#any-of? @function.builtin {functions}))
 
 [{words}] @keyword
+(break) @keyword
 [{signs}] @operator
 ["(" ")" "{{" "}}"] @punctuation.bracket
 ["," ":" "."] @punctuation.delimiter
@@ -136,12 +161,15 @@ pub(super) fn locals() -> String {
 (function) @local.scope
 (section) @local.scope
 (block) @local.scope
+(body) @local.scope
 (for) @local.scope
+(loop) @local.scope
 
 (param name: (name) @local.definition.var)
 (let name: (name) @local.definition.var)
 (parameter name: (name) @local.definition.parameter)
 (for variable: (name) @local.definition.var)
+(loop variable: (name) @local.definition.var)
 (function name: (name) @local.definition.function)
 
 (name) @local.reference
