@@ -3,6 +3,7 @@
 //! Children precede their parents. Code that visits the expressions recurses no deeper than the parser did: a chain
 //! of a million additions is deep only to the left, and visitors follow the left side in a loop.
 
+use super::names::NameEvent;
 use super::source::Span;
 use super::symbol::Symbol;
 
@@ -121,6 +122,8 @@ pub(super) struct When {
 pub(super) struct Ast {
     nodes: Vec<(Expr, Span)>,
     pub extra: Vec<u32>,
+    /// Records about names, in the order of the text. `None` unless an editor needs them.
+    pub name_events: Option<Vec<NameEvent>>,
     assignments: Vec<Assignment>,
     loops: Vec<Loop>,
     whens: Vec<When>,
@@ -130,6 +133,13 @@ impl Ast {
     pub(super) fn push(&mut self, expr: Expr, span: Span) -> ExprId {
         self.nodes.push((expr, span));
         ExprId(self.nodes.len() as u32 - 1)
+    }
+
+    #[inline]
+    pub(super) fn note(&mut self, event: NameEvent) {
+        if let Some(events) = &mut self.name_events {
+            events.push(event);
+        }
     }
 
     pub(super) fn len(&self) -> usize {

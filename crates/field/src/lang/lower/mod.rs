@@ -22,6 +22,7 @@ mod sections;
 mod statements;
 
 pub use sections::section_fields;
+pub(in crate::lang) use sections::word;
 
 use super::changing::ChangingNumbers;
 use super::diagnostic::Diagnostics;

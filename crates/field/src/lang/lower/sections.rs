@@ -79,7 +79,7 @@ pub fn section_fields() -> impl Iterator<Item = (&'static str, &'static [Field])
     SECTIONS.into_iter().map(|section| (word(section), fields(section)))
 }
 
-pub(super) fn word(section: Section) -> &'static str {
+pub(in crate::lang) fn word(section: Section) -> &'static str {
     match section {
         Section::Object => "object",
         Section::Material => "material",

@@ -2,6 +2,7 @@
 
 use super::super::ast::{BinaryOp, Expr, ExprId, Name};
 use super::super::diagnostic::Diagnostic;
+use super::super::names::{NameEvent, NameKind};
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::token::{Kind, word};
@@ -28,6 +29,45 @@ fn infix(kind: Kind) -> Option<(BinaryOp, u8, u8)> {
         Kind::Percent => (BinaryOp::Modulo, 6, 7),
         Kind::Caret => (BinaryOp::Power, 8, 8),
         _ => return None,
+    })
+}
+
+/// An operator between two expressions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Operator {
+    /// The sign, such as `+`.
+    pub sign: &'static str,
+    /// How tightly it binds: operators with a larger number bind tighter.
+    pub binds: u8,
+    /// True if `a ^ b ^ c` is `a ^ (b ^ c)`.
+    pub groups_from_the_right: bool,
+}
+
+/// How tightly a prefix operator binds, on the scale of [`Operator::binds`].
+pub const PREFIX_BINDS: u8 = PREFIX;
+
+/// Returns the operators between two expressions, from the loosest to the tightest.
+pub fn operators() -> impl Iterator<Item = Operator> {
+    let kinds = [
+        Kind::Or,
+        Kind::And,
+        Kind::Equal,
+        Kind::NotEqual,
+        Kind::Less,
+        Kind::LessEqual,
+        Kind::Greater,
+        Kind::GreaterEqual,
+        Kind::Plus,
+        Kind::Minus,
+        Kind::Star,
+        Kind::Slash,
+        Kind::Percent,
+        Kind::Caret,
+    ];
+    kinds.into_iter().filter_map(infix).map(|(op, binds, right_least)| Operator {
+        sign: op.sign(),
+        binds,
+        groups_from_the_right: right_least <= binds,
     })
 }
 
@@ -138,7 +178,9 @@ impl Parser<'_> {
                 self.report(wrong);
                 break;
             }
-            let components = self.advance().symbol;
+            let member = self.advance();
+            let components = member.symbol;
+            self.ast.note(NameEvent::Member(member.span));
             if self.kind() == Kind::OpenParen && (self.in_parens || !self.token().newline) {
                 inner = self.part_band(inner, components, start);
                 continue;
@@ -169,10 +211,13 @@ impl Parser<'_> {
                 _ if token.is_reserved() || token.newline && self.begins_item() => self.no_expression(),
                 _ => {
                     self.advance();
+                    let name = Name { symbol: token.symbol, span: token.span };
                     let next = self.token();
                     if next.kind == Kind::OpenParen && (self.in_parens || !next.newline) {
+                        self.ast.note(NameEvent::Calls(name));
                         return self.call();
                     }
+                    self.ast.note(NameEvent::Reads(name));
                     self.ast.push(Expr::Name(token.symbol), token.span)
                 }
             },
@@ -233,10 +278,11 @@ impl Parser<'_> {
         let mark = self.lists.len();
         self.within(true, |parser| {
             while parser.begins_assignment() {
-                let name = parser.advance().symbol;
+                let name = parser.advance();
+                parser.ast.note(NameEvent::Member(name.span));
                 parser.advance();
                 let value = parser.expression();
-                parser.lists.extend([name.0, value.0]);
+                parser.lists.extend([name.symbol.0, value.0]);
                 if !parser.eat(Kind::Comma) {
                     break;
                 }
@@ -365,7 +411,10 @@ impl Parser<'_> {
             let wrong = self.expected("`:` before the loop's body");
             self.report(wrong.hint("write a loop as `for i in 0..8: expression`"));
         }
+        self.ast.note(NameEvent::Opens);
+        self.ast.note(NameEvent::Declares(NameKind::LoopVariable, variable));
         let body = self.expression();
+        self.ast.note(NameEvent::Closes(self.end_before));
         let index = self.ast.extra.len() as u32;
         self.ast.extra.extend([variable.symbol.0, first.0, end.0, body.0]);
         let span = self.since(start);

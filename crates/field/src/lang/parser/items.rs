@@ -2,6 +2,7 @@
 
 use super::super::ast::{Entry, Expr, ExprId, Function, Item, Name, Parameter, Section, Type};
 use super::super::diagnostic::Diagnostic;
+use super::super::names::{NameEvent, NameKind};
 use super::super::suggest;
 use super::super::token::{Kind, Token, word};
 use super::Parser;
@@ -32,6 +33,16 @@ pub(crate) fn is_keyword(name: &str) -> bool {
 
 pub(crate) fn keywords() -> impl Iterator<Item = &'static str> {
     KEYWORDS.iter().map(|(name, _)| *name)
+}
+
+fn named(section: Section) -> Option<NameKind> {
+    match section {
+        Section::Object => Some(NameKind::Object),
+        Section::Material => Some(NameKind::Material),
+        Section::Light => Some(NameKind::Light),
+        Section::Camera => Some(NameKind::Camera),
+        Section::Sky | Section::Picture | Section::About => None,
+    }
 }
 
 /// GLSL types and qualifiers that people write out of habit.
@@ -81,7 +92,9 @@ impl Parser<'_> {
             if self.eat(Kind::Semicolon) {
                 continue;
             }
+            self.ast.note(NameEvent::Item(self.token().span.start));
             if let Some(item) = self.item() {
+                self.ast.note(NameEvent::EndOfItem(self.end_before));
                 items.push(item);
             } else {
                 self.skip_until(|parser| parser.token().newline && parser.token().is_word(word::LET));
@@ -180,6 +193,7 @@ impl Parser<'_> {
             return None;
         }
         let value = self.expression();
+        self.ast.note(NameEvent::Declares(NameKind::Let, name));
         self.end_of_entry();
         Some((name, value))
     }
@@ -255,6 +269,7 @@ impl Parser<'_> {
     fn param(&mut self) -> Option<Item> {
         self.advance();
         let name = self.name("the parameter's name")?;
+        self.ast.note(NameEvent::Declares(NameKind::Param, name));
         if !self.demand(Kind::Assign, "and the parameter's default") {
             return self.broken(name);
         }
@@ -290,11 +305,15 @@ impl Parser<'_> {
             return None;
         }
         self.advance();
-        Some(Item::Include { path: Name { symbol: token.symbol, span: token.span } })
+        let path = Name { symbol: token.symbol, span: token.span };
+        self.ast.note(NameEvent::Includes(path));
+        Some(Item::Include { path })
     }
 
     fn function(&mut self) -> Option<Item> {
         let name = self.name("the function's name")?;
+        self.ast.note(NameEvent::Declares(NameKind::Function, name));
+        self.ast.note(NameEvent::Opens);
         let open = self.token().span;
         if !self.demand(Kind::OpenParen, "and the function's parameters") {
             return self.broken(name);
@@ -321,6 +340,7 @@ impl Parser<'_> {
             self.report(wrong.hint("write `fn f(p) { … }` or `fn f(p) = …`"));
             return self.broken(name);
         };
+        self.ast.note(NameEvent::Closes(self.end_before));
         Some(Item::Fn(Function { name, parameters, body }))
     }
 
@@ -344,6 +364,7 @@ impl Parser<'_> {
             self.advance();
         }
         let name = self.name("a parameter's name")?;
+        self.ast.note(NameEvent::Declares(NameKind::FunctionParameter, name));
         if !self.eat(Kind::Colon) {
             return Some(Parameter { name, of: None });
         }
@@ -379,6 +400,10 @@ impl Parser<'_> {
         if !self.demand(Kind::OpenBrace, "and the fields") {
             return name.and_then(|name| self.broken(name));
         }
+        if let (Some(kind), Some(name)) = (named(section), name) {
+            self.ast.note(NameEvent::Declares(kind, name));
+        }
+        self.ast.note(NameEvent::Opens);
         let (mut entries, mut broken) = (Vec::new(), false);
         loop {
             while self.eat(Kind::Semicolon) || self.kind() == Kind::Comma && self.stray_comma() {}
@@ -393,14 +418,11 @@ impl Parser<'_> {
             } else if token.is_name() && self.ahead(1).kind == Kind::Assign {
                 self.advance();
                 self.advance();
+                let name = Name { symbol: token.symbol, span: token.span };
+                self.ast.note(NameEvent::Field(section, name));
                 let value = self.expression();
                 let end = self.eat(Kind::Range).then(|| self.expression());
-                entries.push(Entry {
-                    is_let: false,
-                    name: Name { symbol: token.symbol, span: token.span },
-                    value,
-                    end,
-                });
+                entries.push(Entry { is_let: false, name, value, end });
                 if self.ast.expr(value) == Expr::Error { self.skip_to_field() } else { self.end_of_entry() }
             } else {
                 broken = true;
@@ -414,6 +436,7 @@ impl Parser<'_> {
             let wrong = self.expected("`}`").note(open, "for this `{`");
             self.report(wrong);
         }
+        self.ast.note(NameEvent::Closes(self.end_before));
         Some(Item::Section { section, name, span, entries, broken })
     }
 

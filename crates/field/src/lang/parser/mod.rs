@@ -47,6 +47,7 @@ use super::source::Span;
 use super::symbol::{Interner, Symbol};
 use super::token::{Kind, Token, word};
 
+pub use expr::{Operator, PREFIX_BINDS, operators};
 pub(super) use items::{is_keyword, keywords};
 
 /// Parses one file's tokens, the last of which must be `End`, into items. Adds their expressions to `ast`.

@@ -1,7 +1,8 @@
 //! Parses blocks and their statements: lets, assignments, loops with state, and `if` with braces.
 
-use super::super::ast::{Assignment, BinaryOp, Expr, ExprId, Loop, Statements, When};
+use super::super::ast::{Assignment, BinaryOp, Expr, ExprId, Loop, Name, Statements, When};
 use super::super::diagnostic::Diagnostic;
+use super::super::names::{NameEvent, NameKind};
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::token::{Kind, word};
@@ -24,6 +25,7 @@ impl Parser<'_> {
     pub(super) fn block(&mut self) -> ExprId {
         let open = self.advance().span;
         let mark = self.lists.len();
+        self.ast.note(NameEvent::Opens);
         let result = self.within(false, |parser| {
             loop {
                 let result = match parser.statements() {
@@ -44,6 +46,7 @@ impl Parser<'_> {
                 }
             }
         });
+        self.ast.note(NameEvent::Closes(self.end_before));
         let (first, count) = self.take_list(mark);
         let span = self.since(open);
         self.ast.push(Expr::Block(first, count, result), span)
@@ -165,6 +168,10 @@ impl Parser<'_> {
 
     fn assignment(&mut self, target: &Target) -> ExprId {
         let start = self.token().span;
+        self.ast.note(NameEvent::Reads(Name { symbol: target.name, span: start }));
+        if target.components.is_some() {
+            self.ast.note(NameEvent::Member(self.ahead(2).span));
+        }
         for _ in 0..target.tokens {
             self.advance();
         }
@@ -182,8 +189,12 @@ impl Parser<'_> {
             self.skip_braces();
             return self.error_node();
         };
+        self.ast.note(NameEvent::Opens);
+        self.ast.note(NameEvent::Declares(NameKind::LoopVariable, variable));
         let condition = self.eat_word(word::WHILE).then(|| self.expression());
-        let Some(body) = self.body("the loop's body in braces", LOOP_EXAMPLE) else {
+        let body = self.body("the loop's body in braces", LOOP_EXAMPLE);
+        self.ast.note(NameEvent::Closes(self.end_before));
+        let Some(body) = body else {
             return self.error_node();
         };
         let span = self.since(start);
@@ -260,7 +271,10 @@ impl Parser<'_> {
             return self.body("statements in braces", "if a > b { z = a } else { z = b }");
         }
         let mark = self.lists.len();
-        match self.statement() {
+        self.ast.note(NameEvent::Opens);
+        let parsed = self.statement();
+        self.ast.note(NameEvent::Closes(self.end_before));
+        match parsed {
             Parsed::Statement(id) => {
                 self.eat(Kind::Semicolon);
                 self.lists.push(id.0);
@@ -289,7 +303,9 @@ impl Parser<'_> {
         }
         self.nesting += 1;
         let mark = self.lists.len();
+        self.ast.note(NameEvent::Opens);
         let choice = self.within(false, Self::statements);
+        self.ast.note(NameEvent::Closes(self.end_before));
         self.nesting -= 1;
         let (first, count) = self.take_list(mark);
         if choice.is_some() || self.kind() != Kind::CloseBrace {

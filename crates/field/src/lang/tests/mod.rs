@@ -18,6 +18,8 @@ mod shapes;
 #[cfg(test)]
 mod statements;
 
+#[cfg(test)]
+pub(in crate::lang) use fuzz::mutated;
 pub(crate) use shapes::SHAPES;
 
 use super::{Compiled, Scene, compile, no_includes};
