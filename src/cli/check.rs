@@ -1,4 +1,4 @@
-//! The subcommand `check`: prints the mistakes of scenes, or their cost.
+//! The subcommand `check`: prints the mistakes of scenes, or their cost and warnings.
 
 use std::path::Path;
 
@@ -16,6 +16,7 @@ use crate::moving_textures::description;
 use crate::scenes::{SceneError, SceneSource, TextureSource};
 use mariana_field::graph::{Graph, Input, Node, NodeId, Op, PartInput};
 use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, TextureRef, render_all};
+use mariana_field::ray_probe::ray_faults;
 use mariana_field::region::RegionPlan;
 use mariana_field::tape::{Tape, TapeOptions};
 use mariana_field::world::World;
@@ -38,11 +39,15 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     for argument in &arguments.scenes {
         let checked = scene_of(argument).and_then(|source| {
             Ok(match compile(&source)? {
-                Ok((scene, _)) => {
+                Ok((scene, sources, texts)) => {
                     let (name, cost) = (source.name(), cost(&scene)?);
                     let moving: String =
                         moving(&scene).map(|(_, words)| format!("\n  {}", words.text())).collect();
-                    Ok(format!("{name}: {cost}{}{moving}", advice(&drawable(&source, scene)?)))
+                    let world = drawable(&source, scene)?;
+                    let warnings = render_all(&warnings(texts, &world), &sources, colors(&std::io::stdout()));
+                    let warnings = warnings.trim_end();
+                    let line = if warnings.is_empty() { "" } else { "\n" };
+                    Ok(format!("{name}: {cost}{}{moving}{line}{warnings}", advice(&world)))
                 }
                 Err(mistakes) => Err(mistakes),
             })
@@ -81,9 +86,14 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     for argument in scenes {
         let checked = scene_of(argument).and_then(|source| {
             let scene = match compile(&source)? {
-                Ok((scene, sources)) => {
-                    print_warnings(&scene, &sources, &source)?;
-                    Ok(drawable(&source, scene)?)
+                Ok((scene, sources, texts)) => {
+                    let grey: Vec<Diagnostic> = grey(&scene).collect();
+                    let world = drawable(&source, scene)?;
+                    for one in grey.iter().chain(&warnings(texts, &world)).chain(&world.warning()) {
+                        let warning = Mistake { severity: "warning", ..mistake(one, &sources, &source) };
+                        print_line(&serde_json::to_string(&warning)?)?;
+                    }
+                    Ok(world)
                 }
                 Err(mistakes) => Err(mistakes),
             };
@@ -113,16 +123,23 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     if wrong == 0 { Ok(()) } else { refused(wrong, "listed") }
 }
 
-/// Prints a warning for each texture that will be grey.
-fn print_warnings(scene: &Scene, sources: &Sources, source: &SceneSource) -> anyhow::Result<()> {
-    for (texture, found) in moving(scene) {
-        if let Moving::Grey(text) = found {
-            let one = Diagnostic::new(texture.span, text);
-            let warning = Mistake { severity: "warning", ..mistake(&one, sources, source) };
-            print_line(&serde_json::to_string(&warning)?)?;
-        }
+/// Returns a warning for each texture that will be grey.
+fn grey(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
+    moving(scene).filter_map(|(texture, found)| match found {
+        Moving::Grey(text) => Some(Diagnostic::warning(texture.span, text)),
+        Moving::Found(_) => None,
+    })
+}
+
+/// Columns and rows of the rays that look for faults: about half a second on a slow computer.
+const RAYS: (usize, usize) = (48, 27);
+
+/// Returns the warnings about a text, and about the rays of the scene's camera at its first frame.
+fn warnings(mut texts: Vec<Diagnostic>, world: &World) -> Vec<Diagnostic> {
+    if RegionPlan::new(world).runs() {
+        texts.extend(ray_faults(world, 0.0, RAYS).warnings(world));
     }
-    Ok(())
+    texts
 }
 
 #[derive(Serialize)]
@@ -173,13 +190,13 @@ struct Mistakes {
     sources: Sources,
 }
 
-/// Compiles a scene. Missing texture files are mistakes too.
-fn compile(source: &SceneSource) -> Result<Result<(Scene, Sources), Mistakes>, SceneError> {
-    let Compiled { scene, diagnostics, sources, .. } = source.compile()?;
+/// Compiles a scene. Returns it with its texts and warnings. Missing texture files are mistakes too.
+fn compile(source: &SceneSource) -> Result<Result<(Scene, Sources, Vec<Diagnostic>), Mistakes>, SceneError> {
+    let Compiled { scene, diagnostics, warnings, sources, .. } = source.compile()?;
     let Some(mut scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
     source.find_videos(&mut scene);
     Ok(match source.textures(&scene) {
-        Ok(_) => Ok((scene, sources)),
+        Ok(_) => Ok((scene, sources, warnings)),
         Err(diagnostics) => Err(Mistakes { diagnostics, sources }),
     })
 }

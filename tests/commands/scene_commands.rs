@@ -89,6 +89,33 @@ fn check_reports_a_shape_that_is_no_distance() {
 }
 
 #[test]
+fn check_warns_of_what_a_new_author_would_not_see() {
+    let place = Workplace::new();
+    place.write(
+        "own.scene",
+        "let lost = 1\nlight sun { direction = vec3(1, 2, 1) }\nobject floor { shape = y + 1 }\n\
+         object balls { shape = sphere(repeat(p, vec3(2, 0, 2)), 0.3 + 0.65 * hash(round(p / 2))) }\n",
+    );
+    let checked = place.run(&["check", "own.scene"]).done();
+    for part in [
+        "warning: the value `lost` is never used",
+        "own.scene:1:5",
+        "warning: this sun shines from below",
+        "own.scene:2:13",
+        "warning: rays step over the surface of `balls`",
+        "other_cells(p, size, reach)",
+    ] {
+        assert!(checked.contains(part), "'{part}' is missing: {checked}");
+    }
+    let lines = place.run(&["check", "own.scene", "--json"]).done();
+    let kinds: Vec<&str> = lines.lines().filter(|line| line.contains(r#""severity":"warning""#)).collect();
+    assert_eq!(kinds.len(), 3, "{lines}");
+    place.write("sky.scene", "sky { color = vec3(0.2, 0.4, direction.y) }");
+    let sky = place.run(&["check", "sky.scene"]).done();
+    assert!(sky.contains("0 objects") && !sky.contains("warning"), "{sky}");
+}
+
+#[test]
 fn every_mistake_is_shown_with_its_position_and_a_hint() {
     let place = Workplace::new();
     place.write("bad.scene", "object a {\r\n  shape = smoth_union(sphere(p, 1), p.y, 0.2) + foo\r\n}\r\n");

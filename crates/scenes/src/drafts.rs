@@ -10,7 +10,7 @@ use mariana_field::lang::{Diagnostic, Sources, Turning};
 use super::draft_texts::DraftTexts;
 use super::folder::Folder;
 use super::world::ReadyScene;
-use super::{SceneError, SceneSource};
+use super::{FoundMistakes, SceneError, SceneSource};
 
 /// Unsaved texts, shared between the editor and the threads that load scenes. The lock is held only to copy a
 /// pointer.
@@ -36,13 +36,15 @@ pub struct Findings {
     pub version: u64,
     /// Empty if the scene can be drawn.
     pub mistakes: Vec<Mistake>,
+    /// The warnings about a scene without mistakes.
+    pub warnings: Vec<Mistake>,
     /// The files of the scene: its main file, then its includes.
     pub texts: Vec<PathBuf>,
     /// Byte positions of the numbers in the main file that are parameters and can be set each frame.
     pub numbers: Vec<usize>,
 }
 
-/// A mistake with its position.
+/// A mistake, or a warning, with its position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mistake {
     /// Index into [`Findings::texts`].
@@ -109,7 +111,7 @@ impl Findings {
     /// Returns the findings of the load of `source` from these texts.
     pub fn of(source: &SceneSource, drafts: &DraftTexts, result: &Result<ReadyScene, SceneError>) -> Self {
         let mut texts: Vec<PathBuf> = source.file().map(Path::to_owned).into_iter().collect();
-        let mut numbers = Vec::new();
+        let (mut numbers, mut warnings) = (Vec::new(), Vec::new());
         let whole = |error: &SceneError| Mistake {
             text: 0,
             range: 0..0,
@@ -122,6 +124,8 @@ impl Findings {
                 texts.extend(included(source, scene.includes.iter().map(String::as_str)));
                 let turned = scene.params.iter().filter(|param| param.is_number && param.min < param.max);
                 numbers.extend(turned.map(|param| param.span.start as usize));
+                let FoundMistakes { diagnostics, sources } = &*ready.warnings;
+                warnings.extend(diagnostics.iter().filter_map(|one| placed(one, sources)));
                 Vec::new()
             }
             Err(SceneError::Mistakes { found, .. }) => {
@@ -139,7 +143,7 @@ impl Findings {
             }
             Err(other) => vec![whole(other)],
         };
-        Self { source: source.clone(), version: drafts.version, mistakes, texts, numbers }
+        Self { source: source.clone(), version: drafts.version, mistakes, warnings, texts, numbers }
     }
 }
 
@@ -195,6 +199,18 @@ mod tests {
         assert!(load(&new, &drafts).0.is_ok());
         drafts.set(&path("new.scene"), b"length(p) \xff- 1".as_slice().into());
         assert_eq!(load(&new, &drafts).1.mistakes[0].range, 10..11);
+    }
+
+    #[test]
+    fn warnings_have_positions_and_the_scene_is_ready() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("main.scene");
+        std::fs::write(&file, "let lost = 1\n3 * (length(p) - 0.5)").unwrap();
+        let (result, findings) = load(&SceneSource::File(file), &Drafts::default());
+        assert!(result.is_ok() && findings.mistakes.is_empty());
+        let places: Vec<_> = findings.warnings.iter().map(|one| one.range.clone()).collect();
+        assert_eq!(places, [4..8, 13..34]);
+        assert!(findings.warnings[1].hint.contains("multiply the value by 0.3"), "{:?}", findings.warnings);
     }
 
     #[test]

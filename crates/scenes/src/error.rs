@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use mariana_field::lang::{Diagnostic, Sources};
 use mariana_field::world::{BlendError, WorldError};
 
-/// Mistakes together with the texts that contain them.
-#[derive(Debug)]
+/// Mistakes, or warnings, together with the texts that contain them.
+#[derive(Debug, Default)]
 pub struct FoundMistakes {
     /// The diagnostics.
     pub diagnostics: Vec<Diagnostic>,

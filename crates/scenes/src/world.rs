@@ -20,6 +20,8 @@ pub struct ReadyScene {
     pub plan: Arc<RegionPlan>,
     /// True if the text is already displayed, and edited numbers now are constants instead of inputs.
     pub settles: bool,
+    /// The warnings about the text; empty for a blend.
+    pub warnings: Arc<FoundMistakes>,
 }
 
 impl ReadyScene {
@@ -30,7 +32,7 @@ impl ReadyScene {
     fn of(world: World) -> Result<Self, WorldError> {
         let buffers = Arc::new(world.tape_buffers()?);
         let plan = Arc::new(RegionPlan::new(&world));
-        Ok(Self { world: Arc::new(world), buffers, plan, settles: false })
+        Ok(Self { world: Arc::new(world), buffers, plan, settles: false, warnings: Arc::default() })
     }
 
     /// Blends this scene with the scene `to`, which is moved to `alignment`. The default fraction of `to` is
@@ -114,7 +116,11 @@ impl SceneSource {
             Ok(pictures) => pictures,
             Err(wrong) => return Err(self.mistakes(wrong, compiled)),
         };
-        Ok(ReadyScene::of(World::new(&self.name(), scene, pictures)?)?)
+        let world = World::new(&self.name(), scene, pictures)?;
+        let mut diagnostics = compiled.warnings;
+        diagnostics.extend(world.warning());
+        let warnings = Arc::new(FoundMistakes { diagnostics, sources: compiled.sources });
+        Ok(ReadyScene { warnings, ..ReadyScene::of(world)? })
     }
 
     fn mistakes(&self, diagnostics: Vec<Diagnostic>, compiled: Compiled) -> SceneError {

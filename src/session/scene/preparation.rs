@@ -33,6 +33,7 @@ use crate::gpu::renderer::Renderer;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::BuiltRegions;
 use crate::scenes::{ReadyScene, SceneError, SceneSource};
+use mariana_field::lang::render_all;
 
 /// Time without changes until the numbers of a text become constants of a program again.
 const REST: Duration = Duration::from_secs(10);
@@ -84,9 +85,20 @@ impl ScenePreparation {
         &mut self,
         ready: Result<ReadyScene, SceneError>,
         scenes: &mut PreparedScenes,
+        messages: &mut Messages,
     ) -> Result<Option<Refusal>, GpuError> {
         let source = self.library.wanted().clone();
         let name = source.title();
+        // The editor shows warnings beside the text.
+        if let Ok(ready) = &ready
+            && let Some(first) = ready.warnings.diagnostics.first()
+            && !ready.settles
+            && !self.library.is_written()
+            && matches!(source, SceneSource::File(_))
+        {
+            tracing::warn!("{}", render_all(&ready.warnings.diagnostics, &ready.warnings.sources, false));
+            messages.answer(format!("{name}: {} (E shows it in the text)", first.message));
+        }
         let (heading, text) = match ready.map(|ready| self.prepare(source.clone(), ready, scenes)) {
             Ok(Ok(())) => return Ok(None),
             Ok(Err(error)) if scenes.shown.is_none() => return Err(error),

@@ -131,7 +131,13 @@ impl PreparedScene {
     pub(super) fn into_ready(self) -> (SceneSource, ReadyScene) {
         let resources = &self.resources;
         let (world, buffers) = (resources.world().clone(), resources.buffers().clone());
-        let ready = ReadyScene { world, buffers, plan: resources.plan().clone(), settles: false };
+        let ready = ReadyScene {
+            world,
+            buffers,
+            plan: resources.plan().clone(),
+            settles: false,
+            warnings: Arc::default(),
+        };
         (self.source, ready)
     }
 

@@ -255,7 +255,7 @@ impl SceneSession {
         if loaded.value.is_ok() {
             self.messages.clear_problem();
         }
-        match self.preparation.take_loaded(loaded.value, &mut self.scenes)? {
+        match self.preparation.take_loaded(loaded.value, &mut self.scenes, &mut self.messages)? {
             None => self.show_what_is_ready(),
             Some(refusal) => self.refuse(refusal),
         }

@@ -205,6 +205,17 @@ fn a_text_with_mistakes_keeps_the_last_good_scene_and_shows_a_message_until_fixe
 }
 
 #[test]
+fn a_file_with_warnings_is_shown_with_the_first_one() {
+    let mut staged = Staged::new();
+    let text = "let lost = 1\nobject ball { shape = sphere(p, 2) }";
+    fs::write(staged.folder.path().join("other.scene"), text).unwrap();
+    staged.session.show_source(staged.source("other"));
+    staged.wait_for("other");
+    let notice = "other: the value `lost` is never used (E shows it in the text)";
+    assert!(staged.words().contains(&notice.to_owned()), "{:?}", staged.words());
+}
+
+#[test]
 fn a_fade_by_the_user_follows_the_songs_time_and_shows_both_scenes() {
     let mut staged = Staged::with(None, 2.0);
     let mut renderer = Renderer::new(staged.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();

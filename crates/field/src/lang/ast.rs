@@ -158,6 +158,11 @@ impl Ast {
         self.nodes.get(id.0 as usize).map_or(Span::default(), |node| node.1)
     }
 
+    /// Returns all expressions with their locations; an expression follows its operands.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = (Expr, Span)> + '_ {
+        self.nodes.iter().copied()
+    }
+
     pub(super) fn extra(&self, index: u32) -> u32 {
         self.extra.get(index as usize).copied().unwrap_or(0)
     }

@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use super::source::{BYTE_ORDER_MARK, Sources, Span};
 
-/// The kind of a mistake.
+/// The kind of a mistake, or a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     /// The text has no valid meaning.
@@ -17,9 +17,11 @@ pub enum Fault {
     Unsupported,
     /// The text exceeds one of the [`crate::limits`].
     OverLimit,
+    /// Not a mistake: the text is valid, but probably does not do what its author wants. The scene is drawn.
+    Warning,
 }
 
-/// One mistake in a scene.
+/// One mistake in a scene, or one warning.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
     /// The kind: malformed, unsupported or over a limit.
@@ -59,6 +61,11 @@ impl Diagnostic {
         Self { fault: Fault::OverLimit, ..Self::new(span, message) }
     }
 
+    /// Returns a [`Fault::Warning`] at `span`.
+    pub fn warning(span: Span, message: impl Into<String>) -> Self {
+        Self { fault: Fault::Warning, ..Self::new(span, message) }
+    }
+
     /// Adds `label` after the underline.
     pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = label.into();
@@ -95,7 +102,11 @@ impl Diagnostic {
             .map(|place| place.line.to_string().len())
             .max()
             .unwrap_or(1);
-        out.push_str(&format!("{}{}\n", paint.error("error"), paint.strong(&format!(": {}", self.message))));
+        let kind = match self.fault {
+            Fault::Warning => paint.warning("warning"),
+            _ => paint.error("error"),
+        };
+        out.push_str(&format!("{kind}{}\n", paint.strong(&format!(": {}", self.message))));
         excerpt(&mut out, sources, self.span, &self.label, '^', gutter, paint);
         for (span, text) in &self.notes {
             excerpt(&mut out, sources, *span, text, '-', gutter, paint);
@@ -213,6 +224,9 @@ impl Paint {
     fn error(self, text: &str) -> String {
         self.with("1;31", text)
     }
+    fn warning(self, text: &str) -> String {
+        self.with("1;33", text)
+    }
     fn frame(self, text: &str) -> String {
         self.with("1;34", text)
     }
@@ -226,11 +240,12 @@ pub(super) struct Diagnostics {
     list: Vec<Diagnostic>,
     max: usize,
     dropped: usize,
+    warnings: Vec<Diagnostic>,
 }
 
 impl Diagnostics {
     pub(super) fn new(max: usize) -> Self {
-        Self { list: Vec::new(), max: max.max(1), dropped: 0 }
+        Self { list: Vec::new(), max: max.max(1), ..Self::default() }
     }
 
     /// Adds `diagnostic`, unless the list is full or has an equal message at the same location.
@@ -240,6 +255,19 @@ impl Diagnostics {
             return;
         }
         if self.list.len() < self.max { self.list.push(diagnostic) } else { self.dropped += 1 }
+    }
+
+    /// Adds a warning, unless there are already as many as mistakes are allowed.
+    pub(super) fn warn(&mut self, warning: Diagnostic) {
+        if self.warnings.len() < self.max {
+            self.warnings.push(warning);
+        }
+    }
+
+    /// Takes the warnings in the order of their locations.
+    pub(super) fn take_warnings(&mut self) -> Vec<Diagnostic> {
+        self.warnings.sort_by_key(|one| one.span);
+        std::mem::take(&mut self.warnings)
     }
 
     pub(super) fn full(&self) -> bool {

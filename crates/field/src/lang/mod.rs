@@ -92,6 +92,8 @@ pub struct Compiled {
     pub scene: Option<Scene>,
     /// The mistakes, in the order of the text; empty if and only if there is a scene.
     pub diagnostics: Vec<Diagnostic>,
+    /// The warnings of a scene without mistakes, in the order of the text.
+    pub warnings: Vec<Diagnostic>,
     /// The texts that spans refer to.
     pub sources: Sources,
     /// Paths that were requested from the [`Resolver`], including refused paths: in order, without duplicates.
@@ -156,7 +158,8 @@ fn compile_all(
     let loaded = load::load(name, text, &mut note_and_resolve, empty, limits, &mut sources, &mut diagnostics);
     let scene = lower::lower(loaded, changing, limits, &sources, &mut diagnostics);
     let scene = if diagnostics.is_empty() { scene } else { None };
-    Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
+    let warnings = if scene.is_some() { diagnostics.take_warnings() } else { Vec::new() };
+    Compiled { scene, warnings, diagnostics: diagnostics.finish(), sources, includes_asked }
 }
 
 /// Checks only a text's tokens and grammar: reads no includes, resolves no names. Returns mistakes and sources.

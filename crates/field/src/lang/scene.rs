@@ -23,11 +23,12 @@ use crate::graph::{Graph, NodeId};
 pub struct Scene {
     /// The expressions.
     pub graph: Graph,
-    /// The objects; at least one.
+    /// The objects; empty for a scene of sky alone.
     pub objects: Vec<Object>,
-    /// The union of all objects: the minimum of their shapes. Depends on the point and the frame.
+    /// The union of all objects: the minimum of their shapes, or a large number without objects. Depends on the point
+    /// and the frame.
     pub distance: NodeId,
-    /// The materials of the objects.
+    /// The materials of the objects; at least one.
     pub materials: Vec<Material>,
     /// The lights; at least one.
     pub lights: Vec<Light>,

@@ -7,6 +7,7 @@
 
 mod deciding;
 mod preview;
+mod ray_faults;
 mod ray_statistics;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ use std::collections::HashMap;
 
 pub use deciding::Deciding;
 pub use preview::preview;
+pub use ray_faults::{RayFaults, ray_faults};
 pub use ray_statistics::{ObjectCost, Part, PartCost, RayStatistics, RayStatisticsOptions};
 
 use crate::graph::{FrameInputs, NodeId};
@@ -73,6 +75,8 @@ pub struct Traced {
     pub evaluations: u32,
     /// Number of clauses that these evaluations ran.
     pub clauses: u64,
+    /// True if the ray used up its steps.
+    pub capped: bool,
 }
 
 /// A world in one frame, ready for tracing.
@@ -196,6 +200,7 @@ impl<'a> RayProbe<'a> {
     fn trace_distance(&self, ray: &Ray, (start, end): (f32, f32), traced: &mut Traced) -> Option<f32> {
         let walk = Walk::of(self.regions, ray);
         let (mut t, mut d, mut before) = (start, 0.0_f32, 0.0_f32);
+        traced.capped = true;
         for step in 0..rays::STEPS_MAX {
             let reach = rays::hit_fraction(step) * ray.spread;
             let mut cell = self.cell_at(&walk, t);
@@ -204,6 +209,7 @@ impl<'a> RayProbe<'a> {
                 before = 0.0;
                 t = (t + known.bound).max(rays::past(t)).max(walk.exit_of(&known, t));
                 if t >= end {
+                    traced.capped = false;
                     return None;
                 }
                 cell = self.cell_at(&walk, t);
@@ -211,11 +217,13 @@ impl<'a> RayProbe<'a> {
             d = self.value(cell.as_ref(), ray.at(t), traced);
             // A NaN also ends the ray.
             if d.is_nan() || d < reach * t {
+                traced.capped = false;
                 break;
             }
             t += d;
             before = d;
             if t >= end {
+                traced.capped = false;
                 return None;
             }
         }
@@ -274,6 +282,7 @@ impl<'a> RayProbe<'a> {
             let radius = ray.spread * t.max(rays::NON_LIPSCHITZ_NEAR);
             t += rays::non_lipschitz_step(step, (value, slope), leaves, (t, end), radius);
         }
+        traced.capped = true;
         inside.map(|(t, _)| t)
     }
 

@@ -46,6 +46,19 @@ object pair { shape = union(
   sphere(p - vec3(-3, 0, 5), 0.5)) }";
 
 #[test]
+fn a_ray_that_creeps_along_a_flat_value_is_capped() {
+    let world = world_of("0.25 * (y + 0.001 * sin(x))");
+    with_ray_probe(&world, 0.0, false, |ray_probe| {
+        let along = ray_probe.trace(&ray([0.0, 0.01, 0.0], [1.0, 0.01, 0.0]));
+        assert!(along.capped && along.hit.is_none() && along.evaluations == 128, "{along:?}");
+        let down = ray_probe.trace(&ray([0.0, 1.0, 0.0], [0.0, 0.0, 0.0]));
+        assert!(!down.capped && down.hit.is_some(), "{down:?}");
+        let up = ray_probe.trace(&ray([0.0, 1.0, 0.0], [0.0, 2.0, 0.0]));
+        assert!(!up.capped && up.hit.is_none(), "{up:?}");
+    });
+}
+
+#[test]
 fn rays_hit_a_ball_a_wall_a_floor_and_the_sky() {
     let world = world_of(KNOWN);
     for cells in [true, false] {

@@ -22,6 +22,7 @@ mod planes;
 mod scene_features;
 mod shortening;
 mod validate;
+mod warning;
 
 pub use crate::bounds::Bounds;
 pub use blend::{Alignment, BlendError, BlendKind, PortalShape, blended_params};

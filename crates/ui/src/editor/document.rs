@@ -57,6 +57,8 @@ pub(crate) struct Document {
     pub question: Option<Question>,
     /// The version of the text that the loader checked last, and the mistakes in this version.
     found: (u64, Vec<Mistake>),
+    /// The warnings in this version.
+    warned: Vec<Mistake>,
     /// The last version of the text that had no mistakes. The frame shows this version.
     shown: u64,
     /// For each draft sent to the loader, oldest first: the version of all drafts, and the version of this text.
@@ -89,6 +91,7 @@ impl Document {
             disk,
             question: None,
             found: (0, Vec::new()),
+            warned: Vec::new(),
             shown: 0,
             sent: VecDeque::from([(0, 0)]),
             noted: 0,
@@ -219,9 +222,10 @@ impl Document {
         self.sent.push_back((drafts, self.editing.version()));
     }
 
-    pub(crate) fn take_mistakes(&mut self, drafts: u64, mistakes: Vec<Mistake>) {
+    pub(crate) fn take_mistakes(&mut self, drafts: u64, mistakes: Vec<Mistake>, warnings: Vec<Mistake>) {
         let sent = self.sent.iter().rev().find(|(version, _)| *version <= drafts);
         self.found = (sent.map_or(0, |(_, version)| *version), mistakes);
+        self.warned = warnings;
     }
 
     /// Records that the version that the loader checked last has no mistakes, so the frame shows this version.
@@ -236,11 +240,25 @@ impl Document {
 
     /// The mistakes at their present positions. Leaves out mistakes whose text has been edited.
     pub(crate) fn mistakes(&self) -> impl Iterator<Item = Marked> {
-        let (version, found) = &self.found;
+        self.marked(&self.found.1)
+    }
+
+    /// The warnings at their present positions. Leaves out warnings whose text has been edited.
+    pub(crate) fn warnings(&self) -> impl Iterator<Item = Marked> {
+        self.marked(&self.warned)
+    }
+
+    fn marked<'a>(&'a self, found: &'a [Mistake]) -> impl Iterator<Item = Marked> + 'a {
         found.iter().filter_map(|one| {
-            let range = self.editing.place(*version, one.range.clone())?;
+            let range = self.editing.place(self.found.0, one.range.clone())?;
             Some(Marked { range, message: one.message.clone(), hint: one.hint.clone() })
         })
+    }
+
+    /// The warning at the cursor.
+    pub(crate) fn warning(&self) -> Option<Marked> {
+        let cursor = self.editing.cursor();
+        self.warnings().find(|one| (one.range.start..=one.range.end).contains(&cursor))
     }
 
     pub(crate) fn mistake(&self) -> Option<Marked> {

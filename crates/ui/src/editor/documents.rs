@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use mariana_files::documents::{Kept, OnDisk};
-use mariana_scenes::{Findings, SceneSource};
+use mariana_scenes::{Findings, Mistake, SceneSource};
 
 use super::document::Document;
 use super::wrapping::{RowPosition, Wrapping, row_of};
@@ -88,13 +88,14 @@ impl Documents {
     }
 
     pub(super) fn take_mistakes(&mut self, findings: &Findings) {
-        let of_text = |text: usize| {
-            findings.mistakes.iter().filter(move |one| one.text == text).cloned().collect::<Vec<_>>()
+        let of_text = |all: &[Mistake], text: usize| -> Vec<Mistake> {
+            all.iter().filter(|one| one.text == text).cloned().collect()
         };
+        let Findings { mistakes, warnings, version, .. } = findings;
         for (number, file) in findings.texts.iter().enumerate() {
             if let Some(document) = self.of_mut(file) {
-                document.take_mistakes(findings.version, of_text(number));
-                if findings.mistakes.is_empty() {
+                document.take_mistakes(*version, of_text(mistakes, number), of_text(warnings, number));
+                if mistakes.is_empty() {
                     document.note_shown();
                 }
             }
@@ -102,7 +103,7 @@ impl Documents {
         if findings.texts.is_empty()
             && let Some(document) = self.shown_mut()
         {
-            document.take_mistakes(findings.version, of_text(0));
+            document.take_mistakes(*version, of_text(mistakes, 0), of_text(warnings, 0));
         }
     }
 

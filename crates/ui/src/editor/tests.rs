@@ -196,6 +196,29 @@ fn a_mistake_is_marked_and_moves_with_the_text() {
 }
 
 #[test]
+fn a_warning_is_marked_moves_with_the_text_and_ends_with_its_cause() {
+    let mut setup = TestEditor::new(format!("let lost = 1\n{BALL}").as_bytes());
+    setup.go_to("0.5");
+    setup.type_text("0");
+    assert!(setup.load() && !setup.editor.tells_mistakes());
+    let marked = |setup: &TestEditor| -> Vec<String> {
+        let document = setup.editor.document().unwrap();
+        document.warnings().map(|one| setup.text()[one.range].to_owned()).collect()
+    };
+    assert_eq!(marked(&setup), ["lost"]);
+    setup.go_to("let lost");
+    setup.type_text("# a ball\n");
+    assert_eq!(marked(&setup), ["lost"]);
+    assert!(setup.editor.document().unwrap().warning().is_none());
+    setup.go_to("lost");
+    assert!(setup.editor.document().unwrap().warning().is_some());
+    setup.go_to("00.5");
+    setup.type_text("lost + ");
+    assert!(setup.load());
+    assert!(marked(&setup).is_empty());
+}
+
+#[test]
 fn a_text_is_saved_and_a_conflict_is_asked_about() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     setup.go_to("0.5");

@@ -210,6 +210,9 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
         assisted::text(ui.ctx(), "mistake", &mistake.message, true);
         add(&mistake.message, small.clone(), style::ERROR);
         add(&mistake.hint, small.clone(), style::ACCENT);
+    } else if let Some(warning) = document.warning() {
+        add(&warning.message, small.clone(), style::DIM);
+        add(&warning.hint, small.clone(), style::ACCENT);
     } else if let Some(about) = document.about_cursor() {
         let facts = if about.facts.is_empty() { String::new() } else { format!("  [{}]", about.facts) };
         add(&about.head, style::monospace(style::SMALL_SIZE), style::ACCENT);

@@ -67,25 +67,60 @@ pub const PICTURES: &[(&str, &str)] = &[
     ),
     ("repeat", "intersect(round_box(repeat(p, vec3(0.6, 0, 0.6)), 0.15, 0.05), length(p.xz) - 1.7)"),
     ("repeat_limited", "sphere(repeat_limited(p, 0.5, vec3(2, 1, 1)), 0.2)"),
+    (
+        "cell_of",
+        "min(sphere(repeat(p, vec3(0.5, 0, 0.5)), 0.08 + 0.12 * hash(cell_of(p, vec3(0.5, 0, 0.5)))), \
+         max(other_cells(p, vec3(0.5, 0, 0.5), 0.2), length(p.xz) - 1.4))",
+    ),
+    (
+        "other_cells",
+        "intersect(min(box(repeat(p, vec3(0.5, 0, 0.5)), vec3(0.15, 0.1 + 0.5 * hash(cell_of(p, vec3(0.5, 0, 0.5))), 0.15)), \
+         other_cells(p, vec3(0.5, 0, 0.5), 0.15)), length(p.xz) - 1.4)",
+    ),
+    ("hex_repeat", "intersect(extrude(hexagon(hex_repeat(p.xz, 0.5).yx, 0.2), y, 0.15), length(p.xz) - 1.5)"),
+    (
+        "hex_cell",
+        "intersect(min(extrude(hexagon(hex_repeat(p.xz, 0.5).yx, 0.19), y, 0.1 + 0.5 * hash(vec3(hex_cell(p.xz, 0.5), 0))), \
+         other_hex_cells(p.xz, 0.5, 0.22)), length(p.xz) - 1.3)",
+    ),
     ("mirror", "capsule(mirror(p, vec3(1, 0.4, 0)), vec3(0.3, -0.4, 0), vec3(1, 0.7, 0), 0.2)"),
     ("mirror_x", "cone(rotate_z(mirror_x(p) - vec3(0.3, 0.2, 0), 0.9), 0.35, 1)"),
     ("mirror_y", "cone(mirror_y(p) - vec3(0, 0.9, 0), 0.5, 1)"),
     ("mirror_z", "torus(mirror_z(p) - vec3(0, 0, 0.6), 0.45, 0.15)"),
     ("polar_repeat", "round_box(polar_repeat(p, 9) - vec3(0.9, 0, 0), vec3(0.2, 0.2, 0.12), 0.04)"),
+    (
+        "polar_cell",
+        "round_box(polar_repeat(p, 9) - vec3(0.9, 0, 0), vec3(0.2, 0.1 + 0.05 * polar_cell(p, 9), 0.12), 0.04)",
+    ),
+    ("smooth_polar_repeat", "sphere(smooth_polar_repeat(p, 7, 0.6) - vec3(0.72, 0, 0), 0.38)"),
     ("twist", "round_box(twist(p, 1.3), vec3(0.4, 1, 0.4), 0.05) / (1 + 1.3 * 0.64)"),
     ("bend", "round_box(bend(p, 0.7), vec3(1.2, 0.15, 0.4), 0.05) / (1 + 0.7 * 1.3)"),
+    ("warp", "sphere(warp(p, 0.3, 0.9), 0.9) / (1 + 5.2 * 0.3 / 0.9)"),
     ("elongate", "torus(elongate(p, vec3(0.5, 0, 0.2)), 0.4, 0.2)"),
     ("shell", "subtract(shell(sphere(p, 0.9), 0.07), box(p - vec3(1, 1, -1), 1))"),
     ("extrude", "extrude(heart(p.xy), p.z, 0.35)"),
     ("revolve", "subtract(round_rectangle(revolve(p, 0.7), vec2(0.28, 0.22), 0.08), max(-x, z))"),
     ("displace", "displace(sphere(p, 0.85), 0.07 * sin(9 * x) * sin(9 * y) * sin(9 * z), 0.65)"),
+    ("displace_fbm", "displace_fbm(sphere(p, 0.75), p, 0.6, 0.5, 6)"),
     ("round", "round(box(p, vec3(0.5, 0.3, 0.4)), 0.25)"),
     // Noise.
     (
         "hash",
         "union(for i in 0..6: for j in 0..6: box(p - 0.3 * vec3(i, 0, j), vec3(0.12, 0.1 + 0.5 * hash(vec3(i, j, 0)), 0.12)))",
     ),
-    ("noise", "displace(sphere(p, 0.8), 0.35 * noise(4 * p), 3.6)"),
-    ("noise_2d", "displace(box(p, vec3(1, 0.1, 1)), 0.4 * noise_2d(3 * p.xz), 2.7)"),
-    ("fbm", "displace(sphere(p, 0.7), 0.5 * fbm(2 * p, 5), 5.2 * 0.5)"),
+    ("noise", "displace(sphere(p, 0.8), 0.35 * noise(4 * p), 2.1)"),
+    ("noise_2d", "displace(box(p, vec3(1, 0.1, 1)), 0.4 * noise_2d(3 * p.xz), 1.8)"),
+    ("fbm", "displace(sphere(p, 0.7), 0.5 * fbm(2 * p, 5), 4.5)"),
+    ("ridged", "displace(sphere(p, 0.7), 0.4 * ridged(1.5 * p, 4), 4.5)"),
+    ("billow", "displace(sphere(p, 0.7), 0.4 * billow(1.5 * p, 4), 4.5)"),
+    ("erosion", "max(y + 0.5 - 0.9 * erosion(1.3 * p.xz + 4, 6), abs(x) - 1, abs(z) - 1, -0.5 - y)"),
+    ("voronoi", "intersect(voronoi(3 * p) / 3 - 0.08, sphere(p, 1))"),
+    ("voronoi_2d", "intersect(voronoi_2d(3 * p.xz) / 3 - 0.12, abs(y) - 0.2, length(p.xz) - 1.3)"),
+    ("voronoi_walls", "subtract(sphere(p, 1), voronoi_walls(2.2 * p) / 2.2 - 0.03)"),
+    ("voronoi_walls_2d", "max(0.03 - voronoi_walls_2d(3 * p.xz) / 3, abs(y) - 0.15, length(p.xz) - 1.3)"),
+    (
+        "voronoi_hash_2d",
+        "max(min(max(0.03 - voronoi_walls_2d(3 * p.xz) / 3, y - 0.8 * voronoi_hash_2d(3 * p.xz)), \
+         0.03 + voronoi_walls_2d(3 * p.xz) / 3), -0.2 - y, length(p.xz) - 1.2)",
+    ),
 ];

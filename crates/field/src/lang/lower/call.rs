@@ -46,7 +46,10 @@ impl Lowering<'_> {
         }
         let value = match callee {
             None => self.unknown_function(name, span),
-            Some(callee) if fold > 0 => self.fold(callee, name, mark, usize::from(fold) - 1, span),
+            Some(callee) if fold > 0 => {
+                let has_loop = count as usize >= usize::from(fold);
+                self.fold(callee, name, mark, usize::from(fold) - 1, has_loop, span)
+            }
             Some(callee) => self.apply(callee, name, mark, first, span),
         };
         self.arguments.truncate(mark);
@@ -137,10 +140,22 @@ impl Lowering<'_> {
     }
 
     /// Combines the values from `mark` on, two at a time from the left. Each call also gets the last `tail` arguments.
-    fn fold(&mut self, callee: Callee, name: Symbol, mark: usize, tail: usize, span: Span) -> Value {
+    /// `has_loop` is true if too few values come from a loop without iterations.
+    fn fold(
+        &mut self,
+        callee: Callee,
+        name: Symbol,
+        mark: usize,
+        tail: usize,
+        has_loop: bool,
+        span: Span,
+    ) -> Value {
         let count = self.arguments.len() - mark;
         if self.arguments.iter().skip(mark).any(|value| *value == Value::Unknown) {
             return Value::Unknown;
+        }
+        if count <= tail && has_loop {
+            return self.fold_of_nothing(name, span);
         }
         if count <= tail {
             let text = self.name(name);

@@ -3,6 +3,7 @@
 use super::super::diagnostic::Diagnostic;
 use super::super::scene::LightKind;
 use super::super::source::Span;
+use super::super::value::Value;
 use super::scene::SceneBuilder;
 use super::sections::Values;
 
@@ -12,7 +13,10 @@ impl SceneBuilder<'_> {
         let given = |field: &str| values.given(field).map(|(_, span)| span);
         let wrong = match (given("position"), given("direction"), given("right"), given("up")) {
             (Some(_), None, None, None) => return Some(LightKind::Lamp),
-            (None, Some(_), None, None) => return Some(LightKind::Sun),
+            (None, Some(_), None, None) => {
+                self.note_rising_light(values);
+                return Some(LightKind::Sun);
+            }
             (Some(_), None, Some(_), Some(_)) => return Some(LightKind::Panel),
             (Some(_), Some(second), ..) => {
                 let both = Diagnostic::new(
@@ -42,5 +46,28 @@ impl SceneBuilder<'_> {
         };
         self.lowering.reports.add(wrong);
         None
+    }
+
+    /// Notes a sun whose light always rises, which leaves floors and the tops of objects dark.
+    fn note_rising_light(&mut self, values: &Values) {
+        if let Some((Value::Vector(direction), span)) = values.given("direction")
+            && direction.len() == 3
+            && self.lowering.known(direction.part(1)).is_some_and(|y| y > 0.0)
+        {
+            self.parts.rising.push(span);
+        }
+    }
+
+    /// Warns if the light of all lights rises. One such light among others may be intended.
+    pub(super) fn warn_of_light_from_below(&mut self) {
+        if self.parts.rising.len() < self.parts.lights.len() {
+            return;
+        }
+        for span in std::mem::take(&mut self.parts.rising) {
+            let warning = Diagnostic::warning(span, "this sun shines from below");
+            self.lowering.reports.diagnostics.warn(warning.hint(
+                "`direction` is the direction in which the light travels: for a sun in the sky, its y is negative",
+            ));
+        }
     }
 }

@@ -20,6 +20,7 @@ mod scene;
 mod scope;
 mod sections;
 mod statements;
+mod unused;
 
 pub use sections::section_fields;
 pub(in crate::lang) use sections::word;
@@ -33,7 +34,7 @@ use crate::limits::Limits;
 use lowering::Lowering;
 use scene::SceneBuilder;
 
-/// Builds a scene from its tree. Returns `None` if the scene has no shape or exceeds a limit. The caller must also
+/// Builds a scene from its tree. Returns `None` if the scene has neither shape nor sky, or exceeds a limit. The caller must also
 /// check `diagnostics`: a scene with mistakes may still be returned.
 pub(super) fn lower(
     loaded: Loaded,
@@ -44,5 +45,9 @@ pub(super) fn lower(
 ) -> Option<Scene> {
     let Loaded { ast, names, items, includes } = loaded;
     let lowering = Lowering::new(&ast, &names, changing, limits, diagnostics);
-    SceneBuilder::new(lowering).scene(&items, includes, sources)
+    let scene = SceneBuilder::new(lowering).scene(&items, includes, sources);
+    if scene.is_some() {
+        unused::warn(&ast, &names, &items, sources, diagnostics);
+    }
+    scene
 }

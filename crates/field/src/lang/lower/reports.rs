@@ -62,6 +62,15 @@ impl Reports<'_> {
     }
 
     #[cold]
+    pub(super) fn loop_without_values(&mut self, name: &str, span: Span) -> Value {
+        let empty = Diagnostic::new(span, format!("this loop has no iterations, so `{name}` has no values"));
+        self.add(empty.hint(
+            "`for i in a..b` runs from a to b - 1, so let b be larger; to leave out a shape, add a far one: \
+             `union(1000, for …)`",
+        ))
+    }
+
+    #[cold]
     pub(super) fn sizes_differ(&mut self, what: &str, left: Value, right: Value, span: Span) -> Value {
         let (a, b) = (left.described(), right.described());
         let wrong = Diagnostic::new(span, format!("{what} needs vectors of the same size, not {a} and {b}"));

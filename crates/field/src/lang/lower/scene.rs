@@ -23,6 +23,8 @@ pub(super) struct Parts {
     pub cameras: Vec<(String, Camera)>,
     pub sky: Option<Sky>,
     pub has_own_sky: bool,
+    /// The directions of suns whose light rises.
+    pub rising: Vec<Span>,
     pub picture: Option<Picture>,
     pub about: Option<About>,
     /// Index of the material for objects that set no material. The material is created when it is first needed.
@@ -30,6 +32,8 @@ pub(super) struct Parts {
 }
 
 const BARE_NAME: &str = "shape";
+/// The distance in a scene without objects.
+const NOWHERE: f32 = 1e9;
 
 /// Builds a scene from its items. `declare.rs` handles declarations, and `sections.rs` handles blocks with fields.
 pub(super) struct SceneBuilder<'a> {
@@ -42,7 +46,7 @@ impl<'a> SceneBuilder<'a> {
         Self { lowering, parts: Parts::default() }
     }
 
-    /// Builds the scene. Returns `None` if the scene has no shape or a limit is reached.
+    /// Builds the scene. Returns `None` if the scene has neither shape nor sky, or a limit is reached.
     pub(super) fn scene(
         mut self,
         items: &'a [Item],
@@ -73,6 +77,7 @@ impl<'a> SceneBuilder<'a> {
         self.check_the_unused();
         self.check_the_graph();
         let distance = self.distance(sources)?;
+        self.warn_of_light_from_below();
         self.add_default_light();
         self.add_changing_numbers();
         self.lowering.origins.finish(sources);
@@ -123,15 +128,21 @@ impl<'a> SceneBuilder<'a> {
         }
     }
 
-    /// Returns the distance to the nearest object. Reports a scene without objects, unless it has other mistakes.
+    /// Returns the distance to the nearest object. Reports a scene with neither objects nor a sky, unless it has other
+    /// mistakes.
     fn distance(&mut self, sources: &Sources) -> Option<NodeId> {
         let shapes: Vec<NodeId> = self.parts.objects.iter().map(|object| object.shape).collect();
         let distance = shapes.into_iter().reduce(|a, b| self.lowering.graph.min(a, b));
+        if distance.is_none() && self.parts.sky.is_some() {
+            // Shaders need a material, even if no ray meets a surface.
+            self.default_material();
+            return Some(self.lowering.constant(NOWHERE));
+        }
         if distance.is_none() && self.lowering.reports.diagnostics.is_empty() {
             let text = sources.files().first().map_or(0, |file| file.text.len() as u32);
             let empty = Diagnostic::new(Span::new(text, text), "the scene has no shape");
             let hint = "write an expression in x, y, z, as in `length(p) - 1`, or \
-                        `object ball { shape = sphere(p, 1) }`";
+                        `object ball { shape = sphere(p, 1) }`; a scene of sky alone needs a `sky { color = … }`";
             self.lowering.reports.add(empty.hint(hint));
         }
         distance

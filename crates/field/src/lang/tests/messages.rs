@@ -216,7 +216,18 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "2.5",
         "",
     ),
-    ("union(for i in 3..3: y)", "`union` needs at least one value", "union(for i in 3..3: y)", ""),
+    (
+        "union(for i in 3..3: y)",
+        "this loop has no iterations, so `union` has no values",
+        "union(for i in 3..3: y)",
+        "`for i in a..b` runs from a to b - 1",
+    ),
+    (
+        "smooth_union(for i in 0..0: y, 0.3)",
+        "this loop has no iterations, so `smooth_union` has no values",
+        "smooth_union(for i in 0..0: y, 0.3)",
+        "`union(1000, for …)`",
+    ),
     ("sum(for i in -1..3: 1 / i)", "this divides by zero", "1 / i", "`if`"),
     // Inputs.
     ("band(32)", "there is no band 32", "band(32)", "0 to 31"),

@@ -16,7 +16,11 @@ mod parts;
 #[cfg(test)]
 mod shapes;
 #[cfg(test)]
+mod slopes;
+#[cfg(test)]
 mod statements;
+#[cfg(test)]
+mod warnings;
 
 #[cfg(test)]
 pub(in crate::lang) use fuzz::mutated;

@@ -305,5 +305,7 @@ fn material_of_the_nearest(graph: &mut Graph, scene: &Scene, at: impl Fn(NodeId)
             }
         });
     }
-    nearest.map(|(_, numbers)| numbers).unwrap_or_default()
+    // A scene of sky alone has a material without objects.
+    let unused = || scene.materials.first().map(|one| one.numbers().into_iter().map(&at).collect());
+    nearest.map(|(_, numbers)| numbers).or_else(unused).unwrap_or_default()
 }

@@ -263,8 +263,9 @@ fn laid_out(painter: &Painter, text: &str, colors: &[(usize, Color32)], font: &F
 
 fn draw_mistakes(painter: &Painter, space: Rect, page: &Page, document: &Document) {
     let buffer = document.editing.buffer();
-    for mistake in document.mistakes().filter(|mistake| !mistake.range.is_empty() || mistake.range.start > 0)
-    {
+    let mistakes = document.mistakes().filter(|mistake| !mistake.range.is_empty() || mistake.range.start > 0);
+    let warnings = document.warnings().map(|warning| (warning, style::DIM));
+    for (mistake, color) in warnings.chain(mistakes.map(|mistake| (mistake, style::ERROR))) {
         let (first, last) = (buffer.line_of(mistake.range.start), buffer.line_of(mistake.range.end));
         for line in first.max(page.seen.start)..(last + 1).min(page.seen.end) {
             let range = buffer.line_range(line);
@@ -273,24 +274,24 @@ fn draw_mistakes(painter: &Painter, space: Rect, page: &Page, document: &Documen
             let rects = page.rects_of(buffer, &part);
             if let Some(rect) = rects.first().filter(|_| line == first) {
                 let at = pos2(space.left() + 3.0, rect.center().y);
-                painter.circle_filled(at, 3.0, style::ERROR);
+                painter.circle_filled(at, 3.0, color);
             }
             for mut rect in rects.into_iter().filter(|rect| rect.y_range().intersects(page.rect.y_range())) {
                 rect.max.x = rect.max.x.max(rect.min.x + page.cell.x);
-                wave(painter, rect);
+                wave(painter, rect, color);
             }
         }
     }
 }
 
-fn wave(painter: &Painter, rect: Rect) {
+fn wave(painter: &Painter, rect: Rect, color: Color32) {
     let (mut x, mut up) = (rect.left(), false);
     let mut points = Vec::new();
     while x <= rect.right() {
         points.push(pos2(x, rect.bottom() - if up { 3.5 } else { 1.0 }));
         (x, up) = (x + 2.5, !up);
     }
-    painter.line(points, Stroke::new(1.3, style::ERROR));
+    painter.line(points, Stroke::new(1.3, color));
 }
 
 fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: bool) {
@@ -451,7 +452,9 @@ fn hover_help(response: &Response, document: &Document, page: &Page, offset: usi
     if at.x > behind || !response.hovered() {
         return;
     }
-    if let Some(mistake) = document.mistakes().find(|one| one.range.contains(&offset)) {
+    if let Some(mistake) =
+        document.mistakes().chain(document.warnings()).find(|one| one.range.contains(&offset))
+    {
         let words = match mistake.hint.as_str() {
             "" => mistake.message,
             hint => format!("{}\n{hint}", mistake.message),

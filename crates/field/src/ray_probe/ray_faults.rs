@@ -1,0 +1,212 @@
+//! Faults of a scene's distance that its picture may hide: rays that use up their steps, and steps over surfaces.
+
+use super::{Ray, RayProbe, TAPS, Traced, unit};
+use crate::graph::FrameInputs;
+use crate::lang::Diagnostic;
+use crate::rays;
+use crate::region::{RegionOptions, RegionPlan};
+use crate::world::World;
+
+/// The fractions of a step at which a surface is searched.
+const BETWEEN: [f32; 4] = [0.3, 0.55, 0.75, 0.9];
+/// A ray has stepped over a surface if it passed a point this deep inside, as a fraction of the step.
+const DEEP: f32 = 0.02;
+/// An object is reported if at least this many rays step over its surface, and the scene if at least this fraction of the
+/// rays use up their steps.
+const OVERSTEPPED_MIN: u32 = 3;
+const CAPPED_MIN: f32 = 0.005;
+/// Clauses that may be run before no further rays are followed: about a second.
+const CLAUSES_MAX: u64 = 1 << 28;
+/// Below this slope, a factor makes steps noticeably longer.
+const FLAT: f32 = 0.7;
+
+/// Costs and faults of the rays of a scene's camera.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RayFaults {
+    /// Number of rays.
+    pub rays: u32,
+    /// Number of evaluations of the distance.
+    pub evaluations: u64,
+    /// Number of clauses that these evaluations ran.
+    pub clauses: u64,
+    /// Number of rays that used up their steps.
+    pub capped: u32,
+    /// The usual slope of the value at the ends of those rays: 1 for a distance. `None` without such rays.
+    pub slope: Option<f32>,
+    /// For each object, the number of rays that stepped over its surface.
+    pub overstepped: Vec<u32>,
+}
+
+impl RayFaults {
+    /// Returns warnings, at the objects of `world`.
+    pub fn warnings(&self, world: &World) -> Vec<Diagnostic> {
+        let objects = world.scene.objects.iter();
+        let mut warnings: Vec<Diagnostic> = objects
+            .zip(&self.overstepped)
+            .filter(|(_, rays)| **rays >= OVERSTEPPED_MIN)
+            .map(|(object, _)| {
+                let message = format!(
+                    "rays step over the surface of `{}`, because its value is larger than the distance to it",
+                    object.name
+                );
+                Diagnostic::warning(object.span, message).hint(
+                    "if the cells of a repetition differ, add `bound = other_cells(p, size, reach)` to the object: a \
+                     shape in another cell may be nearer; otherwise divide the value by its steepest slope",
+                )
+            })
+            .collect();
+        if self.capped as f32 >= CAPPED_MIN * self.rays.max(1) as f32
+            && let Some(object) = world.scene.objects.first()
+        {
+            let percent = 100.0 * self.capped as f32 / self.rays as f32;
+            let message = format!(
+                "{percent:.1} % of the camera's rays use up their steps before they reach a surface or the sky"
+            );
+            let hint = match self.slope.filter(|slope| *slope < FLAT && *slope > 0.0) {
+                Some(slope) => format!(
+                    "the value is flat: its slope is about {slope:.2} where these rays end. Multiply it by {:.1}",
+                    1.0 / slope
+                ),
+                None => "the value stays small far from the surface, or is steep in places: keep its slope near 1, \
+                         and combine shapes with `union`, `intersect` and their smooth forms"
+                    .to_owned(),
+            };
+            warnings.push(Diagnostic::warning(object.span, message).hint(hint));
+        }
+        warnings
+    }
+}
+
+/// Follows rays of the scene's camera at a time without sound, in a grid of `columns` by `rows`; fewer rays if the scene
+/// is large. Steps over surfaces are
+/// searched only in a scene whose value is a distance: for other values the tree's bounds make steps safe.
+pub fn ray_faults(world: &World, time: f32, (columns, rows): (usize, usize)) -> RayFaults {
+    let params = world.scene.params.iter().map(|param| param.default).collect();
+    let mut frame = FrameInputs { time, params, ..FrameInputs::default() };
+    let camera = world.frame_tape.values(&frame).camera;
+    frame.eye = camera.position;
+    frame.hoisted = world.hoisted.values(&frame);
+    let regions = RegionPlan::new(world).build(&frame, &RegionOptions::default());
+    let planes = world.frame_tape.values(&frame).planes;
+    let ray_probe = RayProbe::new(world, &regions, &frame, &planes);
+    let way: [f32; 3] = std::array::from_fn(|axis| camera.target[axis] - camera.position[axis]);
+    let forward = unit(way);
+    let right = unit([forward[2], 0.0, -forward[0]]);
+    let up: [f32; 3] = [
+        forward[1] * right[2] - forward[2] * right[1],
+        forward[2] * right[0] - forward[0] * right[2],
+        forward[0] * right[1] - forward[1] * right[0],
+    ];
+    let half = (0.5 * camera.fov.to_radians()).tan();
+    let wide = columns as f32 / rows.max(1) as f32;
+    let mut faults = RayFaults { overstepped: vec![0; world.scene.objects.len()], ..RayFaults::default() };
+    let mut slopes = Vec::new();
+    let mut searched = Traced::default();
+    for place in 0..columns * rows {
+        if faults.clauses + searched.clauses > CLAUSES_MAX {
+            break;
+        }
+        let fraction = |place: usize, of: usize| 2.0 * (place as f32 + 0.5) / of as f32 - 1.0;
+        let (a, b) = (fraction(place % columns, columns), -fraction(place / columns, rows));
+        let direction = unit(std::array::from_fn(|i| forward[i] + half * (wide * a * right[i] + b * up[i])));
+        let ray = Ray { origin: camera.position, direction, spread: half / rows as f32 };
+        let traced = ray_probe.trace(&ray);
+        faults.rays += 1;
+        faults.evaluations += u64::from(traced.evaluations);
+        faults.clauses += traced.clauses;
+        if traced.capped {
+            faults.capped += 1;
+            slopes.extend(ray_probe.slope_at_the_end(&ray, &traced));
+        }
+        let passed = if world.non_lipschitz { None } else { ray_probe.passed_surface(&ray, &mut searched) };
+        if let Some(count) = passed.and_then(|object| faults.overstepped.get_mut(object)) {
+            *count += 1;
+        }
+    }
+    slopes.sort_by(f32::total_cmp);
+    faults.slope = slopes.get(slopes.len() / 2).copied();
+    faults
+}
+
+impl RayProbe<'_> {
+    /// Returns the object whose surface the steps of a ray pass.
+    fn passed_surface(&self, ray: &Ray, cost: &mut Traced) -> Option<usize> {
+        let (mut t, end) = self.traced_span(ray)?;
+        let mut value = |t: f32| {
+            let place = ray.at(t);
+            self.value(self.regions.cell_at(place).as_ref(), place, cost)
+        };
+        for step in 0..rays::STEPS_MAX {
+            let d = value(t);
+            if d.is_nan() || d < rays::hit_fraction(step) * ray.spread * t || t + d >= end {
+                return None;
+            }
+            if let Some(part) = BETWEEN.into_iter().find(|part| value(t + part * d) < -DEEP * d) {
+                return Some(self.regions.object(ray.at(t + part * d), self.frame) as usize);
+            }
+            t += d;
+        }
+        None
+    }
+
+    /// Returns the slope of the value where a ray that used up its steps ended; `None` if that is not known.
+    fn slope_at_the_end(&self, ray: &Ray, traced: &Traced) -> Option<f32> {
+        let hit = traced.hit.filter(|hit| hit.plane.is_none())?;
+        let h = ray.spread * hit.distance;
+        let mut sum = [0.0; 3];
+        for tap in TAPS {
+            let place = std::array::from_fn(|axis| hit.position[axis] + h * tap[axis]);
+            let [_, estimate] = self.regions.distance(place, 0.0, self.frame);
+            sum = std::array::from_fn(|axis| sum[axis] + estimate * tap[axis]);
+        }
+        let slope = sum.iter().map(|part| part * part).sum::<f32>().sqrt() / (4.0 * h);
+        Some(slope).filter(|slope| slope.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::testing::world_of;
+
+    fn faults(text: &str) -> RayFaults {
+        ray_faults(&world_of(text), 0.0, (32, 18))
+    }
+
+    #[test]
+    fn a_ball_has_no_faults() {
+        let faults = faults("sphere(p, 1)");
+        assert_eq!((faults.rays, faults.capped, faults.slope), (576, 0, None));
+        assert_eq!(faults.overstepped, [0]);
+        assert!(faults.evaluations > 100 && faults.clauses > faults.evaluations);
+    }
+
+    #[test]
+    fn faults_are_warned_of_with_a_remedy() {
+        let world = world_of("object one { shape = sphere(p, 1) }\nobject two { shape = y - sin(x) }");
+        let fine =
+            RayFaults { rays: 1000, capped: 4, slope: Some(0.2), overstepped: vec![2, 0], ..faults("x") };
+        assert!(fine.warnings(&world).is_empty());
+        let faulty = RayFaults { capped: 20, overstepped: vec![0, 3], ..fine.clone() };
+        let warnings = faulty.warnings(&world);
+        let hints: Vec<&str> = warnings.iter().filter_map(|one| one.hint.as_deref()).collect();
+        assert_eq!(warnings.len(), 2);
+        assert!(warnings[0].message.contains("surface of `two`") && hints[0].contains("other_cells"));
+        assert!(
+            warnings[1].message.starts_with("2.0 %") && hints[1].contains("Multiply it by 5.0"),
+            "{hints:?}"
+        );
+        let steep = RayFaults { capped: 20, slope: Some(0.9), ..fine };
+        assert!(steep.warnings(&world)[0].hint.as_ref().unwrap().contains("slope near 1"));
+    }
+
+    #[test]
+    fn rays_step_over_surfaces_of_a_repetition_whose_cells_differ() {
+        let differing = "\
+object floor { shape = y + 1 }
+object balls { shape = sphere(repeat(p, vec3(2, 0, 2)), 0.3 + 0.65 * hash(round(p / 2))) }";
+        assert!(faults(differing).overstepped[1] > 20, "{:?}", faults(differing));
+        let alike = differing.replace("hash(round(p / 2))", "0.5");
+        assert_eq!(faults(&alike).overstepped, [0, 0]);
+    }
+}
