@@ -8,7 +8,9 @@ mod choices;
 mod common;
 mod controlled;
 mod files;
+mod format;
 mod frame_options;
+mod lsp;
 mod parse;
 mod play;
 mod progress;
@@ -99,6 +101,15 @@ enum Command {
     #[command(after_help = "Examples:\n  mariana check speakers\n  mariana check my/*.scene\n  \
                             mariana check my.scene --json    for editors: an object for each mistake")]
     Check(check::CheckArguments),
+    /// Format scene files: regular indentation and blanks, aligned columns; the scenes stay the same
+    #[command(after_help = "Examples:\n  mariana format my.scene\n  mariana format --check my/*.scene\n  \
+                            mariana format - < my.scene > formatted.scene")]
+    Format(format::FormatArguments),
+    /// Run the language server for editors, on standard input and output
+    #[command(
+        after_help = "Examples:\n  mariana lsp    an editor starts this command; docs/editor.md shows how"
+    )]
+    Lsp(lsp::LspArguments),
     /// Print the tape of a scene's distance: the clauses that the interpreter runs
     #[command(after_help = "Examples:\n  mariana tape \"max(sqrt(x*x+y*y)-1, 0.5-sqrt(x*x+y*y))\"\n  \
                             mariana tape speakers --glsl\n  \
@@ -198,6 +209,8 @@ fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Analyze(arguments)) => analyze::run(arguments),
         Some(Command::Bench(arguments)) => bench::run(arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Format(arguments)) => format::run(&arguments),
+        Some(Command::Lsp(arguments)) => lsp::run(&arguments),
         Some(Command::Tape(arguments)) => scene::run_tape(&arguments),
         Some(Command::Eval(arguments)) => scene::run_eval(&arguments),
         Some(Command::Show(arguments)) => show::run(arguments),

@@ -14,7 +14,9 @@ use crate::frame::held_inputs::HeldInputs;
 use crate::scenes::SceneSource;
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::lang::Scene;
+use mariana_field::region::{ListedClause, RegionOptions, RegionPlan};
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_field::world::World;
 
 #[derive(Args)]
 pub(super) struct TapeArguments {
@@ -27,6 +29,9 @@ pub(super) struct TapeArguments {
     /// Print the expression graph in Graphviz's DOT language instead
     #[arg(long)]
     dot: bool,
+    /// Print the short tape of the cell around this point, with the bounds of each clause
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, conflicts_with_all = ["glsl", "dot"])]
+    at: Option<[f32; 3]>,
 }
 
 #[derive(Args)]
@@ -45,9 +50,12 @@ pub(super) struct EvalArguments {
 }
 
 pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
-    let scene = require(&scene_of(&arguments.scene)?)?;
+    let source = scene_of(&arguments.scene)?;
+    let scene = require(&source)?;
     let root = scene.distance;
-    let text = if arguments.glsl {
+    let text = if let Some(point) = arguments.at {
+        tape_of_cell(&source.name(), scene, point)?
+    } else if arguments.glsl {
         mariana_field::tape::glsl::function(
             &scene.graph,
             &[root],
@@ -60,6 +68,43 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
         Tape::build(&scene.graph, &[root], &TapeOptions::default())?.to_string()
     };
     Ok(print_line(text.trim_end())?)
+}
+
+/// Describes the cell of a point in the tree of a silent frame, and lists its tape.
+fn tape_of_cell(name: &str, scene: Scene, point: [f32; 3]) -> anyhow::Result<String> {
+    let params = scene.params.iter().map(|param| param.default).collect();
+    let world = World::new(name, scene, Vec::new())?;
+    let mut frame = FrameInputs { params, ..FrameInputs::default() };
+    frame.hoisted = world.hoisted.values(&frame);
+    let tree = RegionPlan::new(&world).build(&frame, &RegionOptions::default());
+    let Some(cell) = tree.cell_at(point) else {
+        anyhow::bail!("the point is outside of the tree: choose a point near the shape");
+    };
+    let clauses = tree.listing(&cell, &frame);
+    let corner = |[x, y, z]: [f32; 3]| format!("({x}, {y}, {z})");
+    let surface = match cell.bound > 0.0 {
+        true => format!("no surface is nearer than {}", cell.bound),
+        false => "a surface may be inside".to_owned(),
+    };
+    let mut text = format!(
+        "cell {} to {}: {surface}\n{} of {} clauses; slots 0, 1 and 2 hold x, y and z\n",
+        corner(cell.low),
+        corner(cell.high),
+        clauses.len(),
+        tree.clauses_of(tree.whole_tape)
+    );
+    let row = |operator: &str, operands: &str, output: &str, bounds: &str| {
+        format!("{operator:<14} {operands:<30} {output:<8} {bounds}\n")
+    };
+    text += &row("opcode", "inputs", "output", "bounds in the cell");
+    for ListedClause { operator, operands, output, bounds } in clauses {
+        let bounds = match bounds.is_any() {
+            true => "any value".to_owned(),
+            false => format!("{} .. {}", bounds.lo, bounds.hi),
+        };
+        text += &row(operator, &operands.join(", "), &format!("slot {output}"), &bounds);
+    }
+    Ok(text)
 }
 
 pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {

@@ -291,7 +291,8 @@ fn devices_are_listed_where_there_is_no_sound_server() {
 #[test]
 fn help_is_complete_and_its_examples_use_existing_flags() {
     let place = Workplace::new();
-    let subcommands = ["still", "video", "analyze", "bench", "check", "eval", "scenes", "devices"];
+    let subcommands =
+        ["still", "video", "analyze", "bench", "check", "format", "lsp", "eval", "scenes", "devices"];
     let main_help = place.run(&["--help"]).done();
     let help_of =
         |name: &str| if name.is_empty() { main_help.clone() } else { place.run(&[name, "--help"]).done() };

@@ -2,6 +2,7 @@
 
 mod cli;
 mod cli_bad_input;
+mod editors;
 mod installing;
 mod interrupted;
 mod moving_textures;

@@ -27,6 +27,25 @@ fn glsl_and_graph_are_printed_on_demand() {
 }
 
 #[test]
+fn the_tape_of_a_cell_has_one_of_two_shapes_and_bounds() {
+    let place = Workplace::new();
+    let formula = "min(length(p) - 1, length(p - vec3(9, 0, 0)) - 1)";
+    let printed = place.run(&["tape", formula, "--at", "0.9,0.1,0"]).done();
+    let lines: Vec<&str> = printed.lines().collect();
+    assert!(lines[0].contains("a surface may be inside"), "{printed}");
+    let (count, of) = lines[1].split_once(" of ").unwrap();
+    let whole = of.split(' ').next().unwrap();
+    let (count, whole): (usize, usize) = (count.parse().unwrap(), whole.parse().unwrap());
+    assert!(count < whole, "{printed}");
+    assert_eq!(lines.len() - 3, count, "{printed}");
+    let last = lines[lines.len() - 1].rsplit("  ").next().unwrap();
+    let (low, high) = last.trim().split_once(" .. ").unwrap();
+    let value = 0.905_538_5_f32 - 1.0;
+    assert!(low.parse::<f32>().unwrap() <= value && value <= high.parse().unwrap(), "{printed}");
+    place.run(&["tape", formula, "--at", "900,0,0"]).refused(&["outside of the tree"]);
+}
+
+#[test]
 fn eval_returns_the_distances_of_the_formula() {
     let place = Workplace::new();
     let at = |scene: &str, arguments: &[&str]| {

@@ -10,6 +10,7 @@ pub(super) const CRATES: &[(&str, &[&str])] = &[
         "files",
         &["ctrlc", "directories", "serde", "serde_json", "signal-hook", "tempfile", "thiserror", "tracing"],
     ),
+    ("language_server", &["mariana-editing", "mariana-field", "serde", "serde_json"]),
     ("music", &["ebur128", "rustfft", "serde"]),
     (
         "player",
@@ -280,6 +281,7 @@ pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
 pub(super) const PURE: &[&str] = &[
     "crates/editing/src",
     "crates/field/src",
+    "crates/language_server/src",
     "crates/music/src",
     "crates/render/src/flash",
     "crates/render/src/frame",

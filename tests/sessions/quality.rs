@@ -145,7 +145,7 @@ fn alike(seen: &RgbaImage, wanted: &RgbaImage) -> bool {
 fn the_last_good_scene_stays_when_a_scene_takes_minutes() {
     apart!();
     let place = Place::new("object ball { shape = sphere(p - vec3(0, 1, 0), 0.7 + 0.1 * sin(3 * t)) }", 200);
-    place.inner.save("p_foam.scene", &ripples(1_500));
+    place.inner.save("p_foam.scene", &ripples());
     let app = place.open("160x90", &[]);
     app.press(&["n"]);
     wait_for_refusal(

@@ -28,7 +28,7 @@ fn pings_are_answered_while_paused_and_while_a_scene_takes_minutes() {
     let (song, scene) = (desktop.folder().join("quiet.wav"), desktop.folder().join("own.scene"));
     std::fs::write(&scene, "object ball { shape = sphere(p - vec3(0, 1, 0), 0.7 + 0.1 * sin(3 * t)) }")
         .unwrap();
-    std::fs::write(desktop.folder().join("p_foam.scene"), ripples(1_500)).unwrap();
+    std::fs::write(desktop.folder().join("p_foam.scene"), ripples()).unwrap();
     let options = ["-v", "--silent", "--size", "160x90", "--scene", scene.to_str().unwrap()];
     let mut app = desktop.open(&song, &options);
     app.wait_for_title("a scene", |title| title.contains(" - Mariana ("));

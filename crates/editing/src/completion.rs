@@ -59,7 +59,7 @@ static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
                 (_, default) => format!("; {default} by default"),
             };
             let text = format!("{}{default}", field.doc);
-            plain(field.name, format!("{section} {{ {} = }}", field.name), &text)
+            plain(field.name, head_of_field(section, field.name), &text)
         })
     });
     let words = keywords().map(|word| plain(word, word.to_owned(), ""));
@@ -173,7 +173,7 @@ fn declared(line: &[u8]) -> Option<(&str, usize)> {
 }
 
 /// Returns the documentation of the name that `line` declares: the line itself, and the comment above it.
-fn declaration(buffer: &Buffer, line: usize) -> About {
+pub fn declaration(buffer: &Buffer, line: usize) -> About {
     let text = String::from_utf8_lossy(buffer.line(line)).trim().to_owned();
     let is_function = text.starts_with("fn ");
     let end = if is_function { text.find(')').map_or(text.len(), |end| end + 1) } else { text.len() };
@@ -203,8 +203,28 @@ pub fn documentation(buffer: &Buffer, name: &str) -> Option<About> {
     if let Some(line) = own {
         return Some(declaration(buffer, line));
     }
+    about_language(name)
+}
+
+/// Returns the documentation of a name of the language.
+pub fn about_language(name: &str) -> Option<About> {
     let place = LANGUAGE.partition_point(|one| one.name.as_str() < name);
     LANGUAGE.get(place).filter(|one| one.name == name).map(|one| one.about.clone())
+}
+
+/// Returns the documentation of a field of the section that begins with this keyword.
+pub fn about_field(section: &str, name: &str) -> Option<About> {
+    let head = head_of_field(section, name);
+    LANGUAGE.iter().find(|one| one.name == name && one.about.head == head).map(|one| one.about.clone())
+}
+
+/// Returns the documentation of an input of a part of the song, such as `volume` in `drums.volume`.
+pub fn about_part_input(name: &str) -> Option<About> {
+    OF_PARTS.iter().find(|one| one.name == name).map(|one| one.about.clone())
+}
+
+fn head_of_field(section: &str, name: &str) -> String {
+    format!("{section} {{ {name} = }}")
 }
 
 /// Returns the documentation and byte range of the name at `offset`. If that name has no documentation, returns those

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use mariana_field::lang::formatted;
+
 use crate::buffer::Buffer;
 use crate::history::{Change, Followed, History, Joins, Step};
 use crate::limits::LIMITS;
@@ -227,6 +229,31 @@ impl Editing {
         self.replace(0..self.buffer.len(), text, Joins::Nothing)?;
         self.go_to(cursor, false);
         Ok(())
+    }
+
+    /// Formats the text as one undo step. The cursor stays at its word. Returns false and
+    /// changes nothing if the text has mistakes in its grammar or is not UTF-8.
+    ///
+    /// # Errors
+    /// [`Refused`] if the result would be too long.
+    pub fn format(&mut self) -> Result<bool, Refused> {
+        let Some(text) = std::str::from_utf8(self.buffer.bytes()).ok().and_then(formatted) else {
+            return Ok(false);
+        };
+        if text.as_bytes() == self.buffer.bytes() {
+            return Ok(true);
+        }
+        // Only blanks change, so the cursor stays before the same letter or, at a blank, behind it.
+        let is_letter = |byte: &u8| !byte.is_ascii_whitespace();
+        let before = self.buffer.slice(0..self.cursor).iter().filter(|byte| is_letter(byte)).count();
+        let mut letters = text.bytes().enumerate().filter(|(_, byte)| is_letter(byte)).map(|(at, _)| at);
+        let cursor = match self.buffer.slice(self.cursor..self.cursor + 1).first() {
+            Some(byte) if is_letter(byte) => letters.nth(before).unwrap_or(text.len()),
+            _ => before.checked_sub(1).and_then(|last| letters.nth(last)).map_or(0, |last| last + 1),
+        };
+        self.replace_all(text.as_bytes())?;
+        self.go_to(cursor, false);
+        Ok(true)
     }
 
     /// Indents the selected lines by one step if `deeper`, otherwise unindents them by one step.
@@ -465,6 +492,22 @@ mod tests {
         editing.delete(Move::Right);
         editing.delete(Move::WordRight);
         assert_eq!(shown(&editing), "  | = 5\n球球球球 end\n");
+    }
+
+    #[test]
+    fn formatting_keeps_the_cursor_at_its_word() {
+        let mut editing = with_cursor("let a=1+x\n\n\n\nlet  b = |a");
+        assert_eq!(editing.format(), Ok(true));
+        assert_eq!(shown(&editing), "let a = 1 + x\n\nlet b = |a\n");
+        assert!(editing.undo());
+        assert_eq!(editing.buffer().bytes(), b"let a=1+x\n\n\n\nlet  b = a");
+        for wrong in ["let a = (|", "let a = \u{e4}|"] {
+            let mut editing = with_cursor(wrong);
+            assert_eq!(editing.format(), Ok(false));
+            assert_eq!(shown(&editing), wrong);
+        }
+        let mut editing = with_cursor("|x\n");
+        assert_eq!((editing.format(), editing.undo()), (Ok(true), false));
     }
 
     #[test]

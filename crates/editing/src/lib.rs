@@ -22,7 +22,10 @@ mod triples;
 pub use buffer::Buffer;
 pub use colors::Colors;
 pub use columns::{Cell, cells, column_of, offset_of, width};
-pub use completion::{About, Proposal, about, documentation, proposals};
+pub use completion::{
+    About, Proposal, about, about_field, about_language, about_part_input, declaration, documentation,
+    proposals,
+};
 pub use editing::{Editing, Refused};
 pub use find::find;
 pub use history::Change;

@@ -208,6 +208,15 @@ impl SceneSource {
     }
 }
 
+/// Reads the file `name`, which the scene file `scene` includes.
+///
+/// # Errors
+/// Fails with a reason in plain words, also for a file outside of the scene's folder.
+pub fn included_text(scene: &Path, name: &str) -> Result<String, String> {
+    let text = Folder::of(scene).text(name, FIELD_LIMITS.scene_bytes_max);
+    text.map_err(|refusal| refusal.to_string())
+}
+
 /// Returns a function that reads an include of a scene in `folder`, or the draft of the include.
 fn including(folder: Folder, drafts: &DraftTexts) -> impl FnMut(&str) -> Result<String, String> {
     move |path| {

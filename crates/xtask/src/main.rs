@@ -8,6 +8,7 @@ mod demo_track;
 mod desktop;
 mod gallery;
 mod gpu;
+mod grammars;
 mod language_page;
 mod melt;
 mod root;
@@ -47,6 +48,7 @@ const TOOLS: &[Tool] = &[
         "compiles the shader programs for this GPU and prints the results",
         gpu::programs,
     ),
+    ("grammars", "[FOLDER]", "writes the grammars for editors to editors", grammars::run),
     ("language-page", "[FOLDER]", "writes docs/language.md and the images of shapes", language_page::run),
     ("melt", "PROGRAM", "draws docs/images/melt.webp, the moving image of the README", melt::run),
     ("textures", "[FOLDER]", "generates assets/textures", textures::run),

@@ -1,6 +1,7 @@
 //! A simple evaluator of graphs. Tests compare the fast evaluators with it.
 
 use super::frame_inputs::FrameInputs;
+use super::interval::Interval;
 use super::node::{Input, Node, NodeId};
 use super::order::Order;
 use super::{Graph, GraphError};
@@ -62,6 +63,24 @@ impl Graph {
             };
         }
         roots.iter().map(|root| values[root.index()] + 0.0).collect()
+    }
+
+    /// Returns bounds of a value that is the same at all points. With [`FrameInputs::any`], they hold for every frame.
+    ///
+    /// # Errors
+    /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
+    pub fn bounds_of(&self, root: NodeId, frame: &FrameInputs) -> Result<Interval, GraphError> {
+        let mut bounds = vec![Interval::ANY; root.index() + 1];
+        for &id in &self.order(&[root])?.nodes {
+            bounds[id.index()] = match self.node(id) {
+                Node::Constant(value) => Interval::point(value),
+                Node::Input(input) => frame.bounds(input),
+                Node::Unary(op, a) => op.bounds(bounds[a.index()], Interval::point(0.0), frame),
+                Node::Binary(op, a, b) => op.bounds(bounds[a.index()], bounds[b.index()], frame),
+                Node::Texture { .. } => Interval::ANY,
+            };
+        }
+        Ok(bounds[root.index()])
     }
 }
 

@@ -3,6 +3,7 @@
 //! Children precede their parents. Code that visits the expressions recurses no deeper than the parser did: a chain
 //! of a million additions is deep only to the left, and visitors follow the left side in a loop.
 
+use super::names::NameEvent;
 use super::source::Span;
 use super::symbol::Symbol;
 
@@ -65,22 +66,80 @@ pub(super) enum Expr {
     /// A function's name, the index in `extra` of the first argument, and the number of arguments.
     Call(Symbol, u32, u32),
     If(ExprId, ExprId, ExprId),
-    /// The index in `extra` of the first pair of name and value, the number of pairs, and the result.
+    /// The index in `extra` of the first statement, the number of statements, and the result.
     Block(u32, u32, ExprId),
     /// Four entries in `extra`: variable, first, end, body.
     For(u32),
+    /// `(name = value, …)`: the index in `extra` of the first pair of name and value, and the number of pairs.
+    Record(u32, u32),
+    /// A statement of a block: `let name = value`.
+    Let(Symbol, ExprId),
+    /// A statement: the number of an [`Assignment`].
+    Assign(u32),
+    /// A statement: the number of a [`Loop`].
+    Loop(u32),
+    /// A statement: the number of a [`When`].
+    When(u32),
+    /// A statement: ends the innermost loop.
+    Break,
+}
+
+/// An index in `extra` of consecutive statements, and their number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Statements {
+    pub first: u32,
+    pub count: u32,
+}
+
+/// `name = value`, `name.xz = value` or, with an operator, `name.xz += value`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Assignment {
+    pub name: Symbol,
+    pub components: Option<Symbol>,
+    pub op: Option<BinaryOp>,
+    pub value: ExprId,
+}
+
+/// `for variable in first..end while condition { body }`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Loop {
+    pub variable: Symbol,
+    pub first: ExprId,
+    pub end: ExprId,
+    pub condition: Option<ExprId>,
+    pub body: Statements,
+}
+
+/// `if condition { yes } else { no }`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct When {
+    pub condition: ExprId,
+    pub yes: Statements,
+    pub no: Statements,
 }
 
 #[derive(Debug, Default)]
 pub(super) struct Ast {
     nodes: Vec<(Expr, Span)>,
     pub extra: Vec<u32>,
+    /// Records about names, in the order of the text. `None` unless an editor needs them.
+    pub name_events: Option<Vec<NameEvent>>,
+    assignments: Vec<Assignment>,
+    loops: Vec<Loop>,
+    whens: Vec<When>,
 }
 
 impl Ast {
     pub(super) fn push(&mut self, expr: Expr, span: Span) -> ExprId {
         self.nodes.push((expr, span));
         ExprId(self.nodes.len() as u32 - 1)
+    }
+
+    #[inline]
+    pub(super) fn note(&mut self, event: NameEvent) {
+        if let Some(events) = &mut self.name_events {
+            events.push(event);
+        }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -107,6 +166,33 @@ impl Ast {
     pub(super) fn extra(&self, index: u32) -> u32 {
         self.extra.get(index as usize).copied().unwrap_or(0)
     }
+
+    pub(super) fn push_assignment(&mut self, assignment: Assignment, span: Span) -> ExprId {
+        self.assignments.push(assignment);
+        self.push(Expr::Assign(self.assignments.len() as u32 - 1), span)
+    }
+
+    pub(super) fn assignment(&self, index: u32) -> Option<Assignment> {
+        self.assignments.get(index as usize).copied()
+    }
+
+    pub(super) fn push_loop(&mut self, of: Loop, span: Span) -> ExprId {
+        self.loops.push(of);
+        self.push(Expr::Loop(self.loops.len() as u32 - 1), span)
+    }
+
+    pub(super) fn loop_at(&self, index: u32) -> Option<Loop> {
+        self.loops.get(index as usize).copied()
+    }
+
+    pub(super) fn push_when(&mut self, when: When, span: Span) -> ExprId {
+        self.whens.push(when);
+        self.push(Expr::When(self.whens.len() as u32 - 1), span)
+    }
+
+    pub(super) fn when(&self, index: u32) -> Option<When> {
+        self.whens.get(index as usize).copied()
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,12 +208,14 @@ pub(super) enum Type {
     Vec2,
     Vec3,
     Vec4,
+    Mat2,
+    Mat3,
     Texture,
 }
 
 impl Type {
-    pub(super) const ALL: [Self; 6] =
-        [Self::Number, Self::Bool, Self::Vec2, Self::Vec3, Self::Vec4, Self::Texture];
+    pub(super) const ALL: [Self; 8] =
+        [Self::Number, Self::Bool, Self::Vec2, Self::Vec3, Self::Vec4, Self::Mat2, Self::Mat3, Self::Texture];
 
     pub(super) fn name(self) -> &'static str {
         match self {
@@ -136,6 +224,8 @@ impl Type {
             Self::Vec2 => "vec2",
             Self::Vec3 => "vec3",
             Self::Vec4 => "vec4",
+            Self::Mat2 => "mat2",
+            Self::Mat3 => "mat3",
             Self::Texture => "texture",
         }
     }
@@ -147,6 +237,8 @@ impl Type {
             Self::Vec2 => "a vec2",
             Self::Vec3 => "a vec3",
             Self::Vec4 => "a vec4",
+            Self::Mat2 => "a mat2",
+            Self::Mat3 => "a mat3",
             Self::Texture => "a text",
         }
     }

@@ -125,6 +125,8 @@ pub(super) enum Builtin {
     Atan,
     /// Rounds a number, or the edges of a shape.
     Round,
+    /// A number or, of a condition, 0 or 1.
+    Float,
     Pow,
     Three(Three),
     Length,
@@ -134,6 +136,15 @@ pub(super) enum Builtin {
     Table(Op),
     History,
     Texture,
+    Matrix(MatrixFunction),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum MatrixFunction {
+    Construct(u8),
+    Transpose,
+    Inverse,
+    Determinant,
 }
 
 /// A function: name, parameters on the language's page, meaning, minimum and maximum number of arguments, and
@@ -164,7 +175,7 @@ const fn levels(list: LevelList) -> BuiltinRow {
     function(list.name(), "i", Builtin::Levels(list), (1, 1), list.doc())
 }
 
-use Builtin::{Atan, Construct, Dot, History, Length, Pair, Pow, Round, Table, Texture};
+use Builtin::{Atan, Construct, Dot, History, Length, Matrix, Pair, Pow, Round, Table, Texture};
 
 pub(super) const BUILTINS: &[BuiltinRow] = &[
     each("abs", Op::Abs, "the magnitude"),
@@ -227,6 +238,43 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     function("vec2", "x, y", Construct(2), (1, 2), "a vector of two numbers"),
     function("vec3", "x, y, z", Construct(3), (1, 3), "a vector of three numbers"),
     function("vec4", "x, y, z, w", Construct(4), (1, 4), "a vector of four numbers"),
+    function(
+        "mat2",
+        "a, b",
+        Matrix(MatrixFunction::Construct(2)),
+        (1, 4),
+        "a matrix of two columns, from vectors or from four numbers by columns; one number fills the diagonal",
+    ),
+    function(
+        "mat3",
+        "a, b, c",
+        Matrix(MatrixFunction::Construct(3)),
+        (1, 9),
+        "a matrix of three columns, from vectors or from nine numbers by columns; one number fills the diagonal",
+    ),
+    function(
+        "transpose",
+        "m",
+        Matrix(MatrixFunction::Transpose),
+        (1, 1),
+        "the matrix with rows and columns exchanged",
+    ),
+    function(
+        "inverse",
+        "m",
+        Matrix(MatrixFunction::Inverse),
+        (1, 1),
+        "the matrix that undoes m; zeros if its determinant is 0",
+    ),
+    function(
+        "determinant",
+        "m",
+        Matrix(MatrixFunction::Determinant),
+        (1, 1),
+        "the factor by which m scales volumes",
+    ),
+    function("float", "a", Builtin::Float, (1, 1), "the number itself; 1 for a condition that holds, else 0"),
+    function("int", "a", Builtin::Each(Op::Trunc), (1, 1), "the whole part, the same as trunc(a)"),
     function(
         "cell_hash",
         "a, b",

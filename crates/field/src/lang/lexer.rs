@@ -113,8 +113,28 @@ impl Lexer<'_> {
     }
 
     fn skip_line(&mut self) {
+        if self.rest().starts_with(b"#define ") {
+            self.macro_line();
+        }
         let rest = self.bytes.get(self.at..).unwrap_or(&[]);
         self.at += rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
+    }
+
+    /// Reports a macro, because a comment would hide why its name is unknown.
+    #[cold]
+    fn macro_line(&mut self) {
+        let start = self.at as u32 + self.base;
+        let line = self.text.get(self.at..).and_then(|rest| rest.lines().next()).unwrap_or_default();
+        let head = line.strip_prefix("#define").unwrap_or_default().trim_start();
+        let name: String =
+            head.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').take(60).collect();
+        let hint = match head.get(name.len()..).is_some_and(|rest| rest.starts_with('(')) {
+            true => format!("write `fn {name}(a) = …`"),
+            false => format!("write `let {name} = …`"),
+        };
+        let span = Span::new(start, start + "#define".len() as u32);
+        let unknown = Diagnostic::unsupported(span, "there are no macros, and `#` begins a comment");
+        self.diagnostics.push(unknown.hint(hint));
     }
 
     fn skip_block(&mut self) {

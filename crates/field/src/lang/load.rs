@@ -14,17 +14,23 @@ pub(super) struct Loaded {
     pub includes: Vec<String>,
 }
 
-/// Parses `text` and its includes, depth first: an included text precedes the text that includes it.
+impl Loaded {
+    /// Returns an empty scene. `names` contains the names of the library.
+    pub(super) fn new(names: Interner) -> Self {
+        Self { ast: Ast::default(), names, items: Vec::new(), includes: Vec::new() }
+    }
+}
+
+/// Parses `text` and its includes into `loaded`, depth first: an included text precedes the text that includes it.
 pub(super) fn load(
     name: &str,
     text: &str,
     resolve: &mut Resolver<'_>,
-    names: Interner,
+    loaded: Loaded,
     limits: &Limits,
     sources: &mut Sources,
     diagnostics: &mut Diagnostics,
 ) -> Loaded {
-    let loaded = Loaded { ast: Ast::default(), names, items: Vec::new(), includes: Vec::new() };
     let mut loader =
         Loader { loaded, resolve, limits, sources, diagnostics, bytes: 0, tokens: 0, open: Vec::new() };
     loader.file(name, text, None);

@@ -25,11 +25,14 @@ mod builtin;
 mod changing;
 mod diagnostic;
 mod fields;
+mod formatting;
+mod glsl_names;
 mod lexer;
 mod library;
 mod load;
 mod lower;
 mod material;
+mod names;
 mod origins;
 mod parser;
 mod path;
@@ -47,11 +50,14 @@ pub use about::{About, TransitionStyle};
 pub use changing::{Turning, changed_numbers, number_place};
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, Holds, MaterialRange};
+pub use formatting::formatted;
 pub use library::{Accuracy, Entry, PICTURES, entries, inputs, is_part, part_inputs, parts};
 pub use lower::section_fields;
 pub(crate) use material::material_members;
 pub use material::{Material, material_glsl};
+pub use names::{Declaration, Meaning, NameKind, Names, names};
 pub use origins::{Origins, TextPlace};
+pub use parser::{Operator, PREFIX_BINDS, operators};
 pub use scene::{
     Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap,
 };
@@ -59,7 +65,7 @@ pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]
 pub(crate) use tests::SHAPES;
-pub use words::{Word, WordKind, keywords, words};
+pub use words::{Word, WordKind, item_words, keywords, reserved_words, type_names, words};
 
 use std::collections::BTreeSet;
 
@@ -141,7 +147,7 @@ fn compile_all(
 ) -> Compiled {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(limits.scene_diagnostics_max);
-    let names = library::library().names.clone();
+    let empty = load::Loaded::new(library::library().names.clone());
     let mut includes_asked = Vec::new();
     let mut note_and_resolve = |path: &str| {
         if !includes_asked.iter().any(|known| known == path) {
@@ -149,7 +155,7 @@ fn compile_all(
         }
         resolve(path)
     };
-    let loaded = load::load(name, text, &mut note_and_resolve, names, limits, &mut sources, &mut diagnostics);
+    let loaded = load::load(name, text, &mut note_and_resolve, empty, limits, &mut sources, &mut diagnostics);
     let scene = lower::lower(loaded, changing, limits, &sources, &mut diagnostics);
     let scene = if diagnostics.is_empty() { scene } else { None };
     let warnings = if scene.is_some() { diagnostics.take_warnings() } else { Vec::new() };
@@ -160,7 +166,7 @@ fn compile_all(
 pub fn check_syntax(name: &str, text: &str) -> (Vec<Diagnostic>, Sources) {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
-    let names = library::library().names.clone();
-    load::load(name, text, &mut |_| Ok(String::new()), names, &LIMITS, &mut sources, &mut diagnostics);
+    let empty = load::Loaded::new(library::library().names.clone());
+    load::load(name, text, &mut |_| Ok(String::new()), empty, &LIMITS, &mut sources, &mut diagnostics);
     (diagnostics.finish(), sources)
 }

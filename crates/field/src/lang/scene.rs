@@ -54,6 +54,27 @@ pub struct Scene {
     pub origins: Arc<Origins>,
 }
 
+impl Scene {
+    /// True if both scenes have the same expressions, node by node, and the same objects, materials, lights, cameras,
+    /// parameters and textures, apart from their names. The texts and the locations in them may differ.
+    pub fn draws_the_same(&self, other: &Self) -> bool {
+        let shape = |object: &Object| (object.shape, object.bound, object.material);
+        let range = |param: &Param| (param.default, param.min, param.max, param.is_number);
+        let nameless = |material: &Material| Material { name: String::new(), ..material.clone() };
+        self.graph.is_same(&other.graph)
+            && self.objects.iter().map(shape).eq(other.objects.iter().map(shape))
+            && self.distance == other.distance
+            && self.materials.iter().map(nameless).eq(other.materials.iter().map(nameless))
+            && self.lights == other.lights
+            && self.camera == other.camera
+            && self.cameras.iter().map(|one| &one.1).eq(other.cameras.iter().map(|one| &one.1))
+            && (&self.sky, self.has_own_sky, &self.picture) == (&other.sky, other.has_own_sky, &other.picture)
+            && self.about == other.about
+            && self.params.iter().map(range).eq(other.params.iter().map(range))
+            && self.textures.iter().map(|one| &one.name).eq(other.textures.iter().map(|one| &one.name))
+    }
+}
+
 /// A shape with its material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object {
@@ -68,6 +89,9 @@ pub struct Object {
     pub bound: Option<NodeId>,
     /// Index into [`Scene::materials`].
     pub material: usize,
+    /// True if rays may step by the shape's value although its slope exceeds 1, as with an estimate of the distance to
+    /// a fractal.
+    pub trusted: bool,
 }
 
 /// A row: documentation, variant, name in shaders, and the field that [`Light::place`] returns.

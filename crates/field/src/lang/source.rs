@@ -109,6 +109,12 @@ impl Sources {
         Some((index, within(span.start)..within(span.end)))
     }
 
+    /// Returns the offset of a byte in the file with this index; `None` for a missing file.
+    pub fn offset(&self, file: usize, byte: usize) -> Option<u32> {
+        let file = self.files.get(file)?;
+        u32::try_from(file.base as usize + byte.min(file.text.len())).ok()
+    }
+
     /// First offset and length of each file, in bytes.
     pub(super) fn extents(&self) -> impl Iterator<Item = (u32, u32)> {
         self.files.iter().map(|file| (file.base, file.text.len() as u32))

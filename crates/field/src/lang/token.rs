@@ -51,7 +51,8 @@ pub(super) struct Token {
 }
 
 /// Words that cannot be names, in the order of their symbols.
-pub(super) const RESERVED: &[&str] = &["let", "fn", "for", "in", "if", "then", "else", "true", "false"];
+pub(super) const RESERVED: &[&str] =
+    &["let", "fn", "for", "in", "if", "then", "else", "true", "false", "while", "break"];
 
 /// The symbols of [`RESERVED`], which are the first symbols of every interner.
 pub(super) mod word {
@@ -65,6 +66,8 @@ pub(super) mod word {
     pub(crate) const ELSE: Symbol = Symbol(6);
     pub(crate) const TRUE: Symbol = Symbol(7);
     pub(crate) const FALSE: Symbol = Symbol(8);
+    pub(crate) const WHILE: Symbol = Symbol(9);
+    pub(crate) const BREAK: Symbol = Symbol(10);
 }
 
 impl Token {

@@ -119,6 +119,86 @@ pub(super) enum Value {
     /// 0 or 1.
     Bool(NodeId),
     Text(Symbol),
+    /// The number of a matrix in [`Composites`].
+    Matrix(u32),
+    /// The number of a record in [`Composites`].
+    Record(u32),
+}
+
+/// A square matrix of two or three columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Matrix {
+    /// The columns from `size` on are unused.
+    columns: [Vector; 3],
+    size: u32,
+}
+
+impl Matrix {
+    /// `None` unless there are two or three columns of as many parts.
+    pub(super) fn of_columns(columns: &[Vector]) -> Option<Self> {
+        let size = columns.len();
+        let fits = matches!(size, 2 | 3) && columns.iter().all(|column| column.len() == size);
+        let first = *columns.first().filter(|_| fits)?;
+        let column = |index: usize| columns.get(index).copied().unwrap_or(first);
+        Some(Self { columns: [first, column(1), column(2)], size: size as u32 })
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.size as usize
+    }
+
+    pub(super) fn columns(&self) -> &[Vector] {
+        self.columns.get(..self.len()).unwrap_or(&self.columns)
+    }
+
+    /// Returns the element in this column and row.
+    pub(super) fn part(&self, column: usize, row: usize) -> NodeId {
+        self.columns.get(column).unwrap_or(&self.columns[0]).part(row)
+    }
+}
+
+/// The matrices and records of all values, because a [`Value`] has room for a vector only.
+#[derive(Debug, Default)]
+pub(super) struct Composites {
+    matrices: Vec<Matrix>,
+    records: Vec<Vec<(Symbol, Value)>>,
+}
+
+impl Composites {
+    pub(super) fn add_matrix(&mut self, matrix: Matrix) -> Value {
+        self.matrices.push(matrix);
+        Value::Matrix(self.matrices.len() as u32 - 1)
+    }
+
+    pub(super) fn matrix(&self, index: u32) -> Option<Matrix> {
+        self.matrices.get(index as usize).copied()
+    }
+
+    pub(super) fn add_record(&mut self, fields: Vec<(Symbol, Value)>) -> Value {
+        self.records.push(fields);
+        Value::Record(self.records.len() as u32 - 1)
+    }
+
+    /// Returns the fields of a record; none for an unknown record.
+    pub(super) fn record(&self, index: u32) -> &[(Symbol, Value)] {
+        self.records.get(index as usize).map_or(&[], Vec::as_slice)
+    }
+
+    pub(super) fn type_of(&self, value: Value) -> Option<Type> {
+        Some(match value {
+            Value::Unknown | Value::Record(_) => return None,
+            Value::Vector(vector) => match vector.len() {
+                1 => Type::Number,
+                2 => Type::Vec2,
+                3 => Type::Vec3,
+                _ => Type::Vec4,
+            },
+            Value::Bool(_) => Type::Bool,
+            Value::Text(_) => Type::Texture,
+            Value::Matrix(index) if self.matrix(index)?.len() == 2 => Type::Mat2,
+            Value::Matrix(_) => Type::Mat3,
+        })
+    }
 }
 
 impl Value {
@@ -126,21 +206,12 @@ impl Value {
         Self::Vector(Vector::scalar(part))
     }
 
-    pub(super) fn type_of(self) -> Option<Type> {
-        match self {
-            Self::Unknown => None,
-            Self::Vector(vector) => Some(match vector.len() {
-                1 => Type::Number,
-                2 => Type::Vec2,
-                3 => Type::Vec3,
-                _ => Type::Vec4,
-            }),
-            Self::Bool(_) => Some(Type::Bool),
-            Self::Text(_) => Some(Type::Texture),
-        }
-    }
-
     pub(super) fn described(self) -> &'static str {
-        self.type_of().map_or("a mistake", Type::described)
+        match self {
+            Self::Unknown => "a mistake",
+            Self::Matrix(_) => "a matrix",
+            Self::Record(_) => "a record",
+            other => Composites::default().type_of(other).map_or("a mistake", Type::described),
+        }
     }
 }

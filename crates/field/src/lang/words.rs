@@ -123,7 +123,22 @@ fn kind_of_name(name: &str) -> WordKind {
 
 /// Returns the words that begin a part of a scene, and the reserved words.
 pub fn keywords() -> impl Iterator<Item = &'static str> {
-    parser::keywords().chain(super::token::RESERVED.iter().copied())
+    item_words().chain(reserved_words())
+}
+
+/// Returns the words that begin a part of a scene. They may also be names.
+pub fn item_words() -> impl Iterator<Item = &'static str> {
+    parser::keywords()
+}
+
+/// Returns the words that cannot be names.
+pub fn reserved_words() -> impl Iterator<Item = &'static str> {
+    super::token::RESERVED.iter().copied()
+}
+
+/// Returns the names of the types that a function's parameter can require.
+pub fn type_names() -> impl Iterator<Item = &'static str> {
+    super::ast::Type::ALL.iter().map(|one| one.name())
 }
 
 #[cfg(test)]

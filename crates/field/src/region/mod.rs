@@ -49,6 +49,7 @@ pub(crate) mod every_frame;
 pub mod gradient;
 mod lanes;
 mod linear;
+mod listing;
 mod lives;
 mod part;
 mod program;
@@ -58,6 +59,7 @@ mod reuse;
 pub(crate) mod surface;
 mod tree;
 
+pub use listing::ListedClause;
 pub use part::Part;
 pub use read::Cell;
 #[cfg(test)]

@@ -84,7 +84,7 @@ const ROUNDING: f32 = 1e-5;
 /// hundred-thousandth of a root cell ahead.
 const OVERLAP: f32 = 4e-6;
 /// Largest penumbra: the distance from a light divided by its sharpness.
-const PENUMBRA_MAX: f32 = 1e9;
+pub(super) const PENUMBRA_MAX: f32 = 1e9;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {

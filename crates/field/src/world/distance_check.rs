@@ -367,4 +367,17 @@ mod tests {
             assert!(world_of(text).non_lipschitz, "{text}");
         }
     }
+
+    #[test]
+    fn only_shapes_that_the_scene_does_not_trust_are_checked() {
+        let steep = |name: &str, trust: &str| {
+            format!("object {name} {{ shape = 5 * (length(p - vec3(0, 0, 4)) - 1){trust} }}\n")
+        };
+        assert!(world_of(&steep("a", "")).non_lipschitz);
+        assert!(!world_of(&steep("a", "  trust = 1")).non_lipschitz);
+        let both = steep("a", "  trust = 1") + &steep("b", "").replace("- vec3", "+ vec3");
+        assert!(world_of(&both).non_lipschitz, "the other object is steep");
+        let both = steep("a", "  trust = 1") + "object b { shape = sphere(p, 1) }";
+        assert!(!world_of(&both).non_lipschitz);
+    }
 }

@@ -185,7 +185,7 @@ impl World {
         let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
         let traced = match &rest {
-            Some(rest) => Traced::of(&scene, rest.bound, &frame_tape).map_err(tape_error)?,
+            Some(rest) => Traced::of(&mut scene, rest.bound, &frame_tape).map_err(tape_error)?,
             None => Traced::default(),
         };
         let glow = nearby_light::nearby_light(&mut scene, traced.non_lipschitz).map_err(graph_error)?;
@@ -261,10 +261,11 @@ struct Traced {
 }
 
 impl Traced {
-    fn of(scene: &Scene, distance: NodeId, frame_tape: &FrameTape) -> Result<Self, TapeError> {
-        let tape = Tape::build(&scene.graph, &[distance], &TapeOptions::default())?;
+    fn of(scene: &mut Scene, distance: NodeId, frame_tape: &FrameTape) -> Result<Self, TapeError> {
         let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
         let bounds = bounds::find(&scene.graph, distance, &any)?;
+        let Some(checked) = untrusted(scene, distance) else { return Ok(Self { bounds, ..Self::default() }) };
+        let tape = Tape::build(&scene.graph, &[checked], &TapeOptions::default())?;
         let around = |inputs: &FrameInputs| match bounds {
             Some(bounds) => vec![bounds],
             None => distance_check::around(frame_tape.values(inputs).camera.target),
@@ -276,6 +277,16 @@ impl Traced {
             None => Self { bounds, ..Self::default() },
         })
     }
+}
+
+/// The part of `distance` that is checked for being a distance: all but the shapes that the scene trusts.
+fn untrusted(scene: &mut Scene, distance: NodeId) -> Option<NodeId> {
+    if !scene.objects.iter().any(|object| object.trusted) {
+        return Some(distance);
+    }
+    let shapes = scene.objects.iter().filter(|object| !object.trusted).map(|object| object.shape);
+    let shapes: Vec<NodeId> = shapes.collect();
+    shapes.into_iter().reduce(|a, b| scene.graph.min(a, b))
 }
 
 fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 4]>) -> Roots {

@@ -30,6 +30,8 @@ pub enum EditAction {
     },
     /// Comments lines out, or uncomments them.
     ToggleComment,
+    /// Formats the text.
+    Format,
     /// Opens the completion list.
     Propose,
     /// Replaces the number at the cursor by a parameter.
@@ -117,6 +119,7 @@ pub const ROWS: &[Row] = &[
     ),
     named(NamedKey::F3, NONE, "", EditAction::FindNext { forward: true }, ""),
     letter("/", "Ctrl+/", EditAction::ToggleComment, "comment lines out, or uncomment them"),
+    letter("r", "Ctrl+R", EditAction::Format, "format the text: indentation, blanks and columns"),
     named(
         NamedKey::Space,
         CTRL,

@@ -144,6 +144,17 @@ impl TestEditor {
 }
 
 #[test]
+fn a_key_formats_the_text_if_it_has_no_mistakes() {
+    let mut setup = TestEditor::new(b"let  a=1");
+    setup.ctrl("r");
+    assert_eq!(setup.text(), "let a = 1\n");
+    setup.type_text("let = ");
+    setup.ctrl("r");
+    assert!(setup.said().contains("correct the mistakes"), "{}", setup.said());
+    assert_eq!(setup.text(), "let = let a = 1\n");
+}
+
+#[test]
 fn every_edit_goes_to_the_loader_and_undoing_all_removes_the_draft() {
     let mut setup = TestEditor::new(BALL.as_bytes());
     assert!(setup.load());

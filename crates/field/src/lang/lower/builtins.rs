@@ -40,6 +40,12 @@ impl Lowering<'_> {
         if row.builtin == Builtin::Texture {
             return self.texture(mark, first, span);
         }
+        if let Builtin::Matrix(function) = row.builtin {
+            return self.matrix_function(row, function, mark, span);
+        }
+        if let (Builtin::Float, Some(Value::Bool(part))) = (row.builtin, self.arguments.get(mark)) {
+            return Value::scalar(*part);
+        }
         let mut vectors = [None; 4];
         for (index, slot) in vectors.iter_mut().enumerate().take(count) {
             let value = self.arguments.get(mark + index).copied().unwrap_or(Value::Unknown);
@@ -51,6 +57,7 @@ impl Lowering<'_> {
         }
         match (row.builtin, vectors) {
             (Builtin::Each(op), [Some(a), ..]) => Value::Vector(a.map(|part| self.graph.unary(op, part))),
+            (Builtin::Float, [Some(a), ..]) if a.len() == 1 => Value::Vector(a),
             (Builtin::Atan, [Some(a), None, ..]) => {
                 Value::Vector(a.map(|part| self.graph.unary(Op::Atan, part)))
             }

@@ -3,6 +3,7 @@
 use super::super::ast::{Expr, ExprId, Function, Type};
 use super::super::builtin::{BUILTINS, uses};
 use super::super::diagnostic::Diagnostic;
+use super::super::glsl_names;
 use super::super::library;
 use super::super::source::Span;
 use super::super::suggest;
@@ -78,13 +79,8 @@ impl Lowering<'_> {
             self.arguments.push(Value::Unknown);
             return;
         };
-        let max = self.limits.scene_loop_max;
-        if end - start > max as i64 {
-            let message = format!("this loop has {} iterations; the maximum is {max}", end - start);
-            let value = self
-                .reports
-                .add(Diagnostic::over_limit(span, message).hint("repeat space instead: `repeat(p, size)`"));
-            self.arguments.push(value);
+        if self.is_too_long(start, end, "repeat space instead: `repeat(p, size)`", span) {
+            self.arguments.push(Value::Unknown);
             return;
         }
         if self.budget.depth >= self.limits.scene_depth_max {
@@ -105,8 +101,19 @@ impl Lowering<'_> {
         self.budget.depth -= 1;
     }
 
+    /// Reports a loop with too many iterations.
+    pub(super) fn is_too_long(&mut self, start: i64, end: i64, hint: &str, span: Span) -> bool {
+        let max = self.limits.scene_loop_max;
+        let too_long = end - start > max as i64;
+        if too_long {
+            let message = format!("this loop has {} iterations; the maximum is {max}", end - start);
+            self.reports.add(Diagnostic::over_limit(span, message).hint(hint));
+        }
+        too_long
+    }
+
     /// Evaluates a loop's bound, a constant whole number.
-    fn loop_bound(&mut self, id: ExprId) -> Option<i64> {
+    pub(super) fn loop_bound(&mut self, id: ExprId) -> Option<i64> {
         let span = self.ast.span(id);
         let value = match self.expr(id) {
             Value::Unknown => return None,
@@ -118,6 +125,10 @@ impl Lowering<'_> {
             self.reports.add(wrong.hint("write whole numbers; to skip iterations use `if` in the loop"));
             return None;
         };
+        self.whole_bound(value, span)
+    }
+
+    pub(super) fn whole_bound(&mut self, value: f32, span: Span) -> Option<i64> {
         if value.fract() != 0.0 || value.abs() > 1e6 {
             self.reports.add(Diagnostic::new(
                 span,
@@ -227,6 +238,7 @@ impl Lowering<'_> {
             let value = self.arguments.get(mark + index).copied().unwrap_or(Value::Unknown);
             self.scope.bind(parameter.name.symbol, value);
         }
+        self.scope.enters_body = matches!(self.ast.expr(function.body), Expr::Block(..));
         let value = self.expr(function.body);
         self.scope.unbind(self.scope.frame);
         self.scope.frame = outside;
@@ -306,7 +318,7 @@ impl Lowering<'_> {
                 continue;
             }
             let value = *value;
-            if value.type_of() != Some(of) {
+            if self.scope.composites.type_of(value) != Some(of) {
                 let (wanted, found) = (of.described(), value.described());
                 let parameter = self.name(parameter.name.symbol);
                 let message = format!(
@@ -360,12 +372,13 @@ impl Lowering<'_> {
         let short: String = name.chars().take(60).collect();
         let place = Span::new(span.start, span.start + name.len() as u32);
         let unknown = Diagnostic::new(place, format!("there is no function `{short}`"));
-        if matches!(name, "mat2" | "mat3" | "mat4") {
-            return self.reports.add(
-                unknown.hint(
-                    "there are no matrices: rotate with `rotate_x`, `rotate_y`, `rotate_z` or `rotate`",
-                ),
-            );
+        if let Some(hint) = glsl_names::function(name) {
+            return self.reports.add(unknown.hint(hint));
+        }
+        let renamed = glsl_names::without_prefix(name).and_then(|own| self.names.get(&own));
+        if let Some((own, callee)) = renamed.and_then(|own| self.callee(own).map(|callee| (own, callee))) {
+            let hint = format!("use `{}`", self.signature(callee, own));
+            return self.reports.add(unknown.hint(hint));
         }
         let own = self.declared.functions.iter().map(|called| self.names.name(called.function.name.symbol));
         let shared = self.library.functions.iter().map(|function| self.names.name(function.name.symbol));
@@ -374,12 +387,6 @@ impl Lowering<'_> {
             None if self.scope.local(symbol).is_some() || library::input_index(symbol).is_some() => {
                 unknown.hint(format!("`{name}` is a value; to multiply write `{name} * (…)`"))
             }
-            None => match name {
-                "texture2D" => unknown.hint("read an image with `texture(\"file\", uv)`"),
-                "atan2" => unknown.hint("use `atan(y, x)`, as in GLSL"),
-                "lerp" => unknown.hint("use `mix(a, b, share)`, as in GLSL"),
-                _ => unknown,
-            },
             _ => unknown.did_you_mean(near),
         };
         self.reports.add(unknown)

@@ -3,6 +3,7 @@
 use super::super::ast::{BinaryOp, Expr, ExprId};
 use super::super::builtin::INPUTS;
 use super::super::diagnostic::Diagnostic;
+use super::super::glsl_names;
 use super::super::library;
 use super::super::source::Span;
 use super::super::suggest;
@@ -107,6 +108,10 @@ impl Lowering<'_> {
         match expr {
             Expr::Negate(inner) => {
                 let value = self.expr_below(inner, span);
+                if let Value::Matrix(_) = value {
+                    let minus = Value::scalar(self.graph.constant(-1.0));
+                    return self.matrix_binary(BinaryOp::Multiply, value, minus, span);
+                }
                 match self.number(value, span, || "`-`".to_owned()) {
                     Some(vector) => Value::Vector(vector.map(|part| self.graph.neg(part))),
                     None => Value::Unknown,
@@ -138,74 +143,63 @@ impl Lowering<'_> {
                 self.reports
                     .add(wrong.hint("combine them: `union(for …)`, `sum(for …)`, `min(for …)`, `max(for …)`"))
             }
+            Expr::Record(first, count) => self.record(first, count, span),
             _ => Value::Unknown,
         }
     }
 
-    fn block(&mut self, first: u32, count: u32, result: ExprId, span: Span) -> Value {
-        let mark = self.scope.bindings.len();
-        for index in 0..count {
-            let symbol = Symbol(self.ast.extra(first + 2 * index));
-            let from = self.origins.mark();
-            let value = self.expr_below(ExprId(self.ast.extra(first + 2 * index + 1)), span);
-            let by = self.origins.since(from);
-            self.scope.bind_made(symbol, value, by);
-        }
-        let value = self.expr_below(result, span);
-        self.scope.unbind(mark);
-        value
-    }
-
     fn choice(&mut self, condition: ExprId, yes: ExprId, no: ExprId, span: Span) -> Value {
-        let condition_span = self.ast.span(condition);
-        let part = match self.expr_below(condition, span) {
-            Value::Bool(part) => Some(part),
-            Value::Unknown => None,
-            other => {
-                let message = format!("`if` needs a condition, but this is {}", other.described());
-                self.reports.add(Diagnostic::new(condition_span, message).hint("compare it, as in `a > 0`"));
-                None
-            }
-        };
+        let part = self.condition(condition, "`if`", span);
         // For a constant condition only one side is lowered, so that iterations of a loop can use different sides.
         if let Some(value) = part.and_then(|part| self.graph.as_constant(part)) {
             return self.expr_below(if value != 0.0 { yes } else { no }, span);
         }
         let (yes, no) = (self.expr_below(yes, span), self.expr_below(no, span));
-        match (yes, no, part) {
-            (Value::Vector(a), Value::Vector(b), _) => {
+        match part {
+            Some(part) => self.either(part, yes, no, "both results of `if`", span),
+            None => Value::Unknown,
+        }
+    }
+
+    /// Returns `yes` where the condition holds, else `no`. `what` names the two values in messages.
+    pub(super) fn either(
+        &mut self,
+        condition: NodeId,
+        yes: Value,
+        no: Value,
+        what: &str,
+        span: Span,
+    ) -> Value {
+        match (yes, no) {
+            _ if yes == no => yes,
+            (Value::Unknown, _) | (_, Value::Unknown) => Value::Unknown,
+            (Value::Vector(a), Value::Vector(b)) => {
                 let len = a.len().max(b.len());
-                let (Some(a), Some(b)) = (a.widened(len), b.widened(len)) else {
-                    let message = format!(
-                        "both results of `if` must have the same type, not {} and {}",
-                        yes.described(),
-                        no.described()
-                    );
-                    return self.reports.add(Diagnostic::new(span, message));
-                };
-                match part {
-                    Some(part) => zip(&mut self.graph, a, b, |graph, a, b| graph.select(part, a, b)),
-                    None => Value::Unknown,
+                match (a.widened(len), b.widened(len)) {
+                    (Some(a), Some(b)) => {
+                        zip(&mut self.graph, a, b, |graph, a, b| graph.select(condition, a, b))
+                    }
+                    _ => self.types_differ(what, yes, no, span),
                 }
             }
-            (Value::Bool(a), Value::Bool(b), Some(part)) => Value::Bool(self.graph.select(part, a, b)),
-            (Value::Unknown, ..) | (_, Value::Unknown, _) | (Value::Bool(_), Value::Bool(_), None) => {
-                Value::Unknown
-            }
-            (Value::Text(a), Value::Text(b), _) if a == b => yes,
-            (Value::Text(_), Value::Text(_), _) => {
+            (Value::Bool(a), Value::Bool(b)) => Value::Bool(self.graph.select(condition, a, b)),
+            (Value::Text(_), Value::Text(_)) => {
                 let wrong = Diagnostic::unsupported(span, "an `if` cannot choose between files");
                 self.reports.add(wrong.hint("read both textures and choose between their colours"))
             }
-            _ => {
-                let message = format!(
-                    "both results of `if` must have the same type, not {} and {}",
-                    yes.described(),
-                    no.described()
-                );
-                self.reports.add(Diagnostic::new(span, message))
-            }
+            (Value::Matrix(a), Value::Matrix(b)) => self
+                .matrix_pair(a, b, |graph, a, b| graph.select(condition, a, b))
+                .unwrap_or_else(|| self.types_differ(what, yes, no, span)),
+            (Value::Record(a), Value::Record(b)) => self.either_record(condition, (a, b), what, span),
+            _ => self.types_differ(what, yes, no, span),
         }
+    }
+
+    #[cold]
+    pub(super) fn types_differ(&mut self, what: &str, yes: Value, no: Value, span: Span) -> Value {
+        let message =
+            format!("{what} must have the same type, not {} and {}", yes.described(), no.described());
+        self.reports.add(Diagnostic::new(span, message))
     }
 
     /// Returns the vector in a value. Reports values that are not numbers or vectors; `what` names the operation in the
@@ -225,6 +219,7 @@ impl Lowering<'_> {
                 let wrong = Diagnostic::new(span, message);
                 let wrong = match other {
                     Value::Bool(_) => wrong.hint("a condition becomes a number with `if a then 1 else 0`"),
+                    Value::Record(record) => wrong.hint(self.fields_of(record)),
                     _ => wrong,
                 };
                 self.reports.add(wrong);
@@ -294,6 +289,7 @@ impl Lowering<'_> {
     fn binary_of_others(&mut self, op: BinaryOp, left: Value, right: Value, span: Span) -> Value {
         match (op, left, right) {
             (_, Value::Unknown, _) | (_, _, Value::Unknown) => Value::Unknown,
+            (_, Value::Matrix(_), _) | (_, _, Value::Matrix(_)) => self.matrix_binary(op, left, right, span),
             (BinaryOp::And, Value::Bool(a), Value::Bool(b)) => Value::Bool(self.graph.min(a, b)),
             (BinaryOp::Or, Value::Bool(a), Value::Bool(b)) => Value::Bool(self.graph.max(a, b)),
             (BinaryOp::Equal, Value::Bool(a), Value::Bool(b)) => {
@@ -318,10 +314,11 @@ impl Lowering<'_> {
         }
     }
 
-    fn swizzle(&mut self, value: Value, components: Symbol, span: Span) -> Value {
+    pub(super) fn swizzle(&mut self, value: Value, components: Symbol, span: Span) -> Value {
         let vector = match value {
             Value::Vector(vector) => vector,
             Value::Unknown => return Value::Unknown,
+            Value::Record(record) => return self.record_field(record, components, span),
             other => {
                 let message = format!("{} has no components", other.described());
                 return self.reports.add(Diagnostic::new(span, message));
@@ -369,13 +366,9 @@ impl Lowering<'_> {
         let locals =
             self.scope.bindings.iter().skip(self.scope.frame).map(|binding| self.names.name(binding.symbol));
         let near = suggest::nearest(name, locals.chain(globals).chain(INPUTS.iter().map(|row| row.name)));
-        let unknown = match (near, name) {
-            (Some(_), _) => unknown.did_you_mean(near),
-            (None, "time" | "iTime" | "u_time") => unknown.hint("the time is `t`"),
-            (None, "normal") => unknown.hint("the normal is `n`"),
-            (None, "bands") => unknown.hint("a band is `band(i)`"),
-            (None, "PI" | "M_PI") => unknown.hint("the number is `pi`"),
-            _ => unknown,
+        let unknown = match (glsl_names::value(name), near) {
+            (Some(hint), None) => unknown.hint(hint),
+            _ => unknown.did_you_mean(near),
         };
         self.reports.add(unknown)
     }
@@ -394,7 +387,7 @@ pub(super) fn is_swizzle(text: &str) -> bool {
 }
 
 /// Returns the set (`xyzw`, `rgba` or `stpq`) that contains a component's letter, and the letter's index in the set.
-fn component(letter: u8) -> Option<(u8, usize)> {
+pub(super) fn component(letter: u8) -> Option<(u8, usize)> {
     Some(match letter {
         b'x' => (0, 0),
         b'y' => (0, 1),

@@ -7,6 +7,7 @@
 
 mod builtins;
 mod call;
+mod composites;
 mod declare;
 mod declared;
 mod expr;
@@ -18,9 +19,11 @@ mod reports;
 mod scene;
 mod scope;
 mod sections;
+mod statements;
 mod unused;
 
 pub use sections::section_fields;
+pub(in crate::lang) use sections::word;
 
 use super::changing::ChangingNumbers;
 use super::diagnostic::Diagnostics;

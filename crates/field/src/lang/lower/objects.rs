@@ -31,8 +31,10 @@ impl SceneBuilder<'_> {
                 return;
             }
         };
+        let trust = values.given("trust").map(|_| self.lowering.number_of(values, "trust", shape));
+        let shape = trust.map_or(shape, |trust| self.lowering.graph.mul(shape, trust));
         let bound = values.given("bound").map(|_| self.lowering.number_of(values, "bound", shape));
-        let object = Object { name, span, shape, bound, material };
+        let object = Object { name, span, shape, bound, material, trusted: trust.is_some() };
         let Some((_, melts)) = values.given("melt") else { return self.add_object(object) };
         let radius = self.lowering.number_of(values, "melt", shape);
         match self.parts.objects.pop() {
@@ -86,7 +88,8 @@ impl SceneBuilder<'_> {
             self.parts.materials.push(mixed);
             self.parts.materials.len() - 1
         };
-        Some(Object { name: format!("{} and {}", a.name, b.name), span: a.span, shape, bound, material })
+        let name = format!("{} and {}", a.name, b.name);
+        Some(Object { name, span: a.span, shape, bound, material, trusted: a.trusted || b.trusted })
     }
 }
 

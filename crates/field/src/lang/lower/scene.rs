@@ -204,7 +204,8 @@ impl<'a> SceneBuilder<'a> {
         let by = self.lowering.origins.since(from);
         if let Some(shape) = self.lowering.one_number(shape, "a shape", span) {
             let material = self.default_material();
-            self.add_object(Object { name: BARE_NAME.to_owned(), span, shape, bound: None, material });
+            let name = BARE_NAME.to_owned();
+            self.add_object(Object { name, span, shape, bound: None, material, trusted: false });
             self.lowering.origins.of_object(
                 self.parts.objects.len().saturating_sub(1),
                 Stretch::default(),

@@ -36,6 +36,12 @@ const OBJECT: &[Field] = &[
         FRAME,
         "the radius within which the object flows into the previous object; both materials mix there",
     ),
+    of_object(
+        "trust",
+        Holds::Number,
+        FRAME,
+        "the fraction of `shape` by which rays step, 0..1, for estimates of a distance that are steeper than a distance",
+    ),
 ];
 
 const fn of_object(name: &'static str, holds: Holds, uses: u8, doc: &'static str) -> Field {
@@ -73,7 +79,7 @@ pub fn section_fields() -> impl Iterator<Item = (&'static str, &'static [Field])
     SECTIONS.into_iter().map(|section| (word(section), fields(section)))
 }
 
-pub(super) fn word(section: Section) -> &'static str {
+pub(in crate::lang) fn word(section: Section) -> &'static str {
     match section {
         Section::Object => "object",
         Section::Material => "material",
@@ -259,7 +265,7 @@ impl SceneBuilder<'_> {
             other => {
                 let message = format!("`{name}` must be a vec3, but this is {}", other.described());
                 let wrong = Diagnostic::new(span, message);
-                let wrong = match other.type_of() {
+                let wrong = match self.lowering.scope.composites.type_of(other) {
                     Some(super::super::ast::Type::Vec4) => {
                         wrong.hint("take three components: `.rgb` or `.xyz`")
                     }

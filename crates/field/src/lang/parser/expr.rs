@@ -1,12 +1,12 @@
 //! Parses expressions by precedence climbing.
 
-use super::super::ast::{BinaryOp, Expr, ExprId};
+use super::super::ast::{BinaryOp, Expr, ExprId, Name};
 use super::super::diagnostic::Diagnostic;
+use super::super::names::{NameEvent, NameKind};
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::token::{Kind, word};
 use super::Parser;
-use super::items::Habit;
 
 /// The binding power of prefix operators: below a power and above a product, so that -x^2 is -(x^2).
 const PREFIX: u8 = 7;
@@ -32,12 +32,51 @@ fn infix(kind: Kind) -> Option<(BinaryOp, u8, u8)> {
     })
 }
 
+/// An operator between two expressions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Operator {
+    /// The sign, such as `+`.
+    pub sign: &'static str,
+    /// How tightly it binds: operators with a larger number bind tighter.
+    pub binds: u8,
+    /// True if `a ^ b ^ c` is `a ^ (b ^ c)`.
+    pub groups_from_the_right: bool,
+}
+
+/// How tightly a prefix operator binds, on the scale of [`Operator::binds`].
+pub const PREFIX_BINDS: u8 = PREFIX;
+
+/// Returns the operators between two expressions, from the loosest to the tightest.
+pub fn operators() -> impl Iterator<Item = Operator> {
+    let kinds = [
+        Kind::Or,
+        Kind::And,
+        Kind::Equal,
+        Kind::NotEqual,
+        Kind::Less,
+        Kind::LessEqual,
+        Kind::Greater,
+        Kind::GreaterEqual,
+        Kind::Plus,
+        Kind::Minus,
+        Kind::Star,
+        Kind::Slash,
+        Kind::Percent,
+        Kind::Caret,
+    ];
+    kinds.into_iter().filter_map(infix).map(|(op, binds, right_least)| Operator {
+        sign: op.sign(),
+        binds,
+        groups_from_the_right: right_least <= binds,
+    })
+}
+
 impl Parser<'_> {
     pub(super) fn expression(&mut self) -> ExprId {
         self.binary(0)
     }
 
-    fn error_node(&mut self) -> ExprId {
+    pub(super) fn error_node(&mut self) -> ExprId {
         let span = self.token().span;
         self.ast.push(Expr::Error, span)
     }
@@ -96,7 +135,7 @@ impl Parser<'_> {
     }
 
     #[cold]
-    fn too_deep(&mut self) -> ExprId {
+    pub(super) fn too_deep(&mut self) -> ExprId {
         let span = self.token().span;
         let message = format!("expressions are nested deeper than {} levels", self.nesting_max);
         self.report(Diagnostic::over_limit(span, message).hint("give the inner parts names with `let`"));
@@ -139,7 +178,9 @@ impl Parser<'_> {
                 self.report(wrong);
                 break;
             }
-            let components = self.advance().symbol;
+            let member = self.advance();
+            let components = member.symbol;
+            self.ast.note(NameEvent::Member(member.span));
             if self.kind() == Kind::OpenParen && (self.in_parens || !self.token().newline) {
                 inner = self.part_band(inner, components, start);
                 continue;
@@ -170,10 +211,13 @@ impl Parser<'_> {
                 _ if token.is_reserved() || token.newline && self.begins_item() => self.no_expression(),
                 _ => {
                     self.advance();
+                    let name = Name { symbol: token.symbol, span: token.span };
                     let next = self.token();
                     if next.kind == Kind::OpenParen && (self.in_parens || !next.newline) {
+                        self.ast.note(NameEvent::Calls(name));
                         return self.call();
                     }
+                    self.ast.note(NameEvent::Reads(name));
                     self.ast.push(Expr::Name(token.symbol), token.span)
                 }
             },
@@ -207,7 +251,7 @@ impl Parser<'_> {
     }
 
     /// Runs `parse` after an opening bracket. `in_parens` is true if line ends have no meaning inside.
-    fn within<T>(&mut self, in_parens: bool, parse: impl FnOnce(&mut Self) -> T) -> T {
+    pub(super) fn within<T>(&mut self, in_parens: bool, parse: impl FnOnce(&mut Self) -> T) -> T {
         let outside = std::mem::replace(&mut self.in_parens, in_parens);
         let result = parse(self);
         self.in_parens = outside;
@@ -216,12 +260,38 @@ impl Parser<'_> {
 
     fn parenthesized(&mut self) -> ExprId {
         let open = self.advance().span;
+        if self.begins_assignment() {
+            return self.record(open);
+        }
         let inner = self.within(true, Self::expression);
         if self.kind() == Kind::Comma {
             let wrong = self.expected("`)`");
-            self.report(wrong.hint("write a vector as `vec2(…)`, `vec3(…)` or `vec4(…)`"));
+            let hint = "write a vector as `vec2(…)`, `vec3(…)` or `vec4(…)`; several results need names: \
+                        `(near = a, index = b)`";
+            self.report(wrong.hint(hint));
         }
         if self.close_paren(open, "`)`") { inner } else { self.error_node() }
+    }
+
+    /// Parses `name = value, …)`, from the first name.
+    fn record(&mut self, open: Span) -> ExprId {
+        let mark = self.lists.len();
+        self.within(true, |parser| {
+            while parser.begins_assignment() {
+                let name = parser.advance();
+                parser.ast.note(NameEvent::Member(name.span));
+                parser.advance();
+                let value = parser.expression();
+                parser.lists.extend([name.symbol.0, value.0]);
+                if !parser.eat(Kind::Comma) {
+                    break;
+                }
+            }
+        });
+        let (first, count) = self.take_list(mark);
+        let closed = self.close_paren(open, "`,` or `)`");
+        let span = self.since(open);
+        self.ast.push(if closed { Expr::Record(first, count / 2) } else { Expr::Error }, span)
     }
 
     /// Consumes the `)` that matches `open`. If another token is there, reports it, skips to the `)` and returns false.
@@ -282,7 +352,7 @@ impl Parser<'_> {
     }
 
     /// Moves the entries of `lists` from `mark` on into the tree, and returns their first index and their count.
-    fn take_list(&mut self, mark: usize) -> (u32, u32) {
+    pub(super) fn take_list(&mut self, mark: usize) -> (u32, u32) {
         let first = self.ast.extra.len() as u32;
         let count = (self.lists.len() - mark) as u32;
         self.ast.extra.extend(self.lists.drain(mark..));
@@ -292,6 +362,11 @@ impl Parser<'_> {
     fn if_expression(&mut self) -> ExprId {
         let start = self.advance().span;
         let condition = self.expression();
+        self.choice(start, condition)
+    }
+
+    /// Parses `then a else b`, after the condition of an `if` that begins at `start`.
+    pub(super) fn choice(&mut self, start: Span, condition: ExprId) -> ExprId {
         if !self.eat_word(word::THEN) {
             let wrong = self.expected("`then` after the condition");
             self.report(wrong.hint("write a choice as `if a then b else c`"));
@@ -328,96 +403,45 @@ impl Parser<'_> {
     }
 
     fn for_expression(&mut self) -> ExprId {
-        let start = self.advance().span;
-        if self.kind() == Kind::OpenParen {
-            let wrong = self.expected("the loop's variable");
-            self.report(wrong.hint("write a loop as `union(for i in 0..32: expression)`"));
-            return self.ast.push(Expr::Error, start);
-        }
-        let Some(variable) = self.name("the loop's variable") else {
+        let start = self.token().span;
+        let Some((variable, first, end)) = self.loop_head("union(for i in 0..32: expression)") else {
             return self.ast.push(Expr::Error, start);
         };
-        let hint = "write a loop as `for i in 0..32: expression`";
-        if !self.eat_word(word::IN) {
-            let wrong = self.expected("`in` after the loop's variable");
-            self.report(wrong.hint(hint));
-            return self.ast.push(Expr::Error, start);
-        }
-        let first = self.expression();
-        if !self.eat(Kind::Range) {
-            let wrong = self.expected("`..` and the loop's end");
-            self.report(wrong.hint(hint));
-            return self.ast.push(Expr::Error, start);
-        }
-        let end = self.expression();
         if !self.eat(Kind::Colon) {
             let wrong = self.expected("`:` before the loop's body");
-            self.report(wrong.hint(hint));
+            self.report(wrong.hint("write a loop as `for i in 0..8: expression`"));
         }
+        self.ast.note(NameEvent::Opens);
+        self.ast.note(NameEvent::Declares(NameKind::LoopVariable, variable));
         let body = self.expression();
+        self.ast.note(NameEvent::Closes(self.end_before));
         let index = self.ast.extra.len() as u32;
         self.ast.extra.extend([variable.symbol.0, first.0, end.0, body.0]);
         let span = self.since(start);
         self.ast.push(Expr::For(index), span)
     }
 
-    /// Parses `{ let a = … let b = … result }`, from the opening brace.
-    pub(super) fn block(&mut self) -> ExprId {
-        let open = self.advance().span;
-        let mark = self.lists.len();
-        let result = self.within(false, |parser| {
-            loop {
-                parser.block_lets();
-                let result = parser.block_result(open);
-                while parser.eat(Kind::Semicolon) {}
-                if parser.eat(Kind::CloseBrace) {
-                    return result;
-                }
-                let wrong = parser.expected("`}` after the block's result").note(open, "for this `{`");
-                let hint = "a block consists of lets and one result: `{ let a = 1  a + 2 }`";
-                parser.report(if wrong.hint.is_none() { wrong.hint(hint) } else { wrong });
-                parser.skip_until(|_| false);
-                if !parser.token().is_word(word::LET) && !parser.begins_assignment() {
-                    parser.eat(Kind::CloseBrace);
-                    return result;
-                }
-            }
-        });
-        let (first, count) = self.take_list(mark);
-        let span = self.since(open);
-        self.ast.push(Expr::Block(first, count / 2, result), span)
-    }
-
-    fn block_lets(&mut self) {
-        loop {
-            while self.eat(Kind::Semicolon) {}
-            let binding = if self.eat_word(word::LET) {
-                self.binding()
-            } else if self.begins_assignment() {
-                let name = self.names.name(self.token().symbol);
-                let wrong = Diagnostic::new(self.token().span, "a block declares its names with `let`");
-                let hint = format!("write `let {name} = …`");
-                self.report(wrong.hint(hint));
-                self.binding()
-            } else {
-                match self.glsl_habit() {
-                    Habit::None => return,
-                    Habit::Let => self.binding(),
-                    Habit::Skipped => None,
-                }
-            };
-            if let Some((name, value)) = binding {
-                self.lists.extend([name.symbol.0, value.0]);
-            }
+    /// Parses `for variable in first..end`. `example` shows how to write such a loop. `None` if a mistake was reported.
+    pub(super) fn loop_head(&mut self, example: &str) -> Option<(Name, ExprId, ExprId)> {
+        self.advance();
+        let hint = format!("write a loop as `{example}`");
+        if self.kind() == Kind::OpenParen {
+            let wrong = self.expected("the loop's variable");
+            self.report(wrong.hint(hint));
+            return None;
         }
-    }
-
-    fn block_result(&mut self, open: Span) -> ExprId {
-        if matches!(self.kind(), Kind::CloseBrace | Kind::End) {
-            let wrong = self.expected("the block's result").note(open, "in this block");
-            self.report(wrong.hint("the last expression of a block is its value"));
-            return self.error_node();
+        let variable = self.name("the loop's variable")?;
+        if !self.eat_word(word::IN) {
+            let wrong = self.expected("`in` after the loop's variable");
+            self.report(wrong.hint(hint));
+            return None;
         }
-        self.expression()
+        let first = self.expression();
+        if !self.eat(Kind::Range) {
+            let wrong = self.expected("`..` and the loop's end");
+            self.report(wrong.hint(hint));
+            return None;
+        }
+        Some((variable, first, self.expression()))
     }
 }

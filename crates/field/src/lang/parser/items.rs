@@ -2,8 +2,9 @@
 
 use super::super::ast::{Entry, Expr, ExprId, Function, Item, Name, Parameter, Section, Type};
 use super::super::diagnostic::Diagnostic;
+use super::super::names::{NameEvent, NameKind};
 use super::super::suggest;
-use super::super::token::{Kind, word};
+use super::super::token::{Kind, Token, word};
 use super::Parser;
 
 /// Words that begin an item if a name, a text or an opening brace follows.
@@ -34,11 +35,35 @@ pub(crate) fn keywords() -> impl Iterator<Item = &'static str> {
     KEYWORDS.iter().map(|(name, _)| *name)
 }
 
+fn named(section: Section) -> Option<NameKind> {
+    match section {
+        Section::Object => Some(NameKind::Object),
+        Section::Material => Some(NameKind::Material),
+        Section::Light => Some(NameKind::Light),
+        Section::Camera => Some(NameKind::Camera),
+        Section::Sky | Section::Picture | Section::About => None,
+    }
+}
+
 /// GLSL types and qualifiers that people write out of habit.
 const GLSL_TYPES: &[&str] = &[
-    "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "const", "var",
-    "void",
+    "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "var", "void",
 ];
+const GLSL_QUALIFIERS: &[&str] = &[
+    "const",
+    "uniform",
+    "varying",
+    "attribute",
+    "inout",
+    "out",
+    "highp",
+    "mediump",
+    "lowp",
+    "flat",
+    "precision",
+];
+/// Maximum number of words before a declared name, such as `const highp float`.
+const GLSL_WORDS_MAX: usize = 4;
 
 pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
     let token = parser.token();
@@ -67,7 +92,9 @@ impl Parser<'_> {
             if self.eat(Kind::Semicolon) {
                 continue;
             }
+            self.ast.note(NameEvent::Item(self.token().span.start));
             if let Some(item) = self.item() {
+                self.ast.note(NameEvent::EndOfItem(self.end_before));
                 items.push(item);
             } else {
                 self.skip_until(|parser| parser.token().newline && parser.token().is_word(word::LET));
@@ -113,6 +140,9 @@ impl Parser<'_> {
             let unknown = Diagnostic::new(token.span, format!("{} is not a keyword", self.found()));
             let near = suggest::nearest(typed, known);
             let diagnostic = match near {
+                _ if typed == "struct" => {
+                    unknown.hint("a function returns several values by names: `(near = a, index = b)`")
+                }
                 Some(_) => unknown.did_you_mean(near),
                 None => unknown.hint(
                     "keywords are `object`, `material`, `light`, `camera`, `sky`, `picture`, \
@@ -163,11 +193,12 @@ impl Parser<'_> {
             return None;
         }
         let value = self.expression();
+        self.ast.note(NameEvent::Declares(NameKind::Let, name));
         self.end_of_entry();
         Some((name, value))
     }
 
-    fn end_of_entry(&mut self) {
+    pub(super) fn end_of_entry(&mut self) {
         let kind = self.kind();
         let hint = match kind {
             Kind::Comma => "separate entries by a line end, a space or `;`",
@@ -201,19 +232,32 @@ impl Parser<'_> {
             self.advance();
             return Habit::None;
         }
-        if !next.is_name() || !GLSL_TYPES.contains(&text) {
+        // Qualifiers and types precede the name, as in `const float name`.
+        let is_type = |token: Token| {
+            let text = self.names.name(token.symbol);
+            token.is_name() && (GLSL_TYPES.contains(&text) || GLSL_QUALIFIERS.contains(&text))
+        };
+        let words = (0..GLSL_WORDS_MAX).take_while(|at| is_type(self.ahead(*at))).count();
+        let named = self.ahead(words);
+        if words == 0 || !named.is_name() {
             return Habit::None;
         }
-        let name = self.names.name(next.symbol);
-        let is_function = self.ahead(2).kind == Kind::OpenParen;
+        let name = self.names.name(named.symbol);
+        let is_function = self.ahead(words + 1).kind == Kind::OpenParen;
         let hint = match is_function {
+            true if matches!(name, "main" | "mainImage") => {
+                "leave it out: a scene is a distance, and Mariana traces its rays".to_owned()
+            }
             true => format!("write `fn {name}(p) {{ … }}`"),
+            false if text == "uniform" => format!("declare a slider: `param {name} = 0.5 in 0 .. 1`"),
             false => format!("write `let {name} = …`"),
         };
         self.report(
             Diagnostic::unsupported(token.span, "a declaration does not begin with a type").hint(hint),
         );
-        self.advance();
+        for _ in 0..words {
+            self.advance();
+        }
         if self.begins_assignment() {
             return Habit::Let;
         }
@@ -225,6 +269,7 @@ impl Parser<'_> {
     fn param(&mut self) -> Option<Item> {
         self.advance();
         let name = self.name("the parameter's name")?;
+        self.ast.note(NameEvent::Declares(NameKind::Param, name));
         if !self.demand(Kind::Assign, "and the parameter's default") {
             return self.broken(name);
         }
@@ -260,11 +305,15 @@ impl Parser<'_> {
             return None;
         }
         self.advance();
-        Some(Item::Include { path: Name { symbol: token.symbol, span: token.span } })
+        let path = Name { symbol: token.symbol, span: token.span };
+        self.ast.note(NameEvent::Includes(path));
+        Some(Item::Include { path })
     }
 
     fn function(&mut self) -> Option<Item> {
         let name = self.name("the function's name")?;
+        self.ast.note(NameEvent::Declares(NameKind::Function, name));
+        self.ast.note(NameEvent::Opens);
         let open = self.token().span;
         if !self.demand(Kind::OpenParen, "and the function's parameters") {
             return self.broken(name);
@@ -291,10 +340,21 @@ impl Parser<'_> {
             self.report(wrong.hint("write `fn f(p) { … }` or `fn f(p) = …`"));
             return self.broken(name);
         };
+        self.ast.note(NameEvent::Closes(self.end_before));
         Some(Item::Fn(Function { name, parameters, body }))
     }
 
     fn parameter(&mut self) -> Option<Parameter> {
+        if self.token().is_word(word::IN) {
+            let unknown = Diagnostic::unsupported(self.token().span, "every parameter is an `in`");
+            self.report(unknown.hint("write its name alone, as in `fn f(p)`"));
+            self.advance();
+            let is_typed =
+                self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(self.token().symbol));
+            if is_typed {
+                self.advance();
+            }
+        }
         let token = self.token();
         if token.is_name() && self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(token.symbol)) {
             let (of, name) = (self.names.name(token.symbol), self.names.name(self.ahead(1).symbol));
@@ -304,6 +364,7 @@ impl Parser<'_> {
             self.advance();
         }
         let name = self.name("a parameter's name")?;
+        self.ast.note(NameEvent::Declares(NameKind::FunctionParameter, name));
         if !self.eat(Kind::Colon) {
             return Some(Parameter { name, of: None });
         }
@@ -315,7 +376,7 @@ impl Parser<'_> {
             let near = suggest::nearest(text, Type::ALL.iter().map(|one| one.name()));
             let unknown = match near {
                 Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint("types are number, bool, vec2, vec3, vec4 and texture"),
+                None => unknown.hint("types are number, bool, vec2, vec3, vec4, mat2, mat3 and texture"),
             };
             self.diagnostics.push(unknown);
         }
@@ -339,6 +400,10 @@ impl Parser<'_> {
         if !self.demand(Kind::OpenBrace, "and the fields") {
             return name.and_then(|name| self.broken(name));
         }
+        if let (Some(kind), Some(name)) = (named(section), name) {
+            self.ast.note(NameEvent::Declares(kind, name));
+        }
+        self.ast.note(NameEvent::Opens);
         let (mut entries, mut broken) = (Vec::new(), false);
         loop {
             while self.eat(Kind::Semicolon) || self.kind() == Kind::Comma && self.stray_comma() {}
@@ -353,14 +418,11 @@ impl Parser<'_> {
             } else if token.is_name() && self.ahead(1).kind == Kind::Assign {
                 self.advance();
                 self.advance();
+                let name = Name { symbol: token.symbol, span: token.span };
+                self.ast.note(NameEvent::Field(section, name));
                 let value = self.expression();
                 let end = self.eat(Kind::Range).then(|| self.expression());
-                entries.push(Entry {
-                    is_let: false,
-                    name: Name { symbol: token.symbol, span: token.span },
-                    value,
-                    end,
-                });
+                entries.push(Entry { is_let: false, name, value, end });
                 if self.ast.expr(value) == Expr::Error { self.skip_to_field() } else { self.end_of_entry() }
             } else {
                 broken = true;
@@ -374,6 +436,7 @@ impl Parser<'_> {
             let wrong = self.expected("`}`").note(open, "for this `{`");
             self.report(wrong);
         }
+        self.ast.note(NameEvent::Closes(self.end_before));
         Some(Item::Section { section, name, span, entries, broken })
     }
 

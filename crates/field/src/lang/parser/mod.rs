@@ -16,11 +16,18 @@
 //!         | expr
 //! params  = (name (":" type)?)*, separated by ","
 //! fields  = "{" (name "=" expr (".." expr)? | "let" name "=" expr)* "}"
-//! block   = "{" ("let" name "=" expr)* expr "}"
+//! block   = "{" statement* expr "}"
+//! statement = "let" name "=" expr
+//!         | name ("." name)? ("=" | "+=" | "-=" | "*=" | "/=") expr
+//!         | "for" name "in" expr ".." expr ("while" expr)? "{" statement* "}"
+//!         | "if" expr branch ("else" branch)?
+//!         | "break"
+//! branch  = "{" statement* "}" | statement
 //! expr    = "if" expr "then" expr "else" expr
 //!         | "for" name "in" expr ".." expr ":" expr
 //!         | expr operator expr | "-" expr | "!" expr | expr "." name
 //!         | number | text | name | name "(" exprs ")" | "(" expr ")" | block
+//!         | "(" name "=" expr ("," name "=" expr)* ")"
 //! ```
 //!
 //! A line end matters only if the next line could either continue the expression or begin a new one. If the next line
@@ -30,6 +37,7 @@
 
 mod expr;
 mod items;
+mod statements;
 #[cfg(test)]
 mod tests;
 
@@ -39,6 +47,7 @@ use super::source::Span;
 use super::symbol::{Interner, Symbol};
 use super::token::{Kind, Token, word};
 
+pub use expr::{Operator, PREFIX_BINDS, operators};
 pub(super) use items::{is_keyword, keywords};
 
 /// Parses one file's tokens, the last of which must be `End`, into items. Adds their expressions to `ast`.

@@ -1,4 +1,4 @@
-use super::super::ast::{Ast, Expr, ExprId, Item};
+use super::super::ast::{Assignment, Ast, BinaryOp, Expr, ExprId, Item, Loop, Statements, When};
 use super::super::diagnostic::Diagnostics;
 use super::super::lexer::tokenize;
 use super::super::library::library;
@@ -53,17 +53,43 @@ fn shown(ast: &Ast, names: &Interner, id: ExprId) -> String {
             format!("{}({})", names.name(name), arguments.join(" "))
         }
         Expr::Block(first, count, result) => {
-            let lets = (0..count).map(|index| {
-                let at = first + 2 * index;
-                format!("{}={} ", names.name(Symbol(ast.extra(at))), show(extra(at + 1)))
-            });
-            format!("{{{}{}}}", lets.collect::<String>(), show(result))
+            format!("{{{}{}}}", statements(ast, names, Statements { first, count }), show(result))
         }
+        Expr::Record(first, count) => {
+            let fields = (0..count).map(|index| {
+                let at = first + 2 * index;
+                format!(" {}={}", names.name(Symbol(ast.extra(at))), show(extra(at + 1)))
+            });
+            format!("(record{})", fields.collect::<String>())
+        }
+        Expr::Let(name, value) => format!("{}={}", names.name(name), show(value)),
+        Expr::Assign(index) => {
+            let Assignment { name, components, op, value } = ast.assignment(index).unwrap();
+            let components = components.map_or(String::new(), |one| format!(".{}", names.name(one)));
+            let op = op.map_or("", BinaryOp::sign);
+            format!("{}{components}<{op}-{}", names.name(name), show(value))
+        }
+        Expr::Loop(index) => {
+            let Loop { variable, first, end, condition, body } = ast.loop_at(index).unwrap();
+            let condition = condition.map_or(String::new(), |one| format!(" while {}", show(one)));
+            let body = statements(ast, names, body);
+            format!("[{} {} {}{condition}: {body}]", names.name(variable), show(first), show(end))
+        }
+        Expr::When(index) => {
+            let When { condition, yes, no } = ast.when(index).unwrap();
+            let [yes, no] = [yes, no].map(|side| statements(ast, names, side));
+            format!("[{}? {yes}: {no}]", show(condition))
+        }
+        Expr::Break => "break".to_owned(),
         Expr::For(at) => {
             let name = names.name(Symbol(ast.extra(at)));
             format!("(for {name} {} {} {})", show(extra(at + 1)), show(extra(at + 2)), show(extra(at + 3)))
         }
     }
+}
+
+fn statements(ast: &Ast, names: &Interner, Statements { first, count }: Statements) -> String {
+    (0..count).map(|index| shown(ast, names, ExprId(ast.extra(first + index))) + " ").collect()
 }
 
 fn items(text: &str) -> Vec<String> {
@@ -108,6 +134,26 @@ fn line_ends_separate_ambiguous_lines() {
 }
 
 #[test]
+fn statements_are_read_with_and_without_semicolons() {
+    for (text, tree) in [
+        ("{ let z = p  z = z * z; z.xy += 1  z /= 2\n z }", "{z=p z<-(* z z) z.xy<+-1 z</-2 z}"),
+        ("{ for i in 0..8 while a < 2 { a = f(a) b -= i } a }", "{[i 0 8 while (< a 2): a<-f(a) b<--i ] a}"),
+        (
+            "{ if a > 0 { a = 1 } else if b > 0 { b = 1 } else { c = 1 } a }",
+            "{[(> a 0)? a<-1 : [(> b 0)? b<-1 : c<-1 ] ] a}",
+        ),
+        ("{ for i in 0..9 { if (a > 4) break; a *= a } a }", "{[i 0 9: [(> a 4)? break : ] a<*-a ] a}"),
+        ("{ if a > 0 then 1 else 2 }", "{(if (> a 0) 1 2)}"),
+        ("{ if (a > 0) a = 1; else a = 2; a }", "{[(> a 0)? a<-1 : a<-2 ] a}"),
+        ("{ let r = a\n -r }", "{r=a (neg r)}"),
+        ("(near = a, index = b + 1).near", "(record near=a index=(+ b 1)).near"),
+        ("{ }\nx", "{?}"),
+    ] {
+        assert_eq!(parsed(text).0[0], tree, "{text}");
+    }
+}
+
+#[test]
 fn every_item_is_read() {
     let text = "\u{feff}param melt = 1.3 in 0.1 .. 3 # slider\r\nfn f(a, b: vec3) = a\r\ninclude \"x.scene\"\r\n\
                 material wood { color = vec3(1)  roughness = 0.6 }\nobject o { let q = p; shape = f(q, 1) material = wood }\n\
@@ -129,7 +175,7 @@ fn every_item_is_read() {
 
 #[test]
 fn parsing_continues_after_a_mistake() {
-    let text = "let a = (1 + \nlet b = 2 *\nfn f(p) { c = 1  c }\nobject o { shape = sphere(p, 1  material = wood }\n\
+    let text = "let a = (1 + \nlet b = 2 *\nfn f(p) { while c { c = 1 }  c }\nobject o { shape = sphere(p, 1  material = wood }\n\
                 object q { shape = p.y, material = )stone }\nlet z = 26";
     let (items, messages) = parsed(text);
     assert_eq!(messages.len(), 6, "{messages:#?}");

@@ -42,7 +42,7 @@ const PIECES: &[&str] = &[
     "speakers(p)",
 ];
 
-fn mutated(changes: &[(usize, usize, u8)]) -> String {
+pub(in crate::lang) fn mutated(changes: &[(usize, usize, u8)]) -> String {
     let mut text: Vec<char> = SPEAKERS.chars().collect();
     for &(at, length, what) in changes {
         let at = at % (text.len() + 1);

@@ -31,7 +31,26 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "union(for i of 0..3: x)",
         "expected `in` after the loop's variable, found `of`",
         "of",
-        "`for i in 0..32: expression`",
+        "`union(for i in 0..32: expression)`",
+    ),
+    (
+        "{ let a = 1 while a < 9 { a += 1 } a }",
+        "a loop needs a maximum number of iterations",
+        "while",
+        "while condition",
+    ),
+    (
+        "{ let a = 1 for (int i = 0; i < 8; i++) { a += 1 } a }",
+        "expected the loop's variable, found `(`",
+        "(",
+        "`for i in 0..8",
+    ),
+    ("{ let a = 1; a++; a }", "there is no `++`", "a++", "`a += 1`"),
+    (
+        "{ let a = 1 if x > 0 { a = 2 3 } a }",
+        "expected `}` after the statements, found a number",
+        "3",
+        "no result",
     ),
     (
         "union(for (int i = 0))",
@@ -40,7 +59,62 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "`union(for i in 0..32: expression)`",
     ),
     ("{ let a = 1 }", "expected the block's result, found `}`", "}", "last expression"),
-    ("{ a = 1  a }", "a block declares its names with `let`", "a", "`let a = …`"),
+    ("{ a = 1  a }", "a block declares its names with `let`, but `a` is not declared", "a", "`let a = …`"),
+    (
+        "{ p.xz += 1  p.y }",
+        "`p` is an input, which has the same value everywhere in the text",
+        "p",
+        "`let p = p`",
+    ),
+    ("{ let a = 1  a = p  x }", "`a` is a number, so it cannot become a vec3", "a = p", "`let a = vec3(0)`"),
+    ("{ let q = p  q.xx = p.xy  x }", "`.xx` sets the component `x` twice", "q.xx = p.xy", ""),
+    ("{ let q = p  q.xy = p  x }", "`.xy` needs 2 numbers, but gets a vec3", "q.xy = p", ""),
+    (
+        "{ let a = 1  let b = { a = 2  a }  b }",
+        "`a` belongs to an outer block, which a value in braces cannot change",
+        "a = 2",
+        "`a = if a then b else c`",
+    ),
+    ("{ let a = 1  break  a }", "there is no loop here that `break` could end", "break", "`for i in 0..8"),
+    (
+        "{ let a = 1  for i in 0..2 { a = if x > 0 then { break  2 } else 3 }  a }",
+        "there is no loop here that `break` could end",
+        "break",
+        "`for i in 0..8",
+    ),
+    ("{ let a = 1  if a { a = 2 }  a }", "`if` needs a condition, but this is a number", "a", "`a > 0`"),
+    (
+        "{ let a = 1 for i in 0..x { a += 1 } a }",
+        "the largest number of iterations is not known",
+        "x",
+        "`param rounds = 8 in 1 .. 12`",
+    ),
+    (
+        "fn f(a) = (near = a, near = 2)\nf(x).near",
+        "the record has two values called `near`",
+        "(near = a, near = 2)",
+        "another name",
+    ),
+    (
+        "(near = x, index = 1).far",
+        "the record has no value `far`",
+        "(near = x, index = 1).far",
+        "`.near`, `.index`",
+    ),
+    (
+        "(near = x, index = 1) + 1",
+        "`+` cannot combine a record and a number",
+        "(near = x, index = 1) + 1",
+        "",
+    ),
+    ("(mat2(1) * p).x", "`*` cannot combine a mat2 and a vec3", "mat2(1) * p", "a mat3 a vec3"),
+    (
+        "(mat2(1, 2, 3) * p.xy).x",
+        "`mat2` needs 2 columns, or 4 numbers in the order of the columns",
+        "mat2(1, 2, 3)",
+        "mat2(a, b)",
+    ),
+    ("inverse(p).x", "`inverse` takes a matrix, not a vec3", "inverse(p)", ""),
     ("fn f(p) { return p.x }\nf(p)", "there is no `return`", "return", "last expression"),
     ("fn f(p) { float a = 1; a }\nf(p)", "a declaration does not begin with a type", "float", "`let a = …`"),
     ("float f(vec3 p) { 1 }", "a declaration does not begin with a type", "float", "`fn f(p) { … }`"),
@@ -65,7 +139,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ),
     ("zebra(x)", "there is no function `zebra`", "zebra", ""),
     ("lerp(x, y, 1)", "there is no function `lerp`", "lerp", "`mix(a, b, share)`"),
-    ("mat3(1)", "there is no function `mat3`", "mat3", "`rotate`"),
+    ("mat3(1)", "a shape must be a number, but this is a matrix", "mat3(1)", ""),
     ("x(1)", "there is no function `x`", "x", "multiply"),
     ("volum.x", "there is no `volum` here", "volum", "did you mean `volume`?"),
     ("sphere", "there is no `sphere` here", "sphere", "call it"),
@@ -300,6 +374,62 @@ fn every_mistake_is_explained_at_its_location() {
                 "{text:?} should say {message:?} of {under:?}, hint {hint:?}\n{}",
                 compiled.render(false)
             ));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Habits from GLSL, each with a part of its hint; with an empty hint, the text is accepted.
+const HABITS: &[(&str, &str)] = &[
+    ("fn f(p) { float d = length(p); d }\nf(p)", "`let d = …`"),
+    ("fn f(p) { vec3 q = p; q.x }\nf(p)", "`let q = …`"),
+    ("float map(vec3 p) { length(p) }\nmap(p)", "`fn map(p) { … }`"),
+    ("fn f(in vec3 p) = p.x\nf(p)", "`fn f(p)`"),
+    ("const float SIZE = 2.0;\nlength(p) - SIZE", "`let SIZE = …`"),
+    ("uniform float size;\nlength(p) - size", "`param size = 0.5 in 0 .. 1`"),
+    ("void mainImage(out vec4 color, in vec2 at) { }\nx", "traces its rays"),
+    ("struct Hit { float d; };\nx", "`(near = a, index = b)`"),
+    ("#define SIZE 2.0\nlength(p) - SIZE", "`let SIZE = …`"),
+    ("#define sq(a) ((a)*(a))\nsq(x) - 1", "`fn sq(a) = …`"),
+    ("fn f(p) { return length(p); }\nf(p)", "last expression"),
+    ("float(3) - int(x)", ""),
+    ("x > 0. ? 1. : 2.", "`if a then b else c`"),
+    ("{ let q = p; q.xz += vec2(1); q.x *= 2.; q.x }", ""),
+    ("{ let q = p; q.xz *= mat2(0, 1, -1, 0); q.x }", ""),
+    ("{ let q = p; q.xz *= rot(t); q.x }", "`rotation_2d(angle)`"),
+    ("{ let s = 0.; for (int i = 0; i < 8; i++) { s += 1.; } s }", "`for i in 0..8"),
+    ("{ let s = 0.; while (s < 8.) { s += 1.; } s }", "`for i in 0..64 while condition { … }`"),
+    ("{ let s = 0.; s++; s }", "`s += 1`"),
+    ("{ let s = 1.; if (x > 0.) { s = 2.; } else { s = 3.; } s }", ""),
+    ("sdBox(p, vec3(1.))", "`box(p: vec3, size: vec3)`"),
+    ("sdRoundBox(p, vec3(1.), 0.1)", "`round_box(p: vec3"),
+    ("smin(x, y, 0.5)", "`smooth_union(a, b, radius)`"),
+    ("opSmoothUnion(x, y, 0.5)", "`smooth_union(a, b, radius: number)`"),
+    ("length(p) - sin(iTime)", "`t`"),
+    ("length(p) - gl_FragCoord.x", "`p`"),
+    ("length(p) - iResolution.x / iMouse.x", "`direction`"),
+    ("length(p) - texture2D(iChannel0, p.xy).r", "`texture(\"file\", uv)`"),
+    ("length(p) - 1.0f", "write `1.0`"),
+    ("length(max(abs(p) - vec3(1.), 0.)) - .1 // a box", ""),
+    ("mod(x, 2.) + fract(y) + mix(x, y, .5) + atan(y, x) + PI", "`pi`"),
+    ("volume[0]", "`volume.x`"),
+    ("clamp(x, 0., 1.) * inversesqrt(dot(p, p)) * radians(90.)", ""),
+    ("{ let m = mat3(1.); (transpose(m) * inverse(m) * p).x }", ""),
+];
+
+#[test]
+fn habits_from_glsl_are_accepted_or_explained() {
+    let mut wrong = Vec::new();
+    for (text, hint) in HABITS {
+        let compiled = compile("s", text, &mut no_includes);
+        let shown = compiled.render(false);
+        let found = compiled.diagnostics.first().and_then(|one| one.hint.as_deref());
+        let is_right = match hint.is_empty() {
+            true => compiled.scene.is_some(),
+            false => found.is_some_and(|found| found.contains(hint)),
+        };
+        if !is_right {
+            wrong.push(format!("{text:?}: {hint:?}\n{shown}"));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

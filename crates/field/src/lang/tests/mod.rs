@@ -18,8 +18,12 @@ mod shapes;
 #[cfg(test)]
 mod slopes;
 #[cfg(test)]
+mod statements;
+#[cfg(test)]
 mod warnings;
 
+#[cfg(test)]
+pub(in crate::lang) use fuzz::mutated;
 pub(crate) use shapes::SHAPES;
 
 use super::{Compiled, Scene, compile, no_includes};

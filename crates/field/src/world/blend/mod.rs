@@ -217,7 +217,7 @@ fn fraction_param(fraction: f32) -> Param {
 }
 
 fn whole(name: String, shape: NodeId) -> Object {
-    Object { name, span: Default::default(), shape, bound: None, material: 0 }
+    Object { name, span: Default::default(), shape, bound: None, material: 0, trusted: false }
 }
 
 /// The value of [`World::shadow_step_growth`] in blends. A shadow ray that creeps along a surface then travels about 20

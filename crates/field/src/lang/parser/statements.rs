@@ -1,0 +1,326 @@
+//! Parses blocks and their statements: lets, assignments, loops with state, and `if` with braces.
+
+use super::super::ast::{Assignment, BinaryOp, Expr, ExprId, Loop, Name, Statements, When};
+use super::super::diagnostic::Diagnostic;
+use super::super::names::{NameEvent, NameKind};
+use super::super::source::Span;
+use super::super::symbol::Symbol;
+use super::super::token::{Kind, word};
+use super::Parser;
+use super::items::Habit;
+
+const LOOP_EXAMPLE: &str = "for i in 0..8 { z = f(z) }";
+
+/// The left side of an assignment.
+struct Target {
+    name: Symbol,
+    components: Option<Symbol>,
+    op: Option<BinaryOp>,
+    /// The number of tokens up to the value.
+    tokens: usize,
+}
+
+impl Parser<'_> {
+    /// Parses `{ statement… result }`, from the opening brace.
+    pub(super) fn block(&mut self) -> ExprId {
+        let open = self.advance().span;
+        let mark = self.lists.len();
+        self.ast.note(NameEvent::Opens);
+        let result = self.within(false, |parser| {
+            loop {
+                let result = match parser.statements() {
+                    Some(choice) => choice,
+                    None => parser.block_result(open),
+                };
+                while parser.eat(Kind::Semicolon) {}
+                if parser.eat(Kind::CloseBrace) {
+                    return result;
+                }
+                let wrong = parser.expected("`}` after the block's result").note(open, "for this `{`");
+                let hint = "a block consists of statements and one result: `{ let a = 1  a + 2 }`";
+                parser.report(if wrong.hint.is_none() { wrong.hint(hint) } else { wrong });
+                parser.skip_until(|_| false);
+                if !parser.token().is_word(word::LET) && parser.target().is_none() {
+                    parser.eat(Kind::CloseBrace);
+                    return result;
+                }
+            }
+        });
+        self.ast.note(NameEvent::Closes(self.end_before));
+        let (first, count) = self.take_list(mark);
+        let span = self.since(open);
+        self.ast.push(Expr::Block(first, count, result), span)
+    }
+
+    fn block_result(&mut self, open: Span) -> ExprId {
+        if matches!(self.kind(), Kind::CloseBrace | Kind::End) {
+            let wrong = self.expected("the block's result").note(open, "in this block");
+            self.report(wrong.hint("the last expression of a block is its value"));
+            return self.error_node();
+        }
+        self.expression()
+    }
+
+    /// Parses statements and pushes them to `lists`. Returns a choice `if a then b else c`, if one follows: it is the
+    /// block's result.
+    fn statements(&mut self) -> Option<ExprId> {
+        loop {
+            while self.eat(Kind::Semicolon) {}
+            let at = self.at;
+            match self.statement() {
+                Parsed::Statement(id) => self.lists.push(id.0),
+                Parsed::Choice(id) => return Some(id),
+                Parsed::Nothing => return None,
+            }
+            if self.at == at {
+                return None;
+            }
+        }
+    }
+
+    fn statement(&mut self) -> Parsed {
+        let token = self.token();
+        if self.eat_word(word::LET) {
+            return self.let_statement(token.span);
+        }
+        if let Some(target) = self.target() {
+            return Parsed::Statement(self.assignment(&target));
+        }
+        match token.symbol {
+            _ if token.kind != Kind::Name => return Parsed::Nothing,
+            word::IF => return self.when(),
+            word::FOR => return Parsed::Statement(self.loop_statement()),
+            word::WHILE => return Parsed::Statement(self.while_statement()),
+            word::BREAK => {
+                self.advance();
+                return Parsed::Statement(self.ast.push(Expr::Break, token.span));
+            }
+            _ => {}
+        }
+        if token.is_name() && self.counts_up() {
+            return Parsed::Statement(self.error_node());
+        }
+        match self.glsl_habit() {
+            Habit::None => Parsed::Nothing,
+            Habit::Let => self.let_statement(token.span),
+            Habit::Skipped => Parsed::Statement(self.error_node()),
+        }
+    }
+
+    fn let_statement(&mut self, start: Span) -> Parsed {
+        let bound = self.binding();
+        let span = self.since(start);
+        Parsed::Statement(match bound {
+            Some((name, value)) => self.ast.push(Expr::Let(name.symbol, value), span),
+            None => self.error_node(),
+        })
+    }
+
+    /// Reports GLSL's `i++` and `i--`, and skips them.
+    fn counts_up(&mut self) -> bool {
+        let (first, second) = (self.ahead(1), self.ahead(2));
+        let sign = match first.kind {
+            Kind::Plus => '+',
+            Kind::Minus => '-',
+            _ => return false,
+        };
+        if second.kind != first.kind || first.span.end != second.span.start || first.newline {
+            return false;
+        }
+        let name = self.names.name(self.token().symbol);
+        let span = Span::new(self.token().span.start, second.span.end);
+        let unknown = Diagnostic::unsupported(span, format!("there is no `{sign}{sign}`"));
+        self.report(unknown.hint(format!("write `{name} {sign}= 1`")));
+        for _ in 0..3 {
+            self.advance();
+        }
+        true
+    }
+
+    /// Recognizes the left side of an assignment, from the current token.
+    fn target(&self) -> Option<Target> {
+        let token = self.token();
+        if !token.is_name() {
+            return None;
+        }
+        let (components, mut tokens) = match self.ahead(1).kind {
+            Kind::Dot if self.ahead(2).kind == Kind::Name => (Some(self.ahead(2).symbol), 3),
+            _ => (None, 1),
+        };
+        let sign = self.ahead(tokens);
+        let op = match sign.kind {
+            Kind::Assign => None,
+            Kind::Plus => Some(BinaryOp::Add),
+            Kind::Minus => Some(BinaryOp::Subtract),
+            Kind::Star => Some(BinaryOp::Multiply),
+            Kind::Slash => Some(BinaryOp::Divide),
+            _ => return None,
+        };
+        if op.is_some() {
+            tokens += 1;
+            let equals = self.ahead(tokens);
+            if equals.kind != Kind::Assign || equals.span.start != sign.span.end {
+                return None;
+            }
+        }
+        Some(Target { name: token.symbol, components, op, tokens: tokens + 1 })
+    }
+
+    fn assignment(&mut self, target: &Target) -> ExprId {
+        let start = self.token().span;
+        self.ast.note(NameEvent::Reads(Name { symbol: target.name, span: start }));
+        if target.components.is_some() {
+            self.ast.note(NameEvent::Member(self.ahead(2).span));
+        }
+        for _ in 0..target.tokens {
+            self.advance();
+        }
+        let value = self.expression();
+        self.end_of_entry();
+        let span = self.since(start);
+        let &Target { name, components, op, .. } = target;
+        self.ast.push_assignment(Assignment { name, components, op, value }, span)
+    }
+
+    /// Parses `for i in 0..8 while condition { … }`.
+    fn loop_statement(&mut self) -> ExprId {
+        let start = self.token().span;
+        let Some((variable, first, end)) = self.loop_head(LOOP_EXAMPLE) else {
+            self.skip_braces();
+            return self.error_node();
+        };
+        self.ast.note(NameEvent::Opens);
+        self.ast.note(NameEvent::Declares(NameKind::LoopVariable, variable));
+        let condition = self.eat_word(word::WHILE).then(|| self.expression());
+        let body = self.body("the loop's body in braces", LOOP_EXAMPLE);
+        self.ast.note(NameEvent::Closes(self.end_before));
+        let Some(body) = body else {
+            return self.error_node();
+        };
+        let span = self.since(start);
+        self.ast.push_loop(Loop { variable: variable.symbol, first, end, condition, body }, span)
+    }
+
+    #[cold]
+    fn while_statement(&mut self) -> ExprId {
+        let unknown =
+            Diagnostic::unsupported(self.token().span, "a loop needs a maximum number of iterations");
+        self.report(unknown.hint("write `for i in 0..64 while condition { … }`"));
+        self.advance();
+        self.expression();
+        self.skip_braces();
+        self.error_node()
+    }
+
+    /// Skips a block in braces, if one follows on this line.
+    fn skip_braces(&mut self) {
+        self.skip_until(|parser| parser.kind() == Kind::OpenBrace || parser.token().newline);
+        if self.eat(Kind::OpenBrace) {
+            self.skip_until(|_| false);
+            self.eat(Kind::CloseBrace);
+        }
+    }
+
+    /// Parses `if condition { … } else { … }`, or a choice `if a then b else c`.
+    fn when(&mut self) -> Parsed {
+        if self.nesting >= self.nesting_max {
+            return Parsed::Statement(self.too_deep());
+        }
+        self.nesting += 1;
+        let parsed = self.choice_or_when();
+        self.nesting -= 1;
+        parsed
+    }
+
+    fn choice_or_when(&mut self) -> Parsed {
+        let start = self.advance().span;
+        let condition = self.expression();
+        let is_statement = self.kind() == Kind::OpenBrace && !self.is_value_in_braces()
+            || self.token().is_word(word::BREAK)
+            || self.target().is_some();
+        if !is_statement {
+            return Parsed::Choice(self.choice(start, condition));
+        }
+        let Some(yes) = self.branch() else { return Parsed::Statement(self.error_node()) };
+        let mut no = Statements { first: 0, count: 0 };
+        if self.eat_word(word::ELSE) {
+            let Some(other) = self.branch() else { return Parsed::Statement(self.error_node()) };
+            no = other;
+        }
+        let span = self.since(start);
+        Parsed::Statement(self.ast.push_when(When { condition, yes, no }, span))
+    }
+
+    /// True if the braces at the current token hold an expression instead of statements.
+    fn is_value_in_braces(&self) -> bool {
+        let first = self.ahead(1);
+        let starts = |symbol| first.is_word(symbol);
+        let is_assignment = first.is_name()
+            && matches!(
+                self.ahead(2).kind,
+                Kind::Assign | Kind::Dot | Kind::Plus | Kind::Minus | Kind::Star | Kind::Slash | Kind::Name
+            );
+        let is_statement = [word::LET, word::IF, word::FOR, word::WHILE, word::BREAK].into_iter().any(starts)
+            || matches!(first.kind, Kind::CloseBrace | Kind::Semicolon);
+        !is_statement && !is_assignment
+    }
+
+    /// Parses the statements of one side of an `if`: in braces, a single one, or another `if`.
+    fn branch(&mut self) -> Option<Statements> {
+        if self.kind() == Kind::OpenBrace {
+            return self.body("statements in braces", "if a > b { z = a } else { z = b }");
+        }
+        let mark = self.lists.len();
+        self.ast.note(NameEvent::Opens);
+        let parsed = self.statement();
+        self.ast.note(NameEvent::Closes(self.end_before));
+        match parsed {
+            Parsed::Statement(id) => {
+                self.eat(Kind::Semicolon);
+                self.lists.push(id.0);
+                let (first, count) = self.take_list(mark);
+                Some(Statements { first, count })
+            }
+            Parsed::Choice(_) | Parsed::Nothing => {
+                let wrong = self.expected("statements in braces");
+                self.report(wrong.hint("write `if a > b { z = a } else { z = b }`"));
+                None
+            }
+        }
+    }
+
+    /// Parses `{ statement… }`. `None` if a mistake was reported.
+    fn body(&mut self, what: &str, example: &str) -> Option<Statements> {
+        let open = self.token().span;
+        if !self.eat(Kind::OpenBrace) {
+            let wrong = self.expected(what);
+            self.report(wrong.hint(format!("write `{example}`")));
+            return None;
+        }
+        if self.nesting >= self.nesting_max {
+            self.too_deep();
+            return None;
+        }
+        self.nesting += 1;
+        let mark = self.lists.len();
+        self.ast.note(NameEvent::Opens);
+        let choice = self.within(false, Self::statements);
+        self.ast.note(NameEvent::Closes(self.end_before));
+        self.nesting -= 1;
+        let (first, count) = self.take_list(mark);
+        if choice.is_some() || self.kind() != Kind::CloseBrace {
+            let wrong = self.expected("`}` after the statements").note(open, "for this `{`");
+            let hint = "these braces hold assignments and no result: `z = a`";
+            self.report(if wrong.hint.is_none() { wrong.hint(hint) } else { wrong });
+            self.skip_until(|_| false);
+        }
+        self.eat(Kind::CloseBrace);
+        Some(Statements { first, count })
+    }
+}
+
+enum Parsed {
+    Statement(ExprId),
+    Choice(ExprId),
+    Nothing,
+}

@@ -1,0 +1,81 @@
+//! The declaration of a name, and all its uses.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use mariana_field::lang::Meaning;
+use serde_json::{Value, json};
+
+use crate::documents::{Context, Documents, included_path};
+use crate::protocol::{AtPosition, Location, ReferencesParams};
+use crate::uri::uri_of;
+
+pub(crate) fn definition(documents: &mut Documents, params: &AtPosition) -> Value {
+    let (contexts, byte) = at(documents, params);
+    for context in contexts {
+        let Some((span, meaning)) = context.parsed.names.at(context.offset(byte)) else { continue };
+        if meaning == Meaning::Include {
+            return included(documents, &params.text_document.uri, &context, span);
+        }
+        let Meaning::Declared(index) = meaning else { continue };
+        let Some(declared) = context.parsed.names.declarations.get(index) else { continue };
+        if let Some(location) = documents.location(&context.parsed, declared.name) {
+            return json!(location);
+        }
+    }
+    Value::Null
+}
+
+fn included(documents: &Documents, uri: &str, context: &Context, span: mariana_field::lang::Span) -> Value {
+    let name = context.parsed.sources.text(span).trim_matches('"').to_owned();
+    let scene = documents.get(uri).and_then(|document| document.path.clone());
+    let file = context.parsed.sources.files().iter().find(|file| file.name == name);
+    let target = file.and(scene).and_then(|scene| uri_of(&included_path(Path::new(&scene), &name)));
+    target.map_or(Value::Null, |uri| json!({ "uri": uri, "range": crate::positions::Span::default() }))
+}
+
+pub(crate) fn references(documents: &mut Documents, params: &ReferencesParams) -> Value {
+    let all = places(documents, &params.at, params.context.include_declaration);
+    json!(all)
+}
+
+/// Returns the uses of a name in the document itself.
+pub(crate) fn highlights(documents: &mut Documents, params: &AtPosition) -> Value {
+    let all = places(documents, params, true);
+    let here = all.into_iter().filter(|one| one.uri == params.text_document.uri);
+    json!(here.map(|one| json!({ "range": one.range })).collect::<Vec<_>>())
+}
+
+/// Returns the locations of the name at a position, in all open scenes that contain the document.
+pub(crate) fn places(
+    documents: &mut Documents,
+    params: &AtPosition,
+    with_declaration: bool,
+) -> Vec<Location> {
+    let (contexts, byte) = at(documents, params);
+    let mut found = Vec::new();
+    let mut seen = BTreeSet::new();
+    for context in contexts {
+        let Some((_, Meaning::Declared(index))) = context.parsed.names.at(context.offset(byte)) else {
+            continue;
+        };
+        let declared = context.parsed.names.declarations.get(index).map(|one| one.name);
+        let spans = context.parsed.names.places(index);
+        let spans = spans.filter(|span| with_declaration || Some(*span) != declared);
+        for location in documents.locations(&context.parsed, spans) {
+            if seen.insert((location.uri.clone(), location.range.start)) {
+                found.push(location);
+            }
+        }
+    }
+    found
+}
+
+/// Returns the scenes that contain a document, and the byte of a position in the document.
+pub(crate) fn at(documents: &mut Documents, params: &AtPosition) -> (Vec<Context>, usize) {
+    let uri = &params.text_document.uri;
+    let contexts = documents.contexts(uri);
+    let unit = documents.unit;
+    let byte = documents.get(uri).map_or(0, |document| unit.offset(&document.buffer, params.position));
+    (contexts, byte)
+}

@@ -1,0 +1,40 @@
+//! The outline of a document: what it declares.
+
+use mariana_field::lang::NameKind;
+use serde_json::{Value, json};
+
+use crate::documents::Documents;
+
+/// Kinds of the protocol.
+fn symbol_kind(kind: NameKind) -> u8 {
+    match kind {
+        NameKind::Param => 7,
+        NameKind::Let => 13,
+        NameKind::Function => 12,
+        NameKind::Object => 19,
+        NameKind::Material => 23,
+        NameKind::Light => 24,
+        NameKind::Camera => 11,
+        NameKind::FunctionParameter | NameKind::LoopVariable => 13,
+    }
+}
+
+pub(crate) fn outline(documents: &mut Documents, uri: &str) -> Value {
+    let Some(parsed) = documents.parsed(uri) else { return json!([]) };
+    let Some(document) = documents.get(uri) else { return json!([]) };
+    let (unit, buffer) = (documents.unit, &document.buffer);
+    let declared = parsed.names.declarations.iter().filter(|one| one.local.is_none());
+    let symbols = declared.filter_map(|one| {
+        let (file, name) = parsed.sources.place_in_file(one.name)?;
+        let (_, item) = parsed.sources.place_in_file(one.item)?;
+        (file == 0).then(|| {
+            json!({
+                "name": parsed.sources.text(one.name),
+                "kind": symbol_kind(one.kind),
+                "range": unit.range(buffer, item.start..item.end.max(name.end)),
+                "selectionRange": unit.range(buffer, name),
+            })
+        })
+    });
+    json!(symbols.collect::<Vec<_>>())
+}

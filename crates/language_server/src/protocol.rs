@@ -1,0 +1,188 @@
+//! Records of the protocol's messages, as far as the server uses them.
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::positions::{Position, Span};
+
+/// An error in the answer to a request.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Failure {
+    pub code: i32,
+    pub message: String,
+}
+
+/// Codes of [`Failure`], from JSON-RPC 2.0 and the protocol.
+pub(crate) mod code {
+    pub(crate) const PARSE_ERROR: i32 = -32700;
+    pub(crate) const INVALID_REQUEST: i32 = -32600;
+    pub(crate) const METHOD_NOT_FOUND: i32 = -32601;
+    pub(crate) const INVALID_PARAMS: i32 = -32602;
+    pub(crate) const NOT_INITIALIZED: i32 = -32002;
+    pub(crate) const REQUEST_CANCELLED: i32 = -32800;
+    pub(crate) const REQUEST_FAILED: i32 = -32803;
+}
+
+impl Failure {
+    pub(crate) fn new(code: i32, message: impl Into<String>) -> Self {
+        Self { code, message: message.into() }
+    }
+}
+
+/// Reads the parameters of a message.
+pub(crate) fn parameters<T: DeserializeOwned>(value: &Value) -> Result<T, Failure> {
+    T::deserialize(value)
+        .map_err(|error| Failure::new(code::INVALID_PARAMS, format!("the parameters are wrong: {error}")))
+}
+
+pub(crate) fn answer(id: &Value, result: Result<Value, Failure>) -> Value {
+    match result {
+        Ok(result) => json!({ "jsonrpc": "2.0", "id": id, "result": result }),
+        Err(Failure { code, message }) => {
+            json!({ "jsonrpc": "2.0", "id": id, "error": { "code": code, "message": message } })
+        }
+    }
+}
+
+pub(crate) fn notification(method: &str, params: Value) -> Value {
+    json!({ "jsonrpc": "2.0", "method": method, "params": params })
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct DocumentId {
+    pub uri: String,
+}
+
+/// The parameters of requests about a whole document.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct OfDocument {
+    pub text_document: DocumentId,
+}
+
+/// The parameters of requests about a position.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct AtPosition {
+    pub text_document: DocumentId,
+    pub position: Position,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct ReferencesParams {
+    #[serde(flatten)]
+    pub at: AtPosition,
+    #[serde(default)]
+    pub context: ReferencesContext,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct ReferencesContext {
+    pub include_declaration: bool,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct RenameParams {
+    #[serde(flatten)]
+    pub at: AtPosition,
+    pub new_name: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct ColorParams {
+    pub color: Color,
+    pub range: Span,
+}
+
+/// A colour in sRGB, each component 0..1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Color {
+    pub red: f64,
+    pub green: f64,
+    pub blue: f64,
+    pub alpha: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct OpenedParams {
+    pub text_document: OpenedDocument,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct OpenedDocument {
+    pub uri: String,
+    pub version: i64,
+    pub text: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct ChangedParams {
+    pub text_document: ChangedDocument,
+    pub content_changes: Vec<Change>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct ChangedDocument {
+    pub uri: String,
+    pub version: Option<i64>,
+}
+
+/// A change of a document. Without a range, `text` is the whole document.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Change {
+    pub range: Option<Span>,
+    pub text: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct TextEdit {
+    pub range: Span,
+    pub new_text: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct Location {
+    pub uri: String,
+    pub range: Span,
+}
+
+/// What the server needs to know about the client.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct InitializeParams {
+    pub capabilities: ClientCapabilities,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(crate) struct ClientCapabilities {
+    pub general: General,
+    pub text_document: Value,
+    pub workspace: Value,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(crate) struct General {
+    pub position_encodings: Vec<String>,
+}
+
+impl ClientCapabilities {
+    /// True if the client sets the flag at this path in the capabilities of documents.
+    pub(crate) fn has_for_documents(&self, path: &str) -> bool {
+        self.text_document.pointer(path) == Some(&Value::Bool(true))
+    }
+
+    /// True if the client sets the flag at this path in the capabilities of the workspace.
+    pub(crate) fn has_for_workspace(&self, path: &str) -> bool {
+        self.workspace.pointer(path) == Some(&Value::Bool(true))
+    }
+}

@@ -1,0 +1,400 @@
+//! The server: its state, and the answer to each message.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use mariana_field::lang::formatted;
+use serde_json::{Value, json};
+
+use crate::check::{Check, Checked};
+use crate::documents::{Documents, Files};
+use crate::framing::Unreadable;
+use crate::limits::LIMITS;
+use crate::positions::Unit;
+use crate::protocol::{
+    ChangedParams, ClientCapabilities, Failure, InitializeParams, OfDocument, OpenedParams, TextEdit, answer,
+    code, notification, parameters,
+};
+use crate::semantic_tokens::TYPES;
+use crate::uri::path_of;
+use crate::{color, completion, hover, navigation, outline, rename, semantic_tokens, signature};
+
+/// How the client has ended the server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// After a `shutdown`: the exit code is 0.
+    Orderly,
+    /// Without a `shutdown`: the exit code is 1.
+    Early,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    New,
+    Ready,
+    ShutDown,
+    Ended(Ending),
+}
+
+/// A language server.
+pub struct Server {
+    state: State,
+    client: ClientCapabilities,
+    documents: Documents,
+    diagnosing: Diagnosing,
+}
+
+/// Which documents are to be compiled, and the diagnostics that the client has.
+#[derive(Default)]
+struct Diagnosing {
+    /// The newest version of each document that is not yet compiled.
+    wanted: BTreeSet<String>,
+    /// The number of the last change of each document or of its includes.
+    revisions: BTreeMap<String, u64>,
+    revision: u64,
+    /// The last result for each document.
+    results: BTreeMap<String, Checked>,
+    /// The diagnostics that the client shows, by document.
+    shown: BTreeMap<String, Vec<Value>>,
+}
+
+impl Server {
+    /// Returns a server that waits for `initialize`.
+    pub fn new(files: Arc<dyn Files>) -> Self {
+        Self {
+            state: State::New,
+            client: ClientCapabilities::default(),
+            documents: Documents::new(files),
+            diagnosing: Diagnosing::default(),
+        }
+    }
+
+    /// How the client has ended the server; `None` while it runs.
+    pub fn ending(&self) -> Option<Ending> {
+        match self.state {
+            State::Ended(ending) => Some(ending),
+            _ => None,
+        }
+    }
+
+    /// Handles the messages that have arrived, and returns the answers. A request is not executed if its cancellation
+    /// is among the messages.
+    pub fn receive(&mut self, messages: Vec<Result<Value, Unreadable>>) -> Vec<Value> {
+        let cancelled: Vec<Value> = messages
+            .iter()
+            .flatten()
+            .filter(|message| message["method"] == "$/cancelRequest")
+            .map(|message| message["params"]["id"].clone())
+            .collect();
+        let mut answers = Vec::new();
+        for message in messages {
+            match message {
+                Ok(message) => self.message(&message, &cancelled, &mut answers),
+                Err(Unreadable::Message(text) | Unreadable::Stream(text)) => {
+                    answers.push(answer(&Value::Null, Err(Failure::new(code::PARSE_ERROR, text))));
+                }
+            }
+            if self.ending().is_some() {
+                break;
+            }
+        }
+        answers
+    }
+
+    fn message(&mut self, message: &Value, cancelled: &[Value], answers: &mut Vec<Value>) {
+        let (method, id) = (message.get("method").and_then(Value::as_str), message.get("id"));
+        let params = message.get("params").unwrap_or(&Value::Null);
+        match (method, id) {
+            (Some(method), Some(id)) => {
+                let result = if cancelled.contains(id) {
+                    Err(Failure::new(code::REQUEST_CANCELLED, "the request was cancelled"))
+                } else {
+                    self.request(method, params)
+                };
+                answers.push(answer(id, result));
+            }
+            (Some(method), None) => answers.extend(self.notification(method, params)),
+            // An answer to a request of the server.
+            (None, Some(_)) if message.get("result").is_some() || message.get("error").is_some() => {}
+            (None, id) => {
+                let wrong = Failure::new(
+                    code::INVALID_REQUEST,
+                    "a message has no method: send an object with `method`",
+                );
+                answers.push(answer(id.unwrap_or(&Value::Null), Err(wrong)));
+            }
+        }
+    }
+
+    fn request(&mut self, method: &str, params: &Value) -> Result<Value, Failure> {
+        match (self.state, method) {
+            (State::New, "initialize") => return Ok(self.initialize(parameters(params)?)),
+            (State::New, _) => {
+                return Err(Failure::new(code::NOT_INITIALIZED, "send the request `initialize` first"));
+            }
+            (State::Ready, "initialize") => {
+                return Err(Failure::new(code::INVALID_REQUEST, "the server is already initialized"));
+            }
+            (State::Ready, "shutdown") => {
+                self.state = State::ShutDown;
+                return Ok(Value::Null);
+            }
+            (State::Ready, _) => {}
+            (State::ShutDown | State::Ended(_), _) => {
+                return Err(Failure::new(code::INVALID_REQUEST, "the server is shut down: send `exit`"));
+            }
+        }
+        self.of_document(method, params)
+    }
+
+    /// Answers a request about a document. A document that is too large for the language gets empty answers.
+    fn of_document(&mut self, method: &str, params: &Value) -> Result<Value, Failure> {
+        let documents = &mut self.documents;
+        if let Some(uri) = params["textDocument"]["uri"].as_str() {
+            let Some(document) = documents.get(uri) else {
+                let message = format!("the document {uri} is not open: send `textDocument/didOpen` first");
+                return Err(Failure::new(code::INVALID_PARAMS, message));
+            };
+            if document.buffer.len() > mariana_editing::limits::LIMITS.text_bytes_max {
+                return Ok(Value::Null);
+            }
+        }
+        let snippets = self.client.has_for_documents("/completion/completionItem/snippetSupport");
+        Ok(match method {
+            "textDocument/hover" => hover::hover(documents, &parameters(params)?),
+            "textDocument/completion" => completion::completion(documents, &parameters(params)?, snippets),
+            "textDocument/signatureHelp" => signature::signature(documents, &parameters(params)?),
+            "textDocument/definition" => navigation::definition(documents, &parameters(params)?),
+            "textDocument/references" => navigation::references(documents, &parameters(params)?),
+            "textDocument/documentHighlight" => navigation::highlights(documents, &parameters(params)?),
+            "textDocument/prepareRename" => rename::prepare(documents, &parameters(params)?),
+            "textDocument/rename" => rename::rename(documents, &parameters(params)?)?,
+            "textDocument/documentSymbol" => outline::outline(documents, &uri_in(params)?),
+            "textDocument/semanticTokens/full" => semantic_tokens::tokens(documents, &uri_in(params)?),
+            "textDocument/documentColor" => color::colors(documents, &uri_in(params)?),
+            "textDocument/colorPresentation" => color::presentations(&parameters(params)?),
+            "textDocument/formatting" => formatting(documents, &uri_in(params)?),
+            _ => {
+                let message = format!("there is no request `{method}`");
+                return Err(Failure::new(code::METHOD_NOT_FOUND, message));
+            }
+        })
+    }
+
+    fn initialize(&mut self, params: InitializeParams) -> Value {
+        self.state = State::Ready;
+        self.client = params.capabilities;
+        self.documents.unit = Unit::among(&self.client.general.position_encodings);
+        json!({
+            "capabilities": {
+                "positionEncoding": self.documents.unit.name(),
+                "textDocumentSync": { "openClose": true, "change": 2 },
+                "hoverProvider": true,
+                "completionProvider": { "triggerCharacters": ["."] },
+                "signatureHelpProvider": { "triggerCharacters": ["(", ","] },
+                "definitionProvider": true,
+                "referencesProvider": true,
+                "documentHighlightProvider": true,
+                "renameProvider": { "prepareProvider": true },
+                "documentSymbolProvider": true,
+                "documentFormattingProvider": true,
+                "colorProvider": true,
+                "semanticTokensProvider": {
+                    "legend": { "tokenTypes": TYPES, "tokenModifiers": [] },
+                    "full": true,
+                },
+            },
+            "serverInfo": { "name": "mariana", "version": env!("CARGO_PKG_VERSION") },
+        })
+    }
+
+    fn notification(&mut self, method: &str, params: &Value) -> Vec<Value> {
+        match (self.state, method) {
+            (State::ShutDown, "exit") => self.state = State::Ended(Ending::Orderly),
+            (_, "exit") => self.state = State::Ended(Ending::Early),
+            (State::Ready, "initialized") => return self.watch_files(),
+            (State::Ready, "textDocument/didOpen") => return self.open(params),
+            (State::Ready, "textDocument/didChange") => self.change(params),
+            (State::Ready, "textDocument/didClose") => return self.close(params),
+            (State::Ready, "workspace/didChangeWatchedFiles") => {
+                self.documents.forget_files();
+                let uris: Vec<String> = self.documents.uris().cloned().collect();
+                uris.iter().for_each(|uri| self.diagnosing.want(uri));
+            }
+            _ => {}
+        }
+        Vec::new()
+    }
+
+    /// Asks the client to report changes of files, so that scenes are compiled again when an include is saved.
+    fn watch_files(&self) -> Vec<Value> {
+        if !self.client.has_for_workspace("/didChangeWatchedFiles/dynamicRegistration") {
+            return Vec::new();
+        }
+        let watchers = json!([{ "globPattern": "**/*.scene" }]);
+        let registration = json!({
+            "id": "scenes", "method": "workspace/didChangeWatchedFiles", "registerOptions": { "watchers": watchers },
+        });
+        let params = json!({ "registrations": [registration] });
+        vec![
+            json!({ "jsonrpc": "2.0", "id": "watch", "method": "client/registerCapability", "params": params }),
+        ]
+    }
+
+    fn open(&mut self, params: &Value) -> Vec<Value> {
+        let Ok(OpenedParams { text_document }) = parameters(params) else { return Vec::new() };
+        let uri = text_document.uri;
+        if self.documents.get(&uri).is_none() && self.documents.len() >= LIMITS.documents_max {
+            let max = LIMITS.documents_max;
+            let message =
+                format!("more than {max} scenes are open: close some, to see the mistakes in {uri}");
+            return vec![notification("window/showMessage", json!({ "type": 2, "message": message }))];
+        }
+        self.documents.insert(&uri, text_document.version, text_document.text);
+        self.changed(&uri);
+        Vec::new()
+    }
+
+    fn change(&mut self, params: &Value) {
+        let Ok(ChangedParams { text_document, content_changes }) = parameters(params) else { return };
+        if self.documents.change(&text_document.uri, text_document.version, content_changes) {
+            self.changed(&text_document.uri);
+        }
+    }
+
+    fn close(&mut self, params: &Value) -> Vec<Value> {
+        let Ok(uri) = uri_in(params) else { return Vec::new() };
+        self.documents.close(&uri);
+        // Scenes that include the document now read the file. Documents that it includes stand alone.
+        self.changed(&uri);
+        let included = self.diagnosing.results.remove(&uri).map(|result| result.included).unwrap_or_default();
+        let alone: Vec<String> =
+            self.documents.uris().filter(|uri| is_among(uri, &included)).cloned().collect();
+        alone.iter().for_each(|uri| self.diagnosing.want(uri));
+        self.diagnosing.wanted.remove(&uri);
+        self.diagnosing.revisions.remove(&uri);
+        self.publish(&uri)
+    }
+
+    /// Requests diagnostics of a document and of all scenes that include it.
+    fn changed(&mut self, uri: &str) {
+        self.diagnosing.want(uri);
+        let Some(path) = path_of(uri) else { return };
+        let roots = self.diagnosing.results.values().filter(|result| result.included.contains(&path));
+        let roots: Vec<String> = roots.map(|result| result.uri.clone()).collect();
+        for root in roots.iter().filter(|root| self.documents.get(root).is_some()) {
+            self.diagnosing.want(root);
+        }
+    }
+
+    /// Returns a document that is to be compiled. The caller passes the result to [`Server::checked`].
+    pub fn next_check(&mut self) -> Option<Check> {
+        while let Some(uri) = self.diagnosing.wanted.pop_first() {
+            let Some(document) = self.documents.get(&uri) else { continue };
+            return Some(Check {
+                path: document.path.clone(),
+                text: document.text.clone(),
+                revision: self.diagnosing.revisions.get(&uri).copied().unwrap_or_default(),
+                snapshot: self.documents.snapshot(),
+                unit: self.documents.unit,
+                shows_related: self.client.has_for_documents("/publishDiagnostics/relatedInformation"),
+                uri,
+            });
+        }
+        None
+    }
+
+    /// Takes the result of a check, and returns the diagnostics for the client. A result for a text that has changed
+    /// since is ignored.
+    pub fn checked(&mut self, result: Checked) -> Vec<Value> {
+        let newest = self.diagnosing.revisions.get(&result.uri);
+        if newest != Some(&result.revision) || self.documents.get(&result.uri).is_none() {
+            return Vec::new();
+        }
+        let uri = result.uri.clone();
+        self.diagnosing.results.insert(uri.clone(), result);
+        self.publish(&uri)
+    }
+
+    /// Returns the diagnostics of a document that was checked, and of all documents whose diagnostics have changed. A
+    /// document has the diagnostics of the scenes that include it or, without such a scene, its own.
+    fn publish(&mut self, checked: &str) -> Vec<Value> {
+        let results = &self.diagnosing.results;
+        // A document belongs to the scenes that include it, unless they include each other.
+        let is_part = |part: &Checked| {
+            let includes = |a: &Checked, b: &Checked| is_among(&b.uri, &a.included);
+            results
+                .values()
+                .any(|scene| scene.uri != part.uri && includes(scene, part) && !includes(part, scene))
+        };
+        let mut all: BTreeMap<String, Vec<Value>> = BTreeMap::from([(checked.to_owned(), Vec::new())]);
+        for result in results.values().filter(|result| !is_part(result)) {
+            for (uri, diagnostics) in &result.diagnostics {
+                let list = all.entry(self.client_uri(uri)).or_default();
+                let new: Vec<&Value> = diagnostics.iter().filter(|one| !list.contains(one)).collect();
+                list.extend(new.into_iter().cloned());
+            }
+        }
+        for uri in self.diagnosing.shown.keys() {
+            all.entry(uri.clone()).or_default();
+        }
+        let none = Vec::new();
+        let is_new = |uri: &str, list: &Vec<Value>| self.diagnosing.shown.get(uri).unwrap_or(&none) != list;
+        let changed = all.iter().filter(|(uri, list)| *uri == checked || is_new(uri, list));
+        let messages = changed.map(|(uri, diagnostics)| {
+            let mut params = json!({ "uri": uri, "diagnostics": diagnostics });
+            if let Some(document) = self.documents.get(uri) {
+                params["version"] = document.version.into();
+            }
+            notification("textDocument/publishDiagnostics", params)
+        });
+        let messages = messages.collect();
+        self.diagnosing.shown = all.into_iter().filter(|(_, list)| !list.is_empty()).collect();
+        messages
+    }
+
+    /// Returns the client's own address of a file, which may have other escapes.
+    fn client_uri(&self, uri: &str) -> String {
+        if self.documents.get(uri).is_some() {
+            return uri.to_owned();
+        }
+        let path = path_of(uri);
+        let open = self.documents.uris().find(|open| path.is_some() && path_of(open) == path);
+        open.cloned().unwrap_or_else(|| uri.to_owned())
+    }
+}
+
+impl Diagnosing {
+    fn want(&mut self, uri: &str) {
+        self.revision += 1;
+        self.revisions.insert(uri.to_owned(), self.revision);
+        self.wanted.insert(uri.to_owned());
+    }
+}
+
+fn is_among(uri: &str, paths: &[std::path::PathBuf]) -> bool {
+    path_of(uri).is_some_and(|path| paths.contains(&path))
+}
+
+fn uri_in(params: &Value) -> Result<String, Failure> {
+    Ok(parameters::<OfDocument>(params)?.text_document.uri)
+}
+
+/// Returns the edits that format a document: at most one, of the lines that change. A text with mistakes gets none.
+fn formatting(documents: &Documents, uri: &str) -> Value {
+    let Some(document) = documents.get(uri) else { return Value::Null };
+    let before = &*document.text;
+    let Some(after) = formatted(before) else { return Value::Null };
+    if before == after {
+        return json!([]);
+    }
+    let same_lines = |a: &mut dyn Iterator<Item = &str>, b: &mut dyn Iterator<Item = &str>| -> usize {
+        a.zip(b).take_while(|(a, b)| a == b).map(|(a, _)| a.len()).sum()
+    };
+    let head = same_lines(&mut before.split_inclusive('\n'), &mut after.split_inclusive('\n'));
+    let (rest, new) = (before.get(head..).unwrap_or_default(), after.get(head..).unwrap_or_default());
+    let tail = same_lines(&mut rest.split_inclusive('\n').rev(), &mut new.split_inclusive('\n').rev());
+    let range = documents.unit.range(&document.buffer, head..before.len() - tail);
+    let new_text = new.get(..new.len() - tail).unwrap_or_default().to_owned();
+    json!([TextEdit { range, new_text }])
+}
