@@ -277,13 +277,16 @@ fn read(path: &Path) -> Result<String, SceneError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mariana_field::lang::render_all;
 
     #[test]
-    fn every_shipped_scene_compiles() {
+    fn every_shipped_scene_compiles_without_warnings() {
         assert!(shipped_names().contains(&"speakers".to_owned()));
         for name in shipped_names() {
             let compiled = SceneSource::Shipped(name.clone()).compile().unwrap();
             assert!(compiled.scene.is_some(), "{name}:\n{}", compiled.render(false));
+            let warnings = render_all(&compiled.warnings, &compiled.sources, false);
+            assert!(warnings.is_empty(), "{name}:\n{warnings}");
         }
     }
 
