@@ -31,8 +31,14 @@ _mariana() {
             mariana,eval)
                 cmd="mariana__subcmd__eval"
                 ;;
+            mariana,format)
+                cmd="mariana__subcmd__format"
+                ;;
             mariana,help)
                 cmd="mariana__subcmd__help"
+                ;;
+            mariana,lsp)
+                cmd="mariana__subcmd__lsp"
                 ;;
             mariana,scenes)
                 cmd="mariana__subcmd__scenes"
@@ -64,8 +70,14 @@ _mariana() {
             mariana__subcmd__help,eval)
                 cmd="mariana__subcmd__help__subcmd__eval"
                 ;;
+            mariana__subcmd__help,format)
+                cmd="mariana__subcmd__help__subcmd__format"
+                ;;
             mariana__subcmd__help,help)
                 cmd="mariana__subcmd__help__subcmd__help"
+                ;;
+            mariana__subcmd__help,lsp)
+                cmd="mariana__subcmd__help__subcmd__lsp"
                 ;;
             mariana__subcmd__help,scenes)
                 cmd="mariana__subcmd__help__subcmd__scenes"
@@ -89,7 +101,7 @@ _mariana() {
 
     case "${cmd}" in
         mariana)
-            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check tape eval show scenes devices help"
+            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check format lsp tape eval show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -376,8 +388,22 @@ _mariana() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        mariana__subcmd__format)
+            opts="-h --check --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         mariana__subcmd__help)
-            opts="still video analyze bench check tape eval show scenes devices help"
+            opts="still video analyze bench check format lsp tape eval show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -460,7 +486,35 @@ _mariana() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        mariana__subcmd__help__subcmd__format)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         mariana__subcmd__help__subcmd__help)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        mariana__subcmd__help__subcmd__lsp)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
@@ -533,6 +587,20 @@ _mariana() {
         mariana__subcmd__help__subcmd__video)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        mariana__subcmd__lsp)
+            opts="-h --stdio --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
@@ -659,12 +727,16 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__tape)
-            opts="-h --glsl --dot --help"
+            opts="-h --glsl --dot --at --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
+                --at)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;

@@ -1,5 +1,7 @@
 //! Writes the lines: their indentation, their `=` in a common column, and the comments behind them.
 
+use std::collections::BTreeMap;
+
 use super::layout::{Line, Start};
 use super::pieces::{behind, width};
 
@@ -101,10 +103,12 @@ struct Entry<'a> {
 /// the author has aligned stays; entries that are too long for it get one blank.
 fn arrange(table: &mut [Entry<'_>]) {
     let is_table = table.iter().any(|entry| *entry.blanks > 1);
-    let columns: Vec<usize> =
-        table.iter().filter(|entry| entry.column > entry.head).map(|entry| entry.column).collect();
-    let sharing = |column: usize| columns.iter().filter(|other| **other == column).count();
-    let shared = columns.iter().copied().filter(|column| sharing(*column) > 1);
+    let mut columns: BTreeMap<usize, usize> = BTreeMap::new();
+    for entry in table.iter().filter(|entry| entry.column > entry.head) {
+        *columns.entry(entry.column).or_default() += 1;
+    }
+    let sharing = |column: usize| columns.get(&column).copied().unwrap_or_default();
+    let shared = columns.keys().copied().filter(|column| sharing(*column) > 1);
     let longest = table.iter().map(|entry| entry.head).max().unwrap_or(0);
     // The column that most entries share, of several such columns the leftmost.
     let common = shared.max_by_key(|column| (sharing(*column), usize::MAX - column)).unwrap_or(longest + 1);

@@ -64,8 +64,16 @@ struct Frame {
 
 pub(super) fn lines(pieces: &[Piece<'_>]) -> Vec<Line> {
     let top = Frame { closing: Start::Margin, inside: Start::Margin, statement: 0 };
+    let mut next = pieces.len();
+    let mut next_token: Vec<usize> = Vec::with_capacity(pieces.len());
+    for (index, piece) in pieces.iter().enumerate().rev() {
+        next = if piece.is_comment() { next } else { index };
+        next_token.push(next);
+    }
+    next_token.reverse();
     let mut layout = Layout {
         pieces,
+        next_token,
         lines: Vec::new(),
         frames: vec![top],
         brackets: Vec::new(),
@@ -84,6 +92,8 @@ struct Layout<'a> {
     frames: Vec<Frame>,
     /// The open brackets.
     brackets: Vec<Kind>,
+    /// For each piece, the index of the first token from this piece on.
+    next_token: Vec<usize>,
     /// The index of the last token.
     token: Option<usize>,
     /// The role of the last piece.
@@ -110,7 +120,9 @@ impl<'a> Layout<'a> {
         }
         if begins && !closes && !piece.is_comment() {
             let line = self.last_line();
-            self.frames.last_mut().map(|frame| frame.statement = line).unwrap_or_default();
+            if let Some(frame) = self.frames.last_mut() {
+                frame.statement = line;
+            }
         }
         self.note_bracket(index);
         self.role = role;
@@ -125,9 +137,9 @@ impl<'a> Layout<'a> {
 
     /// True if the piece begins an item, a field, a `let` or a result. A comment counts as the token behind it.
     fn begins_statement(&self, index: usize) -> bool {
-        let rest = self.pieces.get(index..).unwrap_or_default();
-        let Some(at) = rest.iter().position(|piece| !piece.is_comment()) else { return true };
-        let (Some(this), Some(before)) = (rest.get(at), self.token.and_then(|token| self.pieces.get(token)))
+        let at = self.next_token.get(index).copied().unwrap_or(index);
+        let (Some(this), Some(before)) =
+            (self.pieces.get(at), self.token.and_then(|token| self.pieces.get(token)))
         else {
             return true;
         };
@@ -136,7 +148,7 @@ impl<'a> Layout<'a> {
         }
         // A `-` that begins a line begins an expression if its operand follows without a blank.
         let glued = |next: &Piece<'_>| next.breaks == 0 && next.blanks == 0 && !next.is_comment();
-        let negates = this.is(Kind::Minus) && this.newline && rest.get(at + 1).is_some_and(glued);
+        let negates = this.is(Kind::Minus) && this.newline && self.pieces.get(at + 1).is_some_and(glued);
         let calls = this.is(Kind::OpenParen) && !this.newline && before.is(Kind::Name);
         before.ends_operand() && !calls && (negates || !continues(this))
     }

@@ -110,6 +110,25 @@ fn texts_with_mistakes_are_refused() {
     assert_eq!(formatted("nothing( x )").as_deref(), Some("nothing(x)\n"));
 }
 
+/// Quadratic work would take minutes.
+#[test]
+fn long_runs_of_comments_entries_and_brackets_are_formatted() {
+    let max = crate::limits::LIMITS.scene_bytes_max;
+    let blocks = format!("let a = {}1{}", "{ ".repeat(200), " }".repeat(200));
+    for (line, count) in [
+        ("#\n", max / 8),
+        ("let a  =b\n", 30_000),
+        ("let a = b  /* c */\n", 30_000),
+        ("f(a)\n", 30_000),
+        ("a\n+ b\n", 30_000),
+        (&*(blocks + "\n"), 150),
+    ] {
+        let text = line.repeat(count);
+        let once = formatted(&text).unwrap();
+        assert_eq!(formatted(&once), Some(once), "{line}");
+    }
+}
+
 /// Writes a text again with other blanks, indentation and blank lines. `seed` chooses them.
 fn disarranged(text: &str, mut seed: u64) -> String {
     let mut random = |below: u64| {
