@@ -45,7 +45,7 @@ impl Check {
         for file in 1..compiled.sources.files().len() {
             diagnostics.extend(self.uri_of(&compiled.sources, file).map(|uri| (uri, Vec::new())));
         }
-        for one in &compiled.diagnostics {
+        for one in compiled.diagnostics.iter().chain(&compiled.warnings) {
             let Some((file, bytes)) = compiled.sources.place_in_file(one.span) else { continue };
             let (Some(uri), Some(buffer)) = (self.uri_of(&compiled.sources, file), texts.0.get(file)) else {
                 continue;
@@ -110,7 +110,10 @@ impl Check {
             Fault::Malformed => "malformed",
             Fault::Unsupported => "unsupported",
             Fault::OverLimit => "over-limit",
+            Fault::Warning => "warning",
         };
+        // In the protocol, 1 is an error and 2 a warning.
+        let severity = if one.fault == Fault::Warning { 2 } else { 1 };
         let mut related = Vec::new();
         for (span, text) in &one.notes {
             match self.place(sources, texts, *span).filter(|_| self.shows_related) {
@@ -119,7 +122,7 @@ impl Check {
             }
         }
         let mut value = json!({
-            "range": range, "severity": 1, "code": code, "source": "mariana", "message": message,
+            "range": range, "severity": severity, "code": code, "source": "mariana", "message": message,
         });
         if !related.is_empty() {
             value["relatedInformation"] = related.into();

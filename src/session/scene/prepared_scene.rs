@@ -14,6 +14,8 @@ use crate::gpu::program::Program;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{ReadyScene, SceneSource, TextureSource};
+use std::sync::Arc;
+
 use mariana_field::graph::Op;
 
 #[derive(Debug, Clone, Copy)]
