@@ -45,7 +45,7 @@ impl Check {
         for file in 1..compiled.sources.files().len() {
             diagnostics.extend(self.uri_of(&compiled.sources, file).map(|uri| (uri, Vec::new())));
         }
-        for one in &compiled.diagnostics {
+        for one in compiled.diagnostics.iter().chain(&compiled.warnings) {
             let Some((file, bytes)) = compiled.sources.place_in_file(one.span) else { continue };
             let (Some(uri), Some(buffer)) = (self.uri_of(&compiled.sources, file), texts.0.get(file)) else {
                 continue;
@@ -77,7 +77,9 @@ impl Check {
         if has_object || !declares {
             return compiled;
         }
-        let with_object = self.compile(&format!("{}\nobject _ {{ shape = p.y }}", self.text));
+        let mut with_object = self.compile(&format!("{}\nobject _ {{ shape = p.y }}", self.text));
+        // Other scenes use the names of this text.
+        with_object.warnings.clear();
         if with_object.diagnostics.len() < compiled.diagnostics.len() { with_object } else { compiled }
     }
 
@@ -106,10 +108,12 @@ impl Check {
         if let Some(hint) = &one.hint {
             message.push_str(&format!("\nhelp: {hint}"));
         }
-        let code = match one.fault {
-            Fault::Malformed => "malformed",
-            Fault::Unsupported => "unsupported",
-            Fault::OverLimit => "over-limit",
+        // The protocol's severities are 1 for an error and 2 for a warning.
+        let (code, severity) = match one.fault {
+            Fault::Malformed => ("malformed", 1),
+            Fault::Unsupported => ("unsupported", 1),
+            Fault::OverLimit => ("over-limit", 1),
+            Fault::Warning => ("warning", 2),
         };
         let mut related = Vec::new();
         for (span, text) in &one.notes {
@@ -119,7 +123,7 @@ impl Check {
             }
         }
         let mut value = json!({
-            "range": range, "severity": 1, "code": code, "source": "mariana", "message": message,
+            "range": range, "severity": severity, "code": code, "source": "mariana", "message": message,
         });
         if !related.is_empty() {
             value["relatedInformation"] = related.into();
