@@ -190,8 +190,11 @@ struct Mistakes {
     sources: Sources,
 }
 
-/// Compiles a scene. Returns it with its texts and warnings. Missing texture files are mistakes too.
-fn compile(source: &SceneSource) -> Result<Result<(Scene, Sources, Vec<Diagnostic>), Mistakes>, SceneError> {
+/// A scene with its texts and warnings.
+type Checked = (Scene, Sources, Vec<Diagnostic>);
+
+/// Compiles a scene. Missing texture files are mistakes too.
+fn compile(source: &SceneSource) -> Result<Result<Checked, Mistakes>, SceneError> {
     let Compiled { scene, diagnostics, warnings, sources, .. } = source.compile()?;
     let Some(mut scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
     source.find_videos(&mut scene);

@@ -77,7 +77,9 @@ impl Check {
         if has_object || !declares {
             return compiled;
         }
-        let with_object = self.compile(&format!("{}\nobject _ {{ shape = p.y }}", self.text));
+        let mut with_object = self.compile(&format!("{}\nobject _ {{ shape = p.y }}", self.text));
+        // Other scenes use the names of this text.
+        with_object.warnings.clear();
         if with_object.diagnostics.len() < compiled.diagnostics.len() { with_object } else { compiled }
     }
 
@@ -106,14 +108,13 @@ impl Check {
         if let Some(hint) = &one.hint {
             message.push_str(&format!("\nhelp: {hint}"));
         }
-        let code = match one.fault {
-            Fault::Malformed => "malformed",
-            Fault::Unsupported => "unsupported",
-            Fault::OverLimit => "over-limit",
-            Fault::Warning => "warning",
+        // The protocol's severities are 1 for an error and 2 for a warning.
+        let (code, severity) = match one.fault {
+            Fault::Malformed => ("malformed", 1),
+            Fault::Unsupported => ("unsupported", 1),
+            Fault::OverLimit => ("over-limit", 1),
+            Fault::Warning => ("warning", 2),
         };
-        // In the protocol, 1 is an error and 2 a warning.
-        let severity = if one.fault == Fault::Warning { 2 } else { 1 };
         let mut related = Vec::new();
         for (span, text) in &one.notes {
             match self.place(sources, texts, *span).filter(|_| self.shows_related) {

@@ -217,6 +217,16 @@ fn mistakes_are_published_with_their_place_and_hint() {
 }
 
 #[test]
+fn warnings_are_published_but_not_for_files_that_other_scenes_include() {
+    let mut client = Client::with("let lost = 1\nobject a { shape = p.y }");
+    let list = &client.diagnostics[SCENE];
+    assert_eq!(list.len(), 1, "{list:?}");
+    assert_eq!((&list[0]["severity"], &list[0]["code"]), (&json!(2), &json!("warning")));
+    client.open(PART, "fn ball(q) = sphere(q, 1)\n");
+    assert_eq!(client.messages(PART), [""; 0]);
+}
+
+#[test]
 fn a_burst_of_changes_is_compiled_once() {
     let mut client = Client::with(GOOD);
     let change = |version: u64| {
