@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
 
-use naga::{Expression, Function, Handle, Statement};
+use naga::{Expression, Function, Handle, ScalarKind, Statement};
 
 use super::execute::Exits;
 use super::items::Origin;
@@ -135,18 +135,24 @@ impl Session {
         let wrong = || Problem::malformed(place.clone(), "this function does not fit its call");
         let called = file.module.functions.try_get(function.handle).map_err(|_| wrong())?;
         let known = self.globals.take();
-        let is_started = known.is_some();
         let mut executor = Executor::new(file, called, graph, budget, &mut self.infos);
         match known {
             Some(globals) => executor.memory = globals,
             None => executor.start(param)?,
         }
         let globals = executor.memory.clone();
-        let _ = is_started;
-        let given = arguments.iter().map(|parts| {
-            Argument::Parts(parts.iter().map(|&node| Part::Node(node)).collect())
-        });
-        let result = executor.call(function.handle, given.collect(), place.clone());
+        let mut given = Vec::with_capacity(arguments.len());
+        for (parts, argument) in arguments.iter().zip(&called.arguments) {
+            let kind = file.module.types.get_handle(argument.ty).ok().and_then(|of| of.inner.scalar_kind());
+            let mut converted = Vec::with_capacity(parts.len());
+            for &node in parts {
+                let kind = kind.unwrap_or(ScalarKind::Float);
+                let from = if kind == ScalarKind::Bool { kind } else { ScalarKind::Float };
+                converted.push(executor.convert(from, kind, Part::Node(node), &place)?);
+            }
+            given.push(Argument::Parts(converted));
+        }
+        let result = executor.call(function.handle, given, place.clone());
         let result = result.and_then(|parts| {
             parts.into_iter().map(|part| executor.node(part, &place)).collect::<Result<Vec<_>, _>>()
         });

@@ -11,6 +11,7 @@
 //! are floats: they are exact up to 2^24. Constant whole numbers have 32 bits.
 
 mod calls;
+mod candidate;
 mod evaluate;
 mod execute;
 mod items;
@@ -27,6 +28,7 @@ mod textures;
 mod tokens;
 mod whole;
 
+pub use candidate::candidate;
 pub use calls::{Budget, Session};
 pub use parse::{GlslFile, GlslFunction, GlslParameter, GlslType};
 pub use problem::{Problem, ProblemKind};

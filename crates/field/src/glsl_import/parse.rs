@@ -58,6 +58,26 @@ impl GlslFunction {
     }
 }
 
+impl std::fmt::Display for GlslFunction {
+    /// Writes the name and the parameters with their types, as the scene language writes them.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}(", self.name)?;
+        for (index, parameter) in self.parameters.iter().enumerate() {
+            let of = match parameter.of {
+                Some(GlslType::Float) => "number",
+                Some(GlslType::Whole) => "whole number",
+                Some(GlslType::Bool) => "bool",
+                Some(GlslType::Vector(2)) => "vec2",
+                Some(GlslType::Vector(3)) => "vec3",
+                Some(GlslType::Vector(_)) => "vec4",
+                None => "a type of GLSL",
+            };
+            write!(f, "{}{}: {of}", if index > 0 { ", " } else { "" }, parameter.name)?;
+        }
+        f.write_str(")")
+    }
+}
+
 /// What a call of certain functions means.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Special {
@@ -201,6 +221,11 @@ impl GlslFile {
             (is_number && is_open).then_some(name)
         });
         uniforms.collect()
+    }
+
+    /// True if a value from outside, such as the time, may differ between frames.
+    pub fn reads_frame(&self) -> bool {
+        !self.outside.is_empty()
     }
 
     /// Returns the names of globals that only code for pictures sets.

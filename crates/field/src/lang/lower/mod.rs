@@ -10,6 +10,7 @@ mod call;
 mod declare;
 mod declared;
 mod expr;
+mod foreign;
 mod lights;
 mod lowering;
 mod objects;
@@ -27,6 +28,7 @@ use super::load::Loaded;
 use super::scene::Scene;
 use super::source::Sources;
 use crate::limits::Limits;
+use foreign::Foreign;
 use lowering::Lowering;
 use scene::SceneBuilder;
 
@@ -39,7 +41,8 @@ pub(super) fn lower(
     sources: &Sources,
     diagnostics: &mut Diagnostics,
 ) -> Option<Scene> {
-    let Loaded { ast, names, items, includes } = loaded;
-    let lowering = Lowering::new(&ast, &names, changing, limits, diagnostics);
+    let Loaded { ast, names, items, includes, foreign } = loaded;
+    let mut lowering = Lowering::new(&ast, &names, changing, limits, diagnostics);
+    lowering.declared.foreign = Foreign::new(&foreign, &names);
     SceneBuilder::new(lowering).scene(&items, includes, sources)
 }
