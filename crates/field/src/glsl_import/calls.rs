@@ -118,7 +118,8 @@ pub(super) struct Executor<'m, 'g> {
 
 impl Session {
     /// Executes a function for arguments of the types of its parameters, each as the nodes of its components. Returns
-    /// the components of the result. `param` returns the scene's value for a uniform.
+    /// the components of the result. `given` are the scene's values for uniforms, which
+    /// must be the same in all calls of a session.
     ///
     /// # Errors
     /// A construct that a graph cannot express, or a limit.
@@ -129,7 +130,7 @@ impl Session {
         arguments: &[Vec<NodeId>],
         graph: &mut Graph,
         budget: &mut Budget,
-        param: &mut dyn FnMut(&str) -> Option<NodeId>,
+        given: &[(String, Vec<NodeId>)],
     ) -> Result<Vec<NodeId>, Problem> {
         let place = function.place.clone();
         let wrong = || Problem::malformed(place.clone(), "this function does not fit its call");
@@ -138,10 +139,10 @@ impl Session {
         let mut executor = Executor::new(file, called, graph, budget, &mut self.infos);
         match known {
             Some(globals) => executor.memory = globals,
-            None => executor.start(param)?,
+            None => executor.start(given)?,
         }
         let globals = executor.memory.clone();
-        let mut given = Vec::with_capacity(arguments.len());
+        let mut passed = Vec::with_capacity(arguments.len());
         for (parts, argument) in arguments.iter().zip(&called.arguments) {
             let kind = file.module.types.get_handle(argument.ty).ok().and_then(|of| of.inner.scalar_kind());
             let mut converted = Vec::with_capacity(parts.len());
@@ -150,9 +151,9 @@ impl Session {
                 let from = if kind == ScalarKind::Bool { kind } else { ScalarKind::Float };
                 converted.push(executor.convert(from, kind, Part::Node(node), &place)?);
             }
-            given.push(Argument::Parts(converted));
+            passed.push(Argument::Parts(converted));
         }
-        let result = executor.call(function.handle, given, place.clone());
+        let result = executor.call(function.handle, passed, place.clone());
         let result = result.and_then(|parts| {
             parts.into_iter().map(|part| executor.node(part, &place)).collect::<Result<Vec<_>, _>>()
         });
@@ -189,43 +190,42 @@ impl<'m, 'g> Executor<'m, 'g> {
     }
 
     /// Gives the globals their values.
-    fn start(&mut self, param: &mut dyn FnMut(&str) -> Option<NodeId>) -> Result<(), Problem> {
+    fn start(&mut self, given: &[(String, Vec<NodeId>)]) -> Result<(), Problem> {
         let file = self.file;
-        let mut given = Vec::new();
+        let mut kept = Vec::new();
         for (handle, global) in file.module.global_variables.iter() {
             let place = file.written.source_range(range(file.module.global_variables.get_span(handle)));
             let start = self.memory.len();
             let name = global.name.as_deref().unwrap_or("");
-            if let Some(len) = size(&file.module, global.ty) {
-                let known = match file.outside.get(name) {
-                    Some(Origin::Uniform) => outside::known(self.graph, name, len as usize),
-                    _ => None,
-                };
-                let set = if len == 1 && file.outside.contains_key(name) { param(name) } else { None };
-                match (set, known, file.outside.get(name)) {
-                    (Some(node), ..) => {
-                        given.push((start, node));
-                        self.memory.push(Part::Node(node));
-                    }
-                    (_, Some(nodes), _) => self.memory.extend(nodes.into_iter().map(Part::Node)),
-                    (_, _, Some(_)) => {
-                        let unset = Part::Unset(handle.index() as u32);
-                        self.memory.extend(std::iter::repeat_n(unset, len as usize));
-                    }
-                    _ => match global.init {
-                        Some(init) => self.constant(init, &place)?,
-                        None if matches!(name, "time" | "iTime") => {
-                            let time = outside::known(self.graph, "iTime", len as usize).unwrap_or_default();
-                            self.memory.extend(time.into_iter().map(Part::Node));
-                        }
-                        None => self.zeros(global.ty, &place)?,
-                    },
-                }
-                self.memory.resize(start + len as usize, Part::Node(self.zero));
-            } else {
+            let Some(len) = size(&file.module, global.ty) else {
                 // Nothing reads images and the like.
                 self.memory.push(Part::Unset(handle.index() as u32));
+                continue;
+            };
+            let len = len as usize;
+            let origin = file.outside.get(name);
+            let own =
+                given.iter().find(|(known, nodes)| known == name && (nodes.len() == len || nodes.len() == 1));
+            match (own.filter(|_| origin.is_some()), origin, global.init) {
+                (Some((_, nodes)), ..) => {
+                    self.memory.extend(nodes.iter().cycle().take(len).map(|&node| Part::Node(node)));
+                    kept.push((start, len, self.memory.get(start..).unwrap_or_default().to_vec()));
+                }
+                (None, Some(origin), _) => {
+                    let known = match origin {
+                        Origin::Uniform => outside::known(self.graph, name, len),
+                        _ => None,
+                    };
+                    let unset = Part::Unset(handle.index() as u32);
+                    match known {
+                        Some(nodes) => self.memory.extend(nodes.into_iter().map(Part::Node)),
+                        None => self.memory.extend(std::iter::repeat_n(unset, len)),
+                    }
+                }
+                (None, None, Some(init)) => self.constant(init, &place)?,
+                (None, None, None) => self.zeros(global.ty, &place)?,
             }
+            self.memory.resize(start + len, Part::Node(self.zero));
             if self.memory.len() > self.budget.memory_max {
                 return Err(too_large(place));
             }
@@ -242,9 +242,9 @@ impl<'m, 'g> Executor<'m, 'g> {
             }
             self.trail.clear();
         }
-        for (slot, node) in given {
-            if let Some(place) = self.memory.get_mut(slot) {
-                *place = Part::Node(node);
+        for (start, len, parts) in kept {
+            for (place, part) in self.memory.iter_mut().skip(start).take(len).zip(parts) {
+                *place = part;
             }
         }
         Ok(())
@@ -324,7 +324,8 @@ impl<'m, 'g> Executor<'m, 'g> {
             let message = format!("functions call each other more than {CALLS_MAX} deep");
             return Err(Problem::over_limit(place, message).hint("merge some of them"));
         }
-        let is_defined = function.body.iter().any(|statement| !matches!(statement, Statement::Return { value: None }));
+        let is_defined =
+            function.body.iter().any(|statement| !matches!(statement, Statement::Return { value: None }));
         if !is_defined && function.result.is_some() {
             let message = format!("`{name}` is declared, but has no body");
             return Err(Problem::malformed(place, message).hint("add the function to this file"));

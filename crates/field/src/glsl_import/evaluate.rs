@@ -112,8 +112,9 @@ impl Executor<'_, '_> {
         let name = globals.nth(index as usize).and_then(|(_, global)| global.name.clone());
         let name = name.unwrap_or_default();
         let message = format!("`{name}` comes from outside of the GLSL, and has no value here");
-        Problem::unsupported(place.clone(), message)
-            .hint(format!("declare `param {name} = 1` in the scene, or give it a value in the GLSL"))
+        Problem::unsupported(place.clone(), message).hint(format!(
+            "declare `let {name} = …` or `param {name} = 1` in the scene, or give it a value in the GLSL"
+        ))
     }
 
     pub(super) fn evaluate(&mut self, of: Handle<Expression>) -> Result<(), Problem> {
@@ -244,26 +245,37 @@ impl Executor<'_, '_> {
                 return Err(Problem::unsupported(place, "an array needs a known size"));
             }
             Expression::Derivative { .. } => {
-                return Err(Problem::unsupported(place, "`dFdx`, `dFdy` and `fwidth` compare pixels, which a formula does not know")
-                    .hint("remove this detail, or pass its size as a parameter"));
+                return Err(Problem::unsupported(
+                    place,
+                    "`dFdx`, `dFdy` and `fwidth` compare pixels, which a formula does not know",
+                )
+                .hint("remove this detail, or pass its size as a parameter"));
             }
             _ => return Err(Problem::unsupported(place, "this expression has no meaning in a formula")),
         })
     }
 
     /// Selects an element with a known index.
-    fn access(&mut self, of: Handle<Expression>, base: Handle<Expression>, index: u32) -> Result<(), Problem> {
+    fn access(
+        &mut self,
+        of: Handle<Expression>,
+        base: Handle<Expression>,
+        index: u32,
+    ) -> Result<(), Problem> {
         self.ready(base)?;
         let info = self.info(base)?;
         let (offset, len) = if info.count > 0 {
             if index >= info.count {
-                let message = format!("the index {index} is outside of this value, which has {} parts", info.count);
+                let message =
+                    format!("the index {index} is outside of this value, which has {} parts", info.count);
                 return Err(Problem::malformed(self.place(of), message).hint("count from 0"));
             }
             (index * info.stride, info.stride)
         } else {
             let found = info.of.and_then(|of| member(&self.file.module, of, index));
-            let Some(found) = found else { return Err(Problem::malformed(self.place(of), "this value has no parts")) };
+            let Some(found) = found else {
+                return Err(Problem::malformed(self.place(of), "this value has no parts"));
+            };
             found
         };
         match self.slot(base) {
@@ -326,7 +338,12 @@ impl Executor<'_, '_> {
             Literal::I64(value) | Literal::AbstractInt(value) => return Ok(Part::Int(value as i32)),
             Literal::U64(value) => return Ok(Part::Uint(value as u32)),
             Literal::Bool(value) => return Ok(Part::Node(if value { self.one } else { self.zero })),
-            _ => return Err(Problem::unsupported(place.clone(), "this number has a type that a formula does not have")),
+            _ => {
+                return Err(Problem::unsupported(
+                    place.clone(),
+                    "this number has a type that a formula does not have",
+                ));
+            }
         };
         if !(value as f32).is_finite() {
             return Err(Problem::malformed(place.clone(), "this number is not finite")
@@ -392,7 +409,11 @@ impl Executor<'_, '_> {
     }
 
     /// Adds a variable with a constant value of the current function to memory.
-    pub(super) fn local_constant(&mut self, init: Handle<Expression>, place: &Range<u32>) -> Result<(), Problem> {
+    pub(super) fn local_constant(
+        &mut self,
+        init: Handle<Expression>,
+        place: &Range<u32>,
+    ) -> Result<(), Problem> {
         let parts = self.parts_of(init)?;
         self.step(parts.len(), || place.clone())?;
         self.memory.extend(parts);
@@ -426,7 +447,12 @@ impl Executor<'_, '_> {
                     self.global_value(*value, parts, place)?;
                 }
             }
-            _ => return Err(Problem::unsupported(place.clone(), "this constant is computed in an unsupported way")),
+            _ => {
+                return Err(Problem::unsupported(
+                    place.clone(),
+                    "this constant is computed in an unsupported way",
+                ));
+            }
         }
         Ok(())
     }

@@ -81,17 +81,24 @@ impl<'m> Executor<'m, '_> {
         }
     }
 
-    fn and(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        if a == self.one {
-            return b;
+    /// True where two conditions hold.
+    pub(super) fn and(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        match (a, b) {
+            _ if a == self.zero || b == self.zero => self.zero,
+            _ if a == self.one => b,
+            _ if b == self.one => a,
+            _ => self.graph.min(a, b),
         }
-        if b == self.one {
-            return a;
+    }
+
+    /// True where one of two conditions holds.
+    pub(super) fn or(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        match (a, b) {
+            _ if a == self.one || b == self.one => self.one,
+            _ if a == self.zero => b,
+            _ if b == self.zero => a,
+            _ => self.graph.max(a, b),
         }
-        if a == self.zero || b == self.zero {
-            return self.zero;
-        }
-        self.graph.min(a, b)
     }
 
     /// Adds the current path to `exits`. Slots from `end` on do not matter after the exit.
@@ -114,7 +121,7 @@ impl<'m> Executor<'m, '_> {
                     let part = self.select(live, now, earlier)?;
                     exits.changed.insert(slot, part);
                 }
-                exits.mask = Some(self.graph.max(mask, live));
+                exits.mask = Some(self.or(mask, live));
             }
         }
         Ok(exits)
@@ -209,11 +216,8 @@ impl<'m> Executor<'m, '_> {
                     });
                 }
                 let span = range(span);
-                let place = if span.is_empty() {
-                    result.map_or(0..0, |result| self.place(result))
-                } else {
-                    place()
-                };
+                let place =
+                    if span.is_empty() { result.map_or(0..0, |result| self.place(result)) } else { place() };
                 let parts = self.call(*function, given, place)?;
                 if let Some(result) = result {
                     self.put(*result, &parts);
@@ -344,7 +348,7 @@ impl<'m> Executor<'m, '_> {
             self.store_part(slot, part);
         }
         let all_live = live_when == when && live_unless == unless;
-        self.live = if all_live { before } else { self.graph.max(live_when, live_unless) };
+        self.live = if all_live { before } else { self.or(live_when, live_unless) };
         Ok(())
     }
 
@@ -466,7 +470,11 @@ impl<'m> Executor<'m, '_> {
             otherwise = self.and(otherwise, unequal);
             conditions.push(Some(equal));
         }
-        self.frame.targets.push(Target { is_loop: false, breaks: Exits::new(mark), continues: Exits::new(mark) });
+        self.frame.targets.push(Target {
+            is_loop: false,
+            breaks: Exits::new(mark),
+            continues: Exits::new(mark),
+        });
         let mut falling = Exits::new(mark);
         for (case, condition) in cases.iter().zip(conditions) {
             let condition = condition.unwrap_or(otherwise);

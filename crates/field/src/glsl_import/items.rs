@@ -1,5 +1,6 @@
 //! Splits preprocessed tokens into top-level items: structs, functions and global variables.
 
+use super::layout::PARTS_MAX;
 use super::problem::Problem;
 use super::tokens::{Kind, Token};
 
@@ -42,8 +43,26 @@ pub(super) enum Origin {
 
 /// Words in front of a declaration that do not change its type.
 const QUALIFIERS: [&str; 20] = [
-    "const", "uniform", "in", "out", "inout", "varying", "attribute", "flat", "smooth", "centroid", "highp",
-    "mediump", "lowp", "buffer", "shared", "invariant", "noperspective", "precise", "static", "readonly",
+    "const",
+    "uniform",
+    "in",
+    "out",
+    "inout",
+    "varying",
+    "attribute",
+    "flat",
+    "smooth",
+    "centroid",
+    "highp",
+    "mediump",
+    "lowp",
+    "buffer",
+    "shared",
+    "invariant",
+    "noperspective",
+    "precise",
+    "static",
+    "readonly",
 ];
 
 /// Maximum nesting of operators and brackets in one statement. naga parses and lowers them recursively.
@@ -51,6 +70,7 @@ const NESTING_MAX: usize = 192;
 
 pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>, Problem> {
     check_nesting(tokens)?;
+    check_sizes(tokens)?;
     let mut items = Vec::new();
     let mut at = 0;
     while let Some(first) = tokens.get(at) {
@@ -202,14 +222,7 @@ fn globals<'a>(
         let mut brackets = own.get(..equals).unwrap_or_default().to_vec();
         brackets.extend_from_slice(&array);
         let value = words(own.get(equals + 1..).unwrap_or_default());
-        items.push(Item::Global(Global {
-            name: *name,
-            of,
-            array: brackets,
-            value,
-            is_const,
-            origin,
-        }));
+        items.push(Item::Global(Global { name: *name, of, array: brackets, value, is_const, origin }));
         rest = rest.get(length + 2..).unwrap_or_default();
     }
 }
@@ -223,7 +236,7 @@ fn words<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
 }
 
 /// Number of tokens of the brackets at the start, such as `[3][2]`.
-fn brackets_length(tokens: &[Token<'_>]) -> usize {
+pub(super) fn brackets_length(tokens: &[Token<'_>]) -> usize {
     let mut length = 0;
     while tokens.get(length).is_some_and(|token| token.is("[")) {
         length += matching(tokens.get(length..).unwrap_or_default());
@@ -265,6 +278,26 @@ pub(super) fn closing(tokens: &[Token<'_>], stops: impl Fn(&Token<'_>) -> bool) 
 
 pub(super) fn shortened(text: &str) -> String {
     text.chars().take(40).collect()
+}
+
+/// Refuses arrays of so many values that naga or a scene cannot hold them.
+fn check_sizes(tokens: &[Token<'_>]) -> Result<(), Problem> {
+    let (mut at, mut product, mut end) = (0, 1_u64, 0);
+    while let Some(token) = tokens.get(at) {
+        if let (true, Some(size), Some(close)) = (token.is("["), tokens.get(at + 1), tokens.get(at + 2))
+            && close.is("]")
+            && let Ok(size) = size.text.trim_end_matches(['u', 'U']).parse::<u64>()
+        {
+            product = if end == at { product.saturating_mul(size) } else { size };
+            if product > u64::from(PARTS_MAX) {
+                let message = format!("an array has more than {PARTS_MAX} values");
+                return Err(Problem::over_limit(token.start..close.end, message).hint("make it smaller"));
+            }
+            end = at + 3;
+        }
+        at += 1;
+    }
+    Ok(())
 }
 
 /// Refuses statements that are nested so deeply that a recursive parser might use up its stack, and brackets that do
@@ -320,8 +353,10 @@ fn check_nesting(tokens: &[Token<'_>]) -> Result<(), Problem> {
         }
     }
     match open.last() {
-        Some((bracket, _)) => Err(Problem::malformed(bracket.place(), format!("this `{}` is never closed", bracket.text))
-            .hint("check that every bracket is opened and closed")),
+        Some((bracket, _)) => {
+            Err(Problem::malformed(bracket.place(), format!("this `{}` is never closed", bracket.text))
+                .hint("check that every bracket is opened and closed"))
+        }
         None => Ok(()),
     }
 }

@@ -79,12 +79,18 @@ impl Executor<'_, '_> {
                 (MathFunction::Sign, [Part::Int(a), ..]) => Part::Int(a.signum()),
                 (MathFunction::Min, [Part::Int(a), Part::Int(b), _]) => Part::Int(a.min(b)),
                 (MathFunction::Max, [Part::Int(a), Part::Int(b), _]) => Part::Int(a.max(b)),
-                (MathFunction::Clamp, [Part::Int(a), Part::Int(b), Part::Int(c)]) => Part::Int(a.max(b).min(c)),
+                (MathFunction::Clamp, [Part::Int(a), Part::Int(b), Part::Int(c)]) => {
+                    Part::Int(a.max(b).min(c))
+                }
                 (MathFunction::Min, [Part::Uint(a), Part::Uint(b), _]) => Part::Uint(a.min(b)),
                 (MathFunction::Max, [Part::Uint(a), Part::Uint(b), _]) => Part::Uint(a.max(b)),
                 (
-                    MathFunction::Abs | MathFunction::Sign | MathFunction::Min | MathFunction::Max
-                    | MathFunction::Clamp | MathFunction::Dot,
+                    MathFunction::Abs
+                    | MathFunction::Sign
+                    | MathFunction::Min
+                    | MathFunction::Max
+                    | MathFunction::Clamp
+                    | MathFunction::Dot,
                     _,
                 ) => return Ok(None),
                 _ => return Err(super::whole::bits(place)),
@@ -152,9 +158,11 @@ impl Executor<'_, '_> {
                     })
                     .collect()
             }
-            (MathFunction::Outer, ..) => {
-                b.iter().flat_map(|&b| a.iter().map(move |&a| (a, b))).map(|(a, b)| self.graph.mul(a, b)).collect()
-            }
+            (MathFunction::Outer, ..) => b
+                .iter()
+                .flat_map(|&b| a.iter().map(move |&a| (a, b)))
+                .map(|(a, b)| self.graph.mul(a, b))
+                .collect(),
             (MathFunction::Transpose, ..) => self.transposed(a, columns, rows),
             (MathFunction::Determinant, ..) => vec![self.determinant(a, rows)],
             (MathFunction::Inverse, ..) => self.inverse(a, rows),

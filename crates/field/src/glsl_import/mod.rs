@@ -28,7 +28,10 @@ mod textures;
 mod tokens;
 mod whole;
 
-pub use candidate::candidate;
 pub use calls::{Budget, Session};
+pub use candidate::candidate;
 pub use parse::{GlslFile, GlslFunction, GlslParameter, GlslType};
 pub use problem::{Problem, ProblemKind};
+
+#[cfg(test)]
+mod tests;

@@ -56,10 +56,15 @@ impl Executor<'_, '_> {
     }
 
     pub(super) fn node_binary(&mut self, op: BinaryOperator, a: NodeId, b: NodeId) -> NodeId {
+        match op {
+            BinaryOperator::And | BinaryOperator::LogicalAnd => return self.and(a, b),
+            BinaryOperator::InclusiveOr | BinaryOperator::LogicalOr => return self.or(a, b),
+            BinaryOperator::Subtract => return self.difference(a, b),
+            _ => {}
+        }
         let graph = &mut *self.graph;
         match op {
             BinaryOperator::Add => graph.add(a, b),
-            BinaryOperator::Subtract => self.difference(a, b),
             BinaryOperator::Multiply => graph.mul(a, b),
             BinaryOperator::Divide => graph.div(a, b),
             BinaryOperator::Modulo => graph.binary(Op::Mod, a, b),
@@ -72,9 +77,7 @@ impl Executor<'_, '_> {
             BinaryOperator::LessEqual => graph.binary(Op::LessEqual, a, b),
             BinaryOperator::Greater => graph.binary(Op::Less, b, a),
             BinaryOperator::GreaterEqual => graph.binary(Op::LessEqual, b, a),
-            BinaryOperator::And | BinaryOperator::LogicalAnd => graph.min(a, b),
-            BinaryOperator::InclusiveOr | BinaryOperator::LogicalOr => graph.max(a, b),
-            BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight => a,
+            _ => a,
         }
     }
 
@@ -103,14 +106,13 @@ impl Executor<'_, '_> {
         place: &Range<u32>,
     ) -> Result<Vec<Part>, Problem> {
         self.step(nodes.len(), || place.clone())?;
-        let graph = &mut *self.graph;
         let parts = match of {
             RelationalFunction::All => {
-                let all = nodes.iter().copied().reduce(|a, b| graph.min(a, b));
+                let all = nodes.iter().copied().reduce(|a, b| self.and(a, b));
                 vec![Part::Node(all.unwrap_or(self.one))]
             }
             RelationalFunction::Any => {
-                let any = nodes.iter().copied().reduce(|a, b| graph.max(a, b));
+                let any = nodes.iter().copied().reduce(|a, b| self.or(a, b));
                 vec![Part::Node(any.unwrap_or(self.zero))]
             }
             // Operators of the graph return numbers for all numbers.

@@ -19,9 +19,8 @@ pub(super) fn known(graph: &mut Graph, name: &str, len: usize) -> Option<Vec<Nod
             let frames = graph.mul(time, rate);
             vec![graph.unary(Op::Floor, frames); len]
         }
-        "iResolution" | "resolution" | "u_resolution" | "uResolution" | "RENDERSIZE" | "iChannelResolution" => {
-            constants(&[RESOLUTION[0], RESOLUTION[1], 1.0])
-        }
+        "iResolution" | "resolution" | "u_resolution" | "uResolution" | "RENDERSIZE"
+        | "iChannelResolution" => constants(&[RESOLUTION[0], RESOLUTION[1], 1.0]),
         "iTimeDelta" => constants(&[1.0 / FRAMES_PER_SECOND]),
         "iFrameRate" => constants(&[FRAMES_PER_SECOND]),
         "iSampleRate" => constants(&[44_100.0]),

@@ -131,7 +131,7 @@ impl GlslFile {
             };
             let known = broken.len();
             for error in &errors {
-                let (problem, item) = problem_of(error, &written);
+                let (problem, item) = problem_of(error, &written, &program);
                 match item {
                     Some(item) if program.may_break(item) => {
                         broken.entry(item).or_insert_with(|| {
@@ -170,7 +170,7 @@ impl GlslFile {
                         special.insert(handle, Special::Broken(number));
                     } else if name.starts_with(START) {
                         starts.push(handle);
-                    } else {
+                    } else if written.is_own(range(module.functions.get_span(handle)).start) {
                         let parameters = function.arguments.iter().map(|argument| GlslParameter {
                             name: argument.name.clone().unwrap_or_default(),
                             of: type_of(&module, argument.ty),
@@ -209,8 +209,12 @@ impl GlslFile {
         })
     }
 
-    /// Returns the names of uniforms that have neither a value in the file nor a meaning in a scene. A scene sets
-    /// them with parameters of the same name.
+    /// Returns the names of all uniforms. A scene may set them with parameters and lets of the same name.
+    pub fn uniforms(&self) -> impl Iterator<Item = &str> {
+        self.outside.iter().filter(|(_, origin)| **origin == Origin::Uniform).map(|(name, _)| name.as_str())
+    }
+
+    /// Returns the names of numbers among the uniforms that have neither a value in the file nor a meaning in a scene.
     pub fn open_uniforms(&self) -> Vec<&str> {
         let uniforms = self.module.global_variables.iter().filter_map(|(_, global)| {
             let name = global.name.as_deref()?;
@@ -259,7 +263,7 @@ pub(super) fn range(span: Span) -> Range<u32> {
     span.to_range().map_or(0..0, |range| range.start as u32..range.end as u32)
 }
 
-fn problem_of(error: &Error, written: &Written) -> (Problem, Option<usize>) {
+fn problem_of(error: &Error, written: &Written, program: &Program<'_>) -> (Problem, Option<usize>) {
     let span = range(error.meta);
     let item = if error.meta.is_defined() { written.source(span.start).map(|found| found.1) } else { None };
     let place = written.source_range(span);
@@ -278,8 +282,22 @@ fn problem_of(error: &Error, written: &Written) -> (Problem, Option<usize>) {
         ErrorKind::NotImplemented(what) => {
             Problem::unsupported(place, format!("this GLSL is not supported: {what}"))
         }
-        ErrorKind::InternalError(what) => Problem::unsupported(place, format!("this GLSL is not supported: {what}")),
-        ErrorKind::EndOfFile => Problem::malformed(place, "the GLSL ends too early").hint("check the brackets"),
+        ErrorKind::InternalError(what) => {
+            Problem::unsupported(place, format!("this GLSL is not supported: {what}"))
+        }
+        ErrorKind::EndOfFile => {
+            Problem::malformed(place, "the GLSL ends too early").hint("check the brackets")
+        }
+        ErrorKind::SemanticError(text) if text.starts_with("Unknown function '") => {
+            let name = text.split('\'').nth(1).unwrap_or("");
+            if item.and_then(|item| program.name_of(item)) == Some(name) {
+                Problem::unsupported(place, format!("`{}` calls itself", shortened(name)))
+                    .hint("write a loop instead of the recursion")
+            } else {
+                let message = format!("there is no function `{}` for these arguments", shortened(name));
+                Problem::malformed(place, message).hint("declare it in this file, before its use")
+            }
+        }
         kind => {
             let message: String = kind.to_string().chars().take(200).collect();
             Problem::malformed(place, format!("this GLSL has a mistake: {message}"))

@@ -84,8 +84,10 @@ pub(super) fn preprocess<'a>(tokens: &[Token<'a>], steps_max: usize) -> Result<V
         at += length;
     }
     match conditions.last() {
-        Some(open) => Err(Problem::malformed(open.begin.place(), "this `#if` has no `#endif`")
-            .hint("end it with `#endif`")),
+        Some(open) => {
+            Err(Problem::malformed(open.begin.place(), "this `#if` has no `#endif`")
+                .hint("end it with `#endif`"))
+        }
         None => Ok(this.out),
     }
 }
@@ -145,8 +147,11 @@ impl<'a> Preprocessor<'a> {
                 }
             }
             "error" => {
-                return Err(Problem::malformed(name.place(), "the GLSL refuses to be compiled with `#error`")
-                    .hint("define what it asks for, or remove the line"));
+                return Err(Problem::malformed(
+                    name.place(),
+                    "the GLSL refuses to be compiled with `#error`",
+                )
+                .hint("define what it asks for, or remove the line"));
             }
             "include" => {
                 return Err(Problem::unsupported(name.place(), "a GLSL file cannot include another one")
@@ -356,7 +361,8 @@ impl Conditional<'_, '_> {
     fn binary(&mut self, level: usize, depth: usize) -> Result<i64, Problem> {
         let Some(signs) = LEVELS.get(level) else { return self.operand(depth) };
         let mut left = self.binary(level + 1, depth)?;
-        while let Some(sign) = self.tokens.get(self.at).map(|token| token.text).filter(|sign| signs.contains(sign))
+        while let Some(sign) =
+            self.tokens.get(self.at).map(|token| token.text).filter(|sign| signs.contains(sign))
         {
             self.at += 1;
             let right = self.binary(level + 1, depth)?;

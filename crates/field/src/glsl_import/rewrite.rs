@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
 
-use super::items::{Global, Item, Origin, closing, matching};
+use super::items::{Global, Item, Origin, brackets_length, closing, matching};
 use super::problem::Problem;
 use super::tokens::{Kind, Token};
 
@@ -12,9 +12,16 @@ pub(super) struct Written {
     pub text: String,
     /// For each word: its offset in the text, its place in the user's text, and the index of its item.
     places: Vec<(u32, Range<u32>, usize)>,
+    /// Offset of the first item.
+    own_from: u32,
 }
 
 impl Written {
+    /// True for an offset in the text of an item, not in a declaration that this module adds.
+    pub(super) fn is_own(&self, offset: u32) -> bool {
+        offset >= self.own_from
+    }
+
     /// Returns the place in the user's text and the item of an offset in the text.
     pub(super) fn source(&self, offset: u32) -> Option<(Range<u32>, usize)> {
         let index = self.places.partition_point(|(start, ..)| *start <= offset).checked_sub(1)?;
@@ -55,6 +62,19 @@ vec4 glsl_texel(int s, ivec3 p, int l) { return vec4(0.0); }
 ivec2 glsl_texture_size(int s, int l) { return ivec2(256); }
 ";
 
+/// Functions of GLSL that naga lacks, by name.
+const MISSING: [(&str, &str); 3] = [
+    ("normalize", "float normalize(float a) { return sign(a); }\n"),
+    ("dot", "float dot(float a, float b) { return a * b; }\n"),
+    (
+        "matrixCompMult",
+        "mat2 matrixCompMult(mat2 a, mat2 b) { return mat2(a[0] * b[0], a[1] * b[1]); }
+mat3 matrixCompMult(mat3 a, mat3 b) { return mat3(a[0] * b[0], a[1] * b[1], a[2] * b[2]); }
+mat4 matrixCompMult(mat4 a, mat4 b) { return mat4(a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]); }
+",
+    ),
+];
+
 /// The start of the names of functions that this module writes.
 pub(super) const BROKEN: &str = "glsl_broken_";
 /// A function that gives globals their values.
@@ -85,8 +105,7 @@ const GIVEN: [(&str, &str); 20] = [
 ];
 
 /// Functions that draw a picture. A scene has its own camera and light.
-pub(super) const DRAWING: [&str; 6] =
-    ["main", "mainImage", "mainVR", "mainSound", "mainCubemap", "mainFull"];
+pub(super) const DRAWING: [&str; 6] = ["main", "mainImage", "mainVR", "mainSound", "mainCubemap", "mainFull"];
 
 /// What the rewritten items are.
 pub(super) struct Program<'a> {
@@ -131,7 +150,11 @@ impl<'a> Program<'a> {
             }
         }
         used.extend(sets.iter().flatten().map(|token| token.text));
-        let mut given = Vec::new();
+        let defines = |name: &str| {
+            items.iter().any(|item| matches!(item, Item::Function { name: own, .. } if own.is(name)))
+        };
+        let missing = MISSING.iter().filter(|(name, _)| used.contains(name) && !defines(name));
+        let mut given: Vec<&'static str> = missing.map(|(_, text)| *text).collect();
         for (name, declaration) in GIVEN {
             if used.contains(name) && !declared.contains(name) {
                 given.push(declaration);
@@ -144,7 +167,7 @@ impl<'a> Program<'a> {
     /// Writes the program. Functions in `broken` keep their header, and their body calls a function whose name tells
     /// the index of the problem.
     pub(super) fn write(&self, broken: &BTreeMap<usize, usize>, problems: &[Problem]) -> Written {
-        let mut out = Written { text: String::from("#version 450\n"), places: Vec::new() };
+        let mut out = Written { text: String::from("#version 450\n"), places: Vec::new(), own_from: 0 };
         out.text.push_str(TEXTURES);
         for declaration in &self.given {
             out.text.push_str(declaration);
@@ -153,6 +176,7 @@ impl<'a> Program<'a> {
         for index in 0..problems.len() {
             out.text.push_str(&format!("void {BROKEN}{index}() {{ }}\n"));
         }
+        out.own_from = out.text.len() as u32;
         for (index, item) in self.items.iter().enumerate() {
             match item {
                 Item::Plain(tokens) => out.extend(&in_shape(tokens), index),
@@ -189,6 +213,14 @@ impl<'a> Program<'a> {
         out
     }
 
+    /// The name of the function with this index.
+    pub(super) fn name_of(&self, index: usize) -> Option<&'a str> {
+        match self.items.get(index) {
+            Some(Item::Function { name, .. }) => Some(name.text),
+            _ => None,
+        }
+    }
+
     /// True for an item whose failure leaves the rest of the program usable.
     pub(super) fn may_break(&self, index: usize) -> bool {
         match self.items.get(index) {
@@ -201,15 +233,7 @@ impl<'a> Program<'a> {
 
 fn write_global(out: &mut Written, global: &Global<'_>, index: usize, broken: bool) {
     let is_whole = matches!(global.of.text, "int" | "uint" | "bool");
-    let mut array = global.array.clone();
-    // The size of `float a[]` is the number of its values.
-    if let (Some(open), Some(close)) = (array.first().copied(), array.get(1))
-        && close.is("]")
-    {
-        let count = values(&global.value).to_string();
-        let count = open.made(SIZES.get(count.parse().unwrap_or(0)).copied().unwrap_or("1"), Kind::Number);
-        array.insert(1, count);
-    }
+    let array = sizes(&global.array, &global.value);
     if global.is_const && is_whole && array.is_empty() && !global.value.is_empty() && !broken {
         out.push(&global.of.made("const", Kind::Word), index);
         out.extend(&in_shape(&[global.of, global.name]), index);
@@ -219,14 +243,14 @@ fn write_global(out: &mut Written, global: &Global<'_>, index: usize, broken: bo
         return;
     }
     out.extend(&in_shape(&[global.of, global.name]), index);
-    out.extend(&in_shape(&array), index);
+    out.extend(&array, index);
     out.push(&global.name.made(";", Kind::Sign), index);
     if global.value.is_empty() || broken {
         return;
     }
     out.text.push_str(&format!("void {START}{index}() {{ "));
     out.extend(&in_shape(&[global.of, global.name.made("glsl_value", Kind::Word)]), index);
-    out.extend(&in_shape(&array), index);
+    out.extend(&array, index);
     out.push(&global.name.made("=", Kind::Sign), index);
     out.extend(&in_shape(&global.value), index);
     out.push(&global.name.made(";", Kind::Sign), index);
@@ -236,10 +260,10 @@ fn write_global(out: &mut Written, global: &Global<'_>, index: usize, broken: bo
 
 /// Sizes of arrays as text, for arrays without a written size.
 const SIZES: [&str; 65] = [
-    "1", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18", "19", "20",
-    "21", "22", "23", "24", "25", "26", "27", "28", "29", "30", "31", "32", "33", "34", "35", "36", "37", "38", "39",
-    "40", "41", "42", "43", "44", "45", "46", "47", "48", "49", "50", "51", "52", "53", "54", "55", "56", "57", "58",
-    "59", "60", "61", "62", "63", "64",
+    "1", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18",
+    "19", "20", "21", "22", "23", "24", "25", "26", "27", "28", "29", "30", "31", "32", "33", "34", "35",
+    "36", "37", "38", "39", "40", "41", "42", "43", "44", "45", "46", "47", "48", "49", "50", "51", "52",
+    "53", "54", "55", "56", "57", "58", "59", "60", "61", "62", "63", "64",
 ];
 
 /// Number of values of an array's constructor or list.
@@ -276,55 +300,128 @@ fn settings<'a>(body: &[Token<'a>], unset: &BTreeSet<String>) -> Vec<Vec<Token<'
     found.into_values().collect()
 }
 
-/// Renames what naga reads otherwise than GLSL for the web does.
+/// Renames what naga reads otherwise than GLSL for the web does, and writes the sizes of arrays as naga takes them.
 fn in_shape<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
+    let tokens = &apart(tokens);
     let mut out = Vec::with_capacity(tokens.len());
-    for (at, token) in tokens.iter().enumerate() {
+    let mut at = 0;
+    while let Some(token) = tokens.get(at) {
         let called = tokens.get(at + 1).is_some_and(|next| next.is("("));
-        let is_field = at > 0 && tokens.get(at - 1).is_some_and(|before| before.is("."));
-        let text = match token.text {
-            "texture" | "texture2D" | "texture2DLod" | "texture2DLodEXT" | "textureLod" | "textureLodEXT"
-            | "textureGrad" | "texture2DGradEXT" | "textureCube" | "textureCubeLod" | "texture3D"
-            | "texture2DBias"
-                if called =>
-            {
-                "glsl_texture"
-            }
-            "texelFetch" if called => "glsl_texel",
-            "textureSize" if called => "glsl_texture_size",
-            "sampler2D" | "samplerCube" | "sampler3D" | "sampler1D" | "isampler2D" | "usampler2D"
-            | "sampler2DRect" => "int",
-            "sample" => "sample_",
-            "buffer" => "buffer_",
-            "shared" => "shared_",
-            "smooth" => "smooth_",
-            "flat" => "flat_",
-            "centroid" => "centroid_",
-            "restrict" => "restrict_",
-            "readonly" => "readonly_",
-            "writeonly" => "writeonly_",
-            "sampler" => "sampler_",
-            "invariant" => "invariant_",
-            "texture" => "texture_",
-            "main" if !is_field => "main_",
-            text => text,
-        };
-        let _ = is_field;
-        out.push(token.made(text, token.kind));
+        out.push(token.made(renamed(token.text, called), token.kind));
+        at += 1;
+        // `type name[…]` declares an array.
+        let declares = at > 1
+            && token.is_word()
+            && tokens.get(at - 2).is_some_and(|of| of.is_word() && !of.is("return") && !of.is("else"));
+        let rest = tokens.get(at..).unwrap_or_default();
+        let length = brackets_length(rest);
+        if declares && length > 0 {
+            let value = rest.get(length..).filter(|after| after.first().is_some_and(|token| token.is("=")));
+            out.extend(sizes(rest.get(..length).unwrap_or_default(), value.unwrap_or_default()));
+            at += length;
+        }
     }
     out
 }
 
+/// Declares arrays one by one: in `float a[2], b` naga takes b for an array.
+fn apart<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
+    let mut out = Vec::with_capacity(tokens.len());
+    let mut at = 0;
+    while let Some(token) = tokens.get(at) {
+        let begins = at.checked_sub(1).and_then(|before| tokens.get(before));
+        let begins = begins.is_none_or(|before| matches!(before.text, ";" | "{" | "}"));
+        let rest = tokens.get(at..).unwrap_or_default();
+        let declares = begins
+            && token.is_word()
+            && !matches!(token.text, "return" | "else" | "case" | "struct")
+            && rest.get(1).is_some_and(Token::is_word);
+        let length = if declares { closing(rest, |token| token.is(";")) } else { None };
+        let statement = length.and_then(|length| rest.get(1..length)).unwrap_or_default();
+        let mut names = Vec::new();
+        let mut left = statement;
+        while !left.is_empty() {
+            let length = closing(left, |token| token.is(",")).unwrap_or(left.len());
+            names.push(left.get(..length).unwrap_or_default());
+            left = left.get(length + 1..).unwrap_or_default();
+        }
+        if names.len() > 1 && names.iter().any(|name| name.get(1).is_some_and(|token| token.is("["))) {
+            for name in names {
+                out.push(*token);
+                out.extend_from_slice(name);
+                out.push(token.made(";", Kind::Sign));
+            }
+            at += 1 + statement.len() + 1;
+        } else {
+            out.push(*token);
+            at += 1;
+        }
+    }
+    out
+}
+
+/// The brackets of a declared array. naga takes the last size for the outermost one, and needs a size.
+fn sizes<'a>(brackets: &[Token<'a>], value: &[Token<'a>]) -> Vec<Token<'a>> {
+    let mut groups = Vec::new();
+    let mut rest = brackets;
+    while !rest.is_empty() {
+        let (group, others) = rest.split_at(matching(rest).min(rest.len()));
+        rest = others;
+        match group {
+            [open, close] => {
+                let size = SIZES.get(values(value)).copied().unwrap_or("1");
+                groups.push(vec![*open, open.made(size, Kind::Number), *close]);
+            }
+            group => groups.push(in_shape(group)),
+        }
+    }
+    groups.into_iter().rev().flatten().collect()
+}
+
+fn renamed(name: &str, called: bool) -> &str {
+    match name {
+        "texture" | "texture2D" | "texture2DLod" | "texture2DLodEXT" | "textureLod" | "textureLodEXT"
+        | "textureGrad" | "texture2DGradEXT" | "textureCube" | "textureCubeLod" | "texture3D"
+        | "texture2DBias"
+            if called =>
+        {
+            "glsl_texture"
+        }
+        "texelFetch" if called => "glsl_texel",
+        "textureSize" if called => "glsl_texture_size",
+        "sampler2D" | "samplerCube" | "sampler3D" | "sampler1D" | "isampler2D" | "usampler2D"
+        | "sampler2DRect" => "int",
+        "sample" => "sample_",
+        "buffer" => "buffer_",
+        "shared" => "shared_",
+        "smooth" => "smooth_",
+        "flat" => "flat_",
+        "centroid" => "centroid_",
+        "restrict" => "restrict_",
+        "readonly" => "readonly_",
+        "writeonly" => "writeonly_",
+        "sampler" => "sampler_",
+        "invariant" => "invariant_",
+        "texture" => "texture_",
+        "main" => "main_",
+        name => name,
+    }
+}
+
 /// True if the text gives the global a value.
 pub(super) fn has_value(module: &naga::Module, name: &str) -> bool {
-    let starts = module.functions.iter().filter(|(_, function)| {
-        function.name.as_deref().is_some_and(|name| name.starts_with(START))
-    });
-    let mut stores = starts.flat_map(|(_, function)| function.expressions.iter());
-    stores.any(|(_, expression)| match expression {
-        naga::Expression::GlobalVariable(global) => {
-            module.global_variables.try_get(*global).is_ok_and(|global| global.name.as_deref() == Some(name))
-        }
-        _ => false,
+    let starts = module
+        .functions
+        .iter()
+        .filter(|(_, function)| function.name.as_deref().is_some_and(|name| name.starts_with(START)));
+    starts.into_iter().any(|(_, function)| {
+        function.body.iter().any(|statement| {
+            let naga::Statement::Store { pointer, .. } = statement else { return false };
+            let Ok(naga::Expression::GlobalVariable(global)) = function.expressions.try_get(*pointer) else {
+                return false;
+            };
+            let global = module.global_variables.try_get(*global);
+            global.is_ok_and(|global| global.name.as_deref() == Some(name))
+        })
     })
 }

@@ -43,8 +43,12 @@ impl Executor<'_, '_> {
             }
             (Special::Texel, &[x, y, ..]) => self.cell(x, y),
             (_, &[u, v]) => {
-                let (Some(x), Some(y)) = (self.unscaled(u, FLAT), self.unscaled(v, FLAT)) else {
-                    return Err(picture());
+                let [x, y] = [u, v].map(|node| self.unscaled(node, FLAT));
+                let (x, y) = match (x, y) {
+                    (Some(x), Some(y)) => (x, y),
+                    (Some(x), None) => (x, self.scaled_constant(v, FLAT).ok_or_else(picture)?),
+                    (None, Some(y)) => (self.scaled_constant(u, FLAT).ok_or_else(picture)?, y),
+                    (None, None) => return Err(picture()),
                 };
                 self.flat_noise(x, y)
             }
@@ -69,6 +73,11 @@ impl Executor<'_, '_> {
             Op::Div if near(size) => Some(a),
             _ => None,
         }
+    }
+
+    fn scaled_constant(&mut self, node: NodeId, size: f32) -> Option<NodeId> {
+        let value = self.graph.as_constant(node)?;
+        Some(self.graph.constant(value * size))
     }
 
     fn wrapped(&mut self, a: NodeId, size: f32) -> NodeId {

@@ -128,11 +128,9 @@ fn number_length(bytes: &[u8]) -> usize {
     let hexadecimal = matches!(bytes, [b'0', b'x' | b'X', ..]);
     let mut length = 0;
     while let Some(byte) = bytes.get(length) {
-        let after_exponent =
-            !hexadecimal && length > 0 && matches!(bytes.get(length - 1), Some(b'e' | b'E'));
-        let belongs = byte.is_ascii_alphanumeric()
-            || *byte == b'.'
-            || (matches!(byte, b'+' | b'-') && after_exponent);
+        let after_exponent = !hexadecimal && length > 0 && matches!(bytes.get(length - 1), Some(b'e' | b'E'));
+        let belongs =
+            byte.is_ascii_alphanumeric() || *byte == b'.' || (matches!(byte, b'+' | b'-') && after_exponent);
         if !belongs {
             break;
         }

@@ -27,7 +27,12 @@ impl Executor<'_, '_> {
         }
     }
 
-    pub(super) fn whole_unary(&mut self, op: UnaryOperator, part: Part, place: &Range<u32>) -> Result<Part, Problem> {
+    pub(super) fn whole_unary(
+        &mut self,
+        op: UnaryOperator,
+        part: Part,
+        place: &Range<u32>,
+    ) -> Result<Part, Problem> {
         Ok(match (op, part) {
             (UnaryOperator::Negate, Part::Int(value)) => Part::Int(value.wrapping_neg()),
             (UnaryOperator::Negate, Part::Uint(value)) => Part::Uint(value.wrapping_neg()),
@@ -55,7 +60,8 @@ impl Executor<'_, '_> {
     ) -> Result<Part, Problem> {
         match (a, b) {
             (Part::Int(a), Part::Int(b)) => {
-                if let Some(value) = folded(op, a, b, i32::wrapping_add, i32::wrapping_sub, i32::wrapping_mul) {
+                if let Some(value) = folded(op, a, b, i32::wrapping_add, i32::wrapping_sub, i32::wrapping_mul)
+                {
                     return Ok(Part::Int(value));
                 }
                 let value = match op {
@@ -67,12 +73,15 @@ impl Executor<'_, '_> {
                 };
                 return Ok(Part::Int(value));
             }
-            (Part::Int(a), Part::Uint(b)) if matches!(op, BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight) => {
+            (Part::Int(a), Part::Uint(b))
+                if matches!(op, BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight) =>
+            {
                 let left = op == BinaryOperator::ShiftLeft;
                 return Ok(Part::Int(if left { a.wrapping_shl(b) } else { a.wrapping_shr(b) }));
             }
             (Part::Uint(a), Part::Uint(b)) => {
-                if let Some(value) = folded(op, a, b, u32::wrapping_add, u32::wrapping_sub, u32::wrapping_mul) {
+                if let Some(value) = folded(op, a, b, u32::wrapping_add, u32::wrapping_sub, u32::wrapping_mul)
+                {
                     return Ok(Part::Uint(value));
                 }
                 let value = match op {

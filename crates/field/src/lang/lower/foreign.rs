@@ -2,12 +2,13 @@
 
 use std::collections::HashMap;
 
+use super::super::builtin::uses;
 use super::super::diagnostic::{Diagnostic, Fault};
 use super::super::foreign::ForeignFile;
 use super::super::source::Span;
 use super::super::symbol::{Interner, Symbol};
-use super::super::builtin::uses;
 use super::super::value::{Value, Vector};
+use super::declared::GlobalValue;
 use super::lowering::Lowering;
 use crate::glsl_import::{Budget, GlslFunction, GlslType, Problem, ProblemKind, Session};
 use crate::graph::{Input, NodeId};
@@ -61,11 +62,14 @@ impl Lowering<'_> {
             return self.declared.foreign.is_function(name).then_some(Value::Unknown);
         }
         let fitting = self.declared.foreign.all(name);
-        let fitting = fitting.filter_map(|(index, file, function)| Some((cost(function, arguments)?, index, file, function)));
+        let fitting = fitting
+            .filter_map(|(index, file, function)| Some((cost(function, arguments)?, index, file, function)));
         let mut fitting: Vec<_> = fitting.collect();
         fitting.sort_by_key(|(cost, ..)| *cost);
         let &(best, index, foreign, function) = fitting.first()?;
-        if let Some(&(_, _, other, twin)) = fitting.iter().skip(1).find(|(cost, file, ..)| *cost == best && *file != index) {
+        if let Some(&(_, _, other, twin)) =
+            fitting.iter().skip(1).find(|(cost, file, ..)| *cost == best && *file != index)
+        {
             let name = self.name(name);
             let message = format!("two GLSL files have a function `{name}` that fits this call");
             let wrong = Diagnostic::new(span, message)
@@ -104,17 +108,9 @@ impl Lowering<'_> {
             rounds_max: self.limits.scene_loop_max,
             memory_max: self.limits.scene_expansion_max.min(1 << 18),
         };
-        let params = &self.declared.params;
-        // The graph is borrowed while the function runs, so the inputs of all parameters are made before.
-        let inputs: Vec<(String, NodeId)> = params
-            .iter()
-            .enumerate()
-            .map(|(index, param)| (param.name.clone(), self.graph.input(Input::Param(index as u16))))
-            .collect();
-        let mut param = |name: &str| inputs.iter().find(|(known, _)| known == name).map(|(_, node)| *node);
+        let given = self.given(foreign, span);
         let steps = budget.steps;
-        let result =
-            session.call(&foreign.file, function, &arguments, &mut self.graph, &mut budget, &mut param);
+        let result = session.call(&foreign.file, function, &arguments, &mut self.graph, &mut budget, &given);
         self.spend_steps(steps - budget.steps);
         if let Some(place) = self.declared.foreign.sessions.get_mut(index) {
             *place = session;
@@ -132,8 +128,34 @@ impl Lowering<'_> {
         }
     }
 
+    /// The scene's parameters and lets that have the names of uniforms.
+    fn given(&mut self, foreign: &ForeignFile, span: Span) -> Vec<(String, Vec<NodeId>)> {
+        let mut given = Vec::new();
+        for uniform in foreign.file.uniforms() {
+            let Some(symbol) = self.names.get(uniform) else { continue };
+            let value = match self.declared.global(symbol).value {
+                GlobalValue::Param(index) => {
+                    self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
+                    Value::scalar(self.graph.input(Input::Param(index as u16)))
+                }
+                GlobalValue::Let(index) => self.global_let(index as usize, span),
+                GlobalValue::None => continue,
+            };
+            if let Value::Vector(vector) = value {
+                given.push((uniform.to_owned(), vector.parts().to_vec()));
+            }
+        }
+        given
+    }
+
     #[cold]
-    fn foreign_problem(&mut self, name: Symbol, foreign: &ForeignFile, problem: &Problem, span: Span) -> Value {
+    fn foreign_problem(
+        &mut self,
+        name: Symbol,
+        foreign: &ForeignFile,
+        problem: &Problem,
+        span: Span,
+    ) -> Value {
         let mut diagnostic = foreign.diagnostic(problem, span);
         let is_limit = problem.kind == ProblemKind::OverLimit;
         if diagnostic.span != span {
