@@ -10,6 +10,7 @@
 //! operators are total, so a side that is not selected cannot spoil the result. Whole numbers that depend on the point
 //! are floats: they are exact up to 2^24. Constant whole numbers have 32 bits.
 
+mod around;
 mod calls;
 mod candidate;
 mod evaluate;
@@ -28,6 +29,7 @@ mod textures;
 mod tokens;
 mod whole;
 
+pub use around::{SceneAround, scene_around};
 pub use calls::{Budget, Session};
 pub use candidate::candidate;
 pub use parse::{GlslFile, GlslFunction, GlslParameter, GlslType};

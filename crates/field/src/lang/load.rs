@@ -15,6 +15,8 @@ pub(super) struct Loaded {
     pub items: Vec<Item>,
     pub includes: Vec<String>,
     pub foreign: Vec<ForeignFile>,
+    /// True if a GLSL file cannot be read. Its functions are not reported as missing then.
+    pub foreign_broken: bool,
 }
 
 /// Parses `text` and its includes, depth first: an included text precedes the text that includes it.
@@ -27,8 +29,14 @@ pub(super) fn load(
     sources: &mut Sources,
     diagnostics: &mut Diagnostics,
 ) -> Loaded {
-    let loaded =
-        Loaded { ast: Ast::default(), names, items: Vec::new(), includes: Vec::new(), foreign: Vec::new() };
+    let loaded = Loaded {
+        ast: Ast::default(),
+        names,
+        items: Vec::new(),
+        includes: Vec::new(),
+        foreign: Vec::new(),
+        foreign_broken: false,
+    };
     let mut loader =
         Loader { loaded, resolve, limits, sources, diagnostics, bytes: 0, tokens: 0, open: Vec::new() };
     loader.file(name, text, None);
@@ -91,7 +99,10 @@ impl Loader<'_, '_> {
 
     /// Reads an included GLSL file.
     fn glsl(&mut self, name: &str, text: &str, included: Span) {
-        let Some(base) = self.keep(name, text, Some(included)) else { return };
+        let Some(base) = self.keep(name, text, Some(included)) else {
+            self.loaded.foreign_broken = true;
+            return;
+        };
         match GlslFile::parse(text, self.limits) {
             Ok(file) => {
                 for function in file.functions() {
@@ -99,7 +110,10 @@ impl Loader<'_, '_> {
                 }
                 self.loaded.foreign.push(ForeignFile { file, base });
             }
-            Err(problem) => self.diagnostics.push(foreign::diagnostic(base, &problem, included)),
+            Err(problem) => {
+                self.loaded.foreign_broken = true;
+                self.diagnostics.push(foreign::diagnostic(base, &problem, included));
+            }
         }
     }
 
@@ -134,6 +148,7 @@ impl Loader<'_, '_> {
         }
         match (self.resolve)(&name) {
             Err(reason) => {
+                self.loaded.foreign_broken |= is_glsl(&name);
                 let wrong = Diagnostic::new(span, format!("`{name}` cannot be included: {reason}"));
                 self.diagnostics.push(wrong);
             }

@@ -347,7 +347,8 @@ impl Lowering<'_> {
 
     #[cold]
     fn unknown_function(&mut self, symbol: Symbol, span: Span) -> Value {
-        if self.declared.globals.get(symbol.index()).is_some_and(|global| global.broken) {
+        let is_broken = self.declared.globals.get(symbol.index()).is_some_and(|global| global.broken);
+        if is_broken || self.declared.foreign.is_broken {
             return Value::Unknown;
         }
         let name = self.name(symbol);

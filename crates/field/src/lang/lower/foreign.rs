@@ -20,10 +20,12 @@ pub(super) struct Foreign<'a> {
     sessions: Vec<Session>,
     /// For each name, the index of the file and of the function.
     by_name: HashMap<Symbol, Vec<(usize, usize)>>,
+    /// True if a file could not be read.
+    pub is_broken: bool,
 }
 
 impl<'a> Foreign<'a> {
-    pub(super) fn new(files: &'a [ForeignFile], names: &Interner) -> Self {
+    pub(super) fn new(files: &'a [ForeignFile], names: &Interner, is_broken: bool) -> Self {
         let mut by_name: HashMap<Symbol, Vec<(usize, usize)>> = HashMap::new();
         for (file, foreign) in files.iter().enumerate() {
             for (index, function) in foreign.file.functions().iter().enumerate() {
@@ -32,7 +34,7 @@ impl<'a> Foreign<'a> {
                 }
             }
         }
-        Self { files, sessions: files.iter().map(|_| Session::default()).collect(), by_name }
+        Self { files, sessions: files.iter().map(|_| Session::default()).collect(), by_name, is_broken }
     }
 
     pub(super) fn is_function(&self, name: Symbol) -> bool {

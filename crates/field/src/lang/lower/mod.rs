@@ -41,8 +41,8 @@ pub(super) fn lower(
     sources: &Sources,
     diagnostics: &mut Diagnostics,
 ) -> Option<Scene> {
-    let Loaded { ast, names, items, includes, foreign } = loaded;
+    let Loaded { ast, names, items, includes, foreign, foreign_broken } = loaded;
     let mut lowering = Lowering::new(&ast, &names, changing, limits, diagnostics);
-    lowering.declared.foreign = Foreign::new(&foreign, &names);
+    lowering.declared.foreign = Foreign::new(&foreign, &names, foreign_broken);
     SceneBuilder::new(lowering).scene(&items, includes, sources)
 }
