@@ -8,12 +8,12 @@ use clap::Args;
 use super::common::colors;
 use super::files::{is_standard, scene_of};
 use super::scene::require;
+use crate::atomic_file::AtomicFile;
 use crate::export::print::{print_line, tell};
 use mariana_field::glsl_export::shadertoy;
 use mariana_field::glsl_import::scene_around;
 use mariana_field::lang::{Diagnostic, Fault, Sources, Span, is_glsl};
 use mariana_field::limits::LIMITS;
-use mariana_files::AtomicFile;
 
 #[derive(Args)]
 pub(super) struct ImportArguments {

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
+use super::calls::{Budget, Session};
 use super::candidate::candidate;
 use super::parse::{GlslFile, GlslFunction, GlslType};
 use super::problem::Problem;
-use super::{Budget, Session};
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Order, Point};
 use crate::limits::LIMITS;
 
@@ -82,7 +82,7 @@ pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
     let mut left_out = Vec::new();
     if file.draws() {
         left_out.push(
-            "the camera, the light and the colours of its own picture: mainImage or main is not run"
+            "camera, light and colours of the shader: mainImage and main are not run"
                 .to_owned(),
         );
     }
@@ -126,7 +126,7 @@ fn short(value: f32) -> String {
     format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
 }
 
-/// What samples of the function tell.
+/// Findings from samples of the function.
 struct Sampled {
     /// The numbers of materials, rising.
     numbers: Vec<f32>,

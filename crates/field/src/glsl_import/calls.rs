@@ -9,9 +9,10 @@ use naga::{Expression, Function, Handle, ScalarKind, Statement};
 use super::execute::Exits;
 use super::items::Origin;
 use super::layout::{Info, PARTS_MAX, Part, infos, size};
+use super::memory::Memory;
 use super::outside;
 use super::parse::{GlslFile, GlslFunction, Special, range};
-use super::problem::Problem;
+use super::problem::{Problem, ProblemKind};
 use crate::graph::{Graph, NodeId};
 
 /// Limits of execution, shared with the scene that calls GLSL.
@@ -28,7 +29,7 @@ pub struct Budget {
 /// Maximum nesting of calls. Every call needs a few kilobytes of the stack.
 const CALLS_MAX: usize = 48;
 
-/// What is kept between the calls of a file's functions into one graph.
+/// State between the calls of a file's functions: the first values of its globals, as nodes of one graph.
 #[derive(Debug, Default)]
 pub struct Session {
     globals: Option<Vec<Part>>,
@@ -103,9 +104,7 @@ impl Counts {
 pub(super) struct Executor<'m, 'g> {
     pub file: &'m GlslFile,
     pub graph: &'g mut Graph,
-    pub memory: Vec<Part>,
-    /// Changes of memory: the slot and its earlier value.
-    pub trail: Vec<(u32, Part)>,
+    pub memory: Memory,
     /// The condition under which the current statement runs, within the current loop or function.
     pub live: NodeId,
     pub zero: NodeId,
@@ -138,10 +137,10 @@ impl Session {
         let known = self.globals.take();
         let mut executor = Executor::new(file, called, graph, budget, &mut self.infos);
         match known {
-            Some(globals) => executor.memory = globals,
+            Some(globals) => executor.memory.parts = globals,
             None => executor.start(given)?,
         }
-        let globals = executor.memory.clone();
+        let globals = executor.memory.parts.clone();
         let mut passed = Vec::with_capacity(arguments.len());
         for (parts, argument) in arguments.iter().zip(&called.arguments) {
             let kind = file.module.types.get_handle(argument.ty).ok().and_then(|of| of.inner.scalar_kind());
@@ -185,8 +184,8 @@ impl<'m, 'g> Executor<'m, 'g> {
             result: Vec::new(),
             counts: Counts::default(),
         };
-        let (memory, trail, open) = (Vec::new(), Vec::new(), Vec::new());
-        Self { file, graph, memory, trail, live: one, zero, one, frame, budget, infos, open }
+        let (memory, open) = (Memory::default(), Vec::new());
+        Self { file, graph, memory, live: one, zero, one, frame, budget, infos, open }
     }
 
     /// Gives the globals their values.
@@ -195,11 +194,11 @@ impl<'m, 'g> Executor<'m, 'g> {
         let mut kept = Vec::new();
         for (handle, global) in file.module.global_variables.iter() {
             let place = file.written.source_range(range(file.module.global_variables.get_span(handle)));
-            let start = self.memory.len();
+            let start = self.memory.parts.len();
             let name = global.name.as_deref().unwrap_or("");
             let Some(len) = size(&file.module, global.ty) else {
-                // Nothing reads images and the like.
-                self.memory.push(Part::Unset(handle.index() as u32));
+                // An image: its reads never reach memory.
+                self.memory.parts.push(Part::Unset(handle.index() as u32));
                 continue;
             };
             let len = len as usize;
@@ -208,8 +207,8 @@ impl<'m, 'g> Executor<'m, 'g> {
                 given.iter().find(|(known, nodes)| known == name && (nodes.len() == len || nodes.len() == 1));
             match (own.filter(|_| origin.is_some()), origin, global.init) {
                 (Some((_, nodes)), ..) => {
-                    self.memory.extend(nodes.iter().cycle().take(len).map(|&node| Part::Node(node)));
-                    kept.push((start, len, self.memory.get(start..).unwrap_or_default().to_vec()));
+                    self.memory.parts.extend(nodes.iter().cycle().take(len).map(|&node| Part::Node(node)));
+                    kept.push((start, len, self.memory.parts.get(start..).unwrap_or_default().to_vec()));
                 }
                 (None, Some(origin), _) => {
                     let known = match origin {
@@ -218,32 +217,32 @@ impl<'m, 'g> Executor<'m, 'g> {
                     };
                     let unset = Part::Unset(handle.index() as u32);
                     match known {
-                        Some(nodes) => self.memory.extend(nodes.into_iter().map(Part::Node)),
-                        None => self.memory.extend(std::iter::repeat_n(unset, len)),
+                        Some(nodes) => self.memory.parts.extend(nodes.into_iter().map(Part::Node)),
+                        None => self.memory.parts.extend(std::iter::repeat_n(unset, len)),
                     }
                 }
                 (None, None, Some(init)) => self.constant(init, &place)?,
                 (None, None, None) => self.zeros(global.ty, &place)?,
             }
-            self.memory.resize(start + len, Part::Node(self.zero));
-            if self.memory.len() > self.budget.memory_max {
+            self.memory.parts.resize(start + len, Part::Node(self.zero));
+            if self.memory.parts.len() > self.budget.memory_max {
                 return Err(too_large(place));
             }
         }
         for &start in &file.starts {
             // A global whose value cannot be computed is only a mistake if a function reads it.
-            let before = self.memory.clone();
+            let before = self.memory.parts.clone();
             let place = file.written.source_range(range(file.module.functions.get_span(start)));
             if let Err(problem) = self.call(start, Vec::new(), place) {
-                if problem.kind == super::ProblemKind::OverLimit {
+                if problem.kind == ProblemKind::OverLimit {
                     return Err(problem);
                 }
-                self.memory = before;
+                self.memory.parts = before;
             }
-            self.trail.clear();
+            self.memory.forget_changes();
         }
         for (start, len, parts) in kept {
-            for (place, part) in self.memory.iter_mut().skip(start).take(len).zip(parts) {
+            for (place, part) in self.memory.parts.iter_mut().skip(start).take(len).zip(parts) {
                 *place = part;
             }
         }
@@ -278,7 +277,7 @@ impl<'m, 'g> Executor<'m, 'g> {
         None
     }
 
-    /// Counts `count` operations at a place of the user's text.
+    /// Counts `count` operations. The error points to `place`.
     pub(super) fn step(&mut self, count: usize, place: impl Fn() -> Range<u32>) -> Result<(), Problem> {
         match self.budget.steps.checked_sub(count.max(1)) {
             Some(left) => {
@@ -339,7 +338,7 @@ impl<'m, 'g> Executor<'m, 'g> {
                 found
             }
         };
-        let mark = self.trail.len();
+        let mark = self.memory.mark();
         let frame = Frame {
             function,
             infos,
@@ -347,7 +346,7 @@ impl<'m, 'g> Executor<'m, 'g> {
             parts: Vec::new(),
             pointers: Vec::new(),
             arguments,
-            base: self.memory.len(),
+            base: self.memory.parts.len(),
             outer: self.one,
             targets: Vec::new(),
             returns: Exits::new(mark),
@@ -361,10 +360,10 @@ impl<'m, 'g> Executor<'m, 'g> {
         self.open.pop();
         let frame = std::mem::replace(&mut self.frame, outside.0);
         self.live = outside.1;
-        self.undo(mark);
-        self.memory.truncate(frame.base);
+        self.memory.undo(mark);
+        self.memory.parts.truncate(frame.base);
         for (slot, part) in frame.returns.changed {
-            self.store_part(slot, part);
+            self.memory.store_part(slot, part);
         }
         done?;
         Ok(frame.result)
@@ -377,7 +376,7 @@ impl<'m, 'g> Executor<'m, 'g> {
                 Some(init) => self.local_constant(init, place)?,
                 None => self.zeros(local.ty, place)?,
             }
-            if self.memory.len() > self.budget.memory_max {
+            if self.memory.parts.len() > self.budget.memory_max {
                 return Err(too_large(place.clone()));
             }
         }

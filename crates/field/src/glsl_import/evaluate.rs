@@ -396,7 +396,7 @@ impl Executor<'_, '_> {
     pub(super) fn zeros(&mut self, of: Handle<Type>, place: &Range<u32>) -> Result<(), Problem> {
         let parts = self.zero_parts(of, place)?;
         self.step(parts.len(), || place.clone())?;
-        self.memory.extend(parts);
+        self.memory.parts.extend(parts);
         Ok(())
     }
 
@@ -404,7 +404,7 @@ impl Executor<'_, '_> {
     pub(super) fn constant(&mut self, init: Handle<Expression>, place: &Range<u32>) -> Result<(), Problem> {
         let mut parts = Vec::new();
         self.global_value(init, &mut parts, place)?;
-        self.memory.extend(parts);
+        self.memory.parts.extend(parts);
         Ok(())
     }
 
@@ -416,7 +416,7 @@ impl Executor<'_, '_> {
     ) -> Result<(), Problem> {
         let parts = self.parts_of(init)?;
         self.step(parts.len(), || place.clone())?;
-        self.memory.extend(parts);
+        self.memory.parts.extend(parts);
         Ok(())
     }
 

@@ -30,57 +30,6 @@ impl Exits {
 }
 
 impl<'m> Executor<'m, '_> {
-    pub(super) fn store_part(&mut self, slot: u32, part: Part) {
-        if let Some(place) = self.memory.get_mut(slot as usize)
-            && *place != part
-        {
-            self.trail.push((slot, *place));
-            *place = part;
-        }
-    }
-
-    /// Restores memory to its state at a mark of the trail.
-    pub(super) fn undo(&mut self, mark: usize) {
-        while self.trail.len() > mark {
-            if let Some((slot, part)) = self.trail.pop()
-                && let Some(place) = self.memory.get_mut(slot as usize)
-            {
-                *place = part;
-            }
-        }
-    }
-
-    /// The slots that changed since a mark, with their values at the mark.
-    fn changes(&self, mark: usize) -> BTreeMap<u32, Part> {
-        let mut changes = BTreeMap::new();
-        for (slot, part) in self.trail.get(mark..).unwrap_or_default() {
-            if (*slot as usize) < self.memory.len() {
-                changes.entry(*slot).or_insert(*part);
-            }
-        }
-        changes
-    }
-
-    /// The slots that changed since a mark, with their values now. Restores memory to its state at the mark.
-    fn take_changes(&mut self, mark: usize) -> BTreeMap<u32, Part> {
-        let mut changes = self.changes(mark);
-        for (slot, part) in &mut changes {
-            *part = self.part_at(*slot);
-        }
-        self.undo(mark);
-        changes
-    }
-
-    fn part_at(&self, slot: u32) -> Part {
-        self.memory.get(slot as usize).copied().unwrap_or(Part::Node(self.zero))
-    }
-
-    fn apply(&mut self, changed: BTreeMap<u32, Part>) {
-        for (slot, part) in changed {
-            self.store_part(slot, part);
-        }
-    }
-
     /// True where two conditions hold.
     pub(super) fn and(&mut self, a: NodeId, b: NodeId) -> NodeId {
         match (a, b) {
@@ -103,19 +52,19 @@ impl<'m> Executor<'m, '_> {
 
     /// Adds the current path to `exits`. Slots from `end` on do not matter after the exit.
     fn leave(&mut self, mut exits: Exits, end: usize, live: NodeId) -> Result<Exits, Problem> {
-        let changes = self.changes(exits.mark);
+        let changes = self.memory.changes(exits.mark);
         self.step(changes.len(), || 0..0)?;
         match exits.mask {
             None => {
                 for slot in changes.into_keys().filter(|slot| (*slot as usize) < end) {
-                    exits.changed.insert(slot, self.part_at(slot));
+                    exits.changed.insert(slot, self.memory.at(slot));
                 }
                 exits.mask = Some(live);
             }
             Some(mask) => {
                 let slots: BTreeSet<u32> = changes.keys().chain(exits.changed.keys()).copied().collect();
                 for slot in slots.into_iter().filter(|slot| (*slot as usize) < end) {
-                    let now = self.part_at(slot);
+                    let now = self.memory.at(slot);
                     let before = changes.get(&slot).copied().unwrap_or(now);
                     let earlier = exits.changed.get(&slot).copied().unwrap_or(before);
                     let part = self.select(live, now, earlier)?;
@@ -243,7 +192,7 @@ impl<'m> Executor<'m, '_> {
         match pointer.indices.split_last() {
             None => {
                 for (slot, part) in (pointer.start..).zip(parts) {
-                    self.store_part(slot, *part);
+                    self.memory.store_part(slot, *part);
                 }
                 Ok(())
             }
@@ -277,7 +226,7 @@ impl<'m> Executor<'m, '_> {
         self.step(pointer.len as usize, place)?;
         let Some((&(index, count, stride), rest)) = pointer.indices.split_last() else {
             let (start, len) = (pointer.start as usize, pointer.len as usize);
-            return Ok(self.memory.get(start..start + len).unwrap_or_default().to_vec());
+            return Ok(self.memory.read(start..start + len));
         };
         let mut result: Vec<Part> = Vec::new();
         for element in 0..count {
@@ -320,11 +269,11 @@ impl<'m> Executor<'m, '_> {
         if unless == self.zero {
             return self.block(accept);
         }
-        let mark = self.trail.len();
+        let mark = self.memory.mark();
         self.live = when;
         self.block(accept)?;
         let live_when = self.live;
-        let changed = self.take_changes(mark);
+        let changed = self.memory.take_changes(mark);
         self.live = unless;
         self.block(reject)?;
         let live_unless = self.live;
@@ -332,20 +281,20 @@ impl<'m> Executor<'m, '_> {
             return Ok(());
         }
         if live_unless == self.zero {
-            self.undo(mark);
-            self.apply(changed);
+            self.memory.undo(mark);
+            self.memory.apply(changed);
             self.live = live_when;
             return Ok(());
         }
-        let others = self.changes(mark);
+        let others = self.memory.changes(mark);
         self.step(changed.len() + others.len(), || place.clone())?;
         let slots: BTreeSet<u32> = changed.keys().chain(others.keys()).copied().collect();
         for slot in slots {
-            let now = self.part_at(slot);
+            let now = self.memory.at(slot);
             let base = others.get(&slot).copied().unwrap_or(now);
             let then = changed.get(&slot).copied().unwrap_or(base);
             let part = self.select(condition, then, now)?;
-            self.store_part(slot, part);
+            self.memory.store_part(slot, part);
         }
         let all_live = live_when == when && live_unless == unless;
         self.live = if all_live { before } else { self.or(live_when, live_unless) };
@@ -362,7 +311,7 @@ impl<'m> Executor<'m, '_> {
         let (before, outer, returns) = (self.live, self.frame.outer, self.frame.counts.returns);
         self.frame.outer = self.and(outer, before);
         self.live = self.one;
-        let mark = self.trail.len();
+        let mark = self.memory.mark();
         let exits = || Exits::new(mark);
         self.frame.targets.push(Target { is_loop: true, breaks: exits(), continues: exits() });
         let mut rounds = 0;
@@ -375,8 +324,8 @@ impl<'m> Executor<'m, '_> {
                     .hint("give it a constant number of rounds, as in `for (int i = 0; i < 8; i++)`"));
             }
             self.step(1, || place.clone())?;
-            self.compact(mark);
-            let start = self.trail.len();
+            self.memory.compact(mark);
+            let start = self.memory.mark();
             if let Some(target) = self.frame.targets.last_mut() {
                 target.continues = Exits::new(start);
             }
@@ -413,13 +362,13 @@ impl<'m> Executor<'m, '_> {
         }
         let Some(target) = self.frame.targets.pop() else { return Ok(()) };
         self.frame.outer = outer;
-        self.undo(mark);
+        self.memory.undo(mark);
         self.live = match target.breaks.mask {
             None => self.zero,
             Some(_) if self.frame.counts.returns == returns => before,
             Some(mask) => self.and(before, mask),
         };
-        self.apply(target.breaks.changed);
+        self.memory.apply(target.breaks.changed);
         Ok(())
     }
 
@@ -427,32 +376,25 @@ impl<'m> Executor<'m, '_> {
     fn meet(&mut self, exits: Exits) -> Result<(), Problem> {
         let Some(mask) = exits.mask else { return Ok(()) };
         if self.live == self.zero {
-            self.undo(exits.mark);
-            self.apply(exits.changed);
+            self.memory.undo(exits.mark);
+            self.memory.apply(exits.changed);
             self.live = mask;
             return Ok(());
         }
         let live = self.live;
         let mark = exits.mark;
         let all = self.leave(exits, usize::MAX, live)?;
-        self.undo(mark);
+        self.memory.undo(mark);
         self.live = all.mask.unwrap_or(live);
-        self.apply(all.changed);
+        self.memory.apply(all.changed);
         Ok(())
-    }
-
-    /// Keeps one entry of the trail for each slot since a mark.
-    fn compact(&mut self, mark: usize) {
-        let changes = self.changes(mark);
-        self.trail.truncate(mark);
-        self.trail.extend(changes);
     }
 
     fn switch(&mut self, selector: Handle<Expression>, cases: &'m [naga::SwitchCase]) -> Result<(), Problem> {
         let place = self.place(selector);
         let selector = self.part(selector, 0)?;
         let (before, counts) = (self.live, self.frame.counts);
-        let mark = self.trail.len();
+        let mark = self.memory.mark();
         // The conditions of the cases. The default case takes what no other case takes.
         let mut conditions = Vec::with_capacity(cases.len());
         let mut otherwise = self.one;
@@ -494,16 +436,16 @@ impl<'m> Executor<'m, '_> {
                     self.frame.targets.push(target);
                 }
             }
-            self.undo(mark);
+            self.memory.undo(mark);
         }
         let Some(target) = self.frame.targets.pop() else { return Ok(()) };
-        self.undo(mark);
+        self.memory.undo(mark);
         self.live = match target.breaks.mask {
             None => self.zero,
             Some(_) if self.frame.counts.leaves() == counts.leaves() => before,
             Some(mask) => mask,
         };
-        self.apply(target.breaks.changed);
+        self.memory.apply(target.breaks.changed);
         Ok(())
     }
 

@@ -17,7 +17,7 @@ pub(super) enum Part {
     Unset(u32),
 }
 
-/// What evaluation must know about the type of an expression or, for a pointer, of the value that it points to.
+/// The type of an expression. For a pointer, the type of its target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Info {
     pub kind: ScalarKind,

@@ -19,6 +19,7 @@ mod items;
 mod layout;
 mod math;
 mod matrices;
+mod memory;
 mod operators;
 mod outside;
 mod parse;

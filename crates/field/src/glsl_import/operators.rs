@@ -6,8 +6,9 @@ use naga::{BinaryOperator, Expression, Handle, RelationalFunction, ScalarKind, U
 
 use super::calls::Executor;
 use super::layout::Part;
+use super::matrices;
 use super::problem::Problem;
-use crate::graph::{Node, NodeId, Op};
+use crate::graph::{Graph, Node, NodeId, Op};
 
 impl Executor<'_, '_> {
     pub(super) fn unary(
@@ -38,7 +39,7 @@ impl Executor<'_, '_> {
         if op == BinaryOperator::Multiply && (a.columns > 0 || b.columns > 0) && a.len > 1 && b.len > 1 {
             let (x, y) = (self.nodes_of(left)?, self.nodes_of(right)?);
             self.step(x.len() * y.len(), || place.clone())?;
-            let nodes = self.product(&x, (a.columns, a.rows), &y, (b.columns, b.rows));
+            let nodes = matrices::product(self.graph, &x, (a.columns, a.rows), &y, (b.columns, b.rows));
             return Ok(nodes.into_iter().map(Part::Node).collect());
         }
         let mut result = Vec::with_capacity(a.len.max(b.len) as usize);
@@ -59,7 +60,7 @@ impl Executor<'_, '_> {
         match op {
             BinaryOperator::And | BinaryOperator::LogicalAnd => return self.and(a, b),
             BinaryOperator::InclusiveOr | BinaryOperator::LogicalOr => return self.or(a, b),
-            BinaryOperator::Subtract => return self.difference(a, b),
+            BinaryOperator::Subtract => return difference(self.graph, a, b),
             _ => {}
         }
         let graph = &mut *self.graph;
@@ -79,24 +80,6 @@ impl Executor<'_, '_> {
             BinaryOperator::GreaterEqual => graph.binary(Op::LessEqual, b, a),
             _ => a,
         }
-    }
-
-    /// a - b. naga writes `mod` and `fract` out as differences; the operators of the graph have tighter bounds.
-    fn difference(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        let graph = &mut *self.graph;
-        match graph.node(b) {
-            Node::Unary(Op::Floor, inner) if inner == a => return graph.unary(Op::Fract, a),
-            Node::Binary(Op::Mul, x, y) => {
-                for (floor, divisor) in [(x, y), (y, x)] {
-                    let Node::Unary(Op::Floor, quotient) = graph.node(floor) else { continue };
-                    if graph.div(a, divisor) == quotient {
-                        return graph.binary(Op::Mod, a, divisor);
-                    }
-                }
-            }
-            _ => {}
-        }
-        graph.sub(a, b)
     }
 
     pub(super) fn relational(
@@ -168,13 +151,30 @@ impl Executor<'_, '_> {
             (Some(bits), ScalarKind::Uint) => Part::Uint(bits),
             (Some(bits), _) => Part::Node(self.graph.constant(f32::from_bits(bits))),
             // A signed number as an unsigned one.
-            (None, ScalarKind::Sint | ScalarKind::Uint) if self.is_whole_node(part) => part,
+            (None, ScalarKind::Sint | ScalarKind::Uint) if is_whole_node(self.graph, part) => part,
             _ => return Err(super::whole::bits(place)),
         })
     }
+}
 
-    fn is_whole_node(&self, part: Part) -> bool {
-        matches!(part, Part::Node(node)
-            if matches!(self.graph.node(node), Node::Unary(Op::Trunc | Op::Floor, _)))
+/// a - b. naga writes `mod` and `fract` out as differences; the operators of the graph have tighter bounds.
+fn difference(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+    match graph.node(b) {
+        Node::Unary(Op::Floor, inner) if inner == a => return graph.unary(Op::Fract, a),
+        Node::Binary(Op::Mul, x, y) => {
+            for (floor, divisor) in [(x, y), (y, x)] {
+                let Node::Unary(Op::Floor, quotient) = graph.node(floor) else { continue };
+                if graph.div(a, divisor) == quotient {
+                    return graph.binary(Op::Mod, a, divisor);
+                }
+            }
+        }
+        _ => {}
     }
+    graph.sub(a, b)
+}
+
+fn is_whole_node(graph: &Graph, part: Part) -> bool {
+    matches!(part, Part::Node(node)
+        if matches!(graph.node(node), Node::Unary(Op::Trunc | Op::Floor, _)))
 }

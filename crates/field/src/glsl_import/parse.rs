@@ -44,7 +44,7 @@ pub struct GlslFunction {
     pub name: String,
     /// The parameters.
     pub parameters: Vec<GlslParameter>,
-    /// The type of the result; `None` if there is none or a scene has no such values.
+    /// The type of the result; `None` for `void` and for types that scenes lack.
     pub result: Option<GlslType>,
     /// The bytes of the GLSL text at which the function begins.
     pub place: Range<u32>,
@@ -78,7 +78,7 @@ impl std::fmt::Display for GlslFunction {
     }
 }
 
-/// What a call of certain functions means.
+/// The meaning of a function that `rewrite` adds.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Special {
     Texture,
@@ -192,7 +192,7 @@ impl GlslFile {
         Ok(Self { module, written, problems, outside, starts, special, functions, unset, has_drawing })
     }
 
-    /// Returns all functions of the file except those that draw a picture, such as `mainImage`.
+    /// Returns the functions of the file without `mainImage` and other functions that draw.
     pub fn functions(&self) -> &[GlslFunction] {
         &self.functions
     }

@@ -1,6 +1,6 @@
 //! The preprocessor: directives, and macros with and without parameters.
 //!
-//! Every token that a macro makes gets the place of the macro's call, so that messages point to a line of the user.
+//! Tokens from a macro have the position of the macro's call, so that messages point to the user's line.
 //! Work is counted: macros that expand without end, or to nothing very often, end in a message.
 
 use std::collections::HashMap;
@@ -195,7 +195,8 @@ impl<'a> Preprocessor<'a> {
 
     /// Expands all macros in a list of tokens.
     fn expand(&mut self, tokens: Vec<Token<'a>>, depth: usize) -> Result<Vec<Token<'a>>, Problem> {
-        // What is left to read, the next token last, and the macros whose expansion ends at a length of this list.
+        // The unread tokens, the next one last. `active` holds the open macros; a macro ends when this list is as short as
+        // its number.
         let mut left: Vec<Token<'a>> = tokens;
         left.reverse();
         let mut active: Vec<(&'a str, usize)> = Vec::new();

@@ -1,4 +1,4 @@
-//! Writes items as GLSL 4.50 in the form that naga takes, and remembers the place of each word in the user's text.
+//! Writes items as GLSL 4.50 in the form that naga takes, and maps each word to its position in the user's text.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
@@ -107,7 +107,7 @@ const GIVEN: [(&str, &str); 20] = [
 /// Functions that draw a picture. A scene has its own camera and light.
 pub(super) const DRAWING: [&str; 6] = ["main", "mainImage", "mainVR", "mainSound", "mainCubemap", "mainFull"];
 
-/// What the rewritten items are.
+/// The items of a file, and their globals.
 pub(super) struct Program<'a> {
     items: Vec<Item<'a>>,
     /// Names of globals that the GLSL does not set itself.

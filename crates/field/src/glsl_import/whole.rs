@@ -7,7 +7,7 @@ use naga::{BinaryOperator, UnaryOperator};
 use super::calls::Executor;
 use super::layout::Part;
 use super::problem::Problem;
-use crate::graph::{NodeId, Op};
+use crate::graph::{Graph, NodeId, Op};
 
 /// The error of an operation on the bits of a number that is not constant.
 pub(super) fn bits(place: &Range<u32>) -> Problem {
@@ -69,7 +69,7 @@ impl Executor<'_, '_> {
                     BinaryOperator::Modulo => a.checked_rem(b).unwrap_or(0),
                     BinaryOperator::ShiftLeft => a.wrapping_shl(b as u32),
                     BinaryOperator::ShiftRight => a.wrapping_shr(b as u32),
-                    _ => return Ok(self.truth(compared(op, &a, &b))),
+                    _ => return Ok(truth(self.graph, compared(op, &a, &b))),
                 };
                 return Ok(Part::Int(value));
             }
@@ -89,7 +89,7 @@ impl Executor<'_, '_> {
                     BinaryOperator::Modulo => a.checked_rem(b).unwrap_or(0),
                     BinaryOperator::ShiftLeft => a.wrapping_shl(b),
                     BinaryOperator::ShiftRight => a.wrapping_shr(b),
-                    _ => return Ok(self.truth(compared(op, &a, &b))),
+                    _ => return Ok(truth(self.graph, compared(op, &a, &b))),
                 };
                 return Ok(Part::Uint(value));
             }
@@ -116,10 +116,12 @@ impl Executor<'_, '_> {
                 let factor = self.graph.constant(power(known_b).ok_or_else(|| bits(place))?);
                 self.graph.mul(x, factor)
             }
-            BinaryOperator::ShiftRight => self.shifted_right(x, power(known_b).ok_or_else(|| bits(place))?),
+            BinaryOperator::ShiftRight => {
+                shifted_right(self.graph, x, power(known_b).ok_or_else(|| bits(place))?)
+            }
             BinaryOperator::And => match (known_a, known_b) {
-                (Some(mask), _) => self.masked_bits(y, mask, place)?,
-                (_, Some(mask)) => self.masked_bits(x, mask, place)?,
+                (Some(mask), _) => masked_bits(self.graph, y, mask, place)?,
+                (_, Some(mask)) => masked_bits(self.graph, x, mask, place)?,
                 _ => return Err(bits(place)),
             },
             BinaryOperator::ExclusiveOr | BinaryOperator::InclusiveOr => match (known_a, known_b) {
@@ -131,38 +133,10 @@ impl Executor<'_, '_> {
         }))
     }
 
-    fn shifted_right(&mut self, a: NodeId, divisor: f32) -> NodeId {
-        let divisor = self.graph.constant(divisor);
-        let quotient = self.graph.div(a, divisor);
-        self.graph.unary(Op::Floor, quotient)
-    }
-
-    /// The bits of `a` that a constant selects: the lowest ones, or a single one.
-    fn masked_bits(&mut self, a: NodeId, mask: i64, place: &Range<u32>) -> Result<NodeId, Problem> {
-        let mask = mask as u32;
-        if mask == u32::MAX {
-            return Ok(a);
-        }
-        if mask >= 1 << 24 {
-            return Err(bits(place));
-        }
-        if mask & (mask + 1) == 0 {
-            let count = self.graph.constant((mask + 1) as f32);
-            return Ok(self.graph.binary(Op::Mod, a, count));
-        }
-        if mask.is_power_of_two() {
-            let shifted = self.shifted_right(a, mask as f32);
-            let (two, factor) = (self.graph.constant(2.0), self.graph.constant(mask as f32));
-            let bit = self.graph.binary(Op::Mod, shifted, two);
-            return Ok(self.graph.mul(bit, factor));
-        }
-        Err(bits(place))
-    }
-
     pub(super) fn equal_whole(&mut self, a: Part, b: Part, place: &Range<u32>) -> Result<NodeId, Problem> {
         let part = match (a, b) {
-            (Part::Int(a), Part::Int(b)) => self.truth(a == b),
-            (Part::Uint(a), Part::Uint(b)) => self.truth(a == b),
+            (Part::Int(a), Part::Int(b)) => truth(self.graph, a == b),
+            (Part::Uint(a), Part::Uint(b)) => truth(self.graph, a == b),
             _ => {
                 let (a, b) = (self.node(a, place)?, self.node(b, place)?);
                 Part::Node(self.graph.binary(Op::Equal, a, b))
@@ -170,10 +144,39 @@ impl Executor<'_, '_> {
         };
         self.node(part, place)
     }
+}
 
-    fn truth(&self, holds: bool) -> Part {
-        Part::Node(if holds { self.one } else { self.zero })
+/// A constant condition.
+fn truth(graph: &mut Graph, holds: bool) -> Part {
+    Part::Node(graph.constant(if holds { 1.0 } else { 0.0 }))
+}
+
+fn shifted_right(graph: &mut Graph, a: NodeId, divisor: f32) -> NodeId {
+    let divisor = graph.constant(divisor);
+    let quotient = graph.div(a, divisor);
+    graph.unary(Op::Floor, quotient)
+}
+
+/// The bits of `a` that a constant selects: the lowest ones, or a single one.
+fn masked_bits(graph: &mut Graph, a: NodeId, mask: i64, place: &Range<u32>) -> Result<NodeId, Problem> {
+    let mask = mask as u32;
+    if mask == u32::MAX {
+        return Ok(a);
     }
+    if mask >= 1 << 24 {
+        return Err(bits(place));
+    }
+    if mask & (mask + 1) == 0 {
+        let count = graph.constant((mask + 1) as f32);
+        return Ok(graph.binary(Op::Mod, a, count));
+    }
+    if mask.is_power_of_two() {
+        let shifted = shifted_right(graph, a, mask as f32);
+        let (two, factor) = (graph.constant(2.0), graph.constant(mask as f32));
+        let bit = graph.binary(Op::Mod, shifted, two);
+        return Ok(graph.mul(bit, factor));
+    }
+    Err(bits(place))
 }
 
 fn folded<T: std::ops::BitAnd<Output = T> + std::ops::BitOr<Output = T> + std::ops::BitXor<Output = T>>(

@@ -1,4 +1,4 @@
-//! What scenes see of GLSL: types, globals, uniforms, textures, messages.
+//! Types, globals, uniforms, textures and messages of GLSL in scenes.
 
 use super::super::{GlslType, ProblemKind};
 use super::{budget, executed, parsed, values};
