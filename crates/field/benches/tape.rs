@@ -4,8 +4,8 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use mariana_field::lang::compile;
 use mariana_field::graph::{Compounds, FrameInputs, Graph, Input, Interval, NodeId, Point};
+use mariana_field::lang::compile;
 use mariana_field::tape::{
     Batch, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeOptions,
 };

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use crate::graph::{CELL_HASH_GLSL, FrameInputs, GraphError, Input, Node, NodeId, Op};
+use crate::graph::{CELL_HASH_GLSL, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 use crate::tape::glsl::{Sampling, function, input_name, literal};
 
@@ -81,34 +81,11 @@ pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String, GraphError> 
         used.extend(numbers);
     }
 
-    let frame = FrameInputs {
-        params: scene.params.iter().map(|param| param.default).collect(),
-        ..FrameInputs::default()
-    };
-    let mut constants = String::new();
-    let mut eye = false;
-    for id in graph.order(&used)?.nodes {
-        let Node::Input(input) = graph.node(id) else { continue };
-        let name = input_name(input);
-        match input {
-            _ if input.of_point().is_some() => {}
-            Input::T => body = body.replace(&name, "iTime"),
-            Input::EyeX | Input::EyeY | Input::EyeZ => eye = true,
-            Input::Param(index) => {
-                let param = scene.params.get(usize::from(index));
-                let own = param.filter(|param| !param.is_number).map(|param| format!("param_{}", param.name));
-                let own = own.unwrap_or_else(|| format!("number_{index}"));
-                let value = literal(param.map_or(0.0, |param| param.default));
-                let _ = writeln!(constants, "const float {own} = {value};");
-                body = body.replace(&name, &own);
-            }
-            other => body = body.replace(&name, &literal(frame.value(other))),
-        }
-    }
+    let (body, constants) = with_names(scene, &graph, &used, body)?;
     let mut text = String::from(
         "// Made by `mariana export`. map: distance, map_color: colour of the nearest object.\n",
     );
-    if main_image || eye {
+    if main_image || body.contains("camera_position") {
         text.push_str("vec3 camera_position = vec3(0.0, 2.0, -5.0);\n");
     }
     text.push_str(&constants);
@@ -134,6 +111,39 @@ pub fn shadertoy(scene: &Scene, main_image: bool) -> Result<String, GraphError> 
         let _ = write!(text, "{head}\n{camera}{rest}");
     }
     Ok(text)
+}
+
+/// Replaces the names of inputs in the body by `iTime`, constants and numbers. Returns the body and the constants.
+fn with_names(
+    scene: &Scene,
+    graph: &Graph,
+    used: &[NodeId],
+    mut body: String,
+) -> Result<(String, String), GraphError> {
+    let frame = FrameInputs {
+        params: scene.params.iter().map(|param| param.default).collect(),
+        ..FrameInputs::default()
+    };
+    let mut constants = String::new();
+    for id in graph.order(used)?.nodes {
+        let Node::Input(input) = graph.node(id) else { continue };
+        let name = input_name(input);
+        match input {
+            _ if input.of_point().is_some() => {}
+            Input::T => body = body.replace(&name, "iTime"),
+            Input::EyeX | Input::EyeY | Input::EyeZ => {}
+            Input::Param(index) => {
+                let param = scene.params.get(usize::from(index));
+                let own = param.filter(|param| !param.is_number).map(|param| format!("param_{}", param.name));
+                let own = own.unwrap_or_else(|| format!("number_{index}"));
+                let value = literal(param.map_or(0.0, |param| param.default));
+                let _ = writeln!(constants, "const float {own} = {value};");
+                body = body.replace(&name, &own);
+            }
+            other => body = body.replace(&name, &literal(frame.value(other))),
+        }
+    }
+    Ok((body, constants))
 }
 
 #[cfg(test)]

@@ -81,10 +81,7 @@ pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
 
     let mut left_out = Vec::new();
     if file.draws() {
-        left_out.push(
-            "camera, light and colours of the shader: mainImage and main are not run"
-                .to_owned(),
-        );
+        left_out.push("camera, light and colours of the shader: mainImage and main are not run".to_owned());
     }
     let unset = file.unset_globals();
     if !unset.is_empty() && file.draws() {

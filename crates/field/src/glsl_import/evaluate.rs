@@ -210,15 +210,7 @@ impl Executor<'_, '_> {
             }
             Expression::Binary { op, left, right } => self.binary(*op, *left, *right, &place)?,
             Expression::Select { condition, accept, reject } => {
-                let len = self.info(*accept)?.len.max(self.info(*reject)?.len) as usize;
-                let mut result = Vec::with_capacity(len);
-                for index in 0..len {
-                    let part = self.part(*condition, index)?;
-                    let condition = self.node(part, &place)?;
-                    let (then, otherwise) = (self.part(*accept, index)?, self.part(*reject, index)?);
-                    result.push(self.select(condition, then, otherwise)?);
-                }
-                result
+                self.choice(*condition, *accept, *reject, &place)?
             }
             Expression::Relational { fun, argument } => {
                 let nodes = self.nodes_of(*argument)?;
@@ -229,17 +221,7 @@ impl Executor<'_, '_> {
                 self.math(*fun, *arg, others, &place)?
             }
             Expression::As { expr, kind, convert } => {
-                let from = self.info(*expr)?.kind;
-                let parts = self.parts_of(*expr)?;
-                let mut result = Vec::with_capacity(parts.len());
-                for part in parts {
-                    result.push(if convert.is_some() {
-                        self.convert(from, *kind, part, &place)?
-                    } else {
-                        self.reinterpret(*kind, part, &place)?
-                    });
-                }
-                result
+                self.converted(*expr, *kind, convert.is_some(), &place)?
             }
             Expression::ArrayLength(_) => {
                 return Err(Problem::unsupported(place, "an array needs a known size"));
@@ -253,6 +235,44 @@ impl Executor<'_, '_> {
             }
             _ => return Err(Problem::unsupported(place, "this expression has no meaning in a formula")),
         })
+    }
+
+    fn choice(
+        &mut self,
+        condition: Handle<Expression>,
+        accept: Handle<Expression>,
+        reject: Handle<Expression>,
+        place: &Range<u32>,
+    ) -> Result<Vec<Part>, Problem> {
+        let len = self.info(accept)?.len.max(self.info(reject)?.len) as usize;
+        let mut result = Vec::with_capacity(len);
+        for index in 0..len {
+            let part = self.part(condition, index)?;
+            let condition = self.node(part, place)?;
+            let (then, otherwise) = (self.part(accept, index)?, self.part(reject, index)?);
+            result.push(self.select(condition, then, otherwise)?);
+        }
+        Ok(result)
+    }
+
+    fn converted(
+        &mut self,
+        of: Handle<Expression>,
+        kind: ScalarKind,
+        converts: bool,
+        place: &Range<u32>,
+    ) -> Result<Vec<Part>, Problem> {
+        let from = self.info(of)?.kind;
+        let parts = self.parts_of(of)?;
+        let mut result = Vec::with_capacity(parts.len());
+        for part in parts {
+            result.push(if converts {
+                self.convert(from, kind, part, place)?
+            } else {
+                self.reinterpret(kind, part, place)?
+            });
+        }
+        Ok(result)
     }
 
     /// Selects an element with a known index.

@@ -139,36 +139,47 @@ fn item<'a>(tokens: &[Token<'a>], items: &mut Vec<Item<'a>>) -> Result<usize, Pr
     let brackets = brackets_length(rest);
     let array = rest.get(..brackets).unwrap_or_default().to_vec();
     let name_at = after + brackets;
-    let Some(name) = tokens.get(name_at).filter(|token| token.is_word()) else {
+    if !tokens.get(name_at).is_some_and(Token::is_word) {
         let found = tokens.get(name_at).unwrap_or(of);
         let message = format!("`{}` begins no declaration", shortened(of.text));
         return Err(Problem::malformed(of.start..found.end, message)
             .hint("a declaration is a type and a name, such as `float a = 1.0;`"));
-    };
+    }
     if tokens.get(name_at + 1).is_some_and(|token| token.is("(")) {
-        let parameters = tokens.get(name_at + 1..).unwrap_or_default();
-        let close = name_at + 1 + matching(parameters);
-        let mut header = vec![*of];
-        header.extend(array);
-        header.extend(words(tokens.get(name_at..close).unwrap_or_default()));
-        return Ok(match tokens.get(close) {
-            Some(brace) if brace.is("{") => {
-                let body = tokens.get(close..).unwrap_or_default();
-                let length = matching(body);
-                let body = words(body.get(..length).unwrap_or_default());
-                items.push(Item::Function { name: *name, header, body });
-                close + length
-            }
-            _ => {
-                header.push(of.made(";", Kind::Sign));
-                items.push(Item::Plain(header));
-                end(close)
-            }
+        let result: Vec<Token<'a>> = [*of].into_iter().chain(array).collect();
+        return Ok(match function(tokens, name_at, result, items) {
+            (at, true) => at,
+            (at, false) => end(at),
         });
     }
     let end = end(name_at);
     globals(*of, array, tokens.get(name_at..end).unwrap_or_default(), is_const, origin, items);
     Ok(end)
+}
+
+/// Reads a function from its name on. Returns the index after it, and whether it has a body.
+fn function<'a>(
+    tokens: &[Token<'a>],
+    name_at: usize,
+    result: Vec<Token<'a>>,
+    items: &mut Vec<Item<'a>>,
+) -> (usize, bool) {
+    let Some(name) = tokens.get(name_at) else { return (tokens.len(), true) };
+    let parameters = tokens.get(name_at + 1..).unwrap_or_default();
+    let close = name_at + 1 + matching(parameters);
+    let mut header = result;
+    header.extend(words(tokens.get(name_at..close).unwrap_or_default()));
+    if tokens.get(close).is_some_and(|brace| brace.is("{")) {
+        let body = tokens.get(close..).unwrap_or_default();
+        let length = matching(body);
+        let body = words(body.get(..length).unwrap_or_default());
+        items.push(Item::Function { name: *name, header, body });
+        (close + length, true)
+    } else {
+        header.push(name.made(";", Kind::Sign));
+        items.push(Item::Plain(header));
+        (close, false)
+    }
 }
 
 /// Reads an interface block; its members become global variables.

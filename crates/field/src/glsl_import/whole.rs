@@ -58,42 +58,8 @@ impl Executor<'_, '_> {
         b: Part,
         place: &Range<u32>,
     ) -> Result<Part, Problem> {
-        match (a, b) {
-            (Part::Int(a), Part::Int(b)) => {
-                if let Some(value) = folded(op, a, b, i32::wrapping_add, i32::wrapping_sub, i32::wrapping_mul)
-                {
-                    return Ok(Part::Int(value));
-                }
-                let value = match op {
-                    BinaryOperator::Divide => a.checked_div(b).unwrap_or(0),
-                    BinaryOperator::Modulo => a.checked_rem(b).unwrap_or(0),
-                    BinaryOperator::ShiftLeft => a.wrapping_shl(b as u32),
-                    BinaryOperator::ShiftRight => a.wrapping_shr(b as u32),
-                    _ => return Ok(truth(self.graph, compared(op, &a, &b))),
-                };
-                return Ok(Part::Int(value));
-            }
-            (Part::Int(a), Part::Uint(b))
-                if matches!(op, BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight) =>
-            {
-                let left = op == BinaryOperator::ShiftLeft;
-                return Ok(Part::Int(if left { a.wrapping_shl(b) } else { a.wrapping_shr(b) }));
-            }
-            (Part::Uint(a), Part::Uint(b)) => {
-                if let Some(value) = folded(op, a, b, u32::wrapping_add, u32::wrapping_sub, u32::wrapping_mul)
-                {
-                    return Ok(Part::Uint(value));
-                }
-                let value = match op {
-                    BinaryOperator::Divide => a.checked_div(b).unwrap_or(0),
-                    BinaryOperator::Modulo => a.checked_rem(b).unwrap_or(0),
-                    BinaryOperator::ShiftLeft => a.wrapping_shl(b),
-                    BinaryOperator::ShiftRight => a.wrapping_shr(b),
-                    _ => return Ok(truth(self.graph, compared(op, &a, &b))),
-                };
-                return Ok(Part::Uint(value));
-            }
-            _ => {}
+        if let Some(part) = constant(self.graph, op, a, b) {
+            return Ok(part);
         }
         let (known_a, known_b) = (self.whole(a), self.whole(b));
         let (x, y) = (self.node(a, place)?, self.node(b, place)?);
@@ -144,6 +110,46 @@ impl Executor<'_, '_> {
         };
         self.node(part, place)
     }
+}
+
+/// The value of an operation on two constants.
+fn constant(graph: &mut Graph, op: BinaryOperator, a: Part, b: Part) -> Option<Part> {
+    match (a, b) {
+        (Part::Int(a), Part::Int(b)) => {
+            if let Some(value) = folded(op, a, b, i32::wrapping_add, i32::wrapping_sub, i32::wrapping_mul) {
+                return Some(Part::Int(value));
+            }
+            let value = match op {
+                BinaryOperator::Divide => a.checked_div(b).unwrap_or(0),
+                BinaryOperator::Modulo => a.checked_rem(b).unwrap_or(0),
+                BinaryOperator::ShiftLeft => a.wrapping_shl(b as u32),
+                BinaryOperator::ShiftRight => a.wrapping_shr(b as u32),
+                _ => return Some(truth(graph, compared(op, &a, &b))),
+            };
+            return Some(Part::Int(value));
+        }
+        (Part::Int(a), Part::Uint(b))
+            if matches!(op, BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight) =>
+        {
+            let left = op == BinaryOperator::ShiftLeft;
+            return Some(Part::Int(if left { a.wrapping_shl(b) } else { a.wrapping_shr(b) }));
+        }
+        (Part::Uint(a), Part::Uint(b)) => {
+            if let Some(value) = folded(op, a, b, u32::wrapping_add, u32::wrapping_sub, u32::wrapping_mul) {
+                return Some(Part::Uint(value));
+            }
+            let value = match op {
+                BinaryOperator::Divide => a.checked_div(b).unwrap_or(0),
+                BinaryOperator::Modulo => a.checked_rem(b).unwrap_or(0),
+                BinaryOperator::ShiftLeft => a.wrapping_shl(b),
+                BinaryOperator::ShiftRight => a.wrapping_shr(b),
+                _ => return Some(truth(graph, compared(op, &a, &b))),
+            };
+            return Some(Part::Uint(value));
+        }
+        _ => {}
+    }
+    None
 }
 
 /// A constant condition.
