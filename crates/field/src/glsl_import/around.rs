@@ -52,8 +52,11 @@ pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
     let (call, name) = (format!("{}(p)", function.name), &function.name);
     let is_vector = function.result != Some(GlslType::Float);
     let mut scene = format!("# Made by `mariana import` from {include}.\n\ninclude \"{include}\"\n\n");
-    for uniform in file.open_uniforms() {
-        let _ = writeln!(scene, "param {uniform} = 1 in 0 .. 2");
+    for (uniform, len) in file.open_uniforms() {
+        let _ = match len {
+            1 => writeln!(scene, "param {uniform} = 1 in 0 .. 2"),
+            len => writeln!(scene, "let {uniform} = vec{len}(0.5)"),
+        };
     }
     let _ = writeln!(scene, "\nmaterial surface {{");
     if sampled.numbers.len() > 1 {
@@ -157,9 +160,11 @@ impl Sampled {
             rounds_max: LIMITS.scene_loop_max,
             memory_max: LIMITS.scene_tokens_max,
         };
-        let one = graph.constant(1.0);
-        let given: Vec<(String, Vec<NodeId>)> =
-            file.open_uniforms().into_iter().map(|name| (name.to_owned(), vec![one])).collect();
+        let (one, half) = (graph.constant(1.0), graph.constant(0.5));
+        let given = file.open_uniforms().into_iter();
+        let given =
+            given.map(|(name, len)| (name.to_owned(), if len == 1 { vec![one] } else { vec![half; len] }));
+        let given: Vec<(String, Vec<NodeId>)> = given.collect();
         let nodes = Session::default().call(file, function, &[point], &mut graph, &mut budget, &given)?;
         let too_large = |error: crate::graph::GraphError| {
             Problem::over_limit(function.place.clone(), error.to_string()).hint("shorten its loops")

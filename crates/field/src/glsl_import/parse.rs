@@ -214,15 +214,19 @@ impl GlslFile {
         self.outside.iter().filter(|(_, origin)| **origin == Origin::Uniform).map(|(name, _)| name.as_str())
     }
 
-    /// Returns the names of numbers among the uniforms that have neither a value in the file nor a meaning in a scene.
-    pub fn open_uniforms(&self) -> Vec<&str> {
+    /// Returns the uniforms that have neither a value in the file nor a meaning in a scene: name and number of
+    /// components.
+    pub fn open_uniforms(&self) -> Vec<(&str, usize)> {
         let uniforms = self.module.global_variables.iter().filter_map(|(_, global)| {
             let name = global.name.as_deref()?;
-            let is_number = type_of(&self.module, global.ty) == Some(GlslType::Float);
+            let len = match type_of(&self.module, global.ty)? {
+                GlslType::Vector(size) => usize::from(size),
+                _ => 1,
+            };
             let is_open = self.outside.get(name) == Some(&Origin::Uniform)
                 && super::outside::is_unknown(name)
                 && !super::rewrite::has_value(&self.module, name);
-            (is_number && is_open).then_some(name)
+            is_open.then_some((name, len))
         });
         uniforms.collect()
     }

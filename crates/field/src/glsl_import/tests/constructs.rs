@@ -72,7 +72,7 @@ fn a_uniform_without_a_value_is_a_mistake_where_it_is_read() {
     let (kind, message, _) = problem(text, "used");
     assert_eq!(kind, ProblemKind::Unsupported);
     assert!(message.contains("`strength`"), "{message}");
-    assert_eq!(parsed(text).open_uniforms(), ["strength"]);
+    assert_eq!(parsed(text).open_uniforms(), [("strength", 1)]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::super::{Compiled, Fault, compile};
 use super::distance;
+use crate::glsl_import::scene_around;
 
 fn with_glsl(scene: &str, glsl: &str) -> Compiled {
     compile("test.scene", scene, &mut |name| match name {
@@ -113,4 +114,24 @@ fn a_scene_is_fixed_where_glsl_reads_the_time() {
     let scene = format!("param a = f(1)\n{HEAD}length(p) - a }}");
     assert!(with_glsl(&scene, "float f(float a) { return a * 0.5; }").scene.is_some());
     assert_eq!(mistake(&scene, "float f(float a) { return a * iTime; }").0, Fault::Unsupported);
+}
+
+#[test]
+fn an_imported_shader_is_a_scene_without_mistakes() {
+    let glsl = "uniform float strength; uniform vec4 levels; float glow;
+        vec2 near(vec2 a, vec2 b) { return a.x < b.x ? a : b; }
+        vec2 map(vec3 p) { glow += 1.0; vec2 r = near(vec2(p.y + 1.0, 1.0), vec2(length(p) - strength, 2.0));
+            return near(r, vec2(length(p - vec3(2.0, 0.0, levels.x)) - 0.5, 3.5)); }
+        void mainImage(out vec4 c, in vec2 f) { glow = 0.0; c = texture(iChannel0, f); }";
+    let around = scene_around(glsl, "a.glsl").unwrap();
+    let compiled = with_glsl(&around.text, glsl);
+    let scene =
+        compiled.scene.as_ref().unwrap_or_else(|| panic!("{}\n{}", compiled.render(false), around.text));
+    assert!(around.text.contains("number < 1.5") && around.text.contains("number < 2.75"), "{}", around.text);
+    let [x, y, z] = scene.camera.position.map(|node| scene.graph.as_constant(node).unwrap());
+    assert!(distance(scene, [x, y, z]) > 0.5, "the camera is in a shape: {}", around.text);
+    let left_out = around.left_out.join("\n");
+    assert!(left_out.contains("mainImage") && left_out.contains("`glow`"), "{left_out}");
+    let none = scene_around("float noise(vec2 p) { return p.x; }", "a.glsl").unwrap_err();
+    assert!(none.hint.contains("noise"), "{none:?}");
 }
