@@ -182,7 +182,7 @@ fn sampled(sampler: &Sampler) -> Sampled {
     let step = 2.0 * REACH / (samples - 1) as f32;
     let place = |index: usize| index as f32 * step - REACH;
     let mut numbers: Vec<f32> = Vec::new();
-    let (mut sum, mut count) = ([0.0_f32; 3], 0.0_f32);
+    let (mut sum, mut squares, mut count) = ([0.0_f32; 3], 0.0_f32, 0.0_f32);
     for index in 0..samples * samples * samples {
         let at = [index % samples, index / samples % samples, index / samples / samples].map(place);
         let values = sampler.at(at);
@@ -199,6 +199,7 @@ fn sampled(sampler: &Sampler) -> Sampled {
             for (sum, x) in sum.iter_mut().zip(at) {
                 *sum += weight * x;
             }
+            squares += weight * at.iter().map(|x| x * x).sum::<f32>();
             count += weight;
         }
     }
@@ -208,13 +209,15 @@ fn sampled(sampler: &Sampler) -> Sampled {
     }
     numbers.sort_by(f32::total_cmp);
     let target = sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 });
-    Sampled { numbers, eye: eye(sampler, target), target }
+    let spread = squares / count.max(f32::MIN_POSITIVE) - target.iter().map(|x| x * x).sum::<f32>();
+    let away = (2.0 * spread.max(0.0).sqrt() + 1.5).clamp(1.5, 7.0);
+    Sampled { numbers, eye: eye(sampler, target, away), target }
 }
 
-/// A place in free space from which the target can be seen as well as possible.
-fn eye(sampler: &Sampler, target: [f32; 3]) -> [f32; 3] {
+/// A place in free space with a free view of the target, about `wanted` away from it.
+fn eye(sampler: &Sampler, target: [f32; 3], wanted: f32) -> [f32; 3] {
     let (mut best, mut best_score) = ([0.0, 2.0, -5.0], f32::NEG_INFINITY);
-    for away in [5.0, 3.5, 7.0, 2.0, 1.2, 0.6] {
+    for away in [1.0, 0.7, 1.4, 0.4, 0.25, 0.12].map(|share| share * wanted) {
         for turn in 0..8 {
             let angle = turn as f32 * std::f32::consts::FRAC_PI_4 + 0.5;
             let direction = [angle.sin() * 0.9, 0.42, -angle.cos() * 0.9];
@@ -238,7 +241,7 @@ fn eye(sampler: &Sampler, target: [f32; 3]) -> [f32; 3] {
             if free < 2 {
                 continue;
             }
-            let score = free as f32 - (away - 5.0_f32).abs() * 0.6 - turn as f32 * 0.01;
+            let score = free as f32 - (away - wanted).abs() * 3.0 / wanted - turn as f32 * 0.01;
             if score > best_score {
                 (best, best_score) = (at, score);
             }

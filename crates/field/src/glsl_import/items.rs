@@ -1,5 +1,7 @@
 //! Splits preprocessed tokens into top-level items: structs, functions and global variables.
 
+use std::collections::HashMap;
+
 use super::layout::PARTS_MAX;
 use super::problem::Problem;
 use super::tokens::{Kind, Token};
@@ -80,7 +82,32 @@ pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>, Problem> 
         }
         at += item(tokens.get(at..).unwrap_or_default(), &mut items)?;
     }
+    check_structs(&items)?;
     Ok(items)
+}
+
+/// Refuses structs with very many values: naga visits each of them.
+fn check_structs(items: &[Item<'_>]) -> Result<(), Problem> {
+    let mut sizes: HashMap<&str, u64> = HashMap::new();
+    for item in items {
+        let Item::Plain(tokens) = item else { continue };
+        let [first, name, rest @ ..] = tokens.as_slice() else { continue };
+        if !first.is("struct") {
+            continue;
+        }
+        let mut size = 1_u64;
+        for member in rest.split(|token| token.is(";") || token.is("{")) {
+            let of = member.first().and_then(|of| sizes.get(of.text)).copied().unwrap_or(1);
+            let names = 1 + member.iter().filter(|token| token.is(",")).count() as u64;
+            size = size.saturating_add(of.saturating_mul(names));
+        }
+        if size > u64::from(PARTS_MAX) {
+            let message = format!("the struct `{}` has more than {PARTS_MAX} values", shortened(name.text));
+            return Err(Problem::over_limit(name.place(), message).hint("nest fewer structs in it"));
+        }
+        sizes.insert(name.text, size);
+    }
+    Ok(())
 }
 
 /// Reads one item and returns the number of its tokens, at least 1.

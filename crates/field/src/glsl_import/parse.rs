@@ -123,8 +123,13 @@ impl GlslFile {
         let expanded = preprocess(&tokens, limits.scene_tokens_max)?;
         let program = Program::new(items::split(&expanded)?);
         let (mut broken, mut problems) = (BTreeMap::new(), Vec::new());
+        let mut bytes = 0;
         for _ in 0..ROUNDS_MAX {
             let written = program.write(&broken, &problems);
+            bytes += written.text.len();
+            if bytes > BYTES_MAX.max(written.text.len()) {
+                break;
+            }
             let errors = match read(&written.text) {
                 Ok(module) => return Self::of(module, written, problems, program),
                 Err(errors) => errors,
@@ -249,6 +254,9 @@ impl GlslFile {
 
 /// Maximum number of attempts to parse a file, each with at least one more function left out.
 const ROUNDS_MAX: usize = 96;
+/// Maximum number of bytes in all attempts together, so that a large file with many mistakes takes no longer than a
+/// few seconds.
+const BYTES_MAX: usize = 4 << 20;
 
 /// Runs naga. Its front end may panic on odd text; such a panic becomes an error without a place.
 fn read(text: &str) -> Result<Module, Vec<Error>> {

@@ -108,6 +108,23 @@ fn deep_texts_reach_a_limit_before_the_stack_does() {
 }
 
 #[test]
+fn large_files_with_a_mistake_in_each_function_end_soon() {
+    let text: String = (0..12_000)
+        .map(|index| format!("float f{index}(vec3 p) {{ return p.x + lost{index}; }}\n"))
+        .collect();
+    refused(&text, ProblemKind::Malformed);
+}
+
+#[test]
+fn structs_that_double_in_size_have_no_values() {
+    let mut text = String::from("struct S0 { float a; };\n");
+    for index in 1..60 {
+        text.push_str(&format!("struct S{index} {{ S{0} a; S{0} b; }};\n", index - 1));
+    }
+    refused(&(text + "float f(vec3 p) { S59 s; return p.x; }"), ProblemKind::OverLimit);
+}
+
+#[test]
 fn damaged_texts_are_malformed() {
     for text in [
         "float f(vec3 p) { return 1e999; }",
