@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     for argument in &arguments.scenes {
         let checked = scene_of(argument).and_then(|source| {
             Ok(match compile(&source)? {
-                Ok((scene, sources, texts)) => {
+                Ok((scene, Mistakes { diagnostics: texts, sources })) => {
                     let (name, cost) = (source.name(), cost(&scene)?);
                     let moving: String =
                         moving(&scene).map(|(_, words)| format!("\n  {}", words.text())).collect();
@@ -86,7 +86,7 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     for argument in scenes {
         let checked = scene_of(argument).and_then(|source| {
             let scene = match compile(&source)? {
-                Ok((scene, sources, texts)) => {
+                Ok((scene, Mistakes { diagnostics: texts, sources })) => {
                     let grey: Vec<Diagnostic> = grey(&scene).collect();
                     let world = drawable(&source, scene)?;
                     for one in grey.iter().chain(&warnings(texts, &world)).chain(&world.warning()) {
@@ -185,18 +185,19 @@ fn mistake(one: &Diagnostic, sources: &Sources, scene: &SceneSource) -> Mistake 
     }
 }
 
+/// Mistakes, or warnings, with the texts that contain them.
 struct Mistakes {
     diagnostics: Vec<Diagnostic>,
     sources: Sources,
 }
 
-/// Compiles a scene. Returns it with its texts and warnings. Missing texture files are mistakes too.
-fn compile(source: &SceneSource) -> Result<Result<(Scene, Sources, Vec<Diagnostic>), Mistakes>, SceneError> {
+/// Compiles a scene. Returns it with its warnings. Missing texture files are mistakes too.
+fn compile(source: &SceneSource) -> Result<Result<(Scene, Mistakes), Mistakes>, SceneError> {
     let Compiled { scene, diagnostics, warnings, sources, .. } = source.compile()?;
     let Some(mut scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
     source.find_videos(&mut scene);
     Ok(match source.textures(&scene) {
-        Ok(_) => Ok((scene, sources, warnings)),
+        Ok(_) => Ok((scene, Mistakes { diagnostics: warnings, sources })),
         Err(diagnostics) => Err(Mistakes { diagnostics, sources }),
     })
 }

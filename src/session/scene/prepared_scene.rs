@@ -136,7 +136,7 @@ impl PreparedScene {
             buffers,
             plan: resources.plan().clone(),
             settles: false,
-            warnings: Arc::default(),
+            warnings: std::sync::Arc::default(),
         };
         (self.source, ready)
     }
