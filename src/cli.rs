@@ -10,6 +10,7 @@ mod controlled;
 mod files;
 mod format;
 mod frame_options;
+mod import;
 mod lsp;
 mod parse;
 mod play;
@@ -119,6 +120,15 @@ enum Command {
     #[command(after_help = "Examples:\n  mariana eval \"length(p) - 1\" --at 0,2,0\n  \
                             mariana eval speakers --points points.csv --set \"band(3)=0.5\" --set volume.x=0.2")]
     Eval(scene::EvalArguments),
+    /// Make a scene from a GLSL file with a distance function, such as one from Shadertoy
+    #[command(after_help = "Examples:\n  mariana import snail.glsl\n  \
+                            mariana import downloads/snail.glsl -o my/snail.scene\n  \
+                            mariana import snail.glsl -o -    print the scene")]
+    Import(import::ImportArguments),
+    /// Write a scene's distance and colours as GLSL, for example for Shadertoy
+    #[command(after_help = "Examples:\n  mariana export --glsl speakers\n  \
+                            mariana export --glsl my.scene --main-image -o my.glsl")]
+    Export(import::ExportArguments),
     /// Write the director's show for a song to a show file, for editing
     #[command(after_help = "Examples:\n  mariana show song.flac -o song.show\n  \
                             mariana video song.flac --show song.show -o song.mp4\n  \
@@ -213,6 +223,8 @@ fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Lsp(arguments)) => lsp::run(&arguments),
         Some(Command::Tape(arguments)) => scene::run_tape(&arguments),
         Some(Command::Eval(arguments)) => scene::run_eval(&arguments),
+        Some(Command::Import(arguments)) => import::run_import(&arguments),
+        Some(Command::Export(arguments)) => import::run_export(&arguments),
         Some(Command::Show(arguments)) => show::run(arguments),
         Some(Command::Scenes) => scenes::run(),
         Some(Command::Devices { json }) => run_devices(json),

@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     for argument in &arguments.scenes {
         let checked = scene_of(argument).and_then(|source| {
             Ok(match compile(&source)? {
-                Ok((scene, Mistakes { diagnostics: texts, sources })) => {
+                Ok((scene, sources, texts)) => {
                     let (name, cost) = (source.name(), cost(&scene)?);
                     let moving: String =
                         moving(&scene).map(|(_, words)| format!("\n  {}", words.text())).collect();
@@ -86,7 +86,7 @@ fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     for argument in scenes {
         let checked = scene_of(argument).and_then(|source| {
             let scene = match compile(&source)? {
-                Ok((scene, Mistakes { diagnostics: texts, sources })) => {
+                Ok((scene, sources, texts)) => {
                     let grey: Vec<Diagnostic> = grey(&scene).collect();
                     let world = drawable(&source, scene)?;
                     for one in grey.iter().chain(&warnings(texts, &world)).chain(&world.warning()) {
@@ -185,19 +185,21 @@ fn mistake(one: &Diagnostic, sources: &Sources, scene: &SceneSource) -> Mistake 
     }
 }
 
-/// Mistakes, or warnings, with the texts that contain them.
 struct Mistakes {
     diagnostics: Vec<Diagnostic>,
     sources: Sources,
 }
 
-/// Compiles a scene. Returns it with its warnings. Missing texture files are mistakes too.
-fn compile(source: &SceneSource) -> Result<Result<(Scene, Mistakes), Mistakes>, SceneError> {
+/// A scene with its texts and warnings.
+type Checked = (Scene, Sources, Vec<Diagnostic>);
+
+/// Compiles a scene. Missing texture files are mistakes too.
+fn compile(source: &SceneSource) -> Result<Result<Checked, Mistakes>, SceneError> {
     let Compiled { scene, diagnostics, warnings, sources, .. } = source.compile()?;
     let Some(mut scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
     source.find_videos(&mut scene);
     Ok(match source.textures(&scene) {
-        Ok(_) => Ok((scene, Mistakes { diagnostics: warnings, sources })),
+        Ok(_) => Ok((scene, sources, warnings)),
         Err(diagnostics) => Err(Mistakes { diagnostics, sources }),
     })
 }

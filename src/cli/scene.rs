@@ -135,7 +135,7 @@ pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn require(source: &SceneSource) -> anyhow::Result<Scene> {
+pub(super) fn require(source: &SceneSource) -> anyhow::Result<Scene> {
     let compiled = source.compile()?;
     let diagnostics = compiled.render(colors(&std::io::stderr()));
     compiled.scene.ok_or_else(|| {

@@ -5,6 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use mariana_field::graph::{Compounds, FrameInputs, Graph, Input, Interval, NodeId, Point};
+use mariana_field::lang::compile;
 use mariana_field::tape::{
     Batch, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeOptions,
 };
@@ -40,6 +41,40 @@ fn scene(graph: &mut Graph, count: usize) -> NodeId {
             .collect();
     }
     shapes[0]
+}
+
+/// A `map` of 300 lines: shapes, rotations, a loop and blends.
+fn shader() -> String {
+    let mut text = String::from(
+        "mat2 rot(float a) { float c = cos(a), s = sin(a); return mat2(c, -s, s, c); }\n\
+         float box(vec3 p, vec3 b) { vec3 q = abs(p) - b; return length(max(q, 0.0)) + min(max(q.x, max(q.y, q.z)), 0.0); }\n\
+         vec2 opU(vec2 a, vec2 b) { return a.x < b.x ? a : b; }\n\
+         vec2 map(vec3 p) {\nvec2 res = vec2(p.y + 1.0, 0.0);\n",
+    );
+    for part in 0..59 {
+        let at = part as f32 * 0.37;
+        text.push_str(&format!(
+            "vec3 q{part} = p - vec3({at:.2}, 0.5, {:.2});\nq{part}.xz *= rot(iTime + {at:.2});\n\
+             for (int i = 0; i < 3; i++) q{part}.xy = abs(q{part}.xy) - 0.1 * float(i);\n\
+             float d{part} = box(q{part}, vec3(0.2, 0.3, {:.2}));\nres = opU(res, vec2(d{part}, {part}.0));\n",
+            at * 0.5,
+            0.1 + at * 0.01
+        ));
+    }
+    text + "return res;\n}\n"
+}
+
+/// From the text of a scene that includes GLSL to its tape.
+fn glsl(c: &mut Criterion) {
+    let text = shader();
+    let scene = "include \"a.glsl\"\nobject a { shape = map(p).x }";
+    c.bench_function("glsl_of_300_lines", |b| {
+        b.iter(|| {
+            let compiled = compile("bench", scene, &mut |_| Ok(text.clone()));
+            let scene = compiled.scene?;
+            Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).ok()
+        });
+    });
 }
 
 fn tape(c: &mut Criterion) {
@@ -90,5 +125,5 @@ fn tape(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, tape);
+criterion_group!(benches, glsl, tape);
 criterion_main!(benches);

@@ -45,6 +45,8 @@
 
 mod bounds;
 mod field;
+pub mod glsl_export;
+pub mod glsl_import;
 pub mod graph;
 pub mod lang;
 pub mod limits;

@@ -14,6 +14,8 @@ use crate::gpu::program::Program;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{ReadyScene, SceneSource, TextureSource};
+use std::sync::Arc;
+
 use mariana_field::graph::Op;
 
 #[derive(Debug, Clone, Copy)]
@@ -136,7 +138,7 @@ impl PreparedScene {
             buffers,
             plan: resources.plan().clone(),
             settles: false,
-            warnings: std::sync::Arc::default(),
+            warnings: Arc::default(),
         };
         (self.source, ready)
     }

@@ -2,9 +2,11 @@
 
 use super::ast::{Ast, Item, Name};
 use super::diagnostic::{Diagnostic, Diagnostics};
+use super::foreign::{self, ForeignFile, is_glsl};
 use super::source::{Sources, Span};
 use super::symbol::Interner;
 use super::{Resolver, lexer, parser, path};
+use crate::glsl_import::GlslFile;
 use crate::limits::Limits;
 
 pub(super) struct Loaded {
@@ -12,12 +14,22 @@ pub(super) struct Loaded {
     pub names: Interner,
     pub items: Vec<Item>,
     pub includes: Vec<String>,
+    pub foreign: Vec<ForeignFile>,
+    /// True if a GLSL file cannot be read. Its functions are not reported as missing then.
+    pub foreign_broken: bool,
 }
 
 impl Loaded {
     /// Returns an empty scene. `names` contains the names of the library.
     pub(super) fn new(names: Interner) -> Self {
-        Self { ast: Ast::default(), names, items: Vec::new(), includes: Vec::new() }
+        Self {
+            ast: Ast::default(),
+            names,
+            items: Vec::new(),
+            includes: Vec::new(),
+            foreign: Vec::new(),
+            foreign_broken: false,
+        }
     }
 }
 
@@ -52,19 +64,7 @@ struct Loader<'a, 'b> {
 impl Loader<'_, '_> {
     /// Recurses no deeper than the limit for includes.
     fn file(&mut self, name: &str, text: &str, included: Option<Span>) {
-        self.bytes = self.bytes.saturating_add(text.len());
-        let max = self.limits.scene_bytes_max;
-        let base = if self.bytes > max { None } else { self.sources.add(name, text) };
-        let Some(base) = base else {
-            // The text is too long to be kept. Report this at its include, or at the start of an empty scene.
-            let span = included.unwrap_or_else(|| {
-                self.sources.add(name, "");
-                Span::default()
-            });
-            let message = format!("the scene is larger than {max} bytes, counting its includes");
-            let hint = "split it into scenes, or write repeated parts with `fn` and `for`";
-            return self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));
-        };
+        let Some(base) = self.keep(name, text, included) else { return };
         let mut tokens = Vec::new();
         let left = self.limits.scene_tokens_max.saturating_sub(self.tokens);
         lexer::tokenize(text, base, left, &mut self.loaded.names, &mut tokens, self.diagnostics);
@@ -81,6 +81,44 @@ impl Loader<'_, '_> {
             match item {
                 Item::Include { path } => self.include(path),
                 item => self.loaded.items.push(item),
+            }
+        }
+    }
+
+    /// Adds a text to the sources. Reports a text that is too long, and returns `None`.
+    fn keep(&mut self, name: &str, text: &str, included: Option<Span>) -> Option<u32> {
+        self.bytes = self.bytes.saturating_add(text.len());
+        let max = self.limits.scene_bytes_max;
+        let base = if self.bytes > max { None } else { self.sources.add(name, text) };
+        if base.is_none() {
+            // The text is too long to be kept. Report this at its include, or at the start of an empty scene.
+            let span = included.unwrap_or_else(|| {
+                self.sources.add(name, "");
+                Span::default()
+            });
+            let message = format!("the scene is larger than {max} bytes, counting its includes");
+            let hint = "split it into scenes, or write repeated parts with `fn` and `for`";
+            self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));
+        }
+        base
+    }
+
+    /// Reads an included GLSL file.
+    fn glsl(&mut self, name: &str, text: &str, included: Span) {
+        let Some(base) = self.keep(name, text, Some(included)) else {
+            self.loaded.foreign_broken = true;
+            return;
+        };
+        match GlslFile::parse(text, self.limits) {
+            Ok(file) => {
+                for function in file.functions() {
+                    self.loaded.names.intern(&function.name);
+                }
+                self.loaded.foreign.push(ForeignFile { file, base });
+            }
+            Err(problem) => {
+                self.loaded.foreign_broken = true;
+                self.diagnostics.push(foreign::diagnostic(base, &problem, included));
             }
         }
     }
@@ -116,11 +154,15 @@ impl Loader<'_, '_> {
         }
         match (self.resolve)(&name) {
             Err(reason) => {
+                self.loaded.foreign_broken |= is_glsl(&name);
                 let wrong = Diagnostic::new(span, format!("`{name}` cannot be included: {reason}"));
                 self.diagnostics.push(wrong);
             }
             Ok(text) => {
                 self.loaded.includes.push(name.clone());
+                if is_glsl(&name) {
+                    return self.glsl(&name, &text, span);
+                }
                 self.open.push(name.clone());
                 self.file(&name, &text, Some(span));
                 self.open.pop();

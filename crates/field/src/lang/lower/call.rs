@@ -44,7 +44,16 @@ impl Lowering<'_> {
         for index in 0..count {
             self.argument(ExprId(self.ast.extra(first + index)), fold > 0, name);
         }
+        let is_foreign = !matches!(callee, Some(Callee::Scene(_)))
+            && self.reports.library_call.is_none()
+            && self.declared.foreign.is_function(name);
+        let foreign = if is_foreign { self.foreign_call(name, mark, span) } else { None };
+        if let Some(value) = foreign {
+            self.arguments.truncate(mark);
+            return value;
+        }
         let value = match callee {
+            None if is_foreign => self.foreign_misfit(name, mark, span),
             None => self.unknown_function(name, span),
             Some(callee) if fold > 0 => {
                 let has_loop = count as usize >= usize::from(fold);
@@ -365,7 +374,8 @@ impl Lowering<'_> {
 
     #[cold]
     fn unknown_function(&mut self, symbol: Symbol, span: Span) -> Value {
-        if self.declared.globals.get(symbol.index()).is_some_and(|global| global.broken) {
+        let is_broken = self.declared.globals.get(symbol.index()).is_some_and(|global| global.broken);
+        if is_broken || self.declared.foreign.is_broken {
             return Value::Unknown;
         }
         let name = self.name(symbol);
@@ -382,6 +392,8 @@ impl Lowering<'_> {
         }
         let own = self.declared.functions.iter().map(|called| self.names.name(called.function.name.symbol));
         let shared = self.library.functions.iter().map(|function| self.names.name(function.name.symbol));
+        let foreign: Vec<&str> = self.declared.foreign.names().map(|name| self.names.name(name)).collect();
+        let own = own.chain(foreign.iter().copied());
         let near = suggest::nearest(name, own.chain(shared).chain(BUILTINS.iter().map(|row| row.name)));
         let unknown = match near {
             None if self.scope.local(symbol).is_some() || library::input_index(symbol).is_some() => {

@@ -6,6 +6,7 @@ use super::super::scene::{Param, TextureRef};
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::Value;
+use super::foreign::Foreign;
 
 pub(super) struct Declared<'a> {
     /// Indexed by symbol.
@@ -14,12 +15,20 @@ pub(super) struct Declared<'a> {
     pub functions: Vec<GlobalFunction<'a>>,
     pub params: Vec<Param>,
     pub textures: Vec<TextureRef>,
+    pub foreign: Foreign<'a>,
 }
 
 impl Declared<'_> {
     pub(super) fn new(names: usize) -> Self {
         let globals = vec![Global::default(); names];
-        Self { globals, lets: Vec::new(), functions: Vec::new(), params: Vec::new(), textures: Vec::new() }
+        Self {
+            globals,
+            lets: Vec::new(),
+            functions: Vec::new(),
+            params: Vec::new(),
+            textures: Vec::new(),
+            foreign: Foreign::default(),
+        }
     }
 
     /// Returns the declarations of a name; empty for an undeclared name.

@@ -140,6 +140,16 @@ impl<'a> Lowering<'a> {
         !self.reports.stopped
     }
 
+    /// Number of steps up to the limit.
+    pub(super) fn steps_left(&self) -> usize {
+        self.limits.scene_expansion_max.saturating_sub(self.budget.steps)
+    }
+
+    /// Counts steps that were made elsewhere.
+    pub(super) fn spend_steps(&mut self, count: usize) {
+        self.budget.steps += count;
+    }
+
     pub(super) fn written_number(&mut self, value: f32, id: ExprId) -> Value {
         // A number becomes an input only where inputs of a frame are allowed, and only in the scene's text: offsets in
         // the library's texts may equal the offset of an edited number.

@@ -11,6 +11,7 @@ mod composites;
 mod declare;
 mod declared;
 mod expr;
+mod foreign;
 mod lights;
 mod lowering;
 mod objects;
@@ -31,6 +32,7 @@ use super::load::Loaded;
 use super::scene::Scene;
 use super::source::Sources;
 use crate::limits::Limits;
+use foreign::Foreign;
 use lowering::Lowering;
 use scene::SceneBuilder;
 
@@ -43,10 +45,12 @@ pub(super) fn lower(
     sources: &Sources,
     diagnostics: &mut Diagnostics,
 ) -> Option<Scene> {
-    let Loaded { ast, names, items, includes } = loaded;
-    let lowering = Lowering::new(&ast, &names, changing, limits, diagnostics);
+    let Loaded { ast, names, items, includes, foreign, foreign_broken } = loaded;
+    let mut lowering = Lowering::new(&ast, &names, changing, limits, diagnostics);
+    lowering.declared.foreign = Foreign::new(&foreign, &names, foreign_broken);
     let scene = SceneBuilder::new(lowering).scene(&items, includes, sources);
-    if scene.is_some() {
+    // A GLSL file may read any name as a uniform.
+    if scene.is_some() && foreign.is_empty() {
         unused::warn(&ast, &names, &items, sources, diagnostics);
     }
     scene

@@ -8,6 +8,8 @@ mod cameras;
 #[cfg(test)]
 mod fuzz;
 #[cfg(test)]
+mod glsl;
+#[cfg(test)]
 mod meaning;
 #[cfg(test)]
 mod messages;

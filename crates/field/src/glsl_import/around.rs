@@ -1,0 +1,248 @@
+//! Writes a scene around the distance function of a GLSL file.
+
+use std::fmt::Write as _;
+
+use super::calls::{Budget, Session};
+use super::candidate::candidate;
+use super::parse::{GlslFile, GlslFunction, GlslType};
+use super::problem::Problem;
+use crate::graph::{FrameInputs, Graph, Input, NodeId, Order, Point};
+use crate::limits::LIMITS;
+
+/// A scene for a GLSL file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneAround {
+    /// The text of the scene.
+    pub text: String,
+    /// What the scene does not take from the file, one sentence for each.
+    pub left_out: Vec<String>,
+}
+
+/// Half the side of the cube in which the shape is looked for, and the number of samples along a side.
+const REACH: f32 = 8.0;
+const SAMPLES: usize = 24;
+/// At most this many materials are told apart.
+const MATERIALS_MAX: usize = 12;
+/// Colours of the materials.
+const COLORS: [&str; 6] = [
+    "vec3(0.75, 0.72, 0.68)",
+    "vec3(0.85, 0.35, 0.2)",
+    "vec3(0.2, 0.45, 0.75)",
+    "vec3(0.9, 0.7, 0.25)",
+    "vec3(0.3, 0.6, 0.35)",
+    "vec3(0.55, 0.35, 0.6)",
+];
+
+/// Writes a scene that includes the file by the path `include`.
+///
+/// # Errors
+/// A file without a function of a point that returns a distance, or a mistake in that function.
+pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
+    let file = GlslFile::parse(text, &LIMITS)?;
+    let Some(function) = candidate(&file) else {
+        let names: Vec<&str> =
+            file.functions().iter().map(|function| function.name.as_str()).take(8).collect();
+        let message = "no function of this file looks like the distance of a scene";
+        let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        return Err(Problem::unsupported(0..0, message).hint(format!(
+            "call it `map`, take one vec3, and return a float or a vec2; functions found: {found}"
+        )));
+    };
+    let sampled = Sampled::of(&file, function)?;
+    let (call, name) = (format!("{}(p)", function.name), &function.name);
+    let is_vector = function.result != Some(GlslType::Float);
+    let mut scene = format!("# Made by `mariana import` from {include}.\n\ninclude \"{include}\"\n\n");
+    for (uniform, len) in file.open_uniforms() {
+        let _ = match len {
+            1 => writeln!(scene, "param {uniform} = 1 in 0 .. 2"),
+            len => writeln!(scene, "let {uniform} = vec{len}(0.5)"),
+        };
+    }
+    let _ = writeln!(scene, "\nmaterial surface {{");
+    if sampled.numbers.len() > 1 {
+        let _ = writeln!(scene, "  # the number of the material is the second number of {name}");
+        let _ = writeln!(scene, "  let number = {call}.y");
+        let _ = writeln!(scene, "  color = {}", choice(&sampled.numbers));
+    } else {
+        let _ = writeln!(scene, "  color = {}", COLORS[0]);
+    }
+    scene.push_str("  roughness = 0.5\n}\n\n");
+    let _ = writeln!(
+        scene,
+        "object shape {{ shape = {call}{}  material = surface }}\n",
+        if is_vector { ".x" } else { "" }
+    );
+    let [x, y, z] = sampled.eye.map(short);
+    let [a, b, c] = sampled.target.map(short);
+    scene.push_str(
+        "light sun { direction = vec3(0.5, -0.8, 0.6)  color = vec3(3, 2.8, 2.5)  radius = 0.02 }\n",
+    );
+    let _ = writeln!(
+        scene,
+        "camera {{ position = vec3({x}, {y}, {z})  target = vec3({a}, {b}, {c})  fov = 50 }}"
+    );
+
+    let mut left_out = Vec::new();
+    if file.draws() {
+        left_out.push("camera, light and colours of the shader: mainImage and main are not run".to_owned());
+    }
+    let unset = file.unset_globals();
+    if !unset.is_empty() && file.draws() {
+        let names: Vec<String> = unset.iter().take(6).map(|name| format!("`{name}`")).collect();
+        left_out.push(format!(
+            "values of {} that its drawing code computes; they start at 0 or the value of a plain assignment",
+            names.join(", ")
+        ));
+    }
+    for function in file.functions() {
+        if let Some(problem) = file.problem_of(function) {
+            left_out.push(format!("`{}`: {}", function.name, problem.message));
+        }
+    }
+    if text.contains("iChannel") || text.contains("sampler2D") {
+        left_out.push("textures, except tables of noise".to_owned());
+    }
+    Ok(SceneAround { text: scene, left_out })
+}
+
+/// The colour of each material as nested choices of the number.
+fn choice(numbers: &[f32]) -> String {
+    let mut text = String::new();
+    for (index, pair) in numbers.windows(2).enumerate() {
+        if let [low, high] = pair {
+            let _ = write!(text, "if number < {} then {} else ", short((low + high) / 2.0), color(index));
+        }
+    }
+    text + color(numbers.len() - 1)
+}
+
+fn color(index: usize) -> &'static str {
+    COLORS.get(index % COLORS.len()).copied().unwrap_or(COLORS[0])
+}
+
+/// A number with at most two decimals.
+fn short(value: f32) -> String {
+    let rounded = (value * 100.0).round() / 100.0;
+    format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
+}
+
+/// Findings from samples of the function.
+struct Sampled {
+    /// The numbers of materials, rising.
+    numbers: Vec<f32>,
+    eye: [f32; 3],
+    target: [f32; 3],
+}
+
+struct Sampler {
+    graph: Graph,
+    nodes: Vec<NodeId>,
+    order: Order,
+    frame: FrameInputs,
+}
+
+impl Sampler {
+    fn at(&self, [x, y, z]: [f32; 3]) -> Vec<f32> {
+        self.graph.evaluate_in(&self.order, &self.nodes, &Point::at(x, y, z), &self.frame)
+    }
+
+    fn distance(&self, at: [f32; 3]) -> f32 {
+        self.at(at).first().copied().unwrap_or(0.0)
+    }
+}
+
+impl Sampled {
+    fn of(file: &GlslFile, function: &GlslFunction) -> Result<Self, Problem> {
+        let mut graph = Graph::new();
+        let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
+        let mut budget = Budget {
+            steps: LIMITS.scene_expansion_max,
+            rounds_max: LIMITS.scene_loop_max,
+            memory_max: LIMITS.scene_tokens_max,
+        };
+        let (one, half) = (graph.constant(1.0), graph.constant(0.5));
+        let given = file.open_uniforms().into_iter();
+        let given =
+            given.map(|(name, len)| (name.to_owned(), if len == 1 { vec![one] } else { vec![half; len] }));
+        let given: Vec<(String, Vec<NodeId>)> = given.collect();
+        let nodes = Session::default().call(file, function, &[point], &mut graph, &mut budget, &given)?;
+        let too_large = |error: crate::graph::GraphError| {
+            Problem::over_limit(function.place.clone(), error.to_string()).hint("shorten its loops")
+        };
+        let order = graph.order(&nodes).map_err(too_large)?;
+        let sampler = Sampler { graph, nodes, order, frame: FrameInputs::default() };
+        Ok(sampled(&sampler))
+    }
+}
+
+/// Looks for the shape on a grid, and places the camera in free space around it.
+fn sampled(sampler: &Sampler) -> Sampled {
+    // An expensive function gets fewer samples, so that an import takes no longer than a second.
+    let samples = if sampler.order.nodes.len() > 4_000 { SAMPLES / 3 } else { SAMPLES };
+    let step = 2.0 * REACH / (samples - 1) as f32;
+    let place = |index: usize| index as f32 * step - REACH;
+    let mut numbers: Vec<f32> = Vec::new();
+    let (mut sum, mut count) = ([0.0_f32; 3], 0.0_f32);
+    for index in 0..samples * samples * samples {
+        let at = [index % samples, index / samples % samples, index / samples / samples].map(place);
+        let values = sampler.at(at);
+        let distance = values.first().copied().unwrap_or(0.0);
+        if let Some(number) = values.get(1).filter(|number| number.is_finite()) {
+            let number = (number * 100.0).round() / 100.0;
+            if !numbers.contains(&number) && numbers.len() <= 4 * MATERIALS_MAX {
+                numbers.push(number);
+            }
+        }
+        // A floor is everywhere, so what is near the origin counts more.
+        if distance.abs() < step {
+            let weight = 1.0 / (1.0 + at.iter().map(|x| x * x).sum::<f32>());
+            for (sum, x) in sum.iter_mut().zip(at) {
+                *sum += weight * x;
+            }
+            count += weight;
+        }
+    }
+    // A second number with many values is no number of a material.
+    if numbers.len() > MATERIALS_MAX {
+        numbers.clear();
+    }
+    numbers.sort_by(f32::total_cmp);
+    let target = sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 });
+    Sampled { numbers, eye: eye(sampler, target), target }
+}
+
+/// A place in free space from which the target can be seen as well as possible.
+fn eye(sampler: &Sampler, target: [f32; 3]) -> [f32; 3] {
+    let (mut best, mut best_score) = ([0.0, 2.0, -5.0], f32::NEG_INFINITY);
+    for away in [5.0, 3.5, 7.0, 2.0, 1.2, 0.6] {
+        for turn in 0..8 {
+            let angle = turn as f32 * std::f32::consts::FRAC_PI_4 + 0.5;
+            let direction = [angle.sin() * 0.9, 0.42, -angle.cos() * 0.9];
+            let at: [f32; 3] = std::array::from_fn(|axis| {
+                target.get(axis).copied().unwrap_or(0.0) + away * direction.get(axis).copied().unwrap_or(0.0)
+            });
+            // Free space on the way to the target.
+            let mut free = 0;
+            for part in 0..8 {
+                let share = part as f32 / 8.0;
+                let on_the_way: [f32; 3] = std::array::from_fn(|axis| {
+                    let (from, to) =
+                        (at.get(axis).copied().unwrap_or(0.0), target.get(axis).copied().unwrap_or(0.0));
+                    from + (to - from) * share
+                });
+                if sampler.distance(on_the_way) < 0.02 {
+                    break;
+                }
+                free += 1;
+            }
+            if free < 2 {
+                continue;
+            }
+            let score = free as f32 - (away - 5.0_f32).abs() * 0.6 - turn as f32 * 0.01;
+            if score > best_score {
+                (best, best_score) = (at, score);
+            }
+        }
+    }
+    best
+}

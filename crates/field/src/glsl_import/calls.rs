@@ -1,0 +1,394 @@
+//! Sessions of one file in one graph, and calls of functions.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::rc::Rc;
+
+use naga::{Expression, Function, Handle, ScalarKind, Statement};
+
+use super::execute::Exits;
+use super::items::Origin;
+use super::layout::{Info, PARTS_MAX, Part, infos, size};
+use super::memory::Memory;
+use super::outside;
+use super::parse::{GlslFile, GlslFunction, Special, range};
+use super::problem::{Problem, ProblemKind};
+use crate::graph::{Graph, NodeId};
+
+/// Limits of execution, shared with the scene that calls GLSL.
+#[derive(Debug, Clone, Copy)]
+pub struct Budget {
+    /// Steps that are left. Execution reduces it.
+    pub steps: usize,
+    /// Maximum number of rounds of one loop.
+    pub rounds_max: usize,
+    /// Maximum number of parts of all variables at a time.
+    pub memory_max: usize,
+}
+
+/// Maximum nesting of calls. Every call needs a few kilobytes of the stack.
+const CALLS_MAX: usize = 48;
+
+/// State between the calls of a file's functions: the first values of its globals, as nodes of one graph.
+#[derive(Debug, Default)]
+pub struct Session {
+    globals: Option<Vec<Part>>,
+    infos: HashMap<Handle<Function>, Rc<[Option<Info>]>>,
+}
+
+/// A place in memory, with indices that are computed.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pointer {
+    pub start: u32,
+    pub len: u32,
+    /// For each computed index: its value, the number of elements, and the parts of each.
+    pub indices: Vec<(NodeId, u32, u32)>,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Slot {
+    Empty,
+    /// Index of the first part in the frame's `parts`.
+    Parts(u32),
+    /// Index in the frame's `pointers`.
+    Pointer(u32),
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Argument {
+    Parts(Vec<Part>),
+    Pointer(Pointer),
+}
+
+/// A loop or a switch.
+pub(super) struct Target {
+    pub is_loop: bool,
+    pub breaks: Exits,
+    pub continues: Exits,
+}
+
+/// The state of one call.
+pub(super) struct Frame<'m> {
+    pub function: &'m Function,
+    pub infos: Rc<[Option<Info>]>,
+    pub slots: Vec<Slot>,
+    pub parts: Vec<Part>,
+    pub pointers: Vec<Pointer>,
+    pub arguments: Vec<Argument>,
+    /// First slot in memory of the call's variables.
+    pub base: usize,
+    /// The condition under which the current loop was entered; loops start with a condition of 1.
+    pub outer: NodeId,
+    pub targets: Vec<Target>,
+    pub returns: Exits,
+    pub result: Vec<Part>,
+    pub counts: Counts,
+}
+
+/// How many statements of a kind have been executed.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Counts {
+    pub returns: usize,
+    pub continues: usize,
+    pub breaks: usize,
+}
+
+impl Counts {
+    /// Statements that may leave a switch for a place after its end.
+    pub(super) fn leaves(self) -> (usize, usize) {
+        (self.returns, self.continues)
+    }
+}
+
+/// Executes the statements of a file's functions.
+pub(super) struct Executor<'m, 'g> {
+    pub file: &'m GlslFile,
+    pub graph: &'g mut Graph,
+    pub memory: Memory,
+    /// The condition under which the current statement runs, within the current loop or function.
+    pub live: NodeId,
+    pub zero: NodeId,
+    pub one: NodeId,
+    pub frame: Frame<'m>,
+    pub budget: &'g mut Budget,
+    infos: &'g mut HashMap<Handle<Function>, Rc<[Option<Info>]>>,
+    open: Vec<Handle<Function>>,
+}
+
+impl Session {
+    /// Executes a function for arguments of the types of its parameters, each as the nodes of its components. Returns
+    /// the components of the result. `given` are the scene's values for uniforms, which
+    /// must be the same in all calls of a session.
+    ///
+    /// # Errors
+    /// A construct that a graph cannot express, or a limit.
+    pub fn call(
+        &mut self,
+        file: &GlslFile,
+        function: &GlslFunction,
+        arguments: &[Vec<NodeId>],
+        graph: &mut Graph,
+        budget: &mut Budget,
+        given: &[(String, Vec<NodeId>)],
+    ) -> Result<Vec<NodeId>, Problem> {
+        let place = function.place.clone();
+        let wrong = || Problem::malformed(place.clone(), "this function does not fit its call");
+        let called = file.module.functions.try_get(function.handle).map_err(|_| wrong())?;
+        let known = self.globals.take();
+        let mut executor = Executor::new(file, called, graph, budget, &mut self.infos);
+        match known {
+            Some(globals) => executor.memory.parts = globals,
+            None => executor.start(given)?,
+        }
+        let globals = executor.memory.parts.clone();
+        let mut passed = Vec::with_capacity(arguments.len());
+        for (parts, argument) in arguments.iter().zip(&called.arguments) {
+            let kind = file.module.types.get_handle(argument.ty).ok().and_then(|of| of.inner.scalar_kind());
+            let mut converted = Vec::with_capacity(parts.len());
+            for &node in parts {
+                let kind = kind.unwrap_or(ScalarKind::Float);
+                let from = if kind == ScalarKind::Bool { kind } else { ScalarKind::Float };
+                converted.push(executor.convert(from, kind, Part::Node(node), &place)?);
+            }
+            passed.push(Argument::Parts(converted));
+        }
+        let result = executor.call(function.handle, passed, place.clone());
+        let result = result.and_then(|parts| {
+            parts.into_iter().map(|part| executor.node(part, &place)).collect::<Result<Vec<_>, _>>()
+        });
+        self.globals = Some(globals);
+        result
+    }
+}
+
+impl<'m, 'g> Executor<'m, 'g> {
+    fn new(
+        file: &'m GlslFile,
+        function: &'m Function,
+        graph: &'g mut Graph,
+        budget: &'g mut Budget,
+        infos: &'g mut HashMap<Handle<Function>, Rc<[Option<Info>]>>,
+    ) -> Self {
+        let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+        let frame = Frame {
+            function,
+            infos: Rc::from([]),
+            slots: Vec::new(),
+            parts: Vec::new(),
+            pointers: Vec::new(),
+            arguments: Vec::new(),
+            base: 0,
+            outer: one,
+            targets: Vec::new(),
+            returns: Exits::new(0),
+            result: Vec::new(),
+            counts: Counts::default(),
+        };
+        let (memory, open) = (Memory::default(), Vec::new());
+        Self { file, graph, memory, live: one, zero, one, frame, budget, infos, open }
+    }
+
+    /// Gives the globals their values.
+    fn start(&mut self, given: &[(String, Vec<NodeId>)]) -> Result<(), Problem> {
+        let file = self.file;
+        let mut kept = Vec::new();
+        for (handle, global) in file.module.global_variables.iter() {
+            let place = file.written.source_range(range(file.module.global_variables.get_span(handle)));
+            let start = self.memory.parts.len();
+            let name = global.name.as_deref().unwrap_or("");
+            let Some(len) = size(&file.module, global.ty) else {
+                // An image: its reads never reach memory.
+                self.memory.parts.push(Part::Unset(handle.index() as u32));
+                continue;
+            };
+            let len = len as usize;
+            let origin = file.outside.get(name);
+            let own =
+                given.iter().find(|(known, nodes)| known == name && (nodes.len() == len || nodes.len() == 1));
+            match (own.filter(|_| origin.is_some()), origin, global.init) {
+                (Some((_, nodes)), ..) => {
+                    self.memory.parts.extend(nodes.iter().cycle().take(len).map(|&node| Part::Node(node)));
+                    kept.push((start, len, self.memory.parts.get(start..).unwrap_or_default().to_vec()));
+                }
+                (None, Some(origin), _) => {
+                    let known = match origin {
+                        Origin::Uniform => outside::known(self.graph, name, len),
+                        _ => None,
+                    };
+                    let unset = Part::Unset(handle.index() as u32);
+                    match known {
+                        Some(nodes) => self.memory.parts.extend(nodes.into_iter().map(Part::Node)),
+                        None => self.memory.parts.extend(std::iter::repeat_n(unset, len)),
+                    }
+                }
+                (None, None, Some(init)) => self.constant(init, &place)?,
+                (None, None, None) => self.zeros(global.ty, &place)?,
+            }
+            self.memory.parts.resize(start + len, Part::Node(self.zero));
+            if self.memory.parts.len() > self.budget.memory_max {
+                return Err(too_large(place));
+            }
+        }
+        for &start in &file.starts {
+            // A global whose value cannot be computed is only a mistake if a function reads it.
+            let before = self.memory.parts.clone();
+            let place = file.written.source_range(range(file.module.functions.get_span(start)));
+            if let Err(problem) = self.call(start, Vec::new(), place) {
+                if problem.kind == ProblemKind::OverLimit {
+                    return Err(problem);
+                }
+                self.memory.parts = before;
+            }
+            self.memory.forget_changes();
+        }
+        for (start, len, parts) in kept {
+            for (place, part) in self.memory.parts.iter_mut().skip(start).take(len).zip(parts) {
+                *place = part;
+            }
+        }
+        Ok(())
+    }
+
+    /// Index in memory of a global's first part.
+    pub(super) fn global(&self, wanted: Handle<naga::GlobalVariable>) -> Option<Pointer> {
+        let module = &self.file.module;
+        let mut start = 0;
+        for (handle, global) in module.global_variables.iter() {
+            let len = size(module, global.ty).unwrap_or(1);
+            if handle == wanted {
+                return Some(Pointer { start, len, indices: Vec::new() });
+            }
+            start += len;
+        }
+        None
+    }
+
+    /// Index in memory of a local variable's first part.
+    pub(super) fn local(&self, wanted: Handle<naga::LocalVariable>) -> Option<Pointer> {
+        let module = &self.file.module;
+        let mut start = self.frame.base as u32;
+        for (handle, local) in self.frame.function.local_variables.iter() {
+            let len = size(module, local.ty)?;
+            if handle == wanted {
+                return Some(Pointer { start, len, indices: Vec::new() });
+            }
+            start += len;
+        }
+        None
+    }
+
+    /// Counts `count` operations. The error points to `place`.
+    pub(super) fn step(&mut self, count: usize, place: impl Fn() -> Range<u32>) -> Result<(), Problem> {
+        match self.budget.steps.checked_sub(count.max(1)) {
+            Some(left) => {
+                self.budget.steps = left;
+                Ok(())
+            }
+            None => {
+                self.budget.steps = 0;
+                Err(Problem::over_limit(place(), "this GLSL expands to too many operations")
+                    .hint("shorten its loops, or call fewer functions in them"))
+            }
+        }
+    }
+
+    /// The place in the user's text of an expression of the current function.
+    pub(super) fn place(&self, of: Handle<Expression>) -> Range<u32> {
+        self.file.written.source_range(range(self.frame.function.expressions.get_span(of)))
+    }
+
+    /// Calls a function. Returns the parts of its result.
+    pub(super) fn call(
+        &mut self,
+        handle: Handle<Function>,
+        arguments: Vec<Argument>,
+        place: Range<u32>,
+    ) -> Result<Vec<Part>, Problem> {
+        let file = self.file;
+        let Ok(function) = file.module.functions.try_get(handle) else { return Ok(Vec::new()) };
+        let name = function.name.as_deref().unwrap_or("");
+        match file.special.get(&handle) {
+            Some(Special::Broken(index)) => {
+                let missing = || Problem::malformed(place.clone(), "this function has a mistake");
+                return Err(file.problems.get(*index).cloned().unwrap_or_else(missing));
+            }
+            Some(special) => return self.texture(*special, &arguments, &place),
+            None => {}
+        }
+        if self.open.contains(&handle) {
+            let message = format!("`{name}` calls itself");
+            return Err(Problem::unsupported(place, message).hint("write a loop instead of the recursion"));
+        }
+        if self.open.len() >= CALLS_MAX {
+            let message = format!("functions call each other more than {CALLS_MAX} deep");
+            return Err(Problem::over_limit(place, message).hint("merge some of them"));
+        }
+        let is_defined =
+            function.body.iter().any(|statement| !matches!(statement, Statement::Return { value: None }));
+        if !is_defined && function.result.is_some() {
+            let message = format!("`{name}` is declared, but has no body");
+            return Err(Problem::malformed(place, message).hint("add the function to this file"));
+        }
+        self.step(1, || place.clone())?;
+        let infos = match self.infos.get(&handle) {
+            Some(known) => known.clone(),
+            None => {
+                let found: Rc<[Option<Info>]> = Rc::from(infos(&file.module, function));
+                self.infos.insert(handle, found.clone());
+                found
+            }
+        };
+        let mark = self.memory.mark();
+        let frame = Frame {
+            function,
+            infos,
+            slots: vec![Slot::Empty; function.expressions.len()],
+            parts: Vec::new(),
+            pointers: Vec::new(),
+            arguments,
+            base: self.memory.parts.len(),
+            outer: self.one,
+            targets: Vec::new(),
+            returns: Exits::new(mark),
+            result: Vec::new(),
+            counts: Counts::default(),
+        };
+        let outside = (std::mem::replace(&mut self.frame, frame), self.live);
+        self.live = self.one;
+        self.open.push(handle);
+        let done = self.run(function, &place);
+        self.open.pop();
+        let frame = std::mem::replace(&mut self.frame, outside.0);
+        self.live = outside.1;
+        self.memory.undo(mark);
+        self.memory.parts.truncate(frame.base);
+        for (slot, part) in frame.returns.changed {
+            self.memory.store_part(slot, part);
+        }
+        done?;
+        Ok(frame.result)
+    }
+
+    /// Runs the body of the current frame's function.
+    fn run(&mut self, function: &'m Function, place: &Range<u32>) -> Result<(), Problem> {
+        for (_, local) in function.local_variables.iter() {
+            match local.init {
+                Some(init) => self.local_constant(init, place)?,
+                None => self.zeros(local.ty, place)?,
+            }
+            if self.memory.parts.len() > self.budget.memory_max {
+                return Err(too_large(place.clone()));
+            }
+        }
+        self.block(&function.body)?;
+        if self.live != self.zero {
+            self.leave_function(Vec::new(), place)?;
+        }
+        Ok(())
+    }
+}
+
+fn too_large(place: Range<u32>) -> Problem {
+    let message = format!("the variables of this GLSL have more than {PARTS_MAX} numbers");
+    Problem::over_limit(place, message).hint("make its arrays smaller")
+}

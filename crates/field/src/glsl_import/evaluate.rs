@@ -1,0 +1,479 @@
+//! Expressions.
+
+use std::ops::Range;
+
+use naga::{Expression, Handle, Literal, ScalarKind, SwizzleComponent, Type, TypeInner};
+
+use super::calls::{Argument, Executor, Pointer, Slot};
+use super::layout::{Info, Part, member, size};
+use super::problem::Problem;
+use crate::graph::{NodeId, Op};
+
+impl Executor<'_, '_> {
+    pub(super) fn slot(&self, of: Handle<Expression>) -> Slot {
+        self.frame.slots.get(of.index()).copied().unwrap_or(Slot::Empty)
+    }
+
+    pub(super) fn info(&self, of: Handle<Expression>) -> Result<Info, Problem> {
+        self.frame.infos.get(of.index()).copied().flatten().ok_or_else(|| {
+            Problem::unsupported(self.place(of), "this value has a type that a formula does not have")
+                .hint("use floats, whole numbers, vectors, matrices, arrays of known size and structs")
+        })
+    }
+
+    /// Evaluates an expression that no statement evaluates.
+    pub(super) fn ready(&mut self, of: Handle<Expression>) -> Result<(), Problem> {
+        match self.slot(of) {
+            Slot::Empty => self.evaluate(of),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns one part of an expression's value. Every part of a scalar is the scalar itself.
+    pub(super) fn part(&mut self, of: Handle<Expression>, index: usize) -> Result<Part, Problem> {
+        self.ready(of)?;
+        let Slot::Parts(start) = self.slot(of) else {
+            return Err(Problem::unsupported(self.place(of), "this is no value"));
+        };
+        let index = if self.info(of)?.len == 1 { 0 } else { index };
+        Ok(self.frame.parts.get(start as usize + index).copied().unwrap_or(Part::Node(self.zero)))
+    }
+
+    pub(super) fn parts_of(&mut self, of: Handle<Expression>) -> Result<Vec<Part>, Problem> {
+        self.ready(of)?;
+        let len = self.info(of)?.len as usize;
+        match self.slot(of) {
+            Slot::Parts(start) => {
+                let start = start as usize;
+                Ok(self.frame.parts.get(start..start + len).unwrap_or_default().to_vec())
+            }
+            Slot::Pointer(_) => {
+                let (pointer, place) = (self.pointer_of(of)?, self.place(of));
+                self.load(&pointer, || place.clone().start..place.end)
+            }
+            Slot::Empty => Ok(Vec::new()),
+        }
+    }
+
+    pub(super) fn nodes_of(&mut self, of: Handle<Expression>) -> Result<Vec<NodeId>, Problem> {
+        let place = self.place(of);
+        let parts = self.parts_of(of)?;
+        parts.into_iter().map(|part| self.node(part, &place)).collect()
+    }
+
+    pub(super) fn pointer_of(&mut self, of: Handle<Expression>) -> Result<Pointer, Problem> {
+        self.ready(of)?;
+        match self.slot(of) {
+            Slot::Pointer(index) => Ok(self.frame.pointers.get(index as usize).cloned().unwrap_or_default()),
+            _ => Err(Problem::unsupported(self.place(of), "this cannot be assigned to")),
+        }
+    }
+
+    /// Records the value of an expression.
+    pub(super) fn put(&mut self, of: Handle<Expression>, parts: &[Part]) {
+        if let Slot::Parts(start) = self.slot(of) {
+            for (place, part) in self.frame.parts.iter_mut().skip(start as usize).zip(parts) {
+                *place = *part;
+            }
+            return;
+        }
+        let start = self.frame.parts.len() as u32;
+        self.frame.parts.extend_from_slice(parts);
+        if let Some(slot) = self.frame.slots.get_mut(of.index()) {
+            *slot = Slot::Parts(start);
+        }
+    }
+
+    fn put_pointer(&mut self, of: Handle<Expression>, pointer: Pointer) {
+        if let Slot::Pointer(index) = self.slot(of)
+            && let Some(place) = self.frame.pointers.get_mut(index as usize)
+        {
+            *place = pointer;
+            return;
+        }
+        self.frame.pointers.push(pointer);
+        if let Some(slot) = self.frame.slots.get_mut(of.index()) {
+            *slot = Slot::Pointer(self.frame.pointers.len() as u32 - 1);
+        }
+    }
+
+    /// Returns a part as a node of the graph.
+    pub(super) fn node(&mut self, part: Part, place: &Range<u32>) -> Result<NodeId, Problem> {
+        Ok(match part {
+            Part::Node(node) => node,
+            Part::Int(value) => self.graph.constant(value as f32),
+            Part::Uint(value) => self.graph.constant(value as f32),
+            Part::Unset(index) => return Err(self.unset(index, place)),
+        })
+    }
+
+    fn unset(&self, index: u32, place: &Range<u32>) -> Problem {
+        let mut globals = self.file.module.global_variables.iter();
+        let name = globals.nth(index as usize).and_then(|(_, global)| global.name.clone());
+        let name = name.unwrap_or_default();
+        let message = format!("`{name}` comes from outside of the GLSL, and has no value here");
+        Problem::unsupported(place.clone(), message).hint(format!(
+            "declare `let {name} = …` or `param {name} = 1` in the scene, or give it a value in the GLSL"
+        ))
+    }
+
+    pub(super) fn evaluate(&mut self, of: Handle<Expression>) -> Result<(), Problem> {
+        let function = self.frame.function;
+        let Ok(expression) = function.expressions.try_get(of) else { return Ok(()) };
+        match expression {
+            Expression::LocalVariable(variable) => {
+                let pointer = self.local(*variable).unwrap_or_default();
+                self.put_pointer(of, pointer);
+                return Ok(());
+            }
+            Expression::GlobalVariable(variable) => {
+                let pointer = self.global(*variable).unwrap_or_default();
+                self.put_pointer(of, pointer);
+                return Ok(());
+            }
+            Expression::FunctionArgument(index) => {
+                match self.frame.arguments.get(*index as usize).cloned() {
+                    Some(Argument::Parts(parts)) => self.put(of, &parts),
+                    Some(Argument::Pointer(pointer)) => self.put_pointer(of, pointer),
+                    None => return Err(Problem::malformed(self.place(of), "an argument is missing")),
+                }
+                return Ok(());
+            }
+            Expression::AccessIndex { base, index } => return self.access(of, *base, *index),
+            Expression::Access { base, index } => {
+                let place = self.place(*index);
+                let part = self.part(*index, 0)?;
+                if let Some(index) = self.whole(part) {
+                    return self.access(of, *base, u32::try_from(index).unwrap_or(0));
+                }
+                let index = self.node(part, &place)?;
+                return self.access_computed(of, *base, index);
+            }
+            Expression::CallResult(_) => {
+                return Err(Problem::unsupported(self.place(of), "this call has no result"));
+            }
+            _ => {}
+        }
+        let parts = self.value(expression, of)?;
+        let place = self.place(of);
+        self.step(parts.len(), || place.clone())?;
+        self.put(of, &parts);
+        Ok(())
+    }
+
+    fn value(&mut self, expression: &Expression, of: Handle<Expression>) -> Result<Vec<Part>, Problem> {
+        let place = self.place(of);
+        Ok(match expression {
+            Expression::Literal(literal) => vec![self.literal(*literal, &place)?],
+            Expression::Constant(constant) => {
+                let module = &self.file.module;
+                let mut parts = Vec::new();
+                if let Ok(constant) = module.constants.try_get(*constant) {
+                    self.global_value(constant.init, &mut parts, &place)?;
+                }
+                parts
+            }
+            Expression::ZeroValue(of) => self.zero_parts(*of, &place)?,
+            Expression::Compose { components, .. } => {
+                let mut parts = Vec::new();
+                for component in components {
+                    parts.extend(self.parts_of(*component)?);
+                }
+                parts
+            }
+            Expression::Splat { size, value } => vec![self.part(*value, 0)?; *size as usize],
+            Expression::Swizzle { size, vector, pattern } => {
+                let mut parts = Vec::new();
+                for component in pattern.iter().take(*size as usize) {
+                    let index = match component {
+                        SwizzleComponent::X => 0,
+                        SwizzleComponent::Y => 1,
+                        SwizzleComponent::Z => 2,
+                        SwizzleComponent::W => 3,
+                    };
+                    parts.push(self.part(*vector, index)?);
+                }
+                parts
+            }
+            Expression::Load { pointer } => {
+                let pointer = self.pointer_of(*pointer)?;
+                self.load(&pointer, || place.start..place.end)?
+            }
+            Expression::Unary { op, expr } => {
+                let info = self.info(*expr)?;
+                let parts = self.parts_of(*expr)?;
+                let mut result = Vec::with_capacity(parts.len());
+                for part in parts {
+                    result.push(self.unary(*op, info.kind, part, &place)?);
+                }
+                result
+            }
+            Expression::Binary { op, left, right } => self.binary(*op, *left, *right, &place)?,
+            Expression::Select { condition, accept, reject } => {
+                self.choice(*condition, *accept, *reject, &place)?
+            }
+            Expression::Relational { fun, argument } => {
+                let nodes = self.nodes_of(*argument)?;
+                self.relational(*fun, &nodes, &place)?
+            }
+            Expression::Math { fun, arg, arg1, arg2, arg3 } => {
+                let others = [*arg1, *arg2, *arg3];
+                self.math(*fun, *arg, others, &place)?
+            }
+            Expression::As { expr, kind, convert } => {
+                self.converted(*expr, *kind, convert.is_some(), &place)?
+            }
+            Expression::ArrayLength(_) => {
+                return Err(Problem::unsupported(place, "an array needs a known size"));
+            }
+            Expression::Derivative { .. } => {
+                return Err(Problem::unsupported(
+                    place,
+                    "`dFdx`, `dFdy` and `fwidth` compare pixels, which a formula does not know",
+                )
+                .hint("remove this detail, or pass its size as a parameter"));
+            }
+            _ => return Err(Problem::unsupported(place, "this expression has no meaning in a formula")),
+        })
+    }
+
+    fn choice(
+        &mut self,
+        condition: Handle<Expression>,
+        accept: Handle<Expression>,
+        reject: Handle<Expression>,
+        place: &Range<u32>,
+    ) -> Result<Vec<Part>, Problem> {
+        let len = self.info(accept)?.len.max(self.info(reject)?.len) as usize;
+        let mut result = Vec::with_capacity(len);
+        for index in 0..len {
+            let part = self.part(condition, index)?;
+            let condition = self.node(part, place)?;
+            let (then, otherwise) = (self.part(accept, index)?, self.part(reject, index)?);
+            result.push(self.select(condition, then, otherwise)?);
+        }
+        Ok(result)
+    }
+
+    fn converted(
+        &mut self,
+        of: Handle<Expression>,
+        kind: ScalarKind,
+        converts: bool,
+        place: &Range<u32>,
+    ) -> Result<Vec<Part>, Problem> {
+        let from = self.info(of)?.kind;
+        let parts = self.parts_of(of)?;
+        let mut result = Vec::with_capacity(parts.len());
+        for part in parts {
+            result.push(if converts {
+                self.convert(from, kind, part, place)?
+            } else {
+                self.reinterpret(kind, part, place)?
+            });
+        }
+        Ok(result)
+    }
+
+    /// Selects an element with a known index.
+    fn access(
+        &mut self,
+        of: Handle<Expression>,
+        base: Handle<Expression>,
+        index: u32,
+    ) -> Result<(), Problem> {
+        self.ready(base)?;
+        let info = self.info(base)?;
+        let (offset, len) = if info.count > 0 {
+            if index >= info.count {
+                let message =
+                    format!("the index {index} is outside of this value, which has {} parts", info.count);
+                return Err(Problem::malformed(self.place(of), message).hint("count from 0"));
+            }
+            (index * info.stride, info.stride)
+        } else {
+            let found = info.of.and_then(|of| member(&self.file.module, of, index));
+            let Some(found) = found else {
+                return Err(Problem::malformed(self.place(of), "this value has no parts"));
+            };
+            found
+        };
+        match self.slot(base) {
+            Slot::Pointer(_) => {
+                let pointer = self.pointer_of(base)?;
+                let start = pointer.start + offset;
+                self.put_pointer(of, Pointer { start, len, indices: pointer.indices });
+            }
+            _ => {
+                let parts = self.parts_of(base)?;
+                let (offset, len) = (offset as usize, len as usize);
+                let parts = parts.get(offset..offset + len).unwrap_or_default();
+                self.step(1, || 0..0)?;
+                self.put(of, parts);
+            }
+        }
+        Ok(())
+    }
+
+    /// Selects an element with a computed index.
+    fn access_computed(
+        &mut self,
+        of: Handle<Expression>,
+        base: Handle<Expression>,
+        index: NodeId,
+    ) -> Result<(), Problem> {
+        self.ready(base)?;
+        let info = self.info(base)?;
+        if info.count == 0 {
+            return Err(Problem::malformed(self.place(of), "this value has no elements"));
+        }
+        if let Slot::Pointer(_) = self.slot(base) {
+            let mut pointer = self.pointer_of(base)?;
+            pointer.len = info.stride;
+            pointer.indices.push((index, info.count, info.stride));
+            self.put_pointer(of, pointer);
+            return Ok(());
+        }
+        let (parts, stride) = (self.parts_of(base)?, info.stride as usize);
+        self.step(parts.len(), || 0..0)?;
+        let mut result = parts.get(..stride).unwrap_or_default().to_vec();
+        for element in 1..info.count as usize {
+            let number = self.graph.constant(element as f32);
+            let chosen = self.graph.binary(Op::Equal, index, number);
+            for (at, before) in result.iter_mut().enumerate() {
+                let part = parts.get(element * stride + at).copied().unwrap_or(*before);
+                *before = self.select(chosen, part, *before)?;
+            }
+        }
+        self.put(of, &result);
+        Ok(())
+    }
+
+    pub(super) fn literal(&mut self, literal: Literal, place: &Range<u32>) -> Result<Part, Problem> {
+        let value = match literal {
+            Literal::F32(value) => f64::from(value),
+            Literal::F64(value) | Literal::AbstractFloat(value) => value,
+            Literal::I32(value) => return Ok(Part::Int(value)),
+            Literal::U32(value) => return Ok(Part::Uint(value)),
+            Literal::I64(value) | Literal::AbstractInt(value) => return Ok(Part::Int(value as i32)),
+            Literal::U64(value) => return Ok(Part::Uint(value as u32)),
+            Literal::Bool(value) => return Ok(Part::Node(if value { self.one } else { self.zero })),
+            _ => {
+                return Err(Problem::unsupported(
+                    place.clone(),
+                    "this number has a type that a formula does not have",
+                ));
+            }
+        };
+        if !(value as f32).is_finite() {
+            return Err(Problem::malformed(place.clone(), "this number is not finite")
+                .hint("write a number below 1e38"));
+        }
+        Ok(Part::Node(self.graph.constant(value as f32)))
+    }
+
+    fn zero_parts(&self, of: Handle<Type>, place: &Range<u32>) -> Result<Vec<Part>, Problem> {
+        let mut parts = Vec::new();
+        self.add_zeros(of, place, &mut parts)?;
+        Ok(parts)
+    }
+
+    fn add_zeros(&self, of: Handle<Type>, place: &Range<u32>, parts: &mut Vec<Part>) -> Result<(), Problem> {
+        let module = &self.file.module;
+        let wrong = || {
+            Problem::unsupported(place.clone(), "this variable has a type that a formula does not have")
+                .hint("use floats, whole numbers, vectors, matrices, arrays of known size and structs")
+        };
+        let Some(len) = size(module, of) else { return Err(wrong()) };
+        let zero = |kind| match kind {
+            ScalarKind::Sint => Part::Int(0),
+            ScalarKind::Uint => Part::Uint(0),
+            _ => Part::Node(self.zero),
+        };
+        match &module.types.get_handle(of).map_err(|_| wrong())?.inner {
+            TypeInner::Scalar(scalar) => parts.push(zero(scalar.kind)),
+            TypeInner::Vector { scalar, .. } | TypeInner::Matrix { scalar, .. } => {
+                parts.extend(std::iter::repeat_n(zero(scalar.kind), len as usize));
+            }
+            TypeInner::Array { base, size: naga::ArraySize::Constant(count), .. } => {
+                let mut element = Vec::new();
+                self.add_zeros(*base, place, &mut element)?;
+                for _ in 0..count.get() {
+                    parts.extend_from_slice(&element);
+                }
+            }
+            TypeInner::Struct { members, .. } => {
+                for member in members {
+                    self.add_zeros(member.ty, place, parts)?;
+                }
+            }
+            _ => return Err(wrong()),
+        }
+        Ok(())
+    }
+
+    /// Adds a variable with the value 0 to memory.
+    pub(super) fn zeros(&mut self, of: Handle<Type>, place: &Range<u32>) -> Result<(), Problem> {
+        let parts = self.zero_parts(of, place)?;
+        self.step(parts.len(), || place.clone())?;
+        self.memory.parts.extend(parts);
+        Ok(())
+    }
+
+    /// Adds a variable with a constant value of the module to memory.
+    pub(super) fn constant(&mut self, init: Handle<Expression>, place: &Range<u32>) -> Result<(), Problem> {
+        let mut parts = Vec::new();
+        self.global_value(init, &mut parts, place)?;
+        self.memory.parts.extend(parts);
+        Ok(())
+    }
+
+    /// Adds a variable with a constant value of the current function to memory.
+    pub(super) fn local_constant(
+        &mut self,
+        init: Handle<Expression>,
+        place: &Range<u32>,
+    ) -> Result<(), Problem> {
+        let parts = self.parts_of(init)?;
+        self.step(parts.len(), || place.clone())?;
+        self.memory.parts.extend(parts);
+        Ok(())
+    }
+
+    fn global_value(
+        &mut self,
+        of: Handle<Expression>,
+        parts: &mut Vec<Part>,
+        place: &Range<u32>,
+    ) -> Result<(), Problem> {
+        self.step(1, || place.clone())?;
+        let module = &self.file.module;
+        let Ok(expression) = module.global_expressions.try_get(of) else { return Ok(()) };
+        match expression {
+            Expression::Literal(literal) => parts.push(self.literal(*literal, place)?),
+            Expression::Constant(constant) => {
+                if let Ok(constant) = module.constants.try_get(*constant) {
+                    self.global_value(constant.init, parts, place)?;
+                }
+            }
+            Expression::ZeroValue(of) => parts.extend(self.zero_parts(*of, place)?),
+            Expression::Compose { components, .. } => {
+                for component in components {
+                    self.global_value(*component, parts, place)?;
+                }
+            }
+            Expression::Splat { size, value } => {
+                for _ in 0..*size as usize {
+                    self.global_value(*value, parts, place)?;
+                }
+            }
+            _ => {
+                return Err(Problem::unsupported(
+                    place.clone(),
+                    "this constant is computed in an unsupported way",
+                ));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,480 @@
+//! Statements. Memory holds the values of the path that is being executed. Where paths meet, the parts that differ
+//! are selected by the condition that separated the paths.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use naga::{Block, Expression, Handle, Span, Statement, SwitchValue};
+
+use super::calls::{Argument, Executor, Pointer, Slot, Target};
+use super::layout::Part;
+use super::parse::range;
+use super::problem::Problem;
+use crate::graph::{Node, NodeId, Op};
+
+/// The paths that left a loop, a switch or a function, merged into one.
+#[derive(Debug)]
+pub(super) struct Exits {
+    /// Length of the trail when the loop, switch or function began.
+    pub mark: usize,
+    /// The condition under which a path left; `None` if none did.
+    pub mask: Option<NodeId>,
+    /// The values that the paths left in memory.
+    pub changed: BTreeMap<u32, Part>,
+}
+
+impl Exits {
+    pub(super) fn new(mark: usize) -> Self {
+        Self { mark, mask: None, changed: BTreeMap::new() }
+    }
+}
+
+impl<'m> Executor<'m, '_> {
+    /// True where two conditions hold.
+    pub(super) fn and(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        match (a, b) {
+            _ if a == self.zero || b == self.zero => self.zero,
+            _ if a == self.one => b,
+            _ if b == self.one => a,
+            _ => self.graph.min(a, b),
+        }
+    }
+
+    /// True where one of two conditions holds.
+    pub(super) fn or(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        match (a, b) {
+            _ if a == self.one || b == self.one => self.one,
+            _ if a == self.zero => b,
+            _ if b == self.zero => a,
+            _ => self.graph.max(a, b),
+        }
+    }
+
+    /// Adds the current path to `exits`. Slots from `end` on do not matter after the exit.
+    fn leave(&mut self, mut exits: Exits, end: usize, live: NodeId) -> Result<Exits, Problem> {
+        let changes = self.memory.changes(exits.mark);
+        self.step(changes.len(), || 0..0)?;
+        match exits.mask {
+            None => {
+                for slot in changes.into_keys().filter(|slot| (*slot as usize) < end) {
+                    exits.changed.insert(slot, self.memory.at(slot));
+                }
+                exits.mask = Some(live);
+            }
+            Some(mask) => {
+                let slots: BTreeSet<u32> = changes.keys().chain(exits.changed.keys()).copied().collect();
+                for slot in slots.into_iter().filter(|slot| (*slot as usize) < end) {
+                    let now = self.memory.at(slot);
+                    let before = changes.get(&slot).copied().unwrap_or(now);
+                    let earlier = exits.changed.get(&slot).copied().unwrap_or(before);
+                    let part = self.select(live, now, earlier)?;
+                    exits.changed.insert(slot, part);
+                }
+                exits.mask = Some(self.or(mask, live));
+            }
+        }
+        Ok(exits)
+    }
+
+    /// Ends the current path with the function's result.
+    pub(super) fn leave_function(&mut self, result: Vec<Part>, place: &Range<u32>) -> Result<(), Problem> {
+        self.step(result.len(), || place.clone())?;
+        let live = self.and(self.frame.outer, self.live);
+        if self.frame.returns.mask.is_none() {
+            self.frame.result = result;
+        } else {
+            let earlier = std::mem::take(&mut self.frame.result);
+            for (now, before) in result.into_iter().zip(earlier) {
+                let part = self.select(live, now, before)?;
+                self.frame.result.push(part);
+            }
+        }
+        let exits = std::mem::replace(&mut self.frame.returns, Exits::new(0));
+        self.frame.returns = self.leave(exits, self.frame.base, live)?;
+        self.frame.counts.returns += 1;
+        self.live = self.zero;
+        Ok(())
+    }
+
+    pub(super) fn block(&mut self, block: &'m Block) -> Result<(), Problem> {
+        for (statement, span) in block.span_iter() {
+            if self.live == self.zero {
+                break;
+            }
+            self.statement(statement, *span)?;
+        }
+        Ok(())
+    }
+
+    fn statement(&mut self, statement: &'m Statement, span: Span) -> Result<(), Problem> {
+        let file = self.file;
+        let place = || file.written.source_range(range(span));
+        self.step(1, place)?;
+        match statement {
+            Statement::Emit(emitted) => {
+                for expression in emitted.clone() {
+                    self.evaluate(expression)?;
+                }
+            }
+            Statement::Block(block) => self.block(block)?,
+            Statement::If { condition, accept, reject } => self.branch(*condition, accept, reject)?,
+            Statement::Switch { selector, cases } => self.switch(*selector, cases)?,
+            Statement::Loop { body, continuing, break_if } => {
+                self.repeat(body, continuing, *break_if, &place())?;
+            }
+            Statement::Break => {
+                if let Some(mut target) = self.frame.targets.pop() {
+                    target.breaks = self.leave(target.breaks, usize::MAX, self.live)?;
+                    self.frame.targets.push(target);
+                }
+                self.frame.counts.breaks += 1;
+                self.live = self.zero;
+            }
+            Statement::Continue => {
+                let position = self.frame.targets.iter().rposition(|target| target.is_loop);
+                let position = position.unwrap_or(0);
+                if let Some(target) = self.frame.targets.get_mut(position) {
+                    let exits = std::mem::replace(&mut target.continues, Exits::new(0));
+                    let exits = self.leave(exits, usize::MAX, self.live)?;
+                    if let Some(target) = self.frame.targets.get_mut(position) {
+                        target.continues = exits;
+                    }
+                }
+                self.frame.counts.continues += 1;
+                self.live = self.zero;
+            }
+            Statement::Return { value } => {
+                let result = match value {
+                    Some(value) => self.parts_of(*value)?,
+                    None => Vec::new(),
+                };
+                self.leave_function(result, &place())?;
+            }
+            Statement::Store { pointer, value } => {
+                let pointer = self.pointer_of(*pointer)?;
+                let parts = self.parts_of(*value)?;
+                self.store(&pointer, &parts, place)?;
+            }
+            Statement::Call { function, arguments, result } => {
+                let mut given = Vec::with_capacity(arguments.len());
+                for argument in arguments {
+                    self.ready(*argument)?;
+                    given.push(match self.slot(*argument) {
+                        Slot::Pointer(_) => Argument::Pointer(self.pointer_of(*argument)?),
+                        _ => Argument::Parts(self.parts_of(*argument)?),
+                    });
+                }
+                let span = range(span);
+                let place =
+                    if span.is_empty() { result.map_or(0..0, |result| self.place(result)) } else { place() };
+                let parts = self.call(*function, given, place)?;
+                if let Some(result) = result {
+                    self.put(*result, &parts);
+                }
+            }
+            Statement::Kill => {
+                return Err(Problem::unsupported(place(), "`discard` has no meaning in a formula")
+                    .hint("return a large distance instead"));
+            }
+            _ => return Err(Problem::unsupported(place(), "this statement has no meaning in a formula")),
+        }
+        Ok(())
+    }
+
+    /// Writes to memory. A computed index writes to every element, where the index selects it.
+    fn store(
+        &mut self,
+        pointer: &Pointer,
+        parts: &[Part],
+        place: impl Fn() -> Range<u32> + Copy,
+    ) -> Result<(), Problem> {
+        self.step(parts.len(), place)?;
+        match pointer.indices.split_last() {
+            None => {
+                for (slot, part) in (pointer.start..).zip(parts) {
+                    self.memory.store_part(slot, *part);
+                }
+                Ok(())
+            }
+            Some((&(index, count, stride), rest)) => {
+                for element in 0..count {
+                    let number = self.graph.constant(element as f32);
+                    let chosen = self.graph.binary(Op::Equal, index, number);
+                    if chosen == self.zero {
+                        continue;
+                    }
+                    let start = pointer.start + element * stride;
+                    let element = Pointer { start, len: pointer.len, indices: rest.to_vec() };
+                    let before = self.load(&element, place)?;
+                    let mut now = Vec::with_capacity(parts.len());
+                    for (part, before) in parts.iter().zip(before) {
+                        now.push(self.select(chosen, *part, before)?);
+                    }
+                    self.store(&element, &now, place)?;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Reads memory. A computed index selects between all elements; outside the array it reads the first one.
+    pub(super) fn load(
+        &mut self,
+        pointer: &Pointer,
+        place: impl Fn() -> Range<u32> + Copy,
+    ) -> Result<Vec<Part>, Problem> {
+        self.step(pointer.len as usize, place)?;
+        let Some((&(index, count, stride), rest)) = pointer.indices.split_last() else {
+            let (start, len) = (pointer.start as usize, pointer.len as usize);
+            return Ok(self.memory.read(start..start + len));
+        };
+        let mut result: Vec<Part> = Vec::new();
+        for element in 0..count {
+            let start = pointer.start + element * stride;
+            let of = Pointer { start, len: pointer.len, indices: rest.to_vec() };
+            let parts = self.load(&of, place)?;
+            if element == 0 {
+                result = parts;
+                continue;
+            }
+            let number = self.graph.constant(element as f32);
+            let chosen = self.graph.binary(Op::Equal, index, number);
+            for (before, part) in result.iter_mut().zip(parts) {
+                *before = self.select(chosen, part, *before)?;
+            }
+        }
+        Ok(result)
+    }
+
+    fn branch(
+        &mut self,
+        condition: Handle<Expression>,
+        accept: &'m Block,
+        reject: &'m Block,
+    ) -> Result<(), Problem> {
+        let place = self.place(condition);
+        let condition = self.part(condition, 0)?;
+        let condition = self.node(condition, &place)?;
+        match self.graph.as_constant(condition) {
+            Some(0.0) => return self.block(reject),
+            Some(_) => return self.block(accept),
+            None => {}
+        }
+        let before = self.live;
+        let otherwise = self.graph.not(condition);
+        let (when, unless) = (self.and(before, condition), self.and(before, otherwise));
+        if when == self.zero {
+            return self.block(reject);
+        }
+        if unless == self.zero {
+            return self.block(accept);
+        }
+        let mark = self.memory.mark();
+        self.live = when;
+        self.block(accept)?;
+        let live_when = self.live;
+        let changed = self.memory.take_changes(mark);
+        self.live = unless;
+        self.block(reject)?;
+        let live_unless = self.live;
+        if live_when == self.zero {
+            return Ok(());
+        }
+        if live_unless == self.zero {
+            self.memory.undo(mark);
+            self.memory.apply(changed);
+            self.live = live_when;
+            return Ok(());
+        }
+        let others = self.memory.changes(mark);
+        self.step(changed.len() + others.len(), || place.clone())?;
+        let slots: BTreeSet<u32> = changed.keys().chain(others.keys()).copied().collect();
+        for slot in slots {
+            let now = self.memory.at(slot);
+            let base = others.get(&slot).copied().unwrap_or(now);
+            let then = changed.get(&slot).copied().unwrap_or(base);
+            let part = self.select(condition, then, now)?;
+            self.memory.store_part(slot, part);
+        }
+        let all_live = live_when == when && live_unless == unless;
+        self.live = if all_live { before } else { self.or(live_when, live_unless) };
+        Ok(())
+    }
+
+    fn repeat(
+        &mut self,
+        body: &'m Block,
+        continuing: &'m Block,
+        break_if: Option<Handle<Expression>>,
+        place: &Range<u32>,
+    ) -> Result<(), Problem> {
+        let (before, outer, returns) = (self.live, self.frame.outer, self.frame.counts.returns);
+        self.frame.outer = self.and(outer, before);
+        self.live = self.one;
+        let mark = self.memory.mark();
+        let exits = || Exits::new(mark);
+        self.frame.targets.push(Target { is_loop: true, breaks: exits(), continues: exits() });
+        let mut rounds = 0;
+        while self.live != self.zero {
+            rounds += 1;
+            if rounds > self.budget.rounds_max {
+                let max = self.budget.rounds_max;
+                let message = format!("this loop does not end after {max} rounds");
+                return Err(Problem::over_limit(place.clone(), message)
+                    .hint("give it a constant number of rounds, as in `for (int i = 0; i < 8; i++)`"));
+            }
+            self.step(1, || place.clone())?;
+            self.memory.compact(mark);
+            let start = self.memory.mark();
+            if let Some(target) = self.frame.targets.last_mut() {
+                target.continues = Exits::new(start);
+            }
+            let (live, counts) = (self.live, self.frame.counts);
+            self.block(body)?;
+            let continues = self.frame.targets.last_mut();
+            let continues = continues.map(|target| std::mem::replace(&mut target.continues, exits()));
+            if let Some(continues) = continues {
+                self.meet(continues)?;
+            }
+            let now = self.frame.counts;
+            if (now.returns, now.breaks) == (counts.returns, counts.breaks) {
+                self.live = live;
+            }
+            if self.live == self.zero {
+                break;
+            }
+            self.block(continuing)?;
+            if let Some(condition) = break_if {
+                let place = self.place(condition);
+                let part = self.part(condition, 0)?;
+                let ends = self.node(part, &place)?;
+                let live = self.live;
+                self.live = self.and(live, ends);
+                if self.live != self.zero
+                    && let Some(mut target) = self.frame.targets.pop()
+                {
+                    target.breaks = self.leave(target.breaks, usize::MAX, self.live)?;
+                    self.frame.targets.push(target);
+                }
+                let goes_on = self.graph.not(ends);
+                self.live = self.and(live, goes_on);
+            }
+        }
+        let Some(target) = self.frame.targets.pop() else { return Ok(()) };
+        self.frame.outer = outer;
+        self.memory.undo(mark);
+        self.live = match target.breaks.mask {
+            None => self.zero,
+            Some(_) if self.frame.counts.returns == returns => before,
+            Some(mask) => self.and(before, mask),
+        };
+        self.memory.apply(target.breaks.changed);
+        Ok(())
+    }
+
+    /// Merges the paths of `exits` into the current path.
+    fn meet(&mut self, exits: Exits) -> Result<(), Problem> {
+        let Some(mask) = exits.mask else { return Ok(()) };
+        if self.live == self.zero {
+            self.memory.undo(exits.mark);
+            self.memory.apply(exits.changed);
+            self.live = mask;
+            return Ok(());
+        }
+        let live = self.live;
+        let mark = exits.mark;
+        let all = self.leave(exits, usize::MAX, live)?;
+        self.memory.undo(mark);
+        self.live = all.mask.unwrap_or(live);
+        self.memory.apply(all.changed);
+        Ok(())
+    }
+
+    fn switch(&mut self, selector: Handle<Expression>, cases: &'m [naga::SwitchCase]) -> Result<(), Problem> {
+        let place = self.place(selector);
+        let selector = self.part(selector, 0)?;
+        let (before, counts) = (self.live, self.frame.counts);
+        let mark = self.memory.mark();
+        // The conditions of the cases. The default case takes what no other case takes.
+        let mut conditions = Vec::with_capacity(cases.len());
+        let mut otherwise = self.one;
+        for case in cases {
+            let value = match case.value {
+                SwitchValue::I32(value) => Part::Int(value),
+                SwitchValue::U32(value) => Part::Uint(value),
+                SwitchValue::Default => {
+                    conditions.push(None);
+                    continue;
+                }
+            };
+            let equal = self.equal_whole(selector, value, &place)?;
+            let unequal = self.graph.not(equal);
+            otherwise = self.and(otherwise, unequal);
+            conditions.push(Some(equal));
+        }
+        self.frame.targets.push(Target {
+            is_loop: false,
+            breaks: Exits::new(mark),
+            continues: Exits::new(mark),
+        });
+        let mut falling = Exits::new(mark);
+        for (case, condition) in cases.iter().zip(conditions) {
+            let condition = condition.unwrap_or(otherwise);
+            self.live = self.and(before, condition);
+            let fallen = std::mem::replace(&mut falling, Exits::new(mark));
+            self.meet(fallen)?;
+            if self.live == self.zero {
+                continue;
+            }
+            self.block(&case.body)?;
+            if self.live != self.zero {
+                let live = self.live;
+                if case.fall_through {
+                    falling = self.leave(falling, usize::MAX, live)?;
+                } else if let Some(mut target) = self.frame.targets.pop() {
+                    target.breaks = self.leave(target.breaks, usize::MAX, live)?;
+                    self.frame.targets.push(target);
+                }
+            }
+            self.memory.undo(mark);
+        }
+        let Some(target) = self.frame.targets.pop() else { return Ok(()) };
+        self.memory.undo(mark);
+        self.live = match target.breaks.mask {
+            None => self.zero,
+            Some(_) if self.frame.counts.leaves() == counts.leaves() => before,
+            Some(mask) => mask,
+        };
+        self.memory.apply(target.breaks.changed);
+        Ok(())
+    }
+
+    /// `then` where the condition holds, else `otherwise`.
+    pub(super) fn select(&mut self, condition: NodeId, then: Part, otherwise: Part) -> Result<Part, Problem> {
+        if then == otherwise || matches!(otherwise, Part::Unset(_)) {
+            return Ok(then);
+        }
+        if matches!(then, Part::Unset(_)) {
+            return Ok(otherwise);
+        }
+        match self.graph.as_constant(condition) {
+            Some(0.0) => return Ok(otherwise),
+            Some(_) => return Ok(then),
+            None => {}
+        }
+        let (a, b) = (self.node(then, &(0..0))?, self.node(otherwise, &(0..0))?);
+        Ok(Part::Node(self.select_node(condition, a, b)))
+    }
+
+    /// Like [`Graph::select`](crate::graph::Graph::select). A choice of the smaller or larger of two values becomes a
+    /// minimum or maximum, which the tree can prune.
+    pub(super) fn select_node(&mut self, condition: NodeId, a: NodeId, b: NodeId) -> NodeId {
+        match self.graph.node(condition) {
+            Node::Unary(Op::Not, inner) => return self.select_node(inner, b, a),
+            Node::Binary(Op::Less | Op::LessEqual, x, y) if (x, y) == (a, b) => return self.graph.min(a, b),
+            Node::Binary(Op::Less | Op::LessEqual, x, y) if (x, y) == (b, a) => return self.graph.max(a, b),
+            _ => {}
+        }
+        self.graph.select(condition, a, b)
+    }
+}

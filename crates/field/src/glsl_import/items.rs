@@ -1,0 +1,373 @@
+//! Splits preprocessed tokens into top-level items: structs, functions and global variables.
+
+use super::layout::PARTS_MAX;
+use super::problem::Problem;
+use super::tokens::{Kind, Token};
+
+#[derive(Debug, Clone)]
+pub(super) enum Item<'a> {
+    /// A struct or a function without a body: its tokens.
+    Plain(Vec<Token<'a>>),
+    Function {
+        name: Token<'a>,
+        /// Result and parameters, up to the closing parenthesis.
+        header: Vec<Token<'a>>,
+        /// The braces and all between them.
+        body: Vec<Token<'a>>,
+    },
+    Global(Global<'a>),
+}
+
+/// One global variable.
+#[derive(Debug, Clone)]
+pub(super) struct Global<'a> {
+    pub name: Token<'a>,
+    pub of: Token<'a>,
+    /// The brackets after the type and after the name.
+    pub array: Vec<Token<'a>>,
+    pub value: Vec<Token<'a>>,
+    pub is_const: bool,
+    pub origin: Origin,
+}
+
+/// Who sets a global variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// The GLSL itself.
+    Own,
+    /// The program around the shader: a uniform.
+    Uniform,
+    /// An earlier stage of the shader.
+    Varying,
+}
+
+/// Words in front of a declaration that do not change its type.
+const QUALIFIERS: [&str; 20] = [
+    "const",
+    "uniform",
+    "in",
+    "out",
+    "inout",
+    "varying",
+    "attribute",
+    "flat",
+    "smooth",
+    "centroid",
+    "highp",
+    "mediump",
+    "lowp",
+    "buffer",
+    "shared",
+    "invariant",
+    "noperspective",
+    "precise",
+    "static",
+    "readonly",
+];
+
+/// Maximum nesting of operators and brackets in one statement. naga parses and lowers them recursively.
+const NESTING_MAX: usize = 192;
+
+pub(super) fn split<'a>(tokens: &[Token<'a>]) -> Result<Vec<Item<'a>>, Problem> {
+    check_nesting(tokens)?;
+    check_sizes(tokens)?;
+    let mut items = Vec::new();
+    let mut at = 0;
+    while let Some(first) = tokens.get(at) {
+        if first.is(";") {
+            at += 1;
+            continue;
+        }
+        at += item(tokens.get(at..).unwrap_or_default(), &mut items)?;
+    }
+    Ok(items)
+}
+
+/// Reads one item and returns the number of its tokens, at least 1.
+fn item<'a>(tokens: &[Token<'a>], items: &mut Vec<Item<'a>>) -> Result<usize, Problem> {
+    let Some(first) = tokens.first() else { return Ok(1) };
+    let end = |from: usize| {
+        let rest = tokens.get(from..).unwrap_or_default();
+        from + closing(rest, |token| token.is(";")).map_or(rest.len(), |length| length + 1)
+    };
+    if first.is("precision") {
+        return Ok(end(0));
+    }
+    let mut start = 0;
+    let (mut origin, mut is_const) = (Origin::Own, false);
+    while let Some(token) = tokens.get(start) {
+        match token.text {
+            "layout" => {
+                let rest = tokens.get(start + 1..).unwrap_or_default();
+                start += 1 + matching(rest);
+                continue;
+            }
+            "uniform" | "buffer" => origin = Origin::Uniform,
+            "in" | "varying" | "attribute" => origin = Origin::Varying,
+            "const" => is_const = true,
+            word if QUALIFIERS.contains(&word) => {}
+            _ => break,
+        }
+        start += 1;
+    }
+    let Some(of) = tokens.get(start) else { return Ok(tokens.len().max(1)) };
+    if of.is(";") {
+        return Ok(start + 1);
+    }
+    if !of.is_word() {
+        let message = format!("a declaration cannot begin with `{}`", shortened(of.text));
+        return Err(Problem::malformed(of.place(), message).hint("check the brackets before this line"));
+    }
+    if of.is("struct") {
+        let end = end(start);
+        // A struct may declare variables at once.
+        let close = (start..end).rfind(|&at| tokens.get(at).is_some_and(|token| token.is("}")));
+        let close = close.unwrap_or(end);
+        let mut plain = words(tokens.get(start..=close).unwrap_or_default());
+        plain.push(of.made(";", Kind::Sign));
+        items.push(Item::Plain(plain));
+        if let (Some(name), Some(rest)) = (tokens.get(start + 1), tokens.get(close + 1..end)) {
+            globals(*name, Vec::new(), rest, is_const, origin, items);
+        }
+        return Ok(end);
+    }
+    let after = start + 1;
+    if tokens.get(after).is_some_and(|token| token.is("{")) {
+        return Ok(block(tokens, start, origin, items));
+    }
+    let rest = tokens.get(after..).unwrap_or_default();
+    let brackets = brackets_length(rest);
+    let array = rest.get(..brackets).unwrap_or_default().to_vec();
+    let name_at = after + brackets;
+    if !tokens.get(name_at).is_some_and(Token::is_word) {
+        let found = tokens.get(name_at).unwrap_or(of);
+        let message = format!("`{}` begins no declaration", shortened(of.text));
+        return Err(Problem::malformed(of.start..found.end, message)
+            .hint("a declaration is a type and a name, such as `float a = 1.0;`"));
+    }
+    if tokens.get(name_at + 1).is_some_and(|token| token.is("(")) {
+        let result: Vec<Token<'a>> = [*of].into_iter().chain(array).collect();
+        return Ok(match function(tokens, name_at, result, items) {
+            (at, true) => at,
+            (at, false) => end(at),
+        });
+    }
+    let end = end(name_at);
+    globals(*of, array, tokens.get(name_at..end).unwrap_or_default(), is_const, origin, items);
+    Ok(end)
+}
+
+/// Reads a function from its name on. Returns the index after it, and whether it has a body.
+fn function<'a>(
+    tokens: &[Token<'a>],
+    name_at: usize,
+    result: Vec<Token<'a>>,
+    items: &mut Vec<Item<'a>>,
+) -> (usize, bool) {
+    let Some(name) = tokens.get(name_at) else { return (tokens.len(), true) };
+    let parameters = tokens.get(name_at + 1..).unwrap_or_default();
+    let close = name_at + 1 + matching(parameters);
+    let mut header = result;
+    header.extend(words(tokens.get(name_at..close).unwrap_or_default()));
+    if tokens.get(close).is_some_and(|brace| brace.is("{")) {
+        let body = tokens.get(close..).unwrap_or_default();
+        let length = matching(body);
+        let body = words(body.get(..length).unwrap_or_default());
+        items.push(Item::Function { name: *name, header, body });
+        (close + length, true)
+    } else {
+        header.push(name.made(";", Kind::Sign));
+        items.push(Item::Plain(header));
+        (close, false)
+    }
+}
+
+/// Reads an interface block; its members become global variables.
+fn block<'a>(tokens: &[Token<'a>], start: usize, origin: Origin, items: &mut Vec<Item<'a>>) -> usize {
+    let body = tokens.get(start + 1..).unwrap_or_default();
+    let length = matching(body);
+    let after = start + 1 + length;
+    let members = body.get(1..length.saturating_sub(1)).unwrap_or_default();
+    let name = tokens.get(after).filter(|token| token.is_word());
+    if let (Some(name), Some(of)) = (name, tokens.get(start)) {
+        let mut plain = vec![of.made("struct", Kind::Word), *of];
+        plain.extend(words(body.get(..length).unwrap_or_default()));
+        plain.push(of.made(";", Kind::Sign));
+        items.push(Item::Plain(plain));
+        let (of, name) = (*of, *name);
+        items.push(Item::Global(Global {
+            name,
+            of,
+            array: Vec::new(),
+            value: Vec::new(),
+            is_const: false,
+            origin,
+        }));
+    } else {
+        for member in members.split(|token| token.is(";")) {
+            let member = words(member);
+            if let Some((of, rest)) = member.split_first() {
+                globals(*of, Vec::new(), rest, false, origin, items);
+            }
+        }
+    }
+    let rest = tokens.get(after..).unwrap_or_default();
+    after + closing(rest, |token| token.is(";")).map_or(rest.len(), |length| length + 1)
+}
+
+/// Reads the names of a declaration, with their arrays and values.
+fn globals<'a>(
+    of: Token<'a>,
+    array: Vec<Token<'a>>,
+    names: &[Token<'a>],
+    is_const: bool,
+    origin: Origin,
+    items: &mut Vec<Item<'a>>,
+) {
+    let mut rest = names;
+    while let Some(name) = rest.first().filter(|name| name.is_word()) {
+        let own = rest.get(1..).unwrap_or_default();
+        let length = closing(own, |token| token.is(",") || token.is(";")).unwrap_or(own.len());
+        let own = own.get(..length).unwrap_or_default();
+        let equals = own.iter().position(|token| token.is("=")).unwrap_or(own.len());
+        let mut brackets = own.get(..equals).unwrap_or_default().to_vec();
+        brackets.extend_from_slice(&array);
+        let value = words(own.get(equals + 1..).unwrap_or_default());
+        items.push(Item::Global(Global { name: *name, of, array: brackets, value, is_const, origin }));
+        rest = rest.get(length + 2..).unwrap_or_default();
+    }
+}
+
+/// Returns the tokens without qualifiers that naga does not take everywhere.
+fn words<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
+    let dropped = |token: &&Token<'_>| {
+        !matches!(token.text, "const" | "highp" | "mediump" | "lowp" | "precise" | "static")
+    };
+    tokens.iter().filter(dropped).copied().collect()
+}
+
+/// Number of tokens of the brackets at the start, such as `[3][2]`.
+pub(super) fn brackets_length(tokens: &[Token<'_>]) -> usize {
+    let mut length = 0;
+    while tokens.get(length).is_some_and(|token| token.is("[")) {
+        length += matching(tokens.get(length..).unwrap_or_default());
+    }
+    length
+}
+
+/// Number of tokens up to the bracket that closes the first token; all of them if none does.
+pub(super) fn matching(tokens: &[Token<'_>]) -> usize {
+    let mut open = 0_usize;
+    for (at, token) in tokens.iter().enumerate() {
+        match token.text {
+            "(" | "[" | "{" => open += 1,
+            ")" | "]" | "}" => open = open.saturating_sub(1),
+            _ => {}
+        }
+        if open == 0 {
+            return at + 1;
+        }
+    }
+    tokens.len()
+}
+
+/// Index of the first token outside brackets for which `stops` holds.
+pub(super) fn closing(tokens: &[Token<'_>], stops: impl Fn(&Token<'_>) -> bool) -> Option<usize> {
+    let mut open = 0_usize;
+    for (at, token) in tokens.iter().enumerate() {
+        if open == 0 && stops(token) {
+            return Some(at);
+        }
+        match token.text {
+            "(" | "[" | "{" => open += 1,
+            ")" | "]" | "}" => open = open.saturating_sub(1),
+            _ => {}
+        }
+    }
+    None
+}
+
+pub(super) fn shortened(text: &str) -> String {
+    text.chars().take(40).collect()
+}
+
+/// Refuses arrays of so many values that naga or a scene cannot hold them.
+fn check_sizes(tokens: &[Token<'_>]) -> Result<(), Problem> {
+    let (mut at, mut product, mut end) = (0, 1_u64, 0);
+    while let Some(token) = tokens.get(at) {
+        if let (true, Some(size), Some(close)) = (token.is("["), tokens.get(at + 1), tokens.get(at + 2))
+            && close.is("]")
+            && let Ok(size) = size.text.trim_end_matches(['u', 'U']).parse::<u64>()
+        {
+            product = if end == at { product.saturating_mul(size) } else { size };
+            if product > u64::from(PARTS_MAX) {
+                let message = format!("an array has more than {PARTS_MAX} values");
+                return Err(Problem::over_limit(token.start..close.end, message).hint("make it smaller"));
+            }
+            end = at + 3;
+        }
+        at += 1;
+    }
+    Ok(())
+}
+
+/// Refuses statements that are nested so deeply that a recursive parser might use up its stack, and brackets that do
+/// not match.
+fn check_nesting(tokens: &[Token<'_>]) -> Result<(), Problem> {
+    // For each open bracket: its token, and the operators and branches since the last `,` or `;` in it.
+    let mut open: Vec<(&Token<'_>, usize)> = Vec::new();
+    let (mut outside, mut total) = (0_usize, 0_usize);
+    for (at, token) in tokens.iter().enumerate() {
+        match token.text {
+            "(" | "[" | "{" => {
+                open.push((token, 0));
+                total += 1;
+            }
+            ")" | "]" | "}" => {
+                let opens = match token.text {
+                    ")" => "(",
+                    "]" => "[",
+                    _ => "{",
+                };
+                match open.pop() {
+                    Some((bracket, inside)) if bracket.is(opens) => total -= 1 + inside,
+                    other => {
+                        let message = format!("this `{}` closes nothing", token.text);
+                        let place = other.map_or(token.place(), |_| token.place());
+                        return Err(Problem::malformed(place, message)
+                            .hint("check that every bracket is opened and closed"));
+                    }
+                }
+                let goes_on = tokens.get(at + 1).is_some_and(|next| next.is("else"));
+                if token.is("}") && !goes_on {
+                    total -= std::mem::take(open.last_mut().map_or(&mut outside, |last| &mut last.1));
+                }
+            }
+            "," | ";" => {
+                let goes_on = tokens.get(at + 1).is_some_and(|next| next.is("else"));
+                if !goes_on {
+                    total -= std::mem::take(open.last_mut().map_or(&mut outside, |last| &mut last.1));
+                }
+            }
+            text => {
+                let nests = (token.kind == Kind::Sign && text != ".")
+                    || matches!(text, "if" | "else" | "for" | "while" | "do" | "switch");
+                if nests {
+                    *open.last_mut().map_or(&mut outside, |last| &mut last.1) += 1;
+                    total += 1;
+                }
+            }
+        }
+        if total > NESTING_MAX {
+            let message = format!("this statement nests more than {NESTING_MAX} operators and brackets");
+            return Err(Problem::over_limit(token.place(), message).hint("split it into several statements"));
+        }
+    }
+    match open.last() {
+        Some((bracket, _)) => {
+            Err(Problem::malformed(bracket.place(), format!("this `{}` is never closed", bracket.text))
+                .hint("check that every bracket is opened and closed"))
+        }
+        None => Ok(()),
+    }
+}

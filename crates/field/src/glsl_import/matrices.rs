@@ -1,0 +1,81 @@
+//! Matrices: lists of columns.
+
+use crate::graph::{Graph, NodeId};
+
+/// The product of two matrices, or of a matrix and a vector, which has no columns.
+pub(super) fn product(
+    graph: &mut Graph,
+    a: &[NodeId],
+    (a_columns, a_rows): (u8, u8),
+    b: &[NodeId],
+    (b_columns, b_rows): (u8, u8),
+) -> Vec<NodeId> {
+    // A vector on the left is a row, one on the right a column.
+    let (rows, inner) = if a_columns == 0 { (1, a_rows) } else { (a_rows, a_columns) };
+    let (columns, step) = if b_columns == 0 { (1, b_rows) } else { (b_columns, b_rows) };
+    let mut result = Vec::new();
+    for column in 0..usize::from(columns) {
+        for row in 0..usize::from(rows) {
+            let mut terms = (Vec::new(), Vec::new());
+            for index in 0..usize::from(inner) {
+                let left = a.get(if a_columns == 0 { index } else { index * usize::from(a_rows) + row });
+                let right = b.get(column * usize::from(step) + index);
+                terms.0.extend(left.copied());
+                terms.1.extend(right.copied());
+            }
+            result.push(graph.dot(&terms.0, &terms.1));
+        }
+    }
+    result
+}
+
+pub(super) fn transposed(a: &[NodeId], columns: usize, rows: usize) -> Vec<NodeId> {
+    let mut result = Vec::with_capacity(a.len());
+    for row in 0..rows {
+        for column in 0..columns {
+            result.extend(a.get(column * rows + row).copied());
+        }
+    }
+    result
+}
+
+/// The determinant of a square matrix, by its first row.
+pub(super) fn determinant(graph: &mut Graph, a: &[NodeId], size: usize) -> NodeId {
+    if size == 1 {
+        return a.first().copied().unwrap_or_else(|| graph.constant(0.0));
+    }
+    let zero = graph.constant(0.0);
+    let mut sum = zero;
+    for column in 0..size {
+        let minor = minor(graph, a, size, column, 0);
+        let entry = a.get(column * size).copied().unwrap_or(zero);
+        let term = graph.mul(entry, minor);
+        sum = if column % 2 == 0 { graph.add(sum, term) } else { graph.sub(sum, term) };
+    }
+    sum
+}
+
+/// The determinant of a matrix without a column and a row.
+fn minor(graph: &mut Graph, a: &[NodeId], size: usize, without_column: usize, without_row: usize) -> NodeId {
+    let mut rest = Vec::new();
+    for column in (0..size).filter(|&column| column != without_column) {
+        for row in (0..size).filter(|&row| row != without_row) {
+            rest.extend(a.get(column * size + row).copied());
+        }
+    }
+    determinant(graph, &rest, size - 1)
+}
+
+/// The inverse of a square matrix; 0 where its determinant is 0.
+pub(super) fn inverse(graph: &mut Graph, a: &[NodeId], size: usize) -> Vec<NodeId> {
+    let determinant = determinant(graph, a, size);
+    let mut result = Vec::new();
+    for column in 0..size {
+        for row in 0..size {
+            let minor = minor(graph, a, size, row, column);
+            let signed = if (row + column) % 2 == 0 { minor } else { graph.neg(minor) };
+            result.push(graph.div(signed, determinant));
+        }
+    }
+    result
+}

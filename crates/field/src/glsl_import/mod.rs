@@ -1,0 +1,40 @@
+//! GLSL as a source of functions: reads a file as people write it for viewers of shaders, and executes its functions
+//! symbolically into an expression graph.
+//!
+//! ```text
+//! text → tokens → preprocess → items → rewrite → naga → execute: nodes of the graph
+//! ```
+//!
+//! [`GlslFile::parse`] returns the functions of a file, [`Session::call`] executes one. Loops are unrolled and both
+//! sides of an unknown condition are executed; the values that they leave are selected by the condition. The graph's
+//! operators are total, so a side that is not selected cannot spoil the result. Whole numbers that depend on the point
+//! are floats: they are exact up to 2^24. Constant whole numbers have 32 bits.
+
+mod around;
+mod calls;
+mod candidate;
+mod evaluate;
+mod execute;
+mod items;
+mod layout;
+mod math;
+mod matrices;
+mod memory;
+mod operators;
+mod outside;
+mod parse;
+mod preprocess;
+mod problem;
+mod rewrite;
+mod textures;
+mod tokens;
+mod whole;
+
+pub use around::{SceneAround, scene_around};
+pub use calls::{Budget, Session};
+pub use candidate::candidate;
+pub use parse::{GlslFile, GlslFunction, GlslParameter, GlslType};
+pub use problem::{Problem, ProblemKind};
+
+#[cfg(test)]
+mod tests;

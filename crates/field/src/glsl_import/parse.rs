@@ -1,0 +1,326 @@
+//! Parses prepared text with naga. A function that naga refuses is replaced by a function that reports the mistake
+//! when a scene calls it, so that one function does not spoil a file.
+
+use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use naga::front::glsl::{Error, ErrorKind, Frontend, Options};
+use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Span, Type, TypeInner};
+
+use super::items::{self, Origin, shortened};
+use super::preprocess::preprocess;
+use super::problem::Problem;
+use super::rewrite::{BROKEN, Program, START, Written};
+use super::tokens::tokenize;
+use crate::limits::Limits;
+
+/// The type of a parameter or result that scenes know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GlslType {
+    /// A `float`.
+    Float,
+    /// An `int` or `uint`.
+    Whole,
+    /// A `bool`.
+    Bool,
+    /// A `vec2`, `vec3` or `vec4`.
+    Vector(u8),
+}
+
+/// A parameter of a GLSL function.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GlslParameter {
+    /// The name; may be empty.
+    pub name: String,
+    /// The type; `None` if a scene has no such values.
+    pub of: Option<GlslType>,
+}
+
+/// A function that a GLSL file defines.
+#[derive(Debug, Clone)]
+pub struct GlslFunction {
+    /// The name.
+    pub name: String,
+    /// The parameters.
+    pub parameters: Vec<GlslParameter>,
+    /// The type of the result; `None` for `void` and for types that scenes lack.
+    pub result: Option<GlslType>,
+    /// The bytes of the GLSL text at which the function begins.
+    pub place: Range<u32>,
+    pub(super) handle: Handle<Function>,
+}
+
+impl GlslFunction {
+    /// True if a scene has values of the types of all parameters and of the result.
+    pub fn is_callable(&self) -> bool {
+        self.result.is_some() && self.parameters.iter().all(|parameter| parameter.of.is_some())
+    }
+}
+
+impl std::fmt::Display for GlslFunction {
+    /// Writes the name and the parameters with their types, as the scene language writes them.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}(", self.name)?;
+        for (index, parameter) in self.parameters.iter().enumerate() {
+            let of = match parameter.of {
+                Some(GlslType::Float) => "number",
+                Some(GlslType::Whole) => "whole number",
+                Some(GlslType::Bool) => "bool",
+                Some(GlslType::Vector(2)) => "vec2",
+                Some(GlslType::Vector(3)) => "vec3",
+                Some(GlslType::Vector(_)) => "vec4",
+                None => "a type of GLSL",
+            };
+            write!(f, "{}{}: {of}", if index > 0 { ", " } else { "" }, parameter.name)?;
+        }
+        f.write_str(")")
+    }
+}
+
+/// The meaning of a function that `rewrite` adds.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Special {
+    Texture,
+    Texel,
+    TextureSize,
+    Broken(usize),
+}
+
+/// A parsed GLSL file.
+pub struct GlslFile {
+    pub(super) module: Module,
+    pub(super) written: Written,
+    pub(super) problems: Vec<Problem>,
+    pub(super) outside: HashMap<String, Origin>,
+    /// Functions that give globals their values, in the order of the text.
+    pub(super) starts: Vec<Handle<Function>>,
+    pub(super) special: HashMap<Handle<Function>, Special>,
+    functions: Vec<GlslFunction>,
+    unset: Vec<String>,
+    has_drawing: bool,
+}
+
+impl std::fmt::Debug for GlslFile {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("GlslFile").field("functions", &self.functions).finish_non_exhaustive()
+    }
+}
+
+impl GlslFile {
+    /// Parses a GLSL text.
+    ///
+    /// # Errors
+    /// The first problem outside the bodies of functions. Problems in a function's body are errors of its calls
+    /// ([`GlslFile::problem_of`]).
+    pub fn parse(text: &str, limits: &Limits) -> Result<Self, Problem> {
+        let max = limits.scene_bytes_max;
+        if text.len() > max {
+            let message = format!("the GLSL is larger than {max} bytes");
+            return Err(Problem::over_limit(0..0, message).hint("split it into several files"));
+        }
+        let tokens = tokenize(text, limits.scene_tokens_max)?;
+        let expanded = preprocess(&tokens, limits.scene_tokens_max)?;
+        let program = Program::new(items::split(&expanded)?);
+        let (mut broken, mut problems) = (BTreeMap::new(), Vec::new());
+        for _ in 0..ROUNDS_MAX {
+            let written = program.write(&broken, &problems);
+            let errors = match read(&written.text) {
+                Ok(module) => return Self::of(module, written, problems, program),
+                Err(errors) => errors,
+            };
+            let known = broken.len();
+            for error in &errors {
+                let (problem, item) = problem_of(error, &written, &program);
+                match item {
+                    Some(item) if program.may_break(item) => {
+                        broken.entry(item).or_insert_with(|| {
+                            problems.push(problem);
+                            problems.len() - 1
+                        });
+                    }
+                    _ => return Err(problem),
+                }
+            }
+            if broken.len() == known {
+                break;
+            }
+        }
+        let message = format!("more than {ROUNDS_MAX} functions of the GLSL have mistakes");
+        let place = problems.first().map_or(0..0, |problem| problem.place.clone());
+        Err(problems.into_iter().next().unwrap_or_else(|| Problem::over_limit(place, message)))
+    }
+
+    fn of(
+        module: Module,
+        written: Written,
+        problems: Vec<Problem>,
+        program: Program<'_>,
+    ) -> Result<Self, Problem> {
+        let (mut functions, mut starts, mut special) = (Vec::new(), Vec::new(), HashMap::new());
+        for (handle, function) in module.functions.iter() {
+            let name = function.name.clone().unwrap_or_default();
+            match name.as_str() {
+                "main" => continue,
+                "glsl_texture" => drop(special.insert(handle, Special::Texture)),
+                "glsl_texel" => drop(special.insert(handle, Special::Texel)),
+                "glsl_texture_size" => drop(special.insert(handle, Special::TextureSize)),
+                _ => {
+                    if let Some(number) = name.strip_prefix(BROKEN).and_then(|number| number.parse().ok()) {
+                        special.insert(handle, Special::Broken(number));
+                    } else if name.starts_with(START) {
+                        starts.push(handle);
+                    } else if written.is_own(range(module.functions.get_span(handle)).start) {
+                        let parameters = function.arguments.iter().map(|argument| GlslParameter {
+                            name: argument.name.clone().unwrap_or_default(),
+                            of: type_of(&module, argument.ty),
+                        });
+                        let result = function.result.as_ref().and_then(|result| type_of(&module, result.ty));
+                        functions.push(GlslFunction {
+                            name,
+                            parameters: parameters.collect(),
+                            result,
+                            place: written.source_range(range(module.functions.get_span(handle))),
+                            handle,
+                        });
+                    }
+                }
+            }
+        }
+        let (outside, has_drawing) = (program.outside, program.has_drawing);
+        let unset = program.unset.into_iter().collect();
+        Ok(Self { module, written, problems, outside, starts, special, functions, unset, has_drawing })
+    }
+
+    /// Returns the functions of the file without `mainImage` and other functions that draw.
+    pub fn functions(&self) -> &[GlslFunction] {
+        &self.functions
+    }
+
+    /// Returns the mistake in a function's body, if there is one. Calls of the function report it.
+    pub fn problem_of(&self, function: &GlslFunction) -> Option<&Problem> {
+        let body = &self.module.functions.try_get(function.handle).ok()?.body;
+        body.iter().find_map(|statement| match statement {
+            naga::Statement::Call { function, .. } => match self.special.get(function) {
+                Some(Special::Broken(index)) => self.problems.get(*index),
+                _ => None,
+            },
+            _ => None,
+        })
+    }
+
+    /// Returns the names of all uniforms. A scene may set them with parameters and lets of the same name.
+    pub fn uniforms(&self) -> impl Iterator<Item = &str> {
+        self.outside.iter().filter(|(_, origin)| **origin == Origin::Uniform).map(|(name, _)| name.as_str())
+    }
+
+    /// Returns the uniforms that have neither a value in the file nor a meaning in a scene: name and number of
+    /// components.
+    pub fn open_uniforms(&self) -> Vec<(&str, usize)> {
+        let uniforms = self.module.global_variables.iter().filter_map(|(_, global)| {
+            let name = global.name.as_deref()?;
+            let len = match type_of(&self.module, global.ty)? {
+                GlslType::Vector(size) => usize::from(size),
+                _ => 1,
+            };
+            let is_open = self.outside.get(name) == Some(&Origin::Uniform)
+                && super::outside::is_unknown(name)
+                && !super::rewrite::has_value(&self.module, name);
+            is_open.then_some((name, len))
+        });
+        uniforms.collect()
+    }
+
+    /// True if a value from outside, such as the time, may differ between frames.
+    pub fn reads_frame(&self) -> bool {
+        !self.outside.is_empty()
+    }
+
+    /// Returns the names of globals that only code for pictures sets.
+    pub fn unset_globals(&self) -> &[String] {
+        &self.unset
+    }
+
+    /// True if the file has a function that draws a picture, such as `mainImage`.
+    pub fn draws(&self) -> bool {
+        self.has_drawing
+    }
+}
+
+/// Maximum number of attempts to parse a file, each with at least one more function left out.
+const ROUNDS_MAX: usize = 96;
+
+/// Runs naga. Its front end may panic on odd text; such a panic becomes an error without a place.
+fn read(text: &str) -> Result<Module, Vec<Error>> {
+    let options = Options::from(ShaderStage::Fragment);
+    match catch_unwind(AssertUnwindSafe(|| Frontend::default().parse(&options, text))) {
+        Ok(Ok(module)) => Ok(module),
+        Ok(Err(errors)) => Err(errors.errors),
+        Err(_) => {
+            let kind = ErrorKind::InternalError("naga cannot read this text");
+            Err(vec![Error { kind, meta: Span::UNDEFINED }])
+        }
+    }
+}
+
+pub(super) fn range(span: Span) -> Range<u32> {
+    span.to_range().map_or(0..0, |range| range.start as u32..range.end as u32)
+}
+
+fn problem_of(error: &Error, written: &Written, program: &Program<'_>) -> (Problem, Option<usize>) {
+    let span = range(error.meta);
+    let item = if error.meta.is_defined() { written.source(span.start).map(|found| found.1) } else { None };
+    let place = written.source_range(span);
+    let problem = match &error.kind {
+        ErrorKind::UnknownVariable(name) => {
+            Problem::malformed(place, format!("there is no `{}` here", shortened(name)))
+                .hint("declare it in this file, before its use")
+        }
+        ErrorKind::UnknownField(name) => {
+            Problem::malformed(place, format!("there is no component `{}` here", shortened(name)))
+        }
+        ErrorKind::VariableAlreadyDeclared(name) => {
+            Problem::malformed(place, format!("`{}` is declared twice", shortened(name)))
+                .hint("give one of them another name")
+        }
+        ErrorKind::NotImplemented(what) => {
+            Problem::unsupported(place, format!("this GLSL is not supported: {what}"))
+        }
+        ErrorKind::InternalError(what) => {
+            Problem::unsupported(place, format!("this GLSL is not supported: {what}"))
+        }
+        ErrorKind::EndOfFile => {
+            Problem::malformed(place, "the GLSL ends too early").hint("check the brackets")
+        }
+        ErrorKind::SemanticError(text) if text.starts_with("Unknown function '") => {
+            let name = text.split('\'').nth(1).unwrap_or("");
+            if item.and_then(|item| program.name_of(item)) == Some(name) {
+                Problem::unsupported(place, format!("`{}` calls itself", shortened(name)))
+                    .hint("write a loop instead of the recursion")
+            } else {
+                let message = format!("there is no function `{}` for these arguments", shortened(name));
+                Problem::malformed(place, message).hint("declare it in this file, before its use")
+            }
+        }
+        kind => {
+            let message: String = kind.to_string().chars().take(200).collect();
+            Problem::malformed(place, format!("this GLSL has a mistake: {message}"))
+        }
+    };
+    (problem, item)
+}
+
+fn type_of(module: &Module, of: Handle<Type>) -> Option<GlslType> {
+    Some(match module.types.get_handle(of).ok()?.inner {
+        TypeInner::Scalar(scalar) => match scalar.kind {
+            ScalarKind::Float => GlslType::Float,
+            ScalarKind::Sint | ScalarKind::Uint => GlslType::Whole,
+            ScalarKind::Bool => GlslType::Bool,
+            _ => return None,
+        },
+        TypeInner::Vector { size, scalar } if scalar.kind == ScalarKind::Float => {
+            GlslType::Vector(size as u8)
+        }
+        _ => return None,
+    })
+}

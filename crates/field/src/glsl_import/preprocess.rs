@@ -1,0 +1,426 @@
+//! The preprocessor: directives, and macros with and without parameters.
+//!
+//! Tokens from a macro have the position of the macro's call, so that messages point to the user's line.
+//! Work is counted: macros that expand without end, or to nothing very often, end in a message.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use super::problem::Problem;
+use super::tokens::{Kind, Token};
+
+#[derive(Debug, Clone)]
+struct Macro<'a> {
+    parameters: Option<Vec<&'a str>>,
+    body: Rc<[Token<'a>]>,
+}
+
+/// Names that are defined before the text begins, with their values.
+const DEFINED: [(&str, &str); 5] = [
+    ("GL_ES", "1"),
+    ("__VERSION__", "300"),
+    ("GL_FRAGMENT_PRECISION_HIGH", "1"),
+    ("HW_PERFORMANCE", "1"),
+    ("GL_OES_standard_derivatives", "1"),
+];
+
+/// Maximum nesting of macro calls in arguments, of parentheses in `#if`, and of `#if` itself.
+const NESTING_MAX: usize = 48;
+
+struct Preprocessor<'a> {
+    macros: HashMap<&'a str, Macro<'a>>,
+    out: Vec<Token<'a>>,
+    steps: usize,
+    steps_max: usize,
+}
+
+/// A condition: `taken` if this branch is read, `done` if some branch was read.
+struct Condition<'a> {
+    begin: Token<'a>,
+    outer: bool,
+    taken: bool,
+    done: bool,
+}
+
+/// Executes the directives of a text and expands its macros. At most `steps_max` tokens are read and written.
+pub(super) fn preprocess<'a>(tokens: &[Token<'a>], steps_max: usize) -> Result<Vec<Token<'a>>, Problem> {
+    let mut macros = HashMap::new();
+    let origin = Token {
+        text: "",
+        kind: Kind::Number,
+        start: 0,
+        end: 0,
+        begins_line: false,
+        joined: false,
+        final_name: false,
+    };
+    for (name, value) in DEFINED {
+        let body = Rc::from([origin.made(value, Kind::Number)]);
+        macros.insert(name, Macro { parameters: None, body });
+    }
+    let mut this = Preprocessor { macros, out: Vec::new(), steps: 0, steps_max };
+    let mut conditions: Vec<Condition<'a>> = Vec::new();
+    let mut at = 0;
+    while let Some(token) = tokens.get(at) {
+        // A directive ends with its line; the text up to the next directive is expanded at once, because the
+        // arguments of a macro may span lines.
+        let is_directive = |token: &Token<'_>| token.begins_line && token.is("#");
+        if is_directive(token) {
+            let rest = tokens.get(at + 1..).unwrap_or_default();
+            let length = rest.iter().take_while(|token| !token.begins_line).count();
+            let line = rest.get(..length).unwrap_or_default();
+            this.directive(*token, line, &mut conditions)?;
+            at += 1 + length;
+            continue;
+        }
+        let rest = tokens.get(at..).unwrap_or_default();
+        let length = rest.iter().take_while(|token| !is_directive(token)).count().max(1);
+        if conditions.last().is_none_or(|condition| condition.taken)
+            && let Some(text) = rest.get(..length)
+        {
+            let expanded = this.expand(text.to_vec(), 0)?;
+            this.out.extend(expanded);
+        }
+        at += length;
+    }
+    match conditions.last() {
+        Some(open) => {
+            Err(Problem::malformed(open.begin.place(), "this `#if` has no `#endif`")
+                .hint("end it with `#endif`"))
+        }
+        None => Ok(this.out),
+    }
+}
+
+impl<'a> Preprocessor<'a> {
+    fn step(&mut self, token: &Token<'a>) -> Result<(), Problem> {
+        self.steps += 1;
+        if self.steps > self.steps_max {
+            let message = format!("the macros expand to more than {} words and signs", self.steps_max);
+            return Err(Problem::over_limit(token.place(), message)
+                .hint("make this macro a function, or let it use fewer macros"));
+        }
+        Ok(())
+    }
+
+    fn directive(
+        &mut self,
+        hash: Token<'a>,
+        line: &[Token<'a>],
+        conditions: &mut Vec<Condition<'a>>,
+    ) -> Result<(), Problem> {
+        let Some((name, rest)) = line.split_first() else { return Ok(()) };
+        let active = conditions.last().is_none_or(|condition| condition.taken);
+        match name.text {
+            "if" | "ifdef" | "ifndef" => {
+                if conditions.len() >= NESTING_MAX {
+                    let message = format!("`#if` is nested deeper than {NESTING_MAX} levels");
+                    return Err(Problem::over_limit(name.place(), message).hint("remove some of them"));
+                }
+                let holds = active
+                    && match name.text {
+                        "if" => self.condition(rest, *name)?,
+                        "ifdef" => self.is_defined(rest),
+                        _ => !self.is_defined(rest),
+                    };
+                conditions.push(Condition { begin: *name, outer: active, taken: holds, done: holds });
+            }
+            "elif" | "else" | "endif" => {
+                let Some(mut condition) = conditions.pop() else {
+                    let message = format!("this `#{}` has no `#if`", name.text);
+                    return Err(Problem::malformed(name.place(), message).hint("remove it"));
+                };
+                if name.is("endif") {
+                    return Ok(());
+                }
+                let may = condition.outer && !condition.done;
+                let holds = may && (name.is("else") || self.condition(rest, *name)?);
+                condition.taken = holds;
+                condition.done |= holds;
+                conditions.push(condition);
+            }
+            _ if !active => {}
+            "define" => self.define(*name, rest)?,
+            "undef" => {
+                if let Some(of) = rest.first() {
+                    self.macros.remove(of.text);
+                }
+            }
+            "error" => {
+                return Err(Problem::malformed(
+                    name.place(),
+                    "the GLSL refuses to be compiled with `#error`",
+                )
+                .hint("define what it asks for, or remove the line"));
+            }
+            "include" => {
+                return Err(Problem::unsupported(name.place(), "a GLSL file cannot include another one")
+                    .hint("paste the other file here, or include both from the scene"));
+            }
+            // Versions, extensions and the directives of viewers change nothing here.
+            _ => {}
+        }
+        let _ = hash;
+        Ok(())
+    }
+
+    fn is_defined(&self, rest: &[Token<'a>]) -> bool {
+        rest.first().is_some_and(|of| self.macros.contains_key(of.text))
+    }
+
+    fn define(&mut self, define: Token<'a>, rest: &[Token<'a>]) -> Result<(), Problem> {
+        let Some((name, rest)) = rest.split_first().filter(|(name, _)| name.is_word()) else {
+            return Err(Problem::malformed(define.place(), "`#define` needs a name")
+                .hint("write `#define NAME value`"));
+        };
+        if let Some(paste) = rest.iter().find(|token| token.is("##") || token.is("#")) {
+            return Err(Problem::unsupported(paste.place(), "macros cannot join words with `##`")
+                .hint("write the words out"));
+        }
+        let takes = rest.first().is_some_and(|token| token.is("(") && token.joined);
+        let (parameters, body) = if takes {
+            let Some(close) = rest.iter().position(|token| token.is(")")) else {
+                return Err(Problem::malformed(name.place(), "the parameters of this macro have no `)`")
+                    .hint("close them on the same line"));
+            };
+            let names = rest.get(1..close).unwrap_or_default().iter();
+            let names = names.filter(|token| !token.is(",")).map(|token| token.text).collect();
+            (Some(names), rest.get(close + 1..).unwrap_or_default())
+        } else {
+            (None, rest)
+        };
+        self.macros.insert(name.text, Macro { parameters, body: Rc::from(body) });
+        Ok(())
+    }
+
+    /// Expands all macros in a list of tokens.
+    fn expand(&mut self, tokens: Vec<Token<'a>>, depth: usize) -> Result<Vec<Token<'a>>, Problem> {
+        // The unread tokens, the next one last. `active` holds the open macros; a macro ends when this list is as short as
+        // its number.
+        let mut left: Vec<Token<'a>> = tokens;
+        left.reverse();
+        let mut active: Vec<(&'a str, usize)> = Vec::new();
+        let mut out = Vec::new();
+        while let Some(mut token) = left.pop() {
+            self.step(&token)?;
+            while active.last().is_some_and(|(_, length)| left.len() < *length) {
+                active.pop();
+            }
+            if !token.is_word() || token.final_name {
+                out.push(token);
+                continue;
+            }
+            let Some(of) = self.macros.get(token.text).cloned() else {
+                out.push(token);
+                continue;
+            };
+            if active.iter().any(|(name, _)| *name == token.text) {
+                token.final_name = true;
+                out.push(token);
+                continue;
+            }
+            if active.len() >= 4 * NESTING_MAX {
+                let message = format!("macros use each other more than {} deep", 4 * NESTING_MAX);
+                return Err(Problem::over_limit(token.place(), message).hint("make some of them functions"));
+            }
+            let floor;
+            let body = match &of.parameters {
+                None => {
+                    floor = left.len();
+                    of.body.to_vec()
+                }
+                Some(parameters) => {
+                    if left.last().is_none_or(|next| !next.is("(")) {
+                        out.push(token);
+                        continue;
+                    }
+                    let arguments = self.arguments(&token, &mut left, depth)?;
+                    floor = left.len();
+                    let given = if parameters.is_empty() { 0 } else { arguments.len() };
+                    if given != parameters.len() {
+                        let (takes, name) = (parameters.len(), token.text);
+                        let message = format!("the macro `{name}` takes {takes} arguments, not {given}");
+                        return Err(Problem::malformed(token.place(), message)
+                            .hint("give it as many as its `#define` names"));
+                    }
+                    self.substitute(&of.body, parameters, &arguments, &token)?
+                }
+            };
+            while active.last().is_some_and(|(_, length)| floor < *length) {
+                active.pop();
+            }
+            active.push((token.text, floor));
+            for part in body.iter().rev() {
+                self.step(&token)?;
+                left.push(Token { start: token.start, end: token.end, ..*part });
+            }
+        }
+        Ok(out)
+    }
+
+    /// Takes the arguments of a macro's call from `left`, and expands each of them.
+    fn arguments(
+        &mut self,
+        name: &Token<'a>,
+        left: &mut Vec<Token<'a>>,
+        depth: usize,
+    ) -> Result<Vec<Vec<Token<'a>>>, Problem> {
+        if depth >= NESTING_MAX {
+            let message = format!("macro calls are nested deeper than {NESTING_MAX} levels");
+            return Err(Problem::over_limit(name.place(), message).hint("make this macro a function"));
+        }
+        left.pop();
+        let (mut arguments, mut open) = (vec![Vec::new()], 1);
+        while let Some(token) = left.pop() {
+            self.step(&token)?;
+            match token.text {
+                "(" | "[" => open += 1,
+                ")" | "]" => open -= 1,
+                _ => {}
+            }
+            if open == 0 {
+                let arguments = arguments.into_iter().map(|one| self.expand(one, depth + 1));
+                return arguments.collect();
+            }
+            match arguments.last_mut() {
+                Some(_) if open == 1 && token.is(",") => arguments.push(Vec::new()),
+                Some(last) => last.push(token),
+                None => {}
+            }
+        }
+        let message = format!("the arguments of the macro `{}` have no `)`", name.text);
+        Err(Problem::malformed(name.place(), message).hint("close them before the next `#` line"))
+    }
+
+    fn substitute(
+        &mut self,
+        body: &[Token<'a>],
+        parameters: &[&'a str],
+        arguments: &[Vec<Token<'a>>],
+        call: &Token<'a>,
+    ) -> Result<Vec<Token<'a>>, Problem> {
+        let mut out = Vec::new();
+        for token in body {
+            let argument = parameters.iter().position(|name| token.is_word() && token.is(name));
+            match argument.and_then(|index| arguments.get(index)) {
+                Some(argument) => {
+                    for part in argument {
+                        self.step(call)?;
+                        out.push(*part);
+                    }
+                }
+                None => out.push(*token),
+            }
+        }
+        Ok(out)
+    }
+
+    fn condition(&mut self, line: &[Token<'a>], of: Token<'a>) -> Result<bool, Problem> {
+        // `defined` reads names before they are expanded.
+        let mut read = Vec::new();
+        let mut at = 0;
+        while let Some(token) = line.get(at) {
+            at += 1;
+            if !token.is("defined") {
+                read.push(*token);
+                continue;
+            }
+            let open = line.get(at).is_some_and(|token| token.is("("));
+            at += usize::from(open);
+            let known = line.get(at).is_some_and(|name| self.macros.contains_key(name.text));
+            at += 1 + usize::from(open);
+            read.push(token.made(if known { "1" } else { "0" }, Kind::Number));
+        }
+        let expanded = self.expand(read, 0)?;
+        let mut reader = Conditional { tokens: &expanded, at: 0, of };
+        let value = reader.binary(0, 0)?;
+        Ok(value != 0)
+    }
+}
+
+/// Evaluates the whole-number expression of an `#if`.
+struct Conditional<'t, 'a> {
+    tokens: &'t [Token<'a>],
+    at: usize,
+    of: Token<'a>,
+}
+
+const LEVELS: [&[&str]; 10] = [
+    &["||"],
+    &["&&"],
+    &["|"],
+    &["^"],
+    &["&"],
+    &["==", "!="],
+    &["<", ">", "<=", ">="],
+    &["<<", ">>"],
+    &["+", "-"],
+    &["*", "/", "%"],
+];
+
+impl Conditional<'_, '_> {
+    fn binary(&mut self, level: usize, depth: usize) -> Result<i64, Problem> {
+        let Some(signs) = LEVELS.get(level) else { return self.operand(depth) };
+        let mut left = self.binary(level + 1, depth)?;
+        while let Some(sign) =
+            self.tokens.get(self.at).map(|token| token.text).filter(|sign| signs.contains(sign))
+        {
+            self.at += 1;
+            let right = self.binary(level + 1, depth)?;
+            left = match sign {
+                "||" => i64::from(left != 0 || right != 0),
+                "&&" => i64::from(left != 0 && right != 0),
+                "|" => left | right,
+                "^" => left ^ right,
+                "&" => left & right,
+                "==" => i64::from(left == right),
+                "!=" => i64::from(left != right),
+                "<" => i64::from(left < right),
+                ">" => i64::from(left > right),
+                "<=" => i64::from(left <= right),
+                ">=" => i64::from(left >= right),
+                "<<" => left.checked_shl(right as u32).unwrap_or(0),
+                ">>" => left.checked_shr(right as u32).unwrap_or(0),
+                "+" => left.wrapping_add(right),
+                "-" => left.wrapping_sub(right),
+                "*" => left.wrapping_mul(right),
+                "/" => left.checked_div(right).unwrap_or(0),
+                _ => left.checked_rem(right).unwrap_or(0),
+            };
+        }
+        Ok(left)
+    }
+
+    fn operand(&mut self, depth: usize) -> Result<i64, Problem> {
+        let wrong = |place| {
+            Problem::malformed(place, "this `#if` is no whole-number condition")
+                .hint("compare macros and whole numbers, as in `#if QUALITY > 1`")
+        };
+        let Some(token) = self.tokens.get(self.at).copied() else { return Err(wrong(self.of.place())) };
+        self.at += 1;
+        if depth >= NESTING_MAX {
+            let message = format!("this condition is nested deeper than {NESTING_MAX} levels");
+            return Err(Problem::over_limit(token.place(), message).hint("use fewer parentheses"));
+        }
+        match token.text {
+            "!" => Ok(i64::from(self.operand(depth + 1)? == 0)),
+            "-" => Ok(self.operand(depth + 1)?.wrapping_neg()),
+            "+" => self.operand(depth + 1),
+            "~" => Ok(!self.operand(depth + 1)?),
+            "(" => {
+                let value = self.binary(0, depth + 1)?;
+                self.at += 1;
+                Ok(value)
+            }
+            _ if token.is_word() => Ok(0),
+            text => {
+                let plain = text.trim_end_matches(['u', 'U', 'l', 'L']);
+                let value = match plain.strip_prefix("0x").or(plain.strip_prefix("0X")) {
+                    Some(digits) => i64::from_str_radix(digits, 16).ok(),
+                    None => plain.parse::<i64>().ok().or(plain.parse::<f64>().ok().map(|value| value as i64)),
+                };
+                value.ok_or_else(|| wrong(token.place()))
+            }
+        }
+    }
+}

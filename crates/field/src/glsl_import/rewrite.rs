@@ -1,0 +1,427 @@
+//! Writes items as GLSL 4.50 in the form that naga takes, and maps each word to its position in the user's text.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::Range;
+
+use super::items::{Global, Item, Origin, brackets_length, closing, matching};
+use super::problem::Problem;
+use super::tokens::{Kind, Token};
+
+/// The text for naga.
+pub(super) struct Written {
+    pub text: String,
+    /// For each word: its offset in the text, its place in the user's text, and the index of its item.
+    places: Vec<(u32, Range<u32>, usize)>,
+    /// Offset of the first item.
+    own_from: u32,
+}
+
+impl Written {
+    /// True for an offset in the text of an item, not in a declaration that this module adds.
+    pub(super) fn is_own(&self, offset: u32) -> bool {
+        offset >= self.own_from
+    }
+
+    /// Returns the place in the user's text and the item of an offset in the text.
+    pub(super) fn source(&self, offset: u32) -> Option<(Range<u32>, usize)> {
+        let index = self.places.partition_point(|(start, ..)| *start <= offset).checked_sub(1)?;
+        let (_, place, item) = self.places.get(index)?;
+        Some((place.clone(), *item))
+    }
+
+    /// Returns the place in the user's text of a range of the text.
+    pub(super) fn source_range(&self, range: Range<u32>) -> Range<u32> {
+        let first = self.source(range.start).map_or(0..0, |(place, _)| place);
+        let last = self.source(range.end.saturating_sub(1).max(range.start)).map_or(0..0, |(place, _)| place);
+        first.start..last.end.max(first.end)
+    }
+
+    fn push(&mut self, token: &Token<'_>, item: usize) {
+        self.places.push((self.text.len() as u32, token.place(), item));
+        self.text.push_str(token.text);
+        self.text.push(if token.is(";") || token.is("}") { '\n' } else { ' ' });
+    }
+
+    fn extend<'t, 'a: 't>(&mut self, tokens: impl IntoIterator<Item = &'t Token<'a>>, item: usize) {
+        for token in tokens {
+            self.push(token, item);
+        }
+    }
+}
+
+/// The functions that read textures, under the names that naga sees.
+const TEXTURES: &str = "\
+vec4 glsl_texture(int s, float p) { return vec4(0.0); }
+vec4 glsl_texture(int s, vec2 p) { return vec4(0.0); }
+vec4 glsl_texture(int s, vec2 p, float b) { return vec4(0.0); }
+vec4 glsl_texture(int s, vec3 p) { return vec4(0.0); }
+vec4 glsl_texture(int s, vec3 p, float b) { return vec4(0.0); }
+vec4 glsl_texture(int s, vec2 p, vec2 dx, vec2 dy) { return vec4(0.0); }
+vec4 glsl_texel(int s, ivec2 p, int l) { return vec4(0.0); }
+vec4 glsl_texel(int s, ivec3 p, int l) { return vec4(0.0); }
+ivec2 glsl_texture_size(int s, int l) { return ivec2(256); }
+";
+
+/// Functions of GLSL that naga lacks, by name.
+const MISSING: [(&str, &str); 3] = [
+    ("normalize", "float normalize(float a) { return sign(a); }\n"),
+    ("dot", "float dot(float a, float b) { return a * b; }\n"),
+    (
+        "matrixCompMult",
+        "mat2 matrixCompMult(mat2 a, mat2 b) { return mat2(a[0] * b[0], a[1] * b[1]); }
+mat3 matrixCompMult(mat3 a, mat3 b) { return mat3(a[0] * b[0], a[1] * b[1], a[2] * b[2]); }
+mat4 matrixCompMult(mat4 a, mat4 b) { return mat4(a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]); }
+",
+    ),
+];
+
+/// The start of the names of functions that this module writes.
+pub(super) const BROKEN: &str = "glsl_broken_";
+/// A function that gives globals their values.
+pub(super) const START: &str = "glsl_start_";
+
+/// Inputs that viewers of shaders declare without being asked.
+const GIVEN: [(&str, &str); 20] = [
+    ("iTime", "float iTime;"),
+    ("iGlobalTime", "float iGlobalTime;"),
+    ("iTimeDelta", "float iTimeDelta;"),
+    ("iFrameRate", "float iFrameRate;"),
+    ("iFrame", "int iFrame;"),
+    ("iResolution", "vec3 iResolution;"),
+    ("iMouse", "vec4 iMouse;"),
+    ("iDate", "vec4 iDate;"),
+    ("iSampleRate", "float iSampleRate;"),
+    ("iChannelTime", "float iChannelTime[4];"),
+    ("iChannelResolution", "vec3 iChannelResolution[4];"),
+    ("iChannel0", "int iChannel0;"),
+    ("iChannel1", "int iChannel1;"),
+    ("iChannel2", "int iChannel2;"),
+    ("iChannel3", "int iChannel3;"),
+    ("gl_FragColor", "vec4 gl_FragColor;"),
+    ("gl_FragCoord", "vec4 gl_FragCoord;"),
+    ("gl_FragDepth", "float gl_FragDepth;"),
+    ("fragColor", "vec4 fragColor;"),
+    ("fragCoord", "vec2 fragCoord;"),
+];
+
+/// Functions that draw a picture. A scene has its own camera and light.
+pub(super) const DRAWING: [&str; 6] = ["main", "mainImage", "mainVR", "mainSound", "mainCubemap", "mainFull"];
+
+/// The items of a file, and their globals.
+pub(super) struct Program<'a> {
+    items: Vec<Item<'a>>,
+    /// Names of globals that the GLSL does not set itself.
+    pub outside: HashMap<String, Origin>,
+    /// Globals without a value, in the order of the text.
+    pub unset: BTreeSet<String>,
+    /// Statements of drawing functions that may set globals.
+    sets: Vec<Vec<Token<'a>>>,
+    given: Vec<&'static str>,
+    pub has_drawing: bool,
+}
+
+impl<'a> Program<'a> {
+    pub(super) fn new(items: Vec<Item<'a>>) -> Self {
+        let (mut outside, mut unset) = (HashMap::new(), BTreeSet::new());
+        let mut declared = BTreeSet::new();
+        for item in &items {
+            if let Item::Global(global) = item {
+                declared.insert(global.name.text);
+                if global.origin != Origin::Own {
+                    outside.insert(global.name.text.to_owned(), global.origin);
+                } else if global.value.is_empty() {
+                    unset.insert(global.name.text.to_owned());
+                }
+            }
+        }
+        let mut used = BTreeSet::new();
+        let (mut sets, mut has_drawing) = (Vec::new(), false);
+        for item in &items {
+            match item {
+                Item::Function { name, body, .. } if DRAWING.contains(&name.text) => {
+                    has_drawing = true;
+                    sets.extend(settings(body, &unset));
+                }
+                Item::Function { header, body, .. } => {
+                    used.extend(header.iter().chain(body).map(|token| token.text));
+                }
+                Item::Global(global) => used.extend(global.value.iter().map(|token| token.text)),
+                Item::Plain(_) => {}
+            }
+        }
+        used.extend(sets.iter().flatten().map(|token| token.text));
+        let defines = |name: &str| {
+            items.iter().any(|item| matches!(item, Item::Function { name: own, .. } if own.is(name)))
+        };
+        let missing = MISSING.iter().filter(|(name, _)| used.contains(name) && !defines(name));
+        let mut given: Vec<&'static str> = missing.map(|(_, text)| *text).collect();
+        for (name, declaration) in GIVEN {
+            if used.contains(name) && !declared.contains(name) {
+                given.push(declaration);
+                outside.insert(name.to_owned(), Origin::Uniform);
+            }
+        }
+        Self { items, outside, unset, sets, given, has_drawing }
+    }
+
+    /// Writes the program. Functions in `broken` keep their header, and their body calls a function whose name tells
+    /// the index of the problem.
+    pub(super) fn write(&self, broken: &BTreeMap<usize, usize>, problems: &[Problem]) -> Written {
+        let mut out = Written { text: String::from("#version 450\n"), places: Vec::new(), own_from: 0 };
+        out.text.push_str(TEXTURES);
+        for declaration in &self.given {
+            out.text.push_str(declaration);
+            out.text.push('\n');
+        }
+        for index in 0..problems.len() {
+            out.text.push_str(&format!("void {BROKEN}{index}() {{ }}\n"));
+        }
+        out.own_from = out.text.len() as u32;
+        for (index, item) in self.items.iter().enumerate() {
+            match item {
+                Item::Plain(tokens) => out.extend(&in_shape(tokens), index),
+                Item::Function { name, .. } if DRAWING.contains(&name.text) => {}
+                Item::Function { name, header, body } => {
+                    out.extend(&in_shape(header), index);
+                    match broken.get(&index) {
+                        None => out.extend(&in_shape(body), index),
+                        Some(problem) => {
+                            let of = header.iter().take_while(|token| token.start != name.start);
+                            let of: Vec<&str> = of.map(|token| token.text).collect();
+                            let of = of.join(" ");
+                            let result = if of == "void" {
+                                String::new()
+                            } else {
+                                format!("{of} glsl_result; return glsl_result;")
+                            };
+                            out.text.push_str(&format!("{{ {BROKEN}{problem}(); {result} }}\n"));
+                        }
+                    }
+                }
+                Item::Global(global) => write_global(&mut out, global, index, broken.contains_key(&index)),
+            }
+        }
+        for (number, set) in self.sets.iter().enumerate() {
+            let index = self.items.len() + number;
+            if !broken.contains_key(&index) {
+                out.text.push_str(&format!("void {START}{index}() {{ "));
+                out.extend(&in_shape(set), index);
+                out.text.push_str("}\n");
+            }
+        }
+        out.text.push_str("void main() { }\n");
+        out
+    }
+
+    /// The name of the function with this index.
+    pub(super) fn name_of(&self, index: usize) -> Option<&'a str> {
+        match self.items.get(index) {
+            Some(Item::Function { name, .. }) => Some(name.text),
+            _ => None,
+        }
+    }
+
+    /// True for an item whose failure leaves the rest of the program usable.
+    pub(super) fn may_break(&self, index: usize) -> bool {
+        match self.items.get(index) {
+            Some(Item::Function { .. }) | None => true,
+            Some(Item::Global(global)) => !global.value.is_empty(),
+            Some(Item::Plain(_)) => false,
+        }
+    }
+}
+
+fn write_global(out: &mut Written, global: &Global<'_>, index: usize, broken: bool) {
+    let is_whole = matches!(global.of.text, "int" | "uint" | "bool");
+    let array = sizes(&global.array, &global.value);
+    if global.is_const && is_whole && array.is_empty() && !global.value.is_empty() && !broken {
+        out.push(&global.of.made("const", Kind::Word), index);
+        out.extend(&in_shape(&[global.of, global.name]), index);
+        out.push(&global.name.made("=", Kind::Sign), index);
+        out.extend(&in_shape(&global.value), index);
+        out.push(&global.name.made(";", Kind::Sign), index);
+        return;
+    }
+    out.extend(&in_shape(&[global.of, global.name]), index);
+    out.extend(&array, index);
+    out.push(&global.name.made(";", Kind::Sign), index);
+    if global.value.is_empty() || broken {
+        return;
+    }
+    out.text.push_str(&format!("void {START}{index}() {{ "));
+    out.extend(&in_shape(&[global.of, global.name.made("glsl_value", Kind::Word)]), index);
+    out.extend(&array, index);
+    out.push(&global.name.made("=", Kind::Sign), index);
+    out.extend(&in_shape(&global.value), index);
+    out.push(&global.name.made(";", Kind::Sign), index);
+    out.extend(&in_shape(&[global.name]), index);
+    out.text.push_str("= glsl_value; }\n");
+}
+
+/// Sizes of arrays as text, for arrays without a written size.
+const SIZES: [&str; 65] = [
+    "1", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18",
+    "19", "20", "21", "22", "23", "24", "25", "26", "27", "28", "29", "30", "31", "32", "33", "34", "35",
+    "36", "37", "38", "39", "40", "41", "42", "43", "44", "45", "46", "47", "48", "49", "50", "51", "52",
+    "53", "54", "55", "56", "57", "58", "59", "60", "61", "62", "63", "64",
+];
+
+/// Number of values of an array's constructor or list.
+fn values(tokens: &[Token<'_>]) -> usize {
+    let Some(open) = tokens.iter().position(|token| token.is("(") || token.is("{")) else { return 0 };
+    let inside = tokens.get(open..).unwrap_or_default();
+    let inside = inside.get(1..matching(inside).saturating_sub(1)).unwrap_or_default();
+    let (mut count, mut rest) = (usize::from(!inside.is_empty()), inside);
+    while let Some(at) = closing(rest, |token| token.is(",")) {
+        count += 1;
+        rest = rest.get(at + 1..).unwrap_or_default();
+    }
+    count
+}
+
+/// Statements `name = …;` directly in a drawing function's body that set a global that has no other value.
+fn settings<'a>(body: &[Token<'a>], unset: &BTreeSet<String>) -> Vec<Vec<Token<'a>>> {
+    let mut found: BTreeMap<&str, Vec<Token<'a>>> = BTreeMap::new();
+    let mut rest = body.get(1..body.len().saturating_sub(1)).unwrap_or_default();
+    while !rest.is_empty() {
+        let length = match closing(rest, |token| token.is(";")) {
+            Some(at) => at + 1,
+            None => rest.len(),
+        };
+        let statement = rest.get(..length).unwrap_or_default();
+        if let [name, equals, ..] = statement
+            && equals.is("=")
+            && unset.contains(name.text)
+        {
+            found.entry(name.text).or_insert_with(|| statement.to_vec());
+        }
+        rest = rest.get(length..).unwrap_or_default();
+    }
+    found.into_values().collect()
+}
+
+/// Renames what naga reads otherwise than GLSL for the web does, and writes the sizes of arrays as naga takes them.
+fn in_shape<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
+    let tokens = &apart(tokens);
+    let mut out = Vec::with_capacity(tokens.len());
+    let mut at = 0;
+    while let Some(token) = tokens.get(at) {
+        let called = tokens.get(at + 1).is_some_and(|next| next.is("("));
+        out.push(token.made(renamed(token.text, called), token.kind));
+        at += 1;
+        // `type name[…]` declares an array.
+        let declares = at > 1
+            && token.is_word()
+            && tokens.get(at - 2).is_some_and(|of| of.is_word() && !of.is("return") && !of.is("else"));
+        let rest = tokens.get(at..).unwrap_or_default();
+        let length = brackets_length(rest);
+        if declares && length > 0 {
+            let value = rest.get(length..).filter(|after| after.first().is_some_and(|token| token.is("=")));
+            out.extend(sizes(rest.get(..length).unwrap_or_default(), value.unwrap_or_default()));
+            at += length;
+        }
+    }
+    out
+}
+
+/// Declares arrays one by one: in `float a[2], b` naga takes b for an array.
+fn apart<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
+    let mut out = Vec::with_capacity(tokens.len());
+    let mut at = 0;
+    while let Some(token) = tokens.get(at) {
+        let begins = at.checked_sub(1).and_then(|before| tokens.get(before));
+        let begins = begins.is_none_or(|before| matches!(before.text, ";" | "{" | "}"));
+        let rest = tokens.get(at..).unwrap_or_default();
+        let declares = begins
+            && token.is_word()
+            && !matches!(token.text, "return" | "else" | "case" | "struct")
+            && rest.get(1).is_some_and(Token::is_word);
+        let length = if declares { closing(rest, |token| token.is(";")) } else { None };
+        let statement = length.and_then(|length| rest.get(1..length)).unwrap_or_default();
+        let mut names = Vec::new();
+        let mut left = statement;
+        while !left.is_empty() {
+            let length = closing(left, |token| token.is(",")).unwrap_or(left.len());
+            names.push(left.get(..length).unwrap_or_default());
+            left = left.get(length + 1..).unwrap_or_default();
+        }
+        if names.len() > 1 && names.iter().any(|name| name.get(1).is_some_and(|token| token.is("["))) {
+            for name in names {
+                out.push(*token);
+                out.extend_from_slice(name);
+                out.push(token.made(";", Kind::Sign));
+            }
+            at += 1 + statement.len() + 1;
+        } else {
+            out.push(*token);
+            at += 1;
+        }
+    }
+    out
+}
+
+/// The brackets of a declared array. naga takes the last size for the outermost one, and needs a size.
+fn sizes<'a>(brackets: &[Token<'a>], value: &[Token<'a>]) -> Vec<Token<'a>> {
+    let mut groups = Vec::new();
+    let mut rest = brackets;
+    while !rest.is_empty() {
+        let (group, others) = rest.split_at(matching(rest).min(rest.len()));
+        rest = others;
+        match group {
+            [open, close] => {
+                let size = SIZES.get(values(value)).copied().unwrap_or("1");
+                groups.push(vec![*open, open.made(size, Kind::Number), *close]);
+            }
+            group => groups.push(in_shape(group)),
+        }
+    }
+    groups.into_iter().rev().flatten().collect()
+}
+
+fn renamed(name: &str, called: bool) -> &str {
+    match name {
+        "texture" | "texture2D" | "texture2DLod" | "texture2DLodEXT" | "textureLod" | "textureLodEXT"
+        | "textureGrad" | "texture2DGradEXT" | "textureCube" | "textureCubeLod" | "texture3D"
+        | "texture2DBias"
+            if called =>
+        {
+            "glsl_texture"
+        }
+        "texelFetch" if called => "glsl_texel",
+        "textureSize" if called => "glsl_texture_size",
+        "sampler2D" | "samplerCube" | "sampler3D" | "sampler1D" | "isampler2D" | "usampler2D"
+        | "sampler2DRect" => "int",
+        "sample" => "sample_",
+        "buffer" => "buffer_",
+        "shared" => "shared_",
+        "smooth" => "smooth_",
+        "flat" => "flat_",
+        "centroid" => "centroid_",
+        "restrict" => "restrict_",
+        "readonly" => "readonly_",
+        "writeonly" => "writeonly_",
+        "sampler" => "sampler_",
+        "invariant" => "invariant_",
+        "texture" => "texture_",
+        "main" => "main_",
+        name => name,
+    }
+}
+
+/// True if the text gives the global a value.
+pub(super) fn has_value(module: &naga::Module, name: &str) -> bool {
+    let starts = module
+        .functions
+        .iter()
+        .filter(|(_, function)| function.name.as_deref().is_some_and(|name| name.starts_with(START)));
+    starts.into_iter().any(|(_, function)| {
+        function.body.iter().any(|statement| {
+            let naga::Statement::Store { pointer, .. } = statement else { return false };
+            let Ok(naga::Expression::GlobalVariable(global)) = function.expressions.try_get(*pointer) else {
+                return false;
+            };
+            let global = module.global_variables.try_get(*global);
+            global.is_ok_and(|global| global.name.as_deref() == Some(name))
+        })
+    })
+}

@@ -1,0 +1,217 @@
+//! Calls of functions from included GLSL files.
+
+use std::collections::HashMap;
+
+use super::super::builtin::uses;
+use super::super::diagnostic::{Diagnostic, Fault};
+use super::super::foreign::ForeignFile;
+use super::super::source::Span;
+use super::super::symbol::{Interner, Symbol};
+use super::super::value::{Value, Vector};
+use super::declared::GlobalValue;
+use super::lowering::Lowering;
+use crate::glsl_import::{Budget, GlslFunction, GlslType, Problem, ProblemKind, Session};
+use crate::graph::{Input, NodeId};
+
+/// The functions of all included GLSL files.
+#[derive(Default)]
+pub(super) struct Foreign<'a> {
+    files: &'a [ForeignFile],
+    sessions: Vec<Session>,
+    /// For each name, the index of the file and of the function.
+    by_name: HashMap<Symbol, Vec<(usize, usize)>>,
+    /// True if a file could not be read.
+    pub is_broken: bool,
+}
+
+impl<'a> Foreign<'a> {
+    pub(super) fn new(files: &'a [ForeignFile], names: &Interner, is_broken: bool) -> Self {
+        let mut by_name: HashMap<Symbol, Vec<(usize, usize)>> = HashMap::new();
+        for (file, foreign) in files.iter().enumerate() {
+            for (index, function) in foreign.file.functions().iter().enumerate() {
+                if let Some(symbol) = names.get(&function.name) {
+                    by_name.entry(symbol).or_default().push((file, index));
+                }
+            }
+        }
+        Self { files, sessions: files.iter().map(|_| Session::default()).collect(), by_name, is_broken }
+    }
+
+    pub(super) fn is_function(&self, name: Symbol) -> bool {
+        self.by_name.contains_key(&name)
+    }
+
+    pub(super) fn names(&self) -> impl Iterator<Item = Symbol> + '_ {
+        self.by_name.keys().copied()
+    }
+
+    /// The functions of a name, each with its file.
+    fn all(&self, name: Symbol) -> impl Iterator<Item = (usize, &'a ForeignFile, &'a GlslFunction)> + '_ {
+        let files = self.files;
+        self.by_name.get(&name).into_iter().flatten().filter_map(move |&(file, index)| {
+            let foreign = files.get(file)?;
+            Some((file, foreign, foreign.file.functions().get(index)?))
+        })
+    }
+}
+
+impl Lowering<'_> {
+    /// Calls the GLSL function of this name whose parameters fit the arguments from `mark` on best. `None` if none
+    /// fits.
+    pub(super) fn foreign_call(&mut self, name: Symbol, mark: usize, span: Span) -> Option<Value> {
+        let arguments = self.arguments.get(mark..).unwrap_or_default();
+        if arguments.contains(&Value::Unknown) {
+            return self.declared.foreign.is_function(name).then_some(Value::Unknown);
+        }
+        let fitting = self.declared.foreign.all(name);
+        let fitting = fitting
+            .filter_map(|(index, file, function)| Some((cost(function, arguments)?, index, file, function)));
+        let mut fitting: Vec<_> = fitting.collect();
+        fitting.sort_by_key(|(cost, ..)| *cost);
+        let &(best, index, foreign, function) = fitting.first()?;
+        if let Some(&(_, _, other, twin)) =
+            fitting.iter().skip(1).find(|(cost, file, ..)| *cost == best && *file != index)
+        {
+            let name = self.name(name);
+            let message = format!("two GLSL files have a function `{name}` that fits this call");
+            let wrong = Diagnostic::new(span, message)
+                .note(foreign.span(&function.place), "one is here")
+                .note(other.span(&twin.place), "the other one is here");
+            return Some(self.reports.add(wrong.hint("give one of them another name")));
+        }
+        Some(self.execute(name, index, foreign, function, mark, span))
+    }
+
+    fn execute(
+        &mut self,
+        name: Symbol,
+        index: usize,
+        foreign: &ForeignFile,
+        function: &GlslFunction,
+        mark: usize,
+        span: Span,
+    ) -> Value {
+        let mut arguments: Vec<Vec<NodeId>> = Vec::new();
+        for (offset, parameter) in function.parameters.iter().enumerate() {
+            arguments.push(match (parameter.of, self.arguments.get(mark + offset).copied()) {
+                (Some(GlslType::Vector(size)), Some(Value::Vector(vector))) => {
+                    (0..usize::from(size)).map(|index| vector.part(index)).collect()
+                }
+                (_, Some(Value::Vector(vector))) => vec![self.with_known(vector).first()],
+                (_, Some(Value::Bool(node))) => vec![node],
+                _ => Vec::new(),
+            });
+        }
+        let Some(mut session) = self.declared.foreign.sessions.get_mut(index).map(std::mem::take) else {
+            return Value::Unknown;
+        };
+        let mut budget = Budget {
+            steps: self.steps_left(),
+            rounds_max: self.limits.scene_loop_max,
+            memory_max: self.limits.scene_expansion_max.min(1 << 18),
+        };
+        let given = self.given(foreign, span);
+        let steps = budget.steps;
+        let result = session.call(&foreign.file, function, &arguments, &mut self.graph, &mut budget, &given);
+        self.spend_steps(steps - budget.steps);
+        if let Some(place) = self.declared.foreign.sessions.get_mut(index) {
+            *place = session;
+        }
+        let nodes = match result {
+            Ok(nodes) => nodes,
+            Err(problem) => return self.foreign_problem(name, foreign, &problem, span),
+        };
+        if nodes.iter().any(|&node| self.known(node).is_none()) && foreign.file.reads_frame() {
+            self.inputs.take(uses::FRAME, name, span, &mut self.reports);
+        }
+        match function.result {
+            Some(GlslType::Bool) => nodes.first().map_or(Value::Unknown, |&node| Value::Bool(node)),
+            _ => Vector::from_slice(&nodes).map_or(Value::Unknown, Value::Vector),
+        }
+    }
+
+    /// The scene's parameters and lets that have the names of uniforms.
+    fn given(&mut self, foreign: &ForeignFile, span: Span) -> Vec<(String, Vec<NodeId>)> {
+        let mut given = Vec::new();
+        for uniform in foreign.file.uniforms() {
+            let Some(symbol) = self.names.get(uniform) else { continue };
+            let value = match self.declared.global(symbol).value {
+                GlobalValue::Param(index) => {
+                    self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
+                    Value::scalar(self.graph.input(Input::Param(index as u16)))
+                }
+                GlobalValue::Let(index) => self.global_let(index as usize, span),
+                GlobalValue::None => continue,
+            };
+            if let Value::Vector(vector) = value {
+                given.push((uniform.to_owned(), vector.parts().to_vec()));
+            }
+        }
+        given
+    }
+
+    #[cold]
+    fn foreign_problem(
+        &mut self,
+        name: Symbol,
+        foreign: &ForeignFile,
+        problem: &Problem,
+        span: Span,
+    ) -> Value {
+        let mut diagnostic = foreign.diagnostic(problem, span);
+        let is_limit = problem.kind == ProblemKind::OverLimit;
+        if diagnostic.span != span {
+            diagnostic = diagnostic.note(span, format!("`{}` is called here", self.name(name)));
+        }
+        let value = self.reports.add(diagnostic);
+        // Another call would only spend the same time again.
+        self.reports.stopped |= is_limit;
+        value
+    }
+
+    /// Reports a call that no GLSL function of the name fits.
+    #[cold]
+    pub(super) fn foreign_misfit(&mut self, name: Symbol, mark: usize, span: Span) -> Value {
+        let given = self.arguments.get(mark..).unwrap_or_default();
+        let given: Vec<&str> = given.iter().map(|value| value.described()).collect();
+        let text = self.name(name);
+        let mut diagnostic = match given.as_slice() {
+            [] => Diagnostic::new(span, format!("`{text}` cannot be called without arguments")),
+            _ => Diagnostic::new(span, format!("`{text}` cannot be called with {}", given.join(" and "))),
+        };
+        let mut is_callable = false;
+        let mut signatures = Vec::new();
+        for (_, foreign, function) in self.declared.foreign.all(name) {
+            is_callable |= function.is_callable();
+            signatures.push(foreign.signature(function));
+        }
+        if !is_callable {
+            diagnostic.fault = Fault::Unsupported;
+            diagnostic.message = format!(
+                "`{text}` can be called only from GLSL: scenes have no values of its parameters or result"
+            );
+        }
+        let hint = format!("it is declared as `{}`", signatures.join("` and `"));
+        self.reports.add(diagnostic.hint(hint))
+    }
+}
+
+/// How far the arguments are from a function's parameters: the number of numbers that become vectors. `None` if they
+/// do not fit.
+fn cost(function: &GlslFunction, arguments: &[Value]) -> Option<usize> {
+    if function.parameters.len() != arguments.len() || !function.is_callable() {
+        return None;
+    }
+    let mut cost = 0;
+    for (parameter, argument) in function.parameters.iter().zip(arguments) {
+        match (parameter.of?, argument) {
+            (GlslType::Float, Value::Vector(vector)) if vector.len() == 1 => {}
+            (GlslType::Whole, Value::Vector(vector)) if vector.len() == 1 => cost += 1,
+            (GlslType::Bool, Value::Bool(_)) => {}
+            (GlslType::Vector(size), Value::Vector(vector)) if vector.len() == usize::from(size) => {}
+            (GlslType::Vector(_), Value::Vector(vector)) if vector.len() == 1 => cost += 4,
+            _ => return None,
+        }
+    }
+    Some(cost)
+}
