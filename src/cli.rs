@@ -102,7 +102,7 @@ enum Command {
     #[command(after_help = "Examples:\n  mariana check speakers\n  mariana check my/*.scene\n  \
                             mariana check my.scene --json    for editors: an object for each mistake")]
     Check(check::CheckArguments),
-    /// Format scene files: regular indentation and blanks, aligned columns; the scenes stay the same
+    /// Format scene files; the scenes stay the same
     #[command(after_help = "Examples:\n  mariana format my.scene\n  mariana format --check my/*.scene\n  \
                             mariana format - < my.scene > formatted.scene")]
     Format(format::FormatArguments),

@@ -35,6 +35,7 @@ const TOP_LEVEL: &[&str] = &[
     "crates",
     "deny.toml",
     "docs",
+    "editors",
     "examples",
     "fuzz",
     "packaging",

@@ -3,7 +3,6 @@
 //! Children precede their parents. Code that visits the expressions recurses no deeper than the parser did: a chain
 //! of a million additions is deep only to the left, and visitors follow the left side in a loop.
 
-use super::names::NameEvent;
 use super::source::Span;
 use super::symbol::Symbol;
 
@@ -305,4 +304,52 @@ pub(super) enum Item {
     },
     /// An item with a mistake that was already reported. Uses of the item's name are not reported again.
     Broken(Name),
+}
+
+/// The kind of a declared name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NameKind {
+    /// A parameter of the scene.
+    Param,
+    /// A `let`, of the scene or local.
+    Let,
+    /// A function.
+    Function,
+    /// A parameter of a function.
+    FunctionParameter,
+    /// The variable of a loop.
+    LoopVariable,
+    /// An object.
+    Object,
+    /// A material.
+    Material,
+    /// A light.
+    Light,
+    /// A camera.
+    Camera,
+}
+
+/// A record of the parser about a name or a scope.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NameEvent {
+    /// An item begins at this offset, outside of all scopes.
+    Item(u32),
+    /// The item ends at this offset.
+    EndOfItem(u32),
+    /// A scope begins.
+    Opens,
+    /// The innermost scope ends at this offset.
+    Closes(u32),
+    /// A name is declared in the innermost scope, or at the top level.
+    Declares(NameKind, Name),
+    /// A field of a section begins. Its value follows.
+    Field(Section, Name),
+    /// The value of a name is read.
+    Reads(Name),
+    /// A function is called.
+    Calls(Name),
+    /// A name after a point.
+    Member(Span),
+    /// A file is included.
+    Includes(Name),
 }

@@ -48,6 +48,7 @@ mod value;
 mod words;
 
 pub use about::{About, TransitionStyle};
+pub use ast::NameKind;
 pub use changing::{Turning, changed_numbers, number_place};
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, Holds, MaterialRange};
@@ -57,7 +58,7 @@ pub use library::{Accuracy, Entry, PICTURES, entries, inputs, is_part, part_inpu
 pub use lower::section_fields;
 pub(crate) use material::material_members;
 pub use material::{Material, material_glsl};
-pub use names::{Declaration, Meaning, NameKind, Names, names};
+pub use names::{Declaration, Meaning, Names, names};
 pub use origins::{Origins, TextPlace};
 pub use parser::{Operator, PREFIX_BINDS, operators};
 pub use scene::{

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use super::ast::{Name, Section};
+use super::ast::{Name, NameEvent, NameKind};
 use super::diagnostic::Diagnostics;
 use super::fields::Holds;
 use super::load::{self, Loaded};
@@ -14,54 +14,6 @@ use super::source::{Sources, Span};
 use super::symbol::{Interner, Symbol};
 use super::{Resolver, library, lower};
 use crate::limits::LIMITS;
-
-/// The kind of a declared name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NameKind {
-    /// A parameter of the scene.
-    Param,
-    /// A `let`, of the scene or local.
-    Let,
-    /// A function.
-    Function,
-    /// A parameter of a function.
-    FunctionParameter,
-    /// The variable of a loop.
-    LoopVariable,
-    /// An object.
-    Object,
-    /// A material.
-    Material,
-    /// A light.
-    Light,
-    /// A camera.
-    Camera,
-}
-
-/// A record of the parser about a name or a scope.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum NameEvent {
-    /// An item begins at this offset, outside of all scopes.
-    Item(u32),
-    /// The item ends at this offset.
-    EndOfItem(u32),
-    /// A scope begins.
-    Opens,
-    /// The innermost scope ends at this offset.
-    Closes(u32),
-    /// A name is declared in the innermost scope, or at the top level.
-    Declares(NameKind, Name),
-    /// A field of a section begins. Its value follows.
-    Field(Section, Name),
-    /// The value of a name is read.
-    Reads(Name),
-    /// A function is called.
-    Calls(Name),
-    /// A name after a point.
-    Member(Span),
-    /// A file is included.
-    Includes(Name),
-}
 
 /// A declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -17,9 +17,7 @@ fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     words.into_iter().map(|word| format!("'{word}'")).collect::<Vec<_>>().join(", ")
 }
 
-pub(super) fn grammar() -> String {
-    let sections = quoted(item_words().filter(|word| !matches!(*word, "param" | "include")));
-    let types = quoted(type_names());
+fn binary_rules() -> String {
     let mut binary = String::new();
     for one in operators() {
         let side = if one.groups_from_the_right { "right" } else { "left" };
@@ -28,6 +26,13 @@ pub(super) fn grammar() -> String {
             one.binds, one.sign
         ));
     }
+    binary
+}
+
+pub(super) fn grammar() -> String {
+    let sections = quoted(item_words().filter(|word| !matches!(*word, "param" | "include")));
+    let types = quoted(type_names());
+    let binary = binary_rules();
     format!(
         r#"// {HEAD}
 

@@ -223,7 +223,16 @@ impl Editor {
                 editing.toggle_comment();
                 Ok(())
             }),
-            EditAction::Format => self.format(),
+            EditAction::Format => {
+                let mut is_correct = true;
+                self.edit(|editing| {
+                    is_correct = editing.format()?;
+                    Ok(())
+                });
+                if !is_correct {
+                    self.tell("correct the mistakes first: a text with mistakes is not formatted");
+                }
+            }
             EditAction::Propose => self.propose(true),
             EditAction::MakeParam => self.make_param(),
             EditAction::TurnNumber { up } => self.turn_by_key(up, shift),
@@ -282,17 +291,6 @@ impl Editor {
         });
         if !done && self.notice.words().is_none() {
             self.tell(nothing);
-        }
-    }
-
-    fn format(&mut self) {
-        let mut is_correct = true;
-        self.edit(|editing| {
-            is_correct = editing.format()?;
-            Ok(())
-        });
-        if !is_correct {
-            self.tell("correct the mistakes first: a text with mistakes is not formatted");
         }
     }
 

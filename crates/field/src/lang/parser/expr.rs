@@ -1,8 +1,7 @@
 //! Parses expressions by precedence climbing.
 
-use super::super::ast::{BinaryOp, Expr, ExprId, Name};
+use super::super::ast::{BinaryOp, Expr, ExprId, Name, NameEvent, NameKind};
 use super::super::diagnostic::Diagnostic;
-use super::super::names::{NameEvent, NameKind};
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::token::{Kind, word};

@@ -1,8 +1,9 @@
 //! Parses items, the top level of a scene.
 
-use super::super::ast::{Entry, Expr, ExprId, Function, Item, Name, Parameter, Section, Type};
+use super::super::ast::{
+    Entry, Expr, ExprId, Function, Item, Name, NameEvent, NameKind, Parameter, Section, Type,
+};
 use super::super::diagnostic::Diagnostic;
-use super::super::names::{NameEvent, NameKind};
 use super::super::suggest;
 use super::super::token::{Kind, Token, word};
 use super::Parser;

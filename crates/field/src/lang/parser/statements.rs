@@ -1,8 +1,9 @@
 //! Parses blocks and their statements: lets, assignments, loops with state, and `if` with braces.
 
-use super::super::ast::{Assignment, BinaryOp, Expr, ExprId, Loop, Name, Statements, When};
+use super::super::ast::{
+    Assignment, BinaryOp, Expr, ExprId, Loop, Name, NameEvent, NameKind, Statements, When,
+};
 use super::super::diagnostic::Diagnostic;
-use super::super::names::{NameEvent, NameKind};
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::token::{Kind, word};
