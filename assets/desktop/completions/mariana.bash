@@ -31,11 +31,17 @@ _mariana() {
             mariana,eval)
                 cmd="mariana__subcmd__eval"
                 ;;
+            mariana,export)
+                cmd="mariana__subcmd__export"
+                ;;
             mariana,format)
                 cmd="mariana__subcmd__format"
                 ;;
             mariana,help)
                 cmd="mariana__subcmd__help"
+                ;;
+            mariana,import)
+                cmd="mariana__subcmd__import"
                 ;;
             mariana,lsp)
                 cmd="mariana__subcmd__lsp"
@@ -70,11 +76,17 @@ _mariana() {
             mariana__subcmd__help,eval)
                 cmd="mariana__subcmd__help__subcmd__eval"
                 ;;
+            mariana__subcmd__help,export)
+                cmd="mariana__subcmd__help__subcmd__export"
+                ;;
             mariana__subcmd__help,format)
                 cmd="mariana__subcmd__help__subcmd__format"
                 ;;
             mariana__subcmd__help,help)
                 cmd="mariana__subcmd__help__subcmd__help"
+                ;;
+            mariana__subcmd__help,import)
+                cmd="mariana__subcmd__help__subcmd__import"
                 ;;
             mariana__subcmd__help,lsp)
                 cmd="mariana__subcmd__help__subcmd__lsp"
@@ -101,7 +113,7 @@ _mariana() {
 
     case "${cmd}" in
         mariana)
-            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check format lsp tape eval show scenes devices help"
+            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check format lsp tape eval import export show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -212,7 +224,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --view)
@@ -304,7 +316,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --sdf)
@@ -388,6 +400,28 @@ _mariana() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        mariana__subcmd__export)
+            opts="-o -h --glsl --main-image --output --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         mariana__subcmd__format)
             opts="-h --check --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
@@ -403,7 +437,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__help)
-            opts="still video analyze bench check format lsp tape eval show scenes devices help"
+            opts="still video analyze bench check format lsp tape eval import export show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -486,6 +520,20 @@ _mariana() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        mariana__subcmd__help__subcmd__export)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         mariana__subcmd__help__subcmd__format)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
@@ -501,6 +549,20 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__help__subcmd__help)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        mariana__subcmd__help__subcmd__import)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
@@ -598,6 +660,28 @@ _mariana() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        mariana__subcmd__import)
+            opts="-o -h --output --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         mariana__subcmd__lsp)
             opts="-h --stdio --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
@@ -634,7 +718,7 @@ _mariana() {
             fi
             case "${prev}" in
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --output)
@@ -676,7 +760,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --show)
@@ -788,7 +872,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --show)

@@ -64,24 +64,25 @@ impl Graph {
         }
         roots.iter().map(|root| values[root.index()] + 0.0).collect()
     }
+}
 
-    /// Returns bounds of a value that is the same at all points. With [`FrameInputs::any`], they hold for every frame.
-    ///
-    /// # Errors
-    /// [`GraphError::TooManyNodes`] if the graph has reached its limit.
-    pub fn bounds_of(&self, root: NodeId, frame: &FrameInputs) -> Result<Interval, GraphError> {
-        let mut bounds = vec![Interval::ANY; root.index() + 1];
-        for &id in &self.order(&[root])?.nodes {
-            bounds[id.index()] = match self.node(id) {
-                Node::Constant(value) => Interval::point(value),
-                Node::Input(input) => frame.bounds(input),
-                Node::Unary(op, a) => op.bounds(bounds[a.index()], Interval::point(0.0), frame),
-                Node::Binary(op, a, b) => op.bounds(bounds[a.index()], bounds[b.index()], frame),
-                Node::Texture { .. } => Interval::ANY,
-            };
-        }
-        Ok(bounds[root.index()])
+/// Returns bounds of a value of the graph that is the same at all points. With [`FrameInputs::any`], they hold for every
+/// frame.
+///
+/// # Errors
+/// [`GraphError::TooManyNodes`] if the graph has reached its limit.
+pub(crate) fn bounds_of(graph: &Graph, root: NodeId, frame: &FrameInputs) -> Result<Interval, GraphError> {
+    let mut bounds = vec![Interval::ANY; root.index() + 1];
+    for &id in &graph.order(&[root])?.nodes {
+        bounds[id.index()] = match graph.node(id) {
+            Node::Constant(value) => Interval::point(value),
+            Node::Input(input) => frame.bounds(input),
+            Node::Unary(op, a) => op.bounds(bounds[a.index()], Interval::point(0.0), frame),
+            Node::Binary(op, a, b) => op.bounds(bounds[a.index()], bounds[b.index()], frame),
+            Node::Texture { .. } => Interval::ANY,
+        };
     }
+    Ok(bounds[root.index()])
 }
 
 fn input_value(input: Input, point: &Point, frame: &FrameInputs) -> f32 {

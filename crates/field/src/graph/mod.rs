@@ -34,6 +34,7 @@ pub use choice::Choice;
 pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
 pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
+pub(crate) use evaluate::bounds_of;
 pub use frame_inputs::{FrameInputs, TextureReader};
 pub use gradient_interval::{GradientInterval, Pieces};
 pub use interval::{Interval, LIBRARY_ERROR};

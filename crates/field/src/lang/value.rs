@@ -1,7 +1,7 @@
 //! The result of lowering an expression: up to four scalar nodes of the graph.
 
 use super::ast::Type;
-use super::symbol::Symbol;
+use super::symbol::{Interner, Symbol};
 use crate::graph::NodeId;
 
 /// The order of the fields and the four bytes of `size` let a processor copy a vector with two loads right after it was
@@ -182,6 +182,13 @@ impl Composites {
     /// Returns the fields of a record; none for an unknown record.
     pub(super) fn record(&self, index: u32) -> &[(Symbol, Value)] {
         self.records.get(index as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// Names the fields of a record in a hint.
+    pub(super) fn fields_in_words(&self, index: u32, names: &Interner) -> String {
+        let fields = self.record(index).iter().map(|(name, _)| format!("`.{}`", names.name(*name)));
+        let fields: Vec<String> = fields.collect();
+        format!("a record is read by the names of its values: {}", fields.join(", "))
     }
 
     pub(super) fn type_of(&self, value: Value) -> Option<Type> {

@@ -319,25 +319,7 @@ impl<'m> Witness<'m> {
             Expression::Select { condition, accept, reject } => {
                 let condition = self.value(call, *condition);
                 let (then, otherwise) = (self.value(call, *accept), self.value(call, *reject));
-                match condition {
-                    Value::Bool(holds) => {
-                        if holds {
-                            then
-                        } else {
-                            otherwise
-                        }
-                    }
-                    Value::List(list) => Value::List(
-                        list.iter()
-                            .enumerate()
-                            .map(|(at, holds)| {
-                                let from = if holds.truth() { &then } else { &otherwise };
-                                from.list()[at].clone()
-                            })
-                            .collect(),
-                    ),
-                    other => panic!("no condition: {other:?}"),
-                }
+                selected(&condition, then, otherwise)
             }
             Expression::Relational { fun, argument } => {
                 let argument = self.value(call, *argument);
@@ -348,16 +330,7 @@ impl<'m> Witness<'m> {
                 }
             }
             Expression::As { expr, kind, .. } => {
-                self.value(call, *expr).map(&mut |part| match (kind, part) {
-                    (ScalarKind::Sint, Value::Float(value)) => Value::Int(*value as i32),
-                    (ScalarKind::Uint, Value::Float(value)) => Value::Uint(*value as u32),
-                    (ScalarKind::Sint, Value::Uint(value)) => Value::Int(*value as i32),
-                    (ScalarKind::Uint, Value::Int(value)) => Value::Uint(*value as u32),
-                    (ScalarKind::Bool, Value::Bool(value)) => Value::Bool(*value),
-                    (ScalarKind::Bool, part) => Value::Bool(part.float() != 0.0),
-                    (ScalarKind::Float, part) => Value::Float(part.float()),
-                    (_, part) => part.clone(),
-                })
+                self.value(call, *expr).map(&mut |part| converted(*kind, part))
             }
             Expression::Math { fun, arg, arg1, arg2, .. } => {
                 let a = self.value(call, *arg);
@@ -367,6 +340,34 @@ impl<'m> Witness<'m> {
             }
             other => panic!("unexpected {other:?}"),
         }
+    }
+}
+
+fn selected(condition: &Value, then: Value, otherwise: Value) -> Value {
+    match condition {
+        Value::Bool(true) => then,
+        Value::Bool(false) => otherwise,
+        Value::List(list) => {
+            let part = |(at, holds): (usize, &Value)| {
+                let from = if holds.truth() { &then } else { &otherwise };
+                from.list()[at].clone()
+            };
+            Value::List(list.iter().enumerate().map(part).collect())
+        }
+        other => panic!("no condition: {other:?}"),
+    }
+}
+
+fn converted(kind: ScalarKind, part: &Value) -> Value {
+    match (kind, part) {
+        (ScalarKind::Sint, Value::Float(value)) => Value::Int(*value as i32),
+        (ScalarKind::Uint, Value::Float(value)) => Value::Uint(*value as u32),
+        (ScalarKind::Sint, Value::Uint(value)) => Value::Int(*value as i32),
+        (ScalarKind::Uint, Value::Int(value)) => Value::Uint(*value as u32),
+        (ScalarKind::Bool, Value::Bool(value)) => Value::Bool(*value),
+        (ScalarKind::Bool, part) => Value::Bool(part.float() != 0.0),
+        (ScalarKind::Float, part) => Value::Float(part.float()),
+        (_, part) => part.clone(),
     }
 }
 

@@ -55,79 +55,76 @@ fn matrix(columns: &[Vec<f64>]) -> Value {
     Value::List(columns.iter().map(|column| vector(column.iter().map(|&x| x as f32))).collect())
 }
 
-pub(super) fn math(of: Of, a: &Value, b: Option<&Value>, c: Option<&Value>) -> Value {
+fn of_vectors(of: Of, a: &Value, b: Option<&Value>, c: Option<&Value>) -> Option<Value> {
     let (x, y) = (floats(a), b.map(floats).unwrap_or_default());
-    match of {
-        Of::Dot => return Value::Float(dot(&x, &y)),
-        Of::Length => return Value::Float(dot(&x, &x).sqrt()),
-        Of::Distance => {
-            return Value::Float(x.iter().zip(&y).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt());
-        }
+    Some(match of {
+        Of::Dot => Value::Float(dot(&x, &y)),
+        Of::Length => Value::Float(dot(&x, &x).sqrt()),
+        Of::Distance => Value::Float(x.iter().zip(&y).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()),
         Of::Normalize => {
             let length = dot(&x, &x).sqrt();
-            return vector(x.iter().map(|a| a / length));
+            vector(x.iter().map(|a| a / length))
         }
         Of::Cross => {
-            return vector([x[1] * y[2] - y[1] * x[2], x[2] * y[0] - y[2] * x[0], x[0] * y[1] - y[0] * x[1]]);
+            vector([x[1] * y[2] - y[1] * x[2], x[2] * y[0] - y[2] * x[0], x[0] * y[1] - y[0] * x[1]])
         }
         Of::Reflect => {
             let along = 2.0 * dot(&x, &y);
-            return vector(x.iter().zip(&y).map(|(i, n)| i - along * n));
+            vector(x.iter().zip(&y).map(|(i, n)| i - along * n))
         }
         Of::Refract => {
             let (eta, along) = (floats(c.unwrap())[0], dot(&x, &y));
             let k = 1.0 - eta * eta * (1.0 - along * along);
-            return vector(
-                x.iter().zip(&y).map(
-                    |(i, n)| {
-                        if k < 0.0 { 0.0 } else { eta * i - (eta * along + k.sqrt()) * n }
-                    },
-                ),
-            );
+            vector(x.iter().zip(&y).map(
+                |(i, n)| {
+                    if k < 0.0 { 0.0 } else { eta * i - (eta * along + k.sqrt()) * n }
+                },
+            ))
         }
         Of::FaceForward => {
             let sign = if dot(&floats(c.unwrap()), &y) < 0.0 { 1.0 } else { -1.0 };
-            return vector(x.iter().map(|n| sign * n));
+            vector(x.iter().map(|n| sign * n))
         }
-        Of::Outer => return Value::List(y.iter().map(|b| vector(x.iter().map(|a| a * b))).collect()),
+        Of::Outer => Value::List(y.iter().map(|b| vector(x.iter().map(|a| a * b))).collect()),
         Of::Transpose => {
             let m = columns(a);
             let rows: Vec<Vec<f64>> =
                 (0..m[0].len()).map(|row| m.iter().map(|column| column[row]).collect()).collect();
-            return matrix(&rows);
+            matrix(&rows)
         }
-        Of::Determinant => return Value::Float(eliminated(columns(a)).0 as f32),
-        Of::Inverse => return matrix(&eliminated(columns(a)).1),
-        _ => {}
-    }
-    if let Value::Int(x) = *a {
-        let whole = |value: Option<&Value>| match value {
-            Some(Value::Int(value)) => *value,
-            other => panic!("no whole number: {other:?}"),
-        };
-        return Value::Int(match of {
-            Of::Abs => x.abs(),
-            Of::Sign => x.signum(),
-            Of::Min => x.min(whole(b)),
-            Of::Max => x.max(whole(b)),
-            Of::Clamp => x.max(whole(b)).min(whole(c)),
-            other => panic!("unexpected {other:?}"),
-        });
-    }
-    let two = |f: &dyn Fn(f32, f32) -> f32| zip(a, b.unwrap(), f);
-    let three = |f: &dyn Fn(f32, f32, f32) -> f32| {
-        let pairs = zip(a, b.unwrap(), &|a, _| a);
-        let (b, c) = (b.unwrap(), c.unwrap());
-        let len = floats(&pairs).len();
-        let part = |value: &Value, at: usize| {
-            let list = floats(value);
-            if list.len() == 1 { list[0] } else { list[at] }
-        };
-        let parts: Vec<f32> =
-            (0..len.max(floats(c).len())).map(|at| f(part(a, at), part(b, at), part(c, at))).collect();
-        if let [one] = parts.as_slice() { Value::Float(*one) } else { vector(parts) }
+        Of::Determinant => Value::Float(eliminated(columns(a)).0 as f32),
+        Of::Inverse => matrix(&eliminated(columns(a)).1),
+        _ => return None,
+    })
+}
+
+fn of_whole(of: Of, x: i32, b: Option<&Value>, c: Option<&Value>) -> i32 {
+    let whole = |value: Option<&Value>| match value {
+        Some(Value::Int(value)) => *value,
+        other => panic!("no whole number: {other:?}"),
     };
     match of {
+        Of::Abs => x.abs(),
+        Of::Sign => x.signum(),
+        Of::Min => x.min(whole(b)),
+        Of::Max => x.max(whole(b)),
+        Of::Clamp => x.max(whole(b)).min(whole(c)),
+        other => panic!("unexpected {other:?}"),
+    }
+}
+
+pub(super) fn math(of: Of, a: &Value, b: Option<&Value>, c: Option<&Value>) -> Value {
+    if let Some(value) = of_vectors(of, a, b, c) {
+        return value;
+    }
+    match *a {
+        Value::Int(x) => Value::Int(of_whole(of, x, b, c)),
+        _ => of_one(of, a).unwrap_or_else(|| of_several(of, a, b, c)),
+    }
+}
+
+fn of_one(of: Of, a: &Value) -> Option<Value> {
+    Some(match of {
         Of::Abs => each(of, a, f32::abs),
         Of::Cos => each(of, a, f32::cos),
         Of::Cosh => each(of, a, f32::cosh),
@@ -163,6 +160,25 @@ pub(super) fn math(of: Of, a: &Value, b: Option<&Value>, c: Option<&Value>) -> V
                 0.0
             }
         }),
+        _ => return None,
+    })
+}
+
+fn of_several(of: Of, a: &Value, b: Option<&Value>, c: Option<&Value>) -> Value {
+    let two = |f: &dyn Fn(f32, f32) -> f32| zip(a, b.unwrap(), f);
+    let three = |f: &dyn Fn(f32, f32, f32) -> f32| {
+        let pairs = zip(a, b.unwrap(), &|a, _| a);
+        let (b, c) = (b.unwrap(), c.unwrap());
+        let len = floats(&pairs).len();
+        let part = |value: &Value, at: usize| {
+            let list = floats(value);
+            if list.len() == 1 { list[0] } else { list[at] }
+        };
+        let parts: Vec<f32> =
+            (0..len.max(floats(c).len())).map(|at| f(part(a, at), part(b, at), part(c, at))).collect();
+        if let [one] = parts.as_slice() { Value::Float(*one) } else { vector(parts) }
+    };
+    match of {
         Of::Min => two(&f32::min),
         Of::Max => two(&f32::max),
         Of::Pow => two(&f32::powf),

@@ -2,13 +2,12 @@
 
 use super::super::builtin::{Builtin, BuiltinRow, Three, uses};
 use super::super::diagnostic::Diagnostic;
-use super::super::path;
-use super::super::scene::TextureRef;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::expr::zip;
 use super::lowering::Lowering;
+use super::texture_read::TextureRead;
 use crate::graph::{Graph, Input, LevelList, NodeId, Op};
 
 /// The index with which a scene reads a level of a list.
@@ -38,7 +37,7 @@ impl Lowering<'_> {
             return Value::Unknown;
         }
         if row.builtin == Builtin::Texture {
-            return self.texture(mark, first, span);
+            return TextureRead { outer: self, mark, first, span }.value();
         }
         if let Builtin::Matrix(function) = row.builtin {
             return self.matrix_function(row, function, mark, span);
@@ -166,65 +165,6 @@ impl Lowering<'_> {
             return None;
         }
         Some(Number::Known(number as usize))
-    }
-
-    fn texture(&mut self, mark: usize, first: u32, span: Span) -> Value {
-        if let Some(symbol) = self.names.get("texture") {
-            self.inputs.take(uses::TEXTURE, symbol, span, &mut self.reports);
-        }
-        let mut arguments = self.arguments.iter().skip(mark).copied();
-        let (file, at) = (arguments.next(), arguments.next());
-        let file = match file {
-            Some(Value::Text(symbol)) => symbol,
-            Some(Value::Unknown) | None => return Value::Unknown,
-            Some(other) => {
-                let message = format!("`texture` takes a file's name in quotes, not {}", other.described());
-                let place = self.argument_span(first, 0, span);
-                return self
-                    .reports
-                    .add(Diagnostic::new(place, message).hint("write `texture(\"wood.png\", uv)`"));
-            }
-        };
-        let at = match at {
-            Some(Value::Vector(vector)) if vector.len() == 2 => vector,
-            Some(Value::Unknown) | None => return Value::Unknown,
-            Some(other) => {
-                let message = format!("`texture` takes a vec2 as its position, not {}", other.described());
-                let place = self.argument_span(first, 1, span);
-                return self
-                    .reports
-                    .add(Diagnostic::new(place, message).hint("take two components, as in `p.xz`"));
-            }
-        };
-        let Some(number) = self.texture_number(file, self.argument_span(first, 0, span)) else {
-            return Value::Unknown;
-        };
-        let (u, v) = (at.part(0), at.part(1));
-        let parts = [0, 1, 2, 3].map(|channel| self.graph.texture(number, channel, u, v));
-        Vector::of(parts).map_or(Value::Unknown, Value::Vector)
-    }
-
-    fn texture_number(&mut self, file: Symbol, span: Span) -> Option<u16> {
-        let place = self.reports.library_call.map_or(span, |call| call.1);
-        let name = match path::checked(self.name(file)) {
-            Ok(name) => name,
-            Err((message, hint)) => {
-                self.reports.add(Diagnostic::new(place, message).hint(hint));
-                return None;
-            }
-        };
-        if let Some(known) = self.declared.textures.iter().position(|one| one.name == name) {
-            return Some(known as u16);
-        }
-        let max = self.limits.scene_textures_max;
-        if self.declared.textures.len() >= max {
-            let message = format!("the scene reads more than {max} images");
-            self.reports
-                .add(Diagnostic::over_limit(place, message).hint("combine several images into one file"));
-            return None;
-        }
-        self.declared.textures.push(TextureRef { name, span: place, moves: None });
-        Some((self.declared.textures.len() - 1) as u16)
     }
 }
 

@@ -9,6 +9,7 @@ use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
 use super::super::value::Value;
+use super::foreign::ForeignCall;
 use super::lowering::Lowering;
 use crate::graph::NodeId;
 
@@ -47,13 +48,13 @@ impl Lowering<'_> {
         let is_foreign = !matches!(callee, Some(Callee::Scene(_)))
             && self.reports.library_call.is_none()
             && self.declared.foreign.is_function(name);
-        let foreign = if is_foreign { self.foreign_call(name, mark, span) } else { None };
+        let foreign = if is_foreign { ForeignCall { outer: self, name, mark, span }.value() } else { None };
         if let Some(value) = foreign {
             self.arguments.truncate(mark);
             return value;
         }
         let value = match callee {
-            None if is_foreign => self.foreign_misfit(name, mark, span),
+            None if is_foreign => ForeignCall { outer: self, name, mark, span }.misfit(),
             None => self.unknown_function(name, span),
             Some(callee) if fold > 0 => {
                 let has_loop = count as usize >= usize::from(fold);
@@ -88,7 +89,12 @@ impl Lowering<'_> {
             self.arguments.push(Value::Unknown);
             return;
         };
-        if self.is_too_long(start, end, "repeat space instead: `repeat(p, size)`", span) {
+        if self.reports.loop_too_long(
+            end - start,
+            self.limits,
+            "repeat space instead: `repeat(p, size)`",
+            span,
+        ) {
             self.arguments.push(Value::Unknown);
             return;
         }
@@ -110,17 +116,6 @@ impl Lowering<'_> {
         self.budget.depth -= 1;
     }
 
-    /// Reports a loop with too many iterations.
-    pub(super) fn is_too_long(&mut self, start: i64, end: i64, hint: &str, span: Span) -> bool {
-        let max = self.limits.scene_loop_max;
-        let too_long = end - start > max as i64;
-        if too_long {
-            let message = format!("this loop has {} iterations; the maximum is {max}", end - start);
-            self.reports.add(Diagnostic::over_limit(span, message).hint(hint));
-        }
-        too_long
-    }
-
     /// Evaluates a loop's bound, a constant whole number.
     pub(super) fn loop_bound(&mut self, id: ExprId) -> Option<i64> {
         let span = self.ast.span(id);
@@ -134,18 +129,7 @@ impl Lowering<'_> {
             self.reports.add(wrong.hint("write whole numbers; to skip iterations use `if` in the loop"));
             return None;
         };
-        self.whole_bound(value, span)
-    }
-
-    pub(super) fn whole_bound(&mut self, value: f32, span: Span) -> Option<i64> {
-        if value.fract() != 0.0 || value.abs() > 1e6 {
-            self.reports.add(Diagnostic::new(
-                span,
-                format!("a loop's bounds must be whole numbers up to 1000000, but this is {value}"),
-            ));
-            return None;
-        }
-        Some(value as i64)
+        self.reports.whole_bound(value, span)
     }
 
     /// Combines the values from `mark` on, two at a time from the left. Each call also gets the last `tail` arguments.

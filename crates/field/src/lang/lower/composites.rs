@@ -1,11 +1,11 @@
 //! Lowers matrices and records.
 
-use super::super::ast::{BinaryOp, ExprId};
+use super::super::ast::{BinaryOp, ExprId, Type};
 use super::super::builtin::{BuiltinRow, MatrixFunction};
 use super::super::diagnostic::Diagnostic;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
-use super::super::value::{Matrix, Value, Vector};
+use super::super::value::{Composites, Matrix, Value, Vector};
 use super::lowering::Lowering;
 use crate::graph::{Graph, NodeId, Op};
 
@@ -33,111 +33,22 @@ impl Lowering<'_> {
             return *value;
         }
         let message = format!("the record has no value `{}`", self.name(name));
-        let hint = self.fields_of(record);
+        let hint = self.scope.composites.fields_in_words(record, self.names);
         self.reports.add(Diagnostic::new(span, message).hint(hint))
-    }
-
-    pub(super) fn fields_of(&self, record: u32) -> String {
-        let fields = self.scope.composites.record(record);
-        let fields: Vec<String> = fields.iter().map(|(name, _)| format!("`.{}`", self.name(*name))).collect();
-        format!("a record is read by the names of its values: {}", fields.join(", "))
-    }
-
-    /// Chooses between two records with the same names.
-    pub(super) fn either_record(
-        &mut self,
-        condition: NodeId,
-        (yes, no): (u32, u32),
-        what: &str,
-        span: Span,
-    ) -> Value {
-        let names = |index: u32| self.scope.composites.record(index).iter().map(|(name, _)| *name);
-        if !names(yes).eq(names(no)) {
-            let message = format!("{what} must have the same names in the same order");
-            return self.reports.add(Diagnostic::new(span, message));
-        }
-        let pairs: Vec<((Symbol, Value), Value)> = {
-            let (yes, no) = (self.scope.composites.record(yes), self.scope.composites.record(no));
-            yes.iter().copied().zip(no.iter().map(|(_, value)| *value)).collect()
-        };
-        let mut fields = Vec::with_capacity(pairs.len());
-        for ((name, yes), no) in pairs {
-            fields.push((name, self.either(condition, yes, no, what, span)));
-        }
-        self.scope.composites.add_record(fields)
-    }
-
-    /// Combines the elements of two matrices. `None` if their sizes differ.
-    pub(super) fn matrix_pair(
-        &mut self,
-        a: u32,
-        b: u32,
-        mut f: impl FnMut(&mut Graph, NodeId, NodeId) -> NodeId,
-    ) -> Option<Value> {
-        let (a, b) = (self.scope.composites.matrix(a)?, self.scope.composites.matrix(b)?);
-        if a.len() != b.len() {
-            return None;
-        }
-        let graph = &mut self.graph;
-        let columns: Option<Vec<Vector>> =
-            a.columns().iter().zip(b.columns()).map(|(a, b)| a.zip(*b, |a, b| f(graph, a, b))).collect();
-        Some(self.scope.composites.add_matrix(Matrix::of_columns(&columns?)?))
     }
 
     /// Lowers an operator with a matrix on at least one side.
     #[cold]
     pub(super) fn matrix_binary(&mut self, op: BinaryOp, left: Value, right: Value, span: Span) -> Value {
-        let operator = match op {
-            BinaryOp::Add => Some(Op::Add),
-            BinaryOp::Subtract => Some(Op::Sub),
-            BinaryOp::Multiply => Some(Op::Mul),
-            BinaryOp::Divide => Some(Op::Div),
-            _ => None,
-        };
-        let found = match (operator, left, right) {
-            (Some(Op::Mul), Value::Matrix(a), Value::Matrix(b)) => self.matrix_product(a, b),
-            (Some(Op::Mul), Value::Matrix(a), Value::Vector(b)) if b.len() > 1 => {
-                self.scope.composites.matrix(a).and_then(|a| times(&mut self.graph, &a, b)).map(Value::Vector)
-            }
-            (Some(Op::Mul), Value::Vector(a), Value::Matrix(b)) if a.len() > 1 => {
-                let b = self.scope.composites.matrix(b).and_then(|b| transposed(&b));
-                b.and_then(|b| times(&mut self.graph, &b, a)).map(Value::Vector)
-            }
-            (Some(operator), Value::Matrix(a), Value::Matrix(b)) => {
-                self.matrix_pair(a, b, |graph, a, b| graph.binary(operator, a, b))
-            }
-            (Some(operator), Value::Matrix(a), Value::Vector(b)) if b.len() == 1 => {
-                self.each_element(a, |graph, part| graph.binary(operator, part, b.first()))
-            }
-            (Some(operator), Value::Vector(a), Value::Matrix(b)) if a.len() == 1 => {
-                self.each_element(b, |graph, part| graph.binary(operator, a.first(), part))
-            }
-            _ => None,
-        };
-        found.unwrap_or_else(|| {
-            let types = &self.scope.composites;
-            let described =
-                |value| types.type_of(value).map_or("a record", super::super::ast::Type::described);
-            let (a, b) = (described(left), described(right));
-            let message = format!("`{}` cannot combine {a} and {b}", op.sign());
-            let hint = "a mat2 multiplies a vec2, and a mat3 a vec3";
-            self.reports.add(Diagnostic::new(span, message).hint(hint))
-        })
-    }
-
-    fn each_element(&mut self, a: u32, mut f: impl FnMut(&mut Graph, NodeId) -> NodeId) -> Option<Value> {
-        let matrix = self.scope.composites.matrix(a)?;
-        let graph = &mut self.graph;
-        let columns: Vec<Vector> =
-            matrix.columns().iter().map(|column| column.map(|part| f(graph, part))).collect();
-        Some(self.scope.composites.add_matrix(Matrix::of_columns(&columns)?))
-    }
-
-    fn matrix_product(&mut self, a: u32, b: u32) -> Option<Value> {
-        let (a, b) = (self.scope.composites.matrix(a)?, self.scope.composites.matrix(b)?);
-        let columns: Option<Vec<Vector>> =
-            b.columns().iter().map(|column| times(&mut self.graph, &a, *column)).collect();
-        Some(self.scope.composites.add_matrix(Matrix::of_columns(&columns?)?))
+        if let Some(value) = Matrices::of(self).binary(op, left, right) {
+            return value;
+        }
+        let types = &self.scope.composites;
+        let described = |value| types.type_of(value).map_or("a record", Type::described);
+        let (a, b) = (described(left), described(right));
+        let message = format!("`{}` cannot combine {a} and {b}", op.sign());
+        let hint = "a mat2 multiplies a vec2, and a mat3 a vec3";
+        self.reports.add(Diagnostic::new(span, message).hint(hint))
     }
 
     /// Calls a function that makes or takes a matrix, with the arguments from `mark` on.
@@ -152,43 +63,121 @@ impl Lowering<'_> {
         if arguments.contains(&Value::Unknown) {
             return Value::Unknown;
         }
-        let made = match (function, &arguments[..]) {
-            (MatrixFunction::Construct(size), _) => self.construct_matrix(usize::from(size), &arguments),
-            (_, [Value::Matrix(index)]) => {
-                self.scope.composites.matrix(*index).and_then(|matrix| match function {
-                    MatrixFunction::Transpose => {
-                        transposed(&matrix).map(|matrix| self.scope.composites.add_matrix(matrix))
-                    }
-                    MatrixFunction::Inverse => inverse(&mut self.graph, &matrix)
-                        .map(|matrix| self.scope.composites.add_matrix(matrix)),
-                    _ => Some(Value::scalar(determinant(&mut self.graph, &matrix))),
-                })
+        if let Some(value) = Matrices::of(self).function(function, &arguments) {
+            return value;
+        }
+        let types: Vec<&str> = arguments.iter().map(|value| value.described()).collect();
+        let message = match function {
+            MatrixFunction::Construct(size) => format!(
+                "`{}` needs {size} columns, or {} numbers in the order of the columns",
+                row.name,
+                size * size
+            ),
+            _ => format!("`{}` takes a matrix, not {}", row.name, types.join(" and ")),
+        };
+        let hint = format!("it is declared as `{}({})`", row.name, row.parameters);
+        self.reports.add(Diagnostic::new(span, message).hint(hint))
+    }
+}
+
+/// Computes with the matrices of a scene. The methods return `None` for operands that do not fit.
+pub(super) struct Matrices<'l> {
+    graph: &'l mut Graph,
+    composites: &'l mut Composites,
+}
+
+impl<'l> Matrices<'l> {
+    pub(super) fn of(lowering: &'l mut Lowering<'_>) -> Self {
+        Self { graph: &mut lowering.graph, composites: &mut lowering.scope.composites }
+    }
+
+    fn add(&mut self, columns: Option<Vec<Vector>>) -> Option<Value> {
+        Some(self.composites.add_matrix(Matrix::of_columns(&columns?)?))
+    }
+
+    /// Combines the elements of two matrices.
+    pub(super) fn pair(
+        &mut self,
+        a: u32,
+        b: u32,
+        mut f: impl FnMut(&mut Graph, NodeId, NodeId) -> NodeId,
+    ) -> Option<Value> {
+        let (a, b) = (self.composites.matrix(a)?, self.composites.matrix(b)?);
+        if a.len() != b.len() {
+            return None;
+        }
+        let graph = &mut *self.graph;
+        let columns = a.columns().iter().zip(b.columns()).map(|(a, b)| a.zip(*b, |a, b| f(graph, a, b)));
+        let columns = columns.collect();
+        self.add(columns)
+    }
+
+    fn binary(&mut self, op: BinaryOp, left: Value, right: Value) -> Option<Value> {
+        let operator = match op {
+            BinaryOp::Add => Op::Add,
+            BinaryOp::Subtract => Op::Sub,
+            BinaryOp::Multiply => Op::Mul,
+            BinaryOp::Divide => Op::Div,
+            _ => return None,
+        };
+        match (operator, left, right) {
+            (Op::Mul, Value::Matrix(a), Value::Matrix(b)) => self.product(a, b),
+            (Op::Mul, Value::Matrix(a), Value::Vector(b)) if b.len() > 1 => {
+                let a = self.composites.matrix(a)?;
+                times(self.graph, &a, b).map(Value::Vector)
+            }
+            (Op::Mul, Value::Vector(a), Value::Matrix(b)) if a.len() > 1 => {
+                let b = transposed(&self.composites.matrix(b)?)?;
+                times(self.graph, &b, a).map(Value::Vector)
+            }
+            (_, Value::Matrix(a), Value::Matrix(b)) => {
+                self.pair(a, b, |graph, a, b| graph.binary(operator, a, b))
+            }
+            (_, Value::Matrix(a), Value::Vector(b)) if b.len() == 1 => {
+                self.each_element(a, |graph, part| graph.binary(operator, part, b.first()))
+            }
+            (_, Value::Vector(a), Value::Matrix(b)) if a.len() == 1 => {
+                self.each_element(b, |graph, part| graph.binary(operator, a.first(), part))
             }
             _ => None,
+        }
+    }
+
+    fn each_element(&mut self, a: u32, mut f: impl FnMut(&mut Graph, NodeId) -> NodeId) -> Option<Value> {
+        let matrix = self.composites.matrix(a)?;
+        let columns = matrix.columns().iter().map(|column| column.map(|part| f(self.graph, part)));
+        let columns = columns.collect();
+        self.add(Some(columns))
+    }
+
+    fn product(&mut self, a: u32, b: u32) -> Option<Value> {
+        let (a, b) = (self.composites.matrix(a)?, self.composites.matrix(b)?);
+        let columns = b.columns().iter().map(|column| times(self.graph, &a, *column)).collect();
+        self.add(columns)
+    }
+
+    fn function(&mut self, function: MatrixFunction, arguments: &[Value]) -> Option<Value> {
+        if let MatrixFunction::Construct(size) = function {
+            return self.construct(usize::from(size), arguments);
+        }
+        let [Value::Matrix(index)] = arguments else { return None };
+        let matrix = self.composites.matrix(*index)?;
+        let made = match function {
+            MatrixFunction::Transpose => transposed(&matrix)?,
+            MatrixFunction::Inverse => inverse(self.graph, &matrix)?,
+            _ => return Some(Value::scalar(determinant(self.graph, &matrix))),
         };
-        made.unwrap_or_else(|| {
-            let types: Vec<&str> = arguments.iter().map(|value| value.described()).collect();
-            let message = match function {
-                MatrixFunction::Construct(size) => format!(
-                    "`{}` needs {size} columns, or {} numbers in the order of the columns",
-                    row.name,
-                    size * size
-                ),
-                _ => format!("`{}` takes a matrix, not {}", row.name, types.join(" and ")),
-            };
-            let hint = format!("it is declared as `{}({})`", row.name, row.parameters);
-            self.reports.add(Diagnostic::new(span, message).hint(hint))
-        })
+        Some(self.composites.add_matrix(made))
     }
 
     /// Builds a matrix from one number for the diagonal, from a larger matrix, or from its elements by columns.
-    fn construct_matrix(&mut self, size: usize, arguments: &[Value]) -> Option<Value> {
+    fn construct(&mut self, size: usize, arguments: &[Value]) -> Option<Value> {
         if let [Value::Matrix(index)] = arguments {
-            let larger = self.scope.composites.matrix(*index)?;
+            let larger = self.composites.matrix(*index)?;
             let columns = larger.columns().get(..size)?.iter();
-            let columns: Option<Vec<Vector>> =
-                columns.map(|column| column.parts().get(..size).and_then(Vector::from_slice)).collect();
-            return Some(self.scope.composites.add_matrix(Matrix::of_columns(&columns?)?));
+            let columns = columns.map(|column| column.parts().get(..size).and_then(Vector::from_slice));
+            let columns = columns.collect();
+            return self.add(columns);
         }
         let mut parts = Vec::new();
         for argument in arguments {
@@ -196,14 +185,14 @@ impl Lowering<'_> {
             parts.extend_from_slice(vector.parts());
         }
         if let [diagonal] = parts[..] {
-            let zero = self.constant(0.0);
+            let zero = self.graph.constant(0.0);
             parts = (0..size * size).map(|at| if at % (size + 1) == 0 { diagonal } else { zero }).collect();
         }
         if parts.len() != size * size {
             return None;
         }
-        let columns: Option<Vec<Vector>> = parts.chunks(size).map(Vector::from_slice).collect();
-        Some(self.scope.composites.add_matrix(Matrix::of_columns(&columns?)?))
+        let columns = parts.chunks(size).map(Vector::from_slice).collect();
+        self.add(columns)
     }
 }
 

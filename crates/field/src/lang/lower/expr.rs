@@ -9,6 +9,7 @@ use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
+use super::choice::Choice;
 use super::declared::GlobalValue;
 use super::lowering::Lowering;
 use crate::graph::{Graph, NodeId, Op};
@@ -156,50 +157,11 @@ impl Lowering<'_> {
         }
         let (yes, no) = (self.expr_below(yes, span), self.expr_below(no, span));
         match part {
-            Some(part) => self.either(part, yes, no, "both results of `if`", span),
+            Some(condition) => {
+                Choice { lowering: self, condition, what: "both results of `if`", span }.between(yes, no)
+            }
             None => Value::Unknown,
         }
-    }
-
-    /// Returns `yes` where the condition holds, else `no`. `what` names the two values in messages.
-    pub(super) fn either(
-        &mut self,
-        condition: NodeId,
-        yes: Value,
-        no: Value,
-        what: &str,
-        span: Span,
-    ) -> Value {
-        match (yes, no) {
-            _ if yes == no => yes,
-            (Value::Unknown, _) | (_, Value::Unknown) => Value::Unknown,
-            (Value::Vector(a), Value::Vector(b)) => {
-                let len = a.len().max(b.len());
-                match (a.widened(len), b.widened(len)) {
-                    (Some(a), Some(b)) => {
-                        zip(&mut self.graph, a, b, |graph, a, b| graph.select(condition, a, b))
-                    }
-                    _ => self.types_differ(what, yes, no, span),
-                }
-            }
-            (Value::Bool(a), Value::Bool(b)) => Value::Bool(self.graph.select(condition, a, b)),
-            (Value::Text(_), Value::Text(_)) => {
-                let wrong = Diagnostic::unsupported(span, "an `if` cannot choose between files");
-                self.reports.add(wrong.hint("read both textures and choose between their colours"))
-            }
-            (Value::Matrix(a), Value::Matrix(b)) => self
-                .matrix_pair(a, b, |graph, a, b| graph.select(condition, a, b))
-                .unwrap_or_else(|| self.types_differ(what, yes, no, span)),
-            (Value::Record(a), Value::Record(b)) => self.either_record(condition, (a, b), what, span),
-            _ => self.types_differ(what, yes, no, span),
-        }
-    }
-
-    #[cold]
-    pub(super) fn types_differ(&mut self, what: &str, yes: Value, no: Value, span: Span) -> Value {
-        let message =
-            format!("{what} must have the same type, not {} and {}", yes.described(), no.described());
-        self.reports.add(Diagnostic::new(span, message))
     }
 
     /// Returns the vector in a value. Reports values that are not numbers or vectors; `what` names the operation in the
@@ -219,7 +181,9 @@ impl Lowering<'_> {
                 let wrong = Diagnostic::new(span, message);
                 let wrong = match other {
                     Value::Bool(_) => wrong.hint("a condition becomes a number with `if a then 1 else 0`"),
-                    Value::Record(record) => wrong.hint(self.fields_of(record)),
+                    Value::Record(record) => {
+                        wrong.hint(self.scope.composites.fields_in_words(record, self.names))
+                    }
                     _ => wrong,
                 };
                 self.reports.add(wrong);

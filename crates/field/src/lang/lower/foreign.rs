@@ -55,15 +55,24 @@ impl<'a> Foreign<'a> {
     }
 }
 
-impl Lowering<'_> {
+/// A call of a GLSL function with the arguments from `mark` on.
+pub(super) struct ForeignCall<'l, 'a> {
+    pub outer: &'l mut Lowering<'a>,
+    pub name: Symbol,
+    pub mark: usize,
+    pub span: Span,
+}
+
+impl ForeignCall<'_, '_> {
     /// Calls the GLSL function of this name whose parameters fit the arguments from `mark` on best. `None` if none
     /// fits.
-    pub(super) fn foreign_call(&mut self, name: Symbol, mark: usize, span: Span) -> Option<Value> {
-        let arguments = self.arguments.get(mark..).unwrap_or_default();
+    pub(super) fn value(&mut self) -> Option<Value> {
+        let (name, mark, span) = (self.name, self.mark, self.span);
+        let arguments = self.outer.arguments.get(mark..).unwrap_or_default();
         if arguments.contains(&Value::Unknown) {
-            return self.declared.foreign.is_function(name).then_some(Value::Unknown);
+            return self.outer.declared.foreign.is_function(name).then_some(Value::Unknown);
         }
-        let fitting = self.declared.foreign.all(name);
+        let fitting = self.outer.declared.foreign.all(name);
         let fitting = fitting
             .filter_map(|(index, file, function)| Some((cost(function, arguments)?, index, file, function)));
         let mut fitting: Vec<_> = fitting.collect();
@@ -72,57 +81,51 @@ impl Lowering<'_> {
         if let Some(&(_, _, other, twin)) =
             fitting.iter().skip(1).find(|(cost, file, ..)| *cost == best && *file != index)
         {
-            let name = self.name(name);
+            let name = self.outer.name(name);
             let message = format!("two GLSL files have a function `{name}` that fits this call");
             let wrong = Diagnostic::new(span, message)
                 .note(foreign.span(&function.place), "one is here")
                 .note(other.span(&twin.place), "the other one is here");
-            return Some(self.reports.add(wrong.hint("give one of them another name")));
+            return Some(self.outer.reports.add(wrong.hint("give one of them another name")));
         }
-        Some(self.execute(name, index, foreign, function, mark, span))
+        Some(self.execute(index, foreign, function))
     }
 
-    fn execute(
-        &mut self,
-        name: Symbol,
-        index: usize,
-        foreign: &ForeignFile,
-        function: &GlslFunction,
-        mark: usize,
-        span: Span,
-    ) -> Value {
+    fn execute(&mut self, index: usize, foreign: &ForeignFile, function: &GlslFunction) -> Value {
         let mut arguments: Vec<Vec<NodeId>> = Vec::new();
         for (offset, parameter) in function.parameters.iter().enumerate() {
-            arguments.push(match (parameter.of, self.arguments.get(mark + offset).copied()) {
+            arguments.push(match (parameter.of, self.outer.arguments.get(self.mark + offset).copied()) {
                 (Some(GlslType::Vector(size)), Some(Value::Vector(vector))) => {
                     (0..usize::from(size)).map(|index| vector.part(index)).collect()
                 }
-                (_, Some(Value::Vector(vector))) => vec![self.with_known(vector).first()],
+                (_, Some(Value::Vector(vector))) => vec![self.outer.with_known(vector).first()],
                 (_, Some(Value::Bool(node))) => vec![node],
                 _ => Vec::new(),
             });
         }
-        let Some(mut session) = self.declared.foreign.sessions.get_mut(index).map(std::mem::take) else {
+        let Some(mut session) = self.outer.declared.foreign.sessions.get_mut(index).map(std::mem::take)
+        else {
             return Value::Unknown;
         };
         let mut budget = Budget {
-            steps: self.steps_left(),
-            rounds_max: self.limits.scene_loop_max,
-            memory_max: self.limits.scene_expansion_max.min(1 << 18),
+            steps: self.outer.budget.left(self.outer.limits),
+            rounds_max: self.outer.limits.scene_loop_max,
+            memory_max: self.outer.limits.scene_expansion_max.min(1 << 18),
         };
-        let given = self.given(foreign, span);
+        let given = self.given(foreign);
         let steps = budget.steps;
-        let result = session.call(&foreign.file, function, &arguments, &mut self.graph, &mut budget, &given);
-        self.spend_steps(steps - budget.steps);
-        if let Some(place) = self.declared.foreign.sessions.get_mut(index) {
+        let result =
+            session.call(&foreign.file, function, &arguments, &mut self.outer.graph, &mut budget, &given);
+        self.outer.budget.spend(steps - budget.steps);
+        if let Some(place) = self.outer.declared.foreign.sessions.get_mut(index) {
             *place = session;
         }
         let nodes = match result {
             Ok(nodes) => nodes,
-            Err(problem) => return self.foreign_problem(name, foreign, &problem, span),
+            Err(problem) => return self.problem(foreign, &problem),
         };
-        if nodes.iter().any(|&node| self.known(node).is_none()) && foreign.file.reads_frame() {
-            self.inputs.take(uses::FRAME, name, span, &mut self.reports);
+        if nodes.iter().any(|&node| self.outer.known(node).is_none()) && foreign.file.reads_frame() {
+            self.outer.inputs.take(uses::FRAME, self.name, self.span, &mut self.outer.reports);
         }
         match function.result {
             Some(GlslType::Bool) => nodes.first().map_or(Value::Unknown, |&node| Value::Bool(node)),
@@ -131,16 +134,16 @@ impl Lowering<'_> {
     }
 
     /// The scene's parameters and lets that have the names of uniforms.
-    fn given(&mut self, foreign: &ForeignFile, span: Span) -> Vec<(String, Vec<NodeId>)> {
+    fn given(&mut self, foreign: &ForeignFile) -> Vec<(String, Vec<NodeId>)> {
         let mut given = Vec::new();
         for uniform in foreign.file.uniforms() {
-            let Some(symbol) = self.names.get(uniform) else { continue };
-            let value = match self.declared.global(symbol).value {
+            let Some(symbol) = self.outer.names.get(uniform) else { continue };
+            let value = match self.outer.declared.global(symbol).value {
                 GlobalValue::Param(index) => {
-                    self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
-                    Value::scalar(self.graph.input(Input::Param(index as u16)))
+                    self.outer.inputs.take(uses::FRAME, symbol, self.span, &mut self.outer.reports);
+                    Value::scalar(self.outer.graph.input(Input::Param(index as u16)))
                 }
-                GlobalValue::Let(index) => self.global_let(index as usize, span),
+                GlobalValue::Let(index) => self.outer.global_let(index as usize, self.span),
                 GlobalValue::None => continue,
             };
             if let Value::Vector(vector) = value {
@@ -151,37 +154,33 @@ impl Lowering<'_> {
     }
 
     #[cold]
-    fn foreign_problem(
-        &mut self,
-        name: Symbol,
-        foreign: &ForeignFile,
-        problem: &Problem,
-        span: Span,
-    ) -> Value {
+    fn problem(&mut self, foreign: &ForeignFile, problem: &Problem) -> Value {
+        let (name, span) = (self.name, self.span);
         let mut diagnostic = foreign.diagnostic(problem, span);
         let is_limit = problem.kind == ProblemKind::OverLimit;
         if diagnostic.span != span {
-            diagnostic = diagnostic.note(span, format!("`{}` is called here", self.name(name)));
+            diagnostic = diagnostic.note(span, format!("`{}` is called here", self.outer.name(name)));
         }
-        let value = self.reports.add(diagnostic);
+        let value = self.outer.reports.add(diagnostic);
         // Another call would only spend the same time again.
-        self.reports.stopped |= is_limit;
+        self.outer.reports.stopped |= is_limit;
         value
     }
 
     /// Reports a call that no GLSL function of the name fits.
     #[cold]
-    pub(super) fn foreign_misfit(&mut self, name: Symbol, mark: usize, span: Span) -> Value {
-        let given = self.arguments.get(mark..).unwrap_or_default();
+    pub(super) fn misfit(&mut self) -> Value {
+        let (name, span) = (self.name, self.span);
+        let given = self.outer.arguments.get(self.mark..).unwrap_or_default();
         let given: Vec<&str> = given.iter().map(|value| value.described()).collect();
-        let text = self.name(name);
+        let text = self.outer.name(name);
         let mut diagnostic = match given.as_slice() {
             [] => Diagnostic::new(span, format!("`{text}` cannot be called without arguments")),
             _ => Diagnostic::new(span, format!("`{text}` cannot be called with {}", given.join(" and "))),
         };
         let mut is_callable = false;
         let mut signatures = Vec::new();
-        for (_, foreign, function) in self.declared.foreign.all(name) {
+        for (_, foreign, function) in self.outer.declared.foreign.all(name) {
             is_callable |= function.is_callable();
             signatures.push(foreign.signature(function));
         }
@@ -192,7 +191,7 @@ impl Lowering<'_> {
             );
         }
         let hint = format!("it is declared as `{}`", signatures.join("` and `"));
-        self.reports.add(diagnostic.hint(hint))
+        self.outer.reports.add(diagnostic.hint(hint))
     }
 }
 

@@ -94,6 +94,18 @@ pub(super) struct Budget {
     steps: usize,
 }
 
+impl Budget {
+    /// Number of steps up to the limit.
+    pub(super) fn left(&self, limits: &Limits) -> usize {
+        limits.scene_expansion_max.saturating_sub(self.steps)
+    }
+
+    /// Counts steps that were made elsewhere.
+    pub(super) fn spend(&mut self, count: usize) {
+        self.steps += count;
+    }
+}
+
 impl<'a> Lowering<'a> {
     pub(super) fn new(
         ast: &'a Ast,
@@ -138,16 +150,6 @@ impl<'a> Lowering<'a> {
             self.reports.stop(span, message, "nest fewer function calls, or shorten the loops");
         }
         !self.reports.stopped
-    }
-
-    /// Number of steps up to the limit.
-    pub(super) fn steps_left(&self) -> usize {
-        self.limits.scene_expansion_max.saturating_sub(self.budget.steps)
-    }
-
-    /// Counts steps that were made elsewhere.
-    pub(super) fn spend_steps(&mut self, count: usize) {
-        self.budget.steps += count;
     }
 
     pub(super) fn written_number(&mut self, value: f32, id: ExprId) -> Value {

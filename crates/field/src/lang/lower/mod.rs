@@ -7,6 +7,7 @@
 
 mod builtins;
 mod call;
+mod choice;
 mod composites;
 mod declare;
 mod declared;
@@ -21,6 +22,7 @@ mod scene;
 mod scope;
 mod sections;
 mod statements;
+mod texture_read;
 mod unused;
 
 pub use sections::section_fields;

@@ -5,14 +5,13 @@ use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::source::Span;
-use super::super::suggest;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::builtins::Number;
 use super::declared::GlobalValue;
 use super::expr::is_swizzle;
 use super::lowering::Lowering;
-use crate::graph::{LevelList, NodeId, Op, Part, PartInput, PartNumber};
+use crate::graph::{Graph, LevelList, NodeId, Op, Part, PartInput, PartNumber};
 
 impl Lowering<'_> {
     /// Returns the part with this name, unless the scene declares a value of the same name.
@@ -38,11 +37,12 @@ impl Lowering<'_> {
             return if is_input && is_swizzle(text) {
                 None
             } else {
-                Some(self.no_such_number(part, text, span))
+                Some(self.reports.no_such_number(part, text, span))
             };
         }
         self.inputs.take(uses::FRAME, symbol, span, &mut self.reports);
-        let numbers: Vec<NodeId> = indices.into_iter().map(|index| self.part_number(index)).collect();
+        let numbers: Vec<NodeId> =
+            indices.into_iter().map(|index| part_number(&mut self.graph, index)).collect();
         Some(Vector::from_slice(&numbers).map_or(Value::Unknown, Value::Vector))
     }
 
@@ -63,7 +63,7 @@ impl Lowering<'_> {
         };
         let first = PartInput::first_band(part).index();
         Value::scalar(match self.level_number(LevelList::Band, index, index_span) {
-            Some(Number::Known(band)) => self.part_number(first + band),
+            Some(Number::Known(band)) => part_number(&mut self.graph, first + band),
             Some(Number::Computed(index)) => {
                 let last = LevelList::Band.count() - 1;
                 let [least, most] = [0.0, last as f32].map(|bound| self.graph.constant(bound));
@@ -77,27 +77,9 @@ impl Lowering<'_> {
             None => return Value::Unknown,
         })
     }
+}
 
-    fn part_number(&mut self, index: usize) -> NodeId {
-        let index = self.graph.constant(index as f32);
-        self.graph.unary(Op::Part, index)
-    }
-
-    #[cold]
-    fn no_such_number(&mut self, part: Part, name: &str, span: Span) -> Value {
-        let names: Vec<&str> = library::part_inputs().map(|(name, _)| name).collect();
-        let near = suggest::nearest(name, names.iter().copied());
-        let short: String = name.chars().take(60).collect();
-        let unknown = Diagnostic::new(span, format!("`{}` has no input `{short}`", part.name()));
-        let of_song = crate::graph::SoundInput::named(name).is_some();
-        let hint = match near {
-            _ if name == "band" => format!("write the band's number, as in `{}.band(3)`", part.name()),
-            Some(near) => format!("did you mean `{}.{near}`?", part.name()),
-            None if of_song => {
-                format!("`{name}` describes the whole song: read it without `{}.`", part.name())
-            }
-            None => format!("a part of the song has {}", names.join(", ")),
-        };
-        self.reports.add(unknown.hint(hint))
-    }
+fn part_number(graph: &mut Graph, index: usize) -> NodeId {
+    let index = graph.constant(index as f32);
+    graph.unary(Op::Part, index)
 }

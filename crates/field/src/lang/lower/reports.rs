@@ -1,9 +1,13 @@
 //! Reports of mistakes, always at a location in the scene's own text rather than in the library.
 
 use super::super::diagnostic::{Diagnostic, Diagnostics};
+use super::super::library;
 use super::super::source::Span;
+use super::super::suggest;
 use super::super::symbol::{Interner, Symbol};
 use super::super::value::Value;
+use crate::graph::Part;
+use crate::limits::Limits;
 
 const CALLS_SHOWN: usize = 3;
 
@@ -40,6 +44,29 @@ impl Reports<'_> {
         let value = self.add(Diagnostic::over_limit(span, message).hint(hint));
         self.stopped = true;
         value
+    }
+
+    /// Reports a loop with too many iterations.
+    pub(super) fn loop_too_long(&mut self, iterations: i64, limits: &Limits, hint: &str, span: Span) -> bool {
+        let max = limits.scene_loop_max;
+        let is_too_long = iterations > max as i64;
+        if is_too_long {
+            let message = format!("this loop has {iterations} iterations; the maximum is {max}");
+            self.add(Diagnostic::over_limit(span, message).hint(hint));
+        }
+        is_too_long
+    }
+
+    /// Returns a loop's bound. Reports a number that is not whole or too large.
+    pub(super) fn whole_bound(&mut self, value: f32, span: Span) -> Option<i64> {
+        if value.fract() != 0.0 || value.abs() > 1e6 {
+            self.add(Diagnostic::new(
+                span,
+                format!("a loop's bounds must be whole numbers up to 1000000, but this is {value}"),
+            ));
+            return None;
+        }
+        Some(value as i64)
     }
 
     /// Reports that a name depends on itself, and through which names it does.
@@ -93,5 +120,23 @@ impl Reports<'_> {
         };
         let message = format!("`{}` takes {number}, but gets {count}", self.names.name(name));
         self.add(Diagnostic::new(span, message).hint(hint));
+    }
+
+    #[cold]
+    pub(super) fn no_such_number(&mut self, part: Part, name: &str, span: Span) -> Value {
+        let names: Vec<&str> = library::part_inputs().map(|(name, _)| name).collect();
+        let near = suggest::nearest(name, names.iter().copied());
+        let short: String = name.chars().take(60).collect();
+        let unknown = Diagnostic::new(span, format!("`{}` has no input `{short}`", part.name()));
+        let of_song = crate::graph::SoundInput::named(name).is_some();
+        let hint = match near {
+            _ if name == "band" => format!("write the band's number, as in `{}.band(3)`", part.name()),
+            Some(near) => format!("did you mean `{}.{near}`?", part.name()),
+            None if of_song => {
+                format!("`{name}` describes the whole song: read it without `{}.`", part.name())
+            }
+            None => format!("a part of the song has {}", names.join(", ")),
+        };
+        self.add(unknown.hint(hint))
     }
 }

@@ -3,7 +3,6 @@
 use super::super::origins::Stretch;
 use super::super::symbol::Symbol;
 use super::super::value::{Composites, Value};
-use crate::graph::NodeId;
 
 pub(super) struct Binding {
     pub symbol: Symbol,
@@ -23,23 +22,9 @@ pub(super) struct Scope {
     innermost: Vec<u32>,
     /// Index of the current function's first binding.
     pub frame: usize,
-    /// Index of the first binding that a statement of the current block may change. A block that is a value changes
-    /// only its own names, because both sides of a choice are lowered.
-    pub floor: usize,
     /// The next block is a function's body, which may also change the function's parameters.
     pub enters_body: bool,
-    pub flow: Flow,
     pub composites: Composites,
-}
-
-/// Where the current statement runs, within the innermost loop. Without a node, the condition is a constant.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Flow {
-    /// The condition of all `if`s around the statement; without a node, true.
-    pub path: Option<NodeId>,
-    /// The condition that the loop has ended early; without a node, false.
-    pub ended: Option<NodeId>,
-    pub in_loop: bool,
 }
 
 impl Scope {
@@ -48,9 +33,7 @@ impl Scope {
             bindings: Vec::new(),
             innermost: vec![NO_BINDING; names],
             frame: 0,
-            floor: 0,
             enters_body: false,
-            flow: Flow::default(),
             composites: Composites::default(),
         }
     }
@@ -75,10 +58,10 @@ impl Scope {
         }
     }
 
-    /// Changes the value of a name. Returns false if the current block may not change this name.
-    pub(super) fn assign(&mut self, symbol: Symbol, value: Value, by: Stretch) -> bool {
+    /// Changes the value of a name. Returns false if the innermost binding of the name precedes `floor`.
+    pub(super) fn assign(&mut self, floor: usize, symbol: Symbol, value: Value, by: Stretch) -> bool {
         let Some(&index) = self.innermost.get(symbol.index()) else { return false };
-        let own = index as usize >= self.floor;
+        let own = index as usize >= floor;
         match self.bindings.get_mut(index as usize).filter(|_| own) {
             Some(binding) => {
                 (binding.value, binding.by) = (value, by);
@@ -88,20 +71,20 @@ impl Scope {
         }
     }
 
-    /// The values of the names that the current block may change.
-    pub(super) fn values(&self) -> Vec<Value> {
-        self.bindings.iter().skip(self.floor).map(|binding| binding.value).collect()
+    /// The values of the bindings from `floor` on.
+    pub(super) fn values(&self, floor: usize) -> Vec<Value> {
+        self.bindings.iter().skip(floor).map(|binding| binding.value).collect()
     }
 
-    pub(super) fn put_back(&mut self, values: &[Value]) {
-        for (binding, value) in self.bindings.iter_mut().skip(self.floor).zip(values) {
+    pub(super) fn put_back(&mut self, floor: usize, values: &[Value]) {
+        for (binding, value) in self.bindings.iter_mut().skip(floor).zip(values) {
             binding.value = *value;
         }
     }
 
     /// Changes the values at which `before` and `after` differ, and notes the text that computes them.
-    pub(super) fn change(&mut self, before: &[Value], after: &[Value], by: Stretch) {
-        let changed = self.bindings.iter_mut().skip(self.floor).zip(before.iter().zip(after));
+    pub(super) fn change(&mut self, floor: usize, before: &[Value], after: &[Value], by: Stretch) {
+        let changed = self.bindings.iter_mut().skip(floor).zip(before.iter().zip(after));
         for (binding, (before, after)) in changed {
             binding.value = *after;
             if before != after {

@@ -21,6 +21,11 @@ struct Target {
     tokens: usize,
 }
 
+/// Parses the statements of a block.
+struct StatementParser<'p, 'a> {
+    outer: &'p mut Parser<'a>,
+}
+
 impl Parser<'_> {
     /// Parses `{ statement… result }`, from the opening brace.
     pub(super) fn block(&mut self) -> ExprId {
@@ -29,7 +34,7 @@ impl Parser<'_> {
         self.ast.note(NameEvent::Opens);
         let result = self.within(false, |parser| {
             loop {
-                let result = match parser.statements() {
+                let result = match (StatementParser { outer: parser }).statements() {
                     Some(choice) => choice,
                     None => parser.block_result(open),
                 };
@@ -41,7 +46,9 @@ impl Parser<'_> {
                 let hint = "a block consists of statements and one result: `{ let a = 1  a + 2 }`";
                 parser.report(if wrong.hint.is_none() { wrong.hint(hint) } else { wrong });
                 parser.skip_until(|_| false);
-                if !parser.token().is_word(word::LET) && parser.target().is_none() {
+                if !parser.token().is_word(word::LET)
+                    && (StatementParser { outer: parser }).target().is_none()
+                {
                     parser.eat(Kind::CloseBrace);
                     return result;
                 }
@@ -61,27 +68,29 @@ impl Parser<'_> {
         }
         self.expression()
     }
+}
 
+impl StatementParser<'_, '_> {
     /// Parses statements and pushes them to `lists`. Returns a choice `if a then b else c`, if one follows: it is the
     /// block's result.
     fn statements(&mut self) -> Option<ExprId> {
         loop {
-            while self.eat(Kind::Semicolon) {}
-            let at = self.at;
+            while self.outer.eat(Kind::Semicolon) {}
+            let at = self.outer.at;
             match self.statement() {
-                Parsed::Statement(id) => self.lists.push(id.0),
+                Parsed::Statement(id) => self.outer.lists.push(id.0),
                 Parsed::Choice(id) => return Some(id),
                 Parsed::Nothing => return None,
             }
-            if self.at == at {
+            if self.outer.at == at {
                 return None;
             }
         }
     }
 
     fn statement(&mut self) -> Parsed {
-        let token = self.token();
-        if self.eat_word(word::LET) {
+        let token = self.outer.token();
+        if self.outer.eat_word(word::LET) {
             return self.let_statement(token.span);
         }
         if let Some(target) = self.target() {
@@ -93,33 +102,33 @@ impl Parser<'_> {
             word::FOR => return Parsed::Statement(self.loop_statement()),
             word::WHILE => return Parsed::Statement(self.while_statement()),
             word::BREAK => {
-                self.advance();
-                return Parsed::Statement(self.ast.push(Expr::Break, token.span));
+                self.outer.advance();
+                return Parsed::Statement(self.outer.ast.push(Expr::Break, token.span));
             }
             _ => {}
         }
         if token.is_name() && self.counts_up() {
-            return Parsed::Statement(self.error_node());
+            return Parsed::Statement(self.outer.error_node());
         }
-        match self.glsl_habit() {
+        match self.outer.glsl_habit() {
             Habit::None => Parsed::Nothing,
             Habit::Let => self.let_statement(token.span),
-            Habit::Skipped => Parsed::Statement(self.error_node()),
+            Habit::Skipped => Parsed::Statement(self.outer.error_node()),
         }
     }
 
     fn let_statement(&mut self, start: Span) -> Parsed {
-        let bound = self.binding();
-        let span = self.since(start);
+        let bound = self.outer.binding();
+        let span = self.outer.since(start);
         Parsed::Statement(match bound {
-            Some((name, value)) => self.ast.push(Expr::Let(name.symbol, value), span),
-            None => self.error_node(),
+            Some((name, value)) => self.outer.ast.push(Expr::Let(name.symbol, value), span),
+            None => self.outer.error_node(),
         })
     }
 
     /// Reports GLSL's `i++` and `i--`, and skips them.
     fn counts_up(&mut self) -> bool {
-        let (first, second) = (self.ahead(1), self.ahead(2));
+        let (first, second) = (self.outer.ahead(1), self.outer.ahead(2));
         let sign = match first.kind {
             Kind::Plus => '+',
             Kind::Minus => '-',
@@ -128,27 +137,27 @@ impl Parser<'_> {
         if second.kind != first.kind || first.span.end != second.span.start || first.newline {
             return false;
         }
-        let name = self.names.name(self.token().symbol);
-        let span = Span::new(self.token().span.start, second.span.end);
+        let name = self.outer.names.name(self.outer.token().symbol);
+        let span = Span::new(self.outer.token().span.start, second.span.end);
         let unknown = Diagnostic::unsupported(span, format!("there is no `{sign}{sign}`"));
-        self.report(unknown.hint(format!("write `{name} {sign}= 1`")));
+        self.outer.report(unknown.hint(format!("write `{name} {sign}= 1`")));
         for _ in 0..3 {
-            self.advance();
+            self.outer.advance();
         }
         true
     }
 
     /// Recognizes the left side of an assignment, from the current token.
     fn target(&self) -> Option<Target> {
-        let token = self.token();
+        let token = self.outer.token();
         if !token.is_name() {
             return None;
         }
-        let (components, mut tokens) = match self.ahead(1).kind {
-            Kind::Dot if self.ahead(2).kind == Kind::Name => (Some(self.ahead(2).symbol), 3),
+        let (components, mut tokens) = match self.outer.ahead(1).kind {
+            Kind::Dot if self.outer.ahead(2).kind == Kind::Name => (Some(self.outer.ahead(2).symbol), 3),
             _ => (None, 1),
         };
-        let sign = self.ahead(tokens);
+        let sign = self.outer.ahead(tokens);
         let op = match sign.kind {
             Kind::Assign => None,
             Kind::Plus => Some(BinaryOp::Add),
@@ -159,7 +168,7 @@ impl Parser<'_> {
         };
         if op.is_some() {
             tokens += 1;
-            let equals = self.ahead(tokens);
+            let equals = self.outer.ahead(tokens);
             if equals.kind != Kind::Assign || equals.span.start != sign.span.end {
                 return None;
             }
@@ -168,97 +177,97 @@ impl Parser<'_> {
     }
 
     fn assignment(&mut self, target: &Target) -> ExprId {
-        let start = self.token().span;
-        self.ast.note(NameEvent::Reads(Name { symbol: target.name, span: start }));
+        let start = self.outer.token().span;
+        self.outer.ast.note(NameEvent::Reads(Name { symbol: target.name, span: start }));
         if target.components.is_some() {
-            self.ast.note(NameEvent::Member(self.ahead(2).span));
+            self.outer.ast.note(NameEvent::Member(self.outer.ahead(2).span));
         }
         for _ in 0..target.tokens {
-            self.advance();
+            self.outer.advance();
         }
-        let value = self.expression();
-        self.end_of_entry();
-        let span = self.since(start);
+        let value = self.outer.expression();
+        self.outer.end_of_entry();
+        let span = self.outer.since(start);
         let &Target { name, components, op, .. } = target;
-        self.ast.push_assignment(Assignment { name, components, op, value }, span)
+        self.outer.ast.push_assignment(Assignment { name, components, op, value }, span)
     }
 
     /// Parses `for i in 0..8 while condition { … }`.
     fn loop_statement(&mut self) -> ExprId {
-        let start = self.token().span;
-        let Some((variable, first, end)) = self.loop_head(LOOP_EXAMPLE) else {
+        let start = self.outer.token().span;
+        let Some((variable, first, end)) = self.outer.loop_head(LOOP_EXAMPLE) else {
             self.skip_braces();
-            return self.error_node();
+            return self.outer.error_node();
         };
-        self.ast.note(NameEvent::Opens);
-        self.ast.note(NameEvent::Declares(NameKind::LoopVariable, variable));
-        let condition = self.eat_word(word::WHILE).then(|| self.expression());
+        self.outer.ast.note(NameEvent::Opens);
+        self.outer.ast.note(NameEvent::Declares(NameKind::LoopVariable, variable));
+        let condition = self.outer.eat_word(word::WHILE).then(|| self.outer.expression());
         let body = self.body("the loop's body in braces", LOOP_EXAMPLE);
-        self.ast.note(NameEvent::Closes(self.end_before));
+        self.outer.ast.note(NameEvent::Closes(self.outer.end_before));
         let Some(body) = body else {
-            return self.error_node();
+            return self.outer.error_node();
         };
-        let span = self.since(start);
-        self.ast.push_loop(Loop { variable: variable.symbol, first, end, condition, body }, span)
+        let span = self.outer.since(start);
+        self.outer.ast.push_loop(Loop { variable: variable.symbol, first, end, condition, body }, span)
     }
 
     #[cold]
     fn while_statement(&mut self) -> ExprId {
         let unknown =
-            Diagnostic::unsupported(self.token().span, "a loop needs a maximum number of iterations");
-        self.report(unknown.hint("write `for i in 0..64 while condition { … }`"));
-        self.advance();
-        self.expression();
+            Diagnostic::unsupported(self.outer.token().span, "a loop needs a maximum number of iterations");
+        self.outer.report(unknown.hint("write `for i in 0..64 while condition { … }`"));
+        self.outer.advance();
+        self.outer.expression();
         self.skip_braces();
-        self.error_node()
+        self.outer.error_node()
     }
 
     /// Skips a block in braces, if one follows on this line.
     fn skip_braces(&mut self) {
-        self.skip_until(|parser| parser.kind() == Kind::OpenBrace || parser.token().newline);
-        if self.eat(Kind::OpenBrace) {
-            self.skip_until(|_| false);
-            self.eat(Kind::CloseBrace);
+        self.outer.skip_until(|parser| parser.kind() == Kind::OpenBrace || parser.token().newline);
+        if self.outer.eat(Kind::OpenBrace) {
+            self.outer.skip_until(|_| false);
+            self.outer.eat(Kind::CloseBrace);
         }
     }
 
     /// Parses `if condition { … } else { … }`, or a choice `if a then b else c`.
     fn when(&mut self) -> Parsed {
-        if self.nesting >= self.nesting_max {
-            return Parsed::Statement(self.too_deep());
+        if self.outer.nesting >= self.outer.nesting_max {
+            return Parsed::Statement(self.outer.too_deep());
         }
-        self.nesting += 1;
+        self.outer.nesting += 1;
         let parsed = self.choice_or_when();
-        self.nesting -= 1;
+        self.outer.nesting -= 1;
         parsed
     }
 
     fn choice_or_when(&mut self) -> Parsed {
-        let start = self.advance().span;
-        let condition = self.expression();
-        let is_statement = self.kind() == Kind::OpenBrace && !self.is_value_in_braces()
-            || self.token().is_word(word::BREAK)
+        let start = self.outer.advance().span;
+        let condition = self.outer.expression();
+        let is_statement = self.outer.kind() == Kind::OpenBrace && !self.is_value_in_braces()
+            || self.outer.token().is_word(word::BREAK)
             || self.target().is_some();
         if !is_statement {
-            return Parsed::Choice(self.choice(start, condition));
+            return Parsed::Choice(self.outer.choice(start, condition));
         }
-        let Some(yes) = self.branch() else { return Parsed::Statement(self.error_node()) };
+        let Some(yes) = self.branch() else { return Parsed::Statement(self.outer.error_node()) };
         let mut no = Statements { first: 0, count: 0 };
-        if self.eat_word(word::ELSE) {
-            let Some(other) = self.branch() else { return Parsed::Statement(self.error_node()) };
+        if self.outer.eat_word(word::ELSE) {
+            let Some(other) = self.branch() else { return Parsed::Statement(self.outer.error_node()) };
             no = other;
         }
-        let span = self.since(start);
-        Parsed::Statement(self.ast.push_when(When { condition, yes, no }, span))
+        let span = self.outer.since(start);
+        Parsed::Statement(self.outer.ast.push_when(When { condition, yes, no }, span))
     }
 
     /// True if the braces at the current token hold an expression instead of statements.
     fn is_value_in_braces(&self) -> bool {
-        let first = self.ahead(1);
+        let first = self.outer.ahead(1);
         let starts = |symbol| first.is_word(symbol);
         let is_assignment = first.is_name()
             && matches!(
-                self.ahead(2).kind,
+                self.outer.ahead(2).kind,
                 Kind::Assign | Kind::Dot | Kind::Plus | Kind::Minus | Kind::Star | Kind::Slash | Kind::Name
             );
         let is_statement = [word::LET, word::IF, word::FOR, word::WHILE, word::BREAK].into_iter().any(starts)
@@ -268,23 +277,23 @@ impl Parser<'_> {
 
     /// Parses the statements of one side of an `if`: in braces, a single one, or another `if`.
     fn branch(&mut self) -> Option<Statements> {
-        if self.kind() == Kind::OpenBrace {
+        if self.outer.kind() == Kind::OpenBrace {
             return self.body("statements in braces", "if a > b { z = a } else { z = b }");
         }
-        let mark = self.lists.len();
-        self.ast.note(NameEvent::Opens);
+        let mark = self.outer.lists.len();
+        self.outer.ast.note(NameEvent::Opens);
         let parsed = self.statement();
-        self.ast.note(NameEvent::Closes(self.end_before));
+        self.outer.ast.note(NameEvent::Closes(self.outer.end_before));
         match parsed {
             Parsed::Statement(id) => {
-                self.eat(Kind::Semicolon);
-                self.lists.push(id.0);
-                let (first, count) = self.take_list(mark);
+                self.outer.eat(Kind::Semicolon);
+                self.outer.lists.push(id.0);
+                let (first, count) = self.outer.take_list(mark);
                 Some(Statements { first, count })
             }
             Parsed::Choice(_) | Parsed::Nothing => {
-                let wrong = self.expected("statements in braces");
-                self.report(wrong.hint("write `if a > b { z = a } else { z = b }`"));
+                let wrong = self.outer.expected("statements in braces");
+                self.outer.report(wrong.hint("write `if a > b { z = a } else { z = b }`"));
                 None
             }
         }
@@ -292,30 +301,30 @@ impl Parser<'_> {
 
     /// Parses `{ statement… }`. `None` if a mistake was reported.
     fn body(&mut self, what: &str, example: &str) -> Option<Statements> {
-        let open = self.token().span;
-        if !self.eat(Kind::OpenBrace) {
-            let wrong = self.expected(what);
-            self.report(wrong.hint(format!("write `{example}`")));
+        let open = self.outer.token().span;
+        if !self.outer.eat(Kind::OpenBrace) {
+            let wrong = self.outer.expected(what);
+            self.outer.report(wrong.hint(format!("write `{example}`")));
             return None;
         }
-        if self.nesting >= self.nesting_max {
-            self.too_deep();
+        if self.outer.nesting >= self.outer.nesting_max {
+            self.outer.too_deep();
             return None;
         }
-        self.nesting += 1;
-        let mark = self.lists.len();
-        self.ast.note(NameEvent::Opens);
-        let choice = self.within(false, Self::statements);
-        self.ast.note(NameEvent::Closes(self.end_before));
-        self.nesting -= 1;
-        let (first, count) = self.take_list(mark);
-        if choice.is_some() || self.kind() != Kind::CloseBrace {
-            let wrong = self.expected("`}` after the statements").note(open, "for this `{`");
+        self.outer.nesting += 1;
+        let mark = self.outer.lists.len();
+        self.outer.ast.note(NameEvent::Opens);
+        let choice = self.outer.within(false, |parser| StatementParser { outer: parser }.statements());
+        self.outer.ast.note(NameEvent::Closes(self.outer.end_before));
+        self.outer.nesting -= 1;
+        let (first, count) = self.outer.take_list(mark);
+        if choice.is_some() || self.outer.kind() != Kind::CloseBrace {
+            let wrong = self.outer.expected("`}` after the statements").note(open, "for this `{`");
             let hint = "these braces hold assignments and no result: `z = a`";
-            self.report(if wrong.hint.is_none() { wrong.hint(hint) } else { wrong });
-            self.skip_until(|_| false);
+            self.outer.report(if wrong.hint.is_none() { wrong.hint(hint) } else { wrong });
+            self.outer.skip_until(|_| false);
         }
-        self.eat(Kind::CloseBrace);
+        self.outer.eat(Kind::CloseBrace);
         Some(Statements { first, count })
     }
 }
