@@ -85,10 +85,10 @@ impl ScenePreparation {
         &mut self,
         ready: Result<ReadyScene, SceneError>,
         scenes: &mut PreparedScenes,
-        messages: &mut Messages,
     ) -> Result<Option<Refusal>, GpuError> {
         let source = self.library.wanted().clone();
         let name = source.title();
+        let mut warning = None;
         // The editor shows warnings beside the text.
         if let Ok(ready) = &ready
             && let Some(first) = ready.warnings.diagnostics.first()
@@ -97,10 +97,15 @@ impl ScenePreparation {
             && matches!(source, SceneSource::File(_))
         {
             tracing::warn!("{}", render_all(&ready.warnings.diagnostics, &ready.warnings.sources, false));
-            messages.answer(format!("{name}: {} (E shows it in the text)", first.message));
+            warning = Some(format!("{name}: {} (E shows it in the text)", first.message));
         }
         let (heading, text) = match ready.map(|ready| self.prepare(source.clone(), ready, scenes)) {
-            Ok(Ok(())) => return Ok(None),
+            Ok(Ok(())) => {
+                if let Some(coming) = &mut scenes.coming {
+                    coming.warning = warning;
+                }
+                return Ok(None);
+            }
             Ok(Err(error)) if scenes.shown.is_none() => return Err(error),
             Ok(Err(error)) => {
                 let heading = format!("{name} cannot be drawn by this driver; the last good scene stays");

@@ -1,6 +1,7 @@
 //! A scene with its resources and the programs that can draw it.
 
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::knobs::SceneKnobs;
@@ -14,8 +15,6 @@ use crate::gpu::program::Program;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{ReadyScene, SceneSource, TextureSource};
-use std::sync::Arc;
-
 use mariana_field::graph::Op;
 
 #[derive(Debug, Clone, Copy)]
@@ -63,6 +62,8 @@ pub(super) struct PreparedScene {
     pub settles: bool,
     /// True if the scene was reloaded because its numbers no longer change.
     pub is_resting: bool,
+    /// The first warning about the text, for a message when the scene is shown.
+    pub warning: Option<String>,
 }
 
 impl ScenePrograms {
@@ -127,6 +128,7 @@ impl PreparedScene {
             since: clock::now(),
             settles: ready.settles,
             is_resting: false,
+            warning: None,
         })
     }
 

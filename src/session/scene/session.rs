@@ -255,7 +255,7 @@ impl SceneSession {
         if loaded.value.is_ok() {
             self.messages.clear_problem();
         }
-        match self.preparation.take_loaded(loaded.value, &mut self.scenes, &mut self.messages)? {
+        match self.preparation.take_loaded(loaded.value, &mut self.scenes)? {
             None => self.show_what_is_ready(),
             Some(refusal) => self.refuse(refusal),
         }
@@ -315,6 +315,9 @@ impl SceneSession {
                 self.messages.answer(words.unwrap_or_default());
             }
             self.composer.camera.forget();
+        }
+        if let Some(warning) = self.scenes.shown.as_mut().and_then(|shown| shown.warning.take()) {
+            self.messages.answer(warning);
         }
     }
 
