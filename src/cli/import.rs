@@ -12,7 +12,7 @@ use crate::atomic_file::AtomicFile;
 use crate::export::print::{print_line, tell};
 use mariana_field::glsl_export::shadertoy;
 use mariana_field::glsl_import::scene_around;
-use mariana_field::lang::{Diagnostic, Fault, Sources, Span, is_glsl};
+use mariana_field::lang::{Diagnostic, Fault, Sources, Span, formatted, is_glsl};
 use mariana_field::limits::LIMITS;
 
 #[derive(Args)]
@@ -58,15 +58,16 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
         let text = diagnostic.render(&sources, colors(&std::io::stderr()));
         anyhow::anyhow!("{} cannot become a scene\n{}", shader.display(), text.trim_end())
     })?;
+    let scene = formatted(&around.text).unwrap_or(around.text);
     let output = arguments.output.clone().unwrap_or_else(|| shader.with_extension("scene"));
     if is_standard(&output) {
-        print_line(around.text.trim_end())?;
+        print_line(scene.trim_end())?;
     } else {
         if arguments.output.is_none() && output.exists() {
             bail!("{} exists: name another file with -o, or the same one to replace it", output.display());
         }
         copy_beside(shader, &text, &output, name)?;
-        AtomicFile::create(&output)?.write(around.text.as_bytes())?;
+        AtomicFile::create(&output)?.write(scene.as_bytes())?;
         print_line(&format!("{}: check it with `mariana check`, show it with `mariana`", output.display()))?;
     }
     for sentence in around.left_out {

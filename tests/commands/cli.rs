@@ -318,7 +318,7 @@ fn help_is_complete_and_its_examples_use_existing_flags() {
         let (_, examples) = help.split_once("Examples:").unwrap_or_else(|| panic!("no examples: {help}"));
         let examples: Vec<&str> =
             examples.lines().filter_map(|line| line.trim_start().strip_prefix("mariana")).collect();
-        assert!(examples.len() >= 2 || page == "devices", "{help}");
+        assert!(examples.len() >= 2 || page == "lsp", "{help}");
         for example in examples {
             let words: Vec<&str> = example.split_whitespace().collect();
             let subcommand = words.first().filter(|word| subcommands.contains(word)).copied().unwrap_or("");

@@ -44,7 +44,7 @@ fn files_are_formatted_in_place() {
     place.write("latin.scene", b"\xe4");
     place.run(&["format", "latin.scene"]).refused(&["latin.scene", "UTF-8"]);
     place.run(&["format", "none.scene"]).refused(&["none.scene"]);
-    place.run(&["format"]).refused_arguments("<FILE>", &[]);
+    place.run(&["format"]).refused_arguments("required arguments were not provided", &[]);
 }
 
 /// A language server with its answers.

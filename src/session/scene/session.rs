@@ -316,14 +316,12 @@ impl SceneSession {
             }
             self.composer.camera.forget();
         }
-        if let Some(warning) = self.scenes.shown.as_mut().and_then(|shown| shown.warning.take()) {
-            self.messages.answer(warning);
-        }
+        let warning = self.scenes.shown.as_mut().and_then(|shown| shown.warning.take());
+        warning.into_iter().for_each(|warning| self.messages.answer(warning));
     }
 
     fn announce(&mut self) {
-        let shown = self.scenes.shown.as_ref();
-        let now = shown.map(|scene| scene.id).zip(self.mode());
+        let now = self.scenes.shown.as_ref().map(|scene| scene.id).zip(self.mode());
         let before = self.announced;
         if now == before {
             return;

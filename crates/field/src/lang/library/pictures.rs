@@ -79,7 +79,7 @@ pub const PICTURES: &[(&str, &str)] = &[
     ),
     ("hex_repeat", "intersect(extrude(hexagon(hex_repeat(p.xz, 0.5).yx, 0.2), y, 0.15), length(p.xz) - 1.5)"),
     (
-        "hex_cell",
+        "other_hex_cells",
         "intersect(min(extrude(hexagon(hex_repeat(p.xz, 0.5).yx, 0.19), y, 0.1 + 0.5 * hash(vec3(hex_cell(p.xz, 0.5), 0))), \
          other_hex_cells(p.xz, 0.5, 0.22)), length(p.xz) - 1.3)",
     ),
