@@ -43,15 +43,18 @@ impl Document {
     fn change(&mut self, unit: Unit, changes: Vec<Change>) {
         for change in changes {
             match change.range {
-                None => self.buffer = Buffer::new(change.text.into_bytes()),
+                None => {
+                    self.buffer = Buffer::new(change.text.into_bytes());
+                    self.colors = Colors::default();
+                }
                 Some(Span { start, end }) => {
                     let start = unit.offset(&self.buffer, start);
                     let end = unit.offset(&self.buffer, end).max(start);
+                    self.colors.forget_behind(self.buffer.line_of(start));
                     self.buffer.replace(start..end, change.text.as_bytes());
                 }
             }
         }
-        self.colors = Colors::default();
         self.text = String::from_utf8_lossy(self.buffer.bytes()).into();
     }
 }

@@ -18,7 +18,7 @@ pub(crate) enum Unit {
 }
 
 impl Unit {
-    /// Returns the best unit among those that a client offers, by their names in the protocol.
+    /// Returns the best of the units that a client offers. `offered` holds their names in the protocol.
     pub(crate) fn among(offered: &[String]) -> Self {
         let offers = |name: &str| offered.iter().any(|offer| offer == name);
         match () {

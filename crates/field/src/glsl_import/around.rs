@@ -14,14 +14,14 @@ use crate::limits::LIMITS;
 pub struct SceneAround {
     /// The text of the scene.
     pub text: String,
-    /// What the scene does not take from the file, one sentence for each.
+    /// A sentence for each part of the file that the scene leaves out.
     pub left_out: Vec<String>,
 }
 
 /// Half the side of the cube in which the shape is looked for, and the number of samples along a side.
 const REACH: f32 = 8.0;
 const SAMPLES: usize = 24;
-/// At most this many materials are told apart.
+/// Maximum number of materials.
 const MATERIALS_MAX: usize = 12;
 /// Colours of the materials.
 const COLORS: [&str; 6] = [
@@ -221,23 +221,14 @@ fn eye(sampler: &Sampler, target: [f32; 3], wanted: f32) -> [f32; 3] {
         for turn in 0..8 {
             let angle = turn as f32 * std::f32::consts::FRAC_PI_4 + 0.5;
             let direction = [angle.sin() * 0.9, 0.42, -angle.cos() * 0.9];
-            let at: [f32; 3] = std::array::from_fn(|axis| {
-                target.get(axis).copied().unwrap_or(0.0) + away * direction.get(axis).copied().unwrap_or(0.0)
-            });
+            let at: [f32; 3] = std::array::from_fn(|axis| target[axis] + away * direction[axis]);
             // Free space on the way to the target.
-            let mut free = 0;
-            for part in 0..8 {
+            let is_blocked = |part: usize| {
                 let share = part as f32 / 8.0;
-                let on_the_way: [f32; 3] = std::array::from_fn(|axis| {
-                    let (from, to) =
-                        (at.get(axis).copied().unwrap_or(0.0), target.get(axis).copied().unwrap_or(0.0));
-                    from + (to - from) * share
-                });
-                if sampler.distance(on_the_way) < 0.02 {
-                    break;
-                }
-                free += 1;
-            }
+                let place = std::array::from_fn(|axis| at[axis] + (target[axis] - at[axis]) * share);
+                sampler.distance(place) < 0.02
+            };
+            let free = (0..8).take_while(|part| !is_blocked(*part)).count();
             if free < 2 {
                 continue;
             }

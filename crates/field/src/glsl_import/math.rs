@@ -6,9 +6,8 @@ use naga::{Expression, Handle, MathFunction, ScalarKind};
 
 use super::calls::Executor;
 use super::layout::Part;
-use super::matrices;
 use super::problem::Problem;
-use crate::graph::{Graph, NodeId, Op};
+use crate::graph::{Graph, NodeId, Op, matrices};
 
 impl Executor<'_, '_> {
     pub(super) fn math(

@@ -18,7 +18,6 @@ mod execute;
 mod items;
 mod layout;
 mod math;
-mod matrices;
 mod memory;
 mod operators;
 mod outside;

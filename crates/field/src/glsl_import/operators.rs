@@ -6,9 +6,8 @@ use naga::{BinaryOperator, Expression, Handle, RelationalFunction, ScalarKind, U
 
 use super::calls::Executor;
 use super::layout::Part;
-use super::matrices;
 use super::problem::Problem;
-use crate::graph::{Graph, Node, NodeId, Op};
+use crate::graph::{Graph, Node, NodeId, Op, matrices};
 
 impl Executor<'_, '_> {
     pub(super) fn unary(

@@ -1,5 +1,5 @@
-//! Reads of textures. A scene has none in its shapes, but a read of a table of noise is a noise: it becomes values of
-//! `cell_hash`, smoothed as the texture unit does.
+//! Reads of textures. Shapes cannot read images, but many shaders read a table of random numbers as a noise. Such a read
+//! becomes values of `cell_hash`, which are smoothed like the texels of a texture.
 //!
 //! The tables of Shadertoy have 256 by 256 texels, or 32 in each direction of space. A read of such a table scales the
 //! position by 1/256 or 1/32, which tells it from the read of a picture. The green channel is the red one moved by

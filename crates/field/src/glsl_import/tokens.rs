@@ -9,7 +9,8 @@ pub(super) enum Kind {
     Sign,
 }
 
-/// One token. The text is a slice of the source or a constant; a token of a macro has the place of the macro's call.
+/// One token. The text is a slice of the source or a constant. For a token from a macro, `start` and `end` are those of
+/// the macro's call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Token<'a> {
     pub text: &'a str,
@@ -18,8 +19,8 @@ pub(super) struct Token<'a> {
     pub end: u32,
     /// The token is the first on its line.
     pub begins_line: bool,
-    /// Nothing separates the token from the one before. A `(` right after a macro's name in its definition begins
-    /// parameters.
+    /// True if the token directly follows the previous token. In the definition of a macro, a `(` that directly follows
+    /// the name begins parameters.
     pub joined: bool,
     /// The name of a macro that must not be expanded again.
     pub final_name: bool,
@@ -30,7 +31,7 @@ impl<'a> Token<'a> {
         self.start..self.end
     }
 
-    /// A token that is not in the text, at the place of another one.
+    /// Returns a token that is not in the text. Its location is that of this token.
     pub(super) fn made(self, text: &'a str, kind: Kind) -> Self {
         Self { text, kind, ..self }
     }
@@ -69,7 +70,7 @@ pub(super) fn tokenize(text: &str, tokens_max: usize) -> Result<Vec<Token<'_>>, 
             continue;
         }
         if byte == b'\\' {
-            // A line that goes on: skip to the next line without beginning a new one.
+            // The line continues on the next line: skip the end of the line.
             let blank = rest.iter().skip(1).take_while(|byte| matches!(byte, b' ' | b'\t' | b'\r')).count();
             if rest.get(1 + blank) == Some(&b'\n') {
                 joined = false;

@@ -16,6 +16,7 @@ mod fuse;
 mod gradient_interval;
 mod interval;
 mod levels;
+pub(crate) mod matrices;
 mod node;
 mod numbers;
 mod op;

@@ -126,34 +126,31 @@ pub(super) enum Value {
 }
 
 /// A square matrix of two or three columns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Matrix {
-    /// The columns from `size` on are unused.
-    columns: [Vector; 3],
-    size: u32,
+    /// The elements, column by column.
+    parts: Vec<NodeId>,
+    size: u8,
 }
 
 impl Matrix {
-    /// `None` unless there are two or three columns of as many parts.
-    pub(super) fn of_columns(columns: &[Vector]) -> Option<Self> {
-        let size = columns.len();
-        let fits = matches!(size, 2 | 3) && columns.iter().all(|column| column.len() == size);
-        let first = *columns.first().filter(|_| fits)?;
-        let column = |index: usize| columns.get(index).copied().unwrap_or(first);
-        Some(Self { columns: [first, column(1), column(2)], size: size as u32 })
+    /// `None` unless there are four or nine elements.
+    pub(super) fn of_parts(parts: Vec<NodeId>) -> Option<Self> {
+        let size = match parts.len() {
+            4 => 2,
+            9 => 3,
+            _ => return None,
+        };
+        Some(Self { parts, size })
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.size as usize
+    /// The number of columns, and of rows.
+    pub(super) fn size(&self) -> u8 {
+        self.size
     }
 
-    pub(super) fn columns(&self) -> &[Vector] {
-        self.columns.get(..self.len()).unwrap_or(&self.columns)
-    }
-
-    /// Returns the element in this column and row.
-    pub(super) fn part(&self, column: usize, row: usize) -> NodeId {
-        self.columns.get(column).unwrap_or(&self.columns[0]).part(row)
+    pub(super) fn parts(&self) -> &[NodeId] {
+        &self.parts
     }
 }
 
@@ -170,8 +167,8 @@ impl Composites {
         Value::Matrix(self.matrices.len() as u32 - 1)
     }
 
-    pub(super) fn matrix(&self, index: u32) -> Option<Matrix> {
-        self.matrices.get(index as usize).copied()
+    pub(super) fn matrix(&self, index: u32) -> Option<&Matrix> {
+        self.matrices.get(index as usize)
     }
 
     pub(super) fn add_record(&mut self, fields: Vec<(Symbol, Value)>) -> Value {
@@ -202,7 +199,7 @@ impl Composites {
             },
             Value::Bool(_) => Type::Bool,
             Value::Text(_) => Type::Texture,
-            Value::Matrix(index) if self.matrix(index)?.len() == 2 => Type::Mat2,
+            Value::Matrix(index) if self.matrix(index)?.size() == 2 => Type::Mat2,
             Value::Matrix(_) => Type::Mat3,
         })
     }

@@ -78,8 +78,8 @@ impl RayFaults {
 }
 
 /// Follows rays of the scene's camera at a time without sound, in a grid of `columns` by `rows`; fewer rays if the scene
-/// is large. Steps over surfaces are
-/// searched only in a scene whose value is a distance: for other values the tree's bounds make steps safe.
+/// is large. Steps over surfaces are searched only in a scene whose value is a distance: for other values the tree's
+/// bounds make steps safe.
 pub fn ray_faults(world: &World, time: f32, (columns, rows): (usize, usize)) -> RayFaults {
     let params = world.scene.params.iter().map(|param| param.default).collect();
     let mut frame = FrameInputs { time, params, ..FrameInputs::default() };

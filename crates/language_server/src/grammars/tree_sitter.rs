@@ -42,7 +42,7 @@ const list = (rule) => optional(seq(rule, repeat(seq(',', rule)), optional(','))
 module.exports = grammar({{
   name: 'mariana',
   word: ($) => $.name,
-  // Only the sign behind `z.x` tells whether it is a value or the target of an assignment.
+  // The sign after `z.x` decides whether it is a value or the target of an assignment.
   conflicts: ($) => [[$._expression, $.part]],
   extras: ($) => [/\s/, '\uFEFF', ';', $.comment],
   rules: {{

@@ -12,7 +12,7 @@ pub(super) const FIXTURES: [(&str, &str); 3] = [
 
 /// Largest difference, relative to values above 1.
 const TOLERANCE: f32 = 1e-4;
-/// Share of points that may lie on a jump, where the last bit of an operand decides.
+/// Fraction of points that may be at a jump, where the last bit of an operand decides.
 const JUMPS: f32 = 0.01;
 
 /// The result by the second interpreter.

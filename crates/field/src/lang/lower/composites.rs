@@ -7,7 +7,7 @@ use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Composites, Matrix, Value, Vector};
 use super::lowering::Lowering;
-use crate::graph::{Graph, NodeId, Op};
+use crate::graph::{Graph, NodeId, Op, matrices};
 
 impl Lowering<'_> {
     /// Lowers `(name = value, …)`.
@@ -91,8 +91,8 @@ impl<'l> Matrices<'l> {
         Self { graph: &mut lowering.graph, composites: &mut lowering.scope.composites }
     }
 
-    fn add(&mut self, columns: Option<Vec<Vector>>) -> Option<Value> {
-        Some(self.composites.add_matrix(Matrix::of_columns(&columns?)?))
+    fn add(&mut self, parts: Vec<NodeId>) -> Option<Value> {
+        Some(self.composites.add_matrix(Matrix::of_parts(parts)?))
     }
 
     /// Combines the elements of two matrices.
@@ -103,13 +103,11 @@ impl<'l> Matrices<'l> {
         mut f: impl FnMut(&mut Graph, NodeId, NodeId) -> NodeId,
     ) -> Option<Value> {
         let (a, b) = (self.composites.matrix(a)?, self.composites.matrix(b)?);
-        if a.len() != b.len() {
+        if a.size() != b.size() {
             return None;
         }
-        let graph = &mut *self.graph;
-        let columns = a.columns().iter().zip(b.columns()).map(|(a, b)| a.zip(*b, |a, b| f(graph, a, b)));
-        let columns = columns.collect();
-        self.add(columns)
+        let parts = a.parts().iter().zip(b.parts()).map(|(a, b)| f(self.graph, *a, *b)).collect();
+        self.add(parts)
     }
 
     fn binary(&mut self, op: BinaryOp, left: Value, right: Value) -> Option<Value> {
@@ -120,40 +118,38 @@ impl<'l> Matrices<'l> {
             BinaryOp::Divide => Op::Div,
             _ => return None,
         };
-        match (operator, left, right) {
-            (Op::Mul, Value::Matrix(a), Value::Matrix(b)) => self.product(a, b),
-            (Op::Mul, Value::Matrix(a), Value::Vector(b)) if b.len() > 1 => {
-                let a = self.composites.matrix(a)?;
-                times(self.graph, &a, b).map(Value::Vector)
-            }
-            (Op::Mul, Value::Vector(a), Value::Matrix(b)) if a.len() > 1 => {
-                let b = transposed(&self.composites.matrix(b)?)?;
-                times(self.graph, &b, a).map(Value::Vector)
-            }
-            (_, Value::Matrix(a), Value::Matrix(b)) => {
-                self.pair(a, b, |graph, a, b| graph.binary(operator, a, b))
-            }
-            (_, Value::Matrix(a), Value::Vector(b)) if b.len() == 1 => {
+        match (left, right) {
+            (Value::Matrix(a), Value::Vector(b)) if b.len() == 1 => {
                 self.each_element(a, |graph, part| graph.binary(operator, part, b.first()))
             }
-            (_, Value::Vector(a), Value::Matrix(b)) if a.len() == 1 => {
+            (Value::Vector(a), Value::Matrix(b)) if a.len() == 1 => {
                 self.each_element(b, |graph, part| graph.binary(operator, a.first(), part))
+            }
+            _ if operator == Op::Mul => self.product(left, right),
+            (Value::Matrix(a), Value::Matrix(b)) => {
+                self.pair(a, b, |graph, a, b| graph.binary(operator, a, b))
             }
             _ => None,
         }
     }
 
     fn each_element(&mut self, a: u32, mut f: impl FnMut(&mut Graph, NodeId) -> NodeId) -> Option<Value> {
-        let matrix = self.composites.matrix(a)?;
-        let columns = matrix.columns().iter().map(|column| column.map(|part| f(self.graph, part)));
-        let columns = columns.collect();
-        self.add(Some(columns))
+        let parts = self.composites.matrix(a)?.parts().iter().map(|part| f(self.graph, *part)).collect();
+        self.add(parts)
     }
 
-    fn product(&mut self, a: u32, b: u32) -> Option<Value> {
-        let (a, b) = (self.composites.matrix(a)?, self.composites.matrix(b)?);
-        let columns = b.columns().iter().map(|column| times(self.graph, &a, *column)).collect();
-        self.add(columns)
+    /// The product of two matrices, or of a matrix and a vector.
+    fn product(&mut self, left: Value, right: Value) -> Option<Value> {
+        let (a, a_columns, a_rows) = operand(self.composites, &left)?;
+        let (b, b_columns, b_rows) = operand(self.composites, &right)?;
+        if a_rows != b_rows {
+            return None;
+        }
+        let parts = matrices::product(self.graph, a, (a_columns, a_rows), b, (b_columns, b_rows));
+        match Vector::from_slice(&parts) {
+            Some(vector) if a_columns == 0 || b_columns == 0 => Some(Value::Vector(vector)),
+            _ => self.add(parts),
+        }
     }
 
     fn function(&mut self, function: MatrixFunction, arguments: &[Value]) -> Option<Value> {
@@ -162,105 +158,42 @@ impl<'l> Matrices<'l> {
         }
         let [Value::Matrix(index)] = arguments else { return None };
         let matrix = self.composites.matrix(*index)?;
+        let (parts, size) = (matrix.parts(), usize::from(matrix.size()));
         let made = match function {
-            MatrixFunction::Transpose => transposed(&matrix)?,
-            MatrixFunction::Inverse => inverse(self.graph, &matrix)?,
-            _ => return Some(Value::scalar(determinant(self.graph, &matrix))),
+            MatrixFunction::Transpose => matrices::transposed(parts, size, size),
+            MatrixFunction::Inverse => matrices::inverse(self.graph, parts, size),
+            _ => return Some(Value::scalar(matrices::determinant(self.graph, parts, size))),
         };
-        Some(self.composites.add_matrix(made))
+        self.add(made)
     }
 
     /// Builds a matrix from one number for the diagonal, from a larger matrix, or from its elements by columns.
     fn construct(&mut self, size: usize, arguments: &[Value]) -> Option<Value> {
-        if let [Value::Matrix(index)] = arguments {
-            let larger = self.composites.matrix(*index)?;
-            let columns = larger.columns().get(..size)?.iter();
-            let columns = columns.map(|column| column.parts().get(..size).and_then(Vector::from_slice));
-            let columns = columns.collect();
-            return self.add(columns);
-        }
         let mut parts = Vec::new();
         for argument in arguments {
-            let Value::Vector(vector) = argument else { return None };
-            parts.extend_from_slice(vector.parts());
+            match argument {
+                Value::Vector(vector) => parts.extend_from_slice(vector.parts()),
+                Value::Matrix(index) if arguments.len() == 1 => {
+                    let larger = self.composites.matrix(*index)?;
+                    let columns = larger.parts().chunks(usize::from(larger.size())).take(size);
+                    parts.extend(columns.flat_map(|column| column.iter().take(size)));
+                }
+                _ => return None,
+            }
         }
         if let [diagonal] = parts[..] {
             let zero = self.graph.constant(0.0);
             parts = (0..size * size).map(|at| if at % (size + 1) == 0 { diagonal } else { zero }).collect();
         }
-        if parts.len() != size * size {
-            return None;
-        }
-        let columns = parts.chunks(size).map(Vector::from_slice).collect();
-        self.add(columns)
+        if parts.len() == size * size { self.add(parts) } else { None }
     }
 }
 
-/// The product of a matrix and a column vector. `None` if the sizes differ.
-fn times(graph: &mut Graph, a: &Matrix, v: Vector) -> Option<Vector> {
-    if a.len() != v.len() {
-        return None;
+/// The elements of a matrix or vector, the number of its columns (0 for a vector), and the number of its rows.
+fn operand<'v>(composites: &'v Composites, value: &'v Value) -> Option<(&'v [NodeId], u8, u8)> {
+    match value {
+        Value::Matrix(index) => composites.matrix(*index).map(|one| (one.parts(), one.size(), one.size())),
+        Value::Vector(vector) => Some((vector.parts(), 0, vector.len() as u8)),
+        _ => None,
     }
-    let rows: Vec<NodeId> = (0..a.len())
-        .map(|row| {
-            let parts: Vec<NodeId> = (0..a.len()).map(|column| a.part(column, row)).collect();
-            graph.dot(&parts, v.parts())
-        })
-        .collect();
-    Vector::from_slice(&rows)
-}
-
-fn transposed(a: &Matrix) -> Option<Matrix> {
-    let rows: Option<Vec<Vector>> = (0..a.len())
-        .map(|row| {
-            let parts: Vec<NodeId> = (0..a.len()).map(|column| a.part(column, row)).collect();
-            Vector::from_slice(&parts)
-        })
-        .collect();
-    Matrix::of_columns(&rows?)
-}
-
-/// a * b - c * d.
-fn difference(graph: &mut Graph, a: NodeId, b: NodeId, c: NodeId, d: NodeId) -> NodeId {
-    let (first, second) = (graph.mul(a, b), graph.mul(c, d));
-    graph.sub(first, second)
-}
-
-/// The determinant of the matrix without this column and row, with the sign of its place.
-fn cofactor(graph: &mut Graph, a: &Matrix, column: usize, row: usize) -> NodeId {
-    let next = |index: usize, step: usize| (index + step) % 3;
-    // Taking the other rows and columns in cyclic order gives the sign.
-    let (c1, c2, r1, r2) = (next(column, 1), next(column, 2), next(row, 1), next(row, 2));
-    difference(graph, a.part(c1, r1), a.part(c2, r2), a.part(c2, r1), a.part(c1, r2))
-}
-
-fn determinant(graph: &mut Graph, a: &Matrix) -> NodeId {
-    if a.len() == 2 {
-        return difference(graph, a.part(0, 0), a.part(1, 1), a.part(1, 0), a.part(0, 1));
-    }
-    let cofactors = [0, 1, 2].map(|column| cofactor(graph, a, column, 0));
-    let first_row = [0, 1, 2].map(|column| a.part(column, 0));
-    graph.dot(&first_row, &cofactors)
-}
-
-/// The adjugate divided by the determinant (Cramer's rule); zeros if the determinant is 0.
-fn inverse(graph: &mut Graph, a: &Matrix) -> Option<Matrix> {
-    let determinant = determinant(graph, a);
-    let size = a.len();
-    let mut columns = Vec::with_capacity(size);
-    for column in 0..size {
-        let mut parts = Vec::with_capacity(size);
-        for row in 0..size {
-            // The element of the adjugate is the cofactor of the transposed place.
-            let part = match (size, column, row) {
-                (2, 0, 0) => a.part(1, 1),
-                (2, 1, 1) => a.part(0, 0),
-                (2, _, _) => graph.neg(a.part(column, row)),
-                _ => cofactor(graph, a, row, column),
-            };
-            parts.push(graph.div(part, determinant));
-        }
-        columns.push(Vector::from_slice(&parts)?);
-    }
-    Matrix::of_columns(&columns)
 }

@@ -10,7 +10,7 @@ use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::choice::Choice;
-use super::expr::{component, is_swizzle};
+use super::expr::component;
 use super::lowering::Lowering;
 use crate::graph::{FrameInputs, NodeId, Op, bounds_of};
 
@@ -66,8 +66,7 @@ impl BlockLowering<'_, '_> {
         for index in 0..count {
             let id = ExprId(self.outer.ast.extra(first + index));
             let span = self.outer.ast.span(id);
-            let has_ended = self.flow.ended.and_then(|ended| self.outer.graph.as_constant(ended));
-            if has_ended.is_some_and(|ended| ended != 0.0) || !self.outer.step(span) {
+            if self.has_ended() || !self.outer.step(span) {
                 return;
             }
             if self.outer.budget.depth >= self.outer.limits.scene_depth_max {
@@ -191,7 +190,7 @@ impl BlockLowering<'_, '_> {
         }
     }
 
-    /// Returns the vector `old` with the named components replaced by those of `new`.
+    /// Returns the vector `old` with the numbers of `new` as its named components.
     fn with_components(&mut self, old: Value, components: Symbol, new: Value, span: Span) -> Value {
         let text = self.outer.name(components);
         let (vector, parts) = match (old, new) {
@@ -208,8 +207,8 @@ impl BlockLowering<'_, '_> {
             }
         };
         // Reports components that do not exist.
-        if !is_swizzle(text) || self.outer.swizzle(old, components, span) == Value::Unknown {
-            return self.outer.swizzle(old, components, span);
+        if self.outer.swizzle(old, components, span) == Value::Unknown {
+            return Value::Unknown;
         }
         let count = text.len();
         let Some(parts) = parts.widened(count) else {
@@ -298,8 +297,7 @@ impl BlockLowering<'_, '_> {
             }
             self.statements(of.body);
             self.outer.scope.unbind(mark);
-            let ended = self.flow.ended.and_then(|ended| self.outer.graph.as_constant(ended));
-            if ended.is_some_and(|ended| ended != 0.0) {
+            if self.has_ended() {
                 break;
             }
         }
@@ -308,6 +306,12 @@ impl BlockLowering<'_, '_> {
         let by = self.outer.origins.since(from);
         let after = self.outer.scope.values(self.floor);
         self.outer.scope.change(self.floor, &before, &after, by);
+    }
+
+    /// True if the loop has ended at all points.
+    fn has_ended(&self) -> bool {
+        let ended = self.flow.ended.and_then(|ended| self.outer.graph.as_constant(ended));
+        ended.is_some_and(|ended| ended != 0.0)
     }
 
     fn end_where(&mut self, condition: NodeId) {

@@ -47,7 +47,7 @@ impl Parser<'_> {
                 parser.report(if wrong.hint.is_none() { wrong.hint(hint) } else { wrong });
                 parser.skip_until(|_| false);
                 if !parser.token().is_word(word::LET)
-                    && (StatementParser { outer: parser }).target().is_none()
+                    && (StatementParser { outer: parser }).target(0).is_none()
                 {
                     parser.eat(Kind::CloseBrace);
                     return result;
@@ -93,7 +93,7 @@ impl StatementParser<'_, '_> {
         if self.outer.eat_word(word::LET) {
             return self.let_statement(token.span);
         }
-        if let Some(target) = self.target() {
+        if let Some(target) = self.target(0) {
             return Parsed::Statement(self.assignment(&target));
         }
         match token.symbol {
@@ -147,17 +147,18 @@ impl StatementParser<'_, '_> {
         true
     }
 
-    /// Recognizes the left side of an assignment, from the current token.
-    fn target(&self) -> Option<Target> {
-        let token = self.outer.token();
+    /// Recognizes the left side of an assignment that begins `from` tokens ahead.
+    fn target(&self, from: usize) -> Option<Target> {
+        let ahead = |count: usize| self.outer.ahead(from + count);
+        let token = ahead(0);
         if !token.is_name() {
             return None;
         }
-        let (components, mut tokens) = match self.outer.ahead(1).kind {
-            Kind::Dot if self.outer.ahead(2).kind == Kind::Name => (Some(self.outer.ahead(2).symbol), 3),
+        let (components, mut tokens) = match ahead(1).kind {
+            Kind::Dot if ahead(2).kind == Kind::Name => (Some(ahead(2).symbol), 3),
             _ => (None, 1),
         };
-        let sign = self.outer.ahead(tokens);
+        let sign = ahead(tokens);
         let op = match sign.kind {
             Kind::Assign => None,
             Kind::Plus => Some(BinaryOp::Add),
@@ -168,7 +169,7 @@ impl StatementParser<'_, '_> {
         };
         if op.is_some() {
             tokens += 1;
-            let equals = self.outer.ahead(tokens);
+            let equals = ahead(tokens);
             if equals.kind != Kind::Assign || equals.span.start != sign.span.end {
                 return None;
             }
@@ -245,9 +246,9 @@ impl StatementParser<'_, '_> {
     fn choice_or_when(&mut self) -> Parsed {
         let start = self.outer.advance().span;
         let condition = self.outer.expression();
-        let is_statement = self.outer.kind() == Kind::OpenBrace && !self.is_value_in_braces()
+        let is_statement = self.outer.kind() == Kind::OpenBrace && self.begins_statements()
             || self.outer.token().is_word(word::BREAK)
-            || self.target().is_some();
+            || self.target(0).is_some();
         if !is_statement {
             return Parsed::Choice(self.outer.choice(start, condition));
         }
@@ -261,18 +262,15 @@ impl StatementParser<'_, '_> {
         Parsed::Statement(self.outer.ast.push_when(When { condition, yes, no }, span))
     }
 
-    /// True if the braces at the current token hold an expression instead of statements.
-    fn is_value_in_braces(&self) -> bool {
-        let first = self.outer.ahead(1);
-        let starts = |symbol| first.is_word(symbol);
-        let is_assignment = first.is_name()
-            && matches!(
-                self.outer.ahead(2).kind,
-                Kind::Assign | Kind::Dot | Kind::Plus | Kind::Minus | Kind::Star | Kind::Slash | Kind::Name
-            );
-        let is_statement = [word::LET, word::IF, word::FOR, word::WHILE, word::BREAK].into_iter().any(starts)
-            || matches!(first.kind, Kind::CloseBrace | Kind::Semicolon);
-        !is_statement && !is_assignment
+    /// True if the braces at the current token hold statements instead of a value.
+    fn begins_statements(&self) -> bool {
+        let (first, second) = (self.outer.ahead(1), self.outer.ahead(2));
+        let words = [word::LET, word::IF, word::FOR, word::WHILE, word::BREAK];
+        let is_typed = first.is_name() && second.is_name();
+        words.into_iter().any(|word| first.is_word(word))
+            || matches!(first.kind, Kind::CloseBrace | Kind::Semicolon)
+            || self.target(1).is_some()
+            || is_typed
     }
 
     /// Parses the statements of one side of an `if`: in braces, a single one, or another `if`.

@@ -68,6 +68,8 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ),
     ("{ let a = 1  a = p  x }", "`a` is a number, so it cannot become a vec3", "a = p", "`let a = vec3(0)`"),
     ("{ let q = p  q.xx = p.xy  x }", "`.xx` sets the component `x` twice", "q.xx = p.xy", ""),
+    ("{ let q = p  q.w = 1  x }", "a vec3 has no component `w`", "q.w = 1", ""),
+    ("{ let q = p  q.xg = 1  x }", "`.xg` does not name components", "q.xg = 1", "`xyzw`"),
     ("{ let q = p  q.xy = p  x }", "`.xy` needs 2 numbers, but gets a vec3", "q.xy = p", ""),
     (
         "{ let a = 1  let b = { a = 2  a }  b }",

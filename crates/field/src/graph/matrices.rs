@@ -1,9 +1,9 @@
-//! Matrices: lists of columns.
+//! Matrices as lists of nodes, column by column.
 
-use crate::graph::{Graph, NodeId};
+use super::{Graph, NodeId};
 
 /// The product of two matrices, or of a matrix and a vector, which has no columns.
-pub(super) fn product(
+pub(crate) fn product(
     graph: &mut Graph,
     a: &[NodeId],
     (a_columns, a_rows): (u8, u8),
@@ -29,7 +29,8 @@ pub(super) fn product(
     result
 }
 
-pub(super) fn transposed(a: &[NodeId], columns: usize, rows: usize) -> Vec<NodeId> {
+/// The matrix with rows and columns exchanged.
+pub(crate) fn transposed(a: &[NodeId], columns: usize, rows: usize) -> Vec<NodeId> {
     let mut result = Vec::with_capacity(a.len());
     for row in 0..rows {
         for column in 0..columns {
@@ -40,7 +41,7 @@ pub(super) fn transposed(a: &[NodeId], columns: usize, rows: usize) -> Vec<NodeI
 }
 
 /// The determinant of a square matrix, by its first row.
-pub(super) fn determinant(graph: &mut Graph, a: &[NodeId], size: usize) -> NodeId {
+pub(crate) fn determinant(graph: &mut Graph, a: &[NodeId], size: usize) -> NodeId {
     if size == 1 {
         return a.first().copied().unwrap_or_else(|| graph.constant(0.0));
     }
@@ -67,7 +68,7 @@ fn minor(graph: &mut Graph, a: &[NodeId], size: usize, without_column: usize, wi
 }
 
 /// The inverse of a square matrix; 0 where its determinant is 0.
-pub(super) fn inverse(graph: &mut Graph, a: &[NodeId], size: usize) -> Vec<NodeId> {
+pub(crate) fn inverse(graph: &mut Graph, a: &[NodeId], size: usize) -> Vec<NodeId> {
     let determinant = determinant(graph, a, size);
     let mut result = Vec::new();
     for column in 0..size {
