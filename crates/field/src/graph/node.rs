@@ -188,6 +188,14 @@ impl Node {
         a.into_iter().chain(b)
     }
 
+    /// The place of an input of the point, which precedes all other nodes in an order of evaluation.
+    pub(super) fn place_of_point(self) -> usize {
+        match self {
+            Node::Input(input) => input.of_point().unwrap_or(usize::MAX),
+            _ => usize::MAX,
+        }
+    }
+
     /// Returns the value of a constant node; `None` for other nodes.
     #[inline(always)]
     pub const fn as_constant(self) -> Option<f32> {

@@ -10,9 +10,12 @@ use super::{Graph, GraphError};
 ///
 /// The inputs of the point come first. Then the tree is walked from the first root to the last, operands before users.
 /// Of two operands, the one that keeps more values at once comes first (Sethi and Ullman 1970, treating the graph as if
-/// it were a tree). If both keep equally many, the left one comes first. More than two roots are walked from the last
-/// to the first if fewer values are then kept at once: the distance to shining objects, which is the last root of their
-/// light, ends the use of many values.
+/// it were a tree). If both keep equally many, the left one comes first.
+///
+/// Two other orders are used if fewer values are then kept at once. More than two roots may be walked from the last to
+/// the first: the distance to shining objects, which is the last root of their light, ends the use of many values. And
+/// nodes may keep the order of their creation: a walk follows one of the values that a loop carries through all rounds,
+/// and keeps what the other ones need of each round.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Order {
     /// The nodes.
@@ -42,13 +45,18 @@ impl Graph {
         self.check()?;
         let Some(last) = roots.iter().max() else { return Ok(Order::default()) };
         let needs = needs(&self.nodes[..=last.index()]);
-        let forwards = self.walk(roots.iter(), &needs);
-        if roots.len() <= 2 {
-            return Ok(Order { nodes: forwards });
+        let mut best = self.walk(roots.iter(), &needs);
+        let mut least = self.most_kept(&best, roots);
+        let mut created = best.clone();
+        created.sort_unstable_by_key(|id| (self.nodes[id.index()].place_of_point(), *id));
+        let backwards = (roots.len() > 2).then(|| self.walk(roots.iter().rev(), &needs));
+        for nodes in backwards.into_iter().chain([created]) {
+            let kept = self.most_kept(&nodes, roots);
+            if kept < least {
+                (best, least) = (nodes, kept);
+            }
         }
-        let backwards = self.walk(roots.iter().rev(), &needs);
-        let fewer = self.most_kept(&backwards, roots) < self.most_kept(&forwards, roots);
-        Ok(Order { nodes: if fewer { backwards } else { forwards } })
+        Ok(Order { nodes: best })
     }
 
     fn walk<'a>(&self, roots: impl Iterator<Item = &'a NodeId>, needs: &[u8]) -> Vec<NodeId> {

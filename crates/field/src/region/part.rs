@@ -18,7 +18,9 @@ use crate::rays::REGION_LEVELS;
 /// Cells whose program has at most this many clauses are not divided.
 const UNDIVIDED_MAX: usize = 16;
 /// The cells of a brick are divided again if their program has more clauses than this. Shipped scenes have few such
-/// cells; in a union of a thousand things, a cell of a brick may contain ten things.
+/// cells; in a union of a thousand things, a cell of a brick may contain ten things. Tried for fractals, whose intervals
+/// are too wide to exclude cells: bounds from the estimates at the centres of cells. This saves 3 to 13 % of the
+/// evaluations, but the tree has four times as many texels.
 const UNDIVIDED_AGAIN_MAX: usize = 96;
 /// Maximum number of cells of bricks that are divided again, for a tree that takes 0.1 to 0.2 s.
 const AGAIN_MAX: usize = 3072;

@@ -5,9 +5,10 @@
 //! table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float, float)`, `vec4 read_texture(int,
 //! float, float)` and the functions of [`crate::graph::levels_glsl`].
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
+use super::rounds::{Formula, Rounds, Source, Unrolled};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 
 /// Returns a literal that GLSL parses to the same f32. Negative numbers are put in parentheses.
@@ -68,17 +69,17 @@ pub enum Sampling {
     AlongNormal,
 }
 
-/// Returns the reciprocal of the constant `divisor`, if both are normal numbers. Drivers may multiply by the reciprocal
-/// in any case, because OpenGL allows an error of 2.5 ulp.
-fn reciprocal(graph: &Graph, divisor: NodeId) -> Option<f32> {
-    let reciprocal = graph.as_constant(divisor).filter(|value| value.is_normal())?.recip();
+/// Returns the reciprocal of a divisor, if both are normal numbers. Drivers may multiply by the reciprocal in any case,
+/// because OpenGL allows an error of 2.5 ulp.
+fn reciprocal(divisor: f32) -> Option<f32> {
+    let reciprocal = Some(divisor).filter(|value| value.is_normal())?.recip();
     reciprocal.is_normal().then_some(reciprocal)
 }
 
 /// Writes a function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3
-/// n, out float r0, out float r1, ..)`. The function has a temporary per node, in the order of evaluation. With
-/// [`Sampling::AlongPosition`] or [`Sampling::AlongNormal`], functions `name_uv0` .. for texture coordinates precede
-/// it.
+/// n, out float r0, out float r1, ..)`. The function has a temporary per node, in the order of evaluation; equal rounds
+/// become a loop (`rounds.rs`). With [`Sampling::AlongPosition`] or [`Sampling::AlongNormal`], functions `name_uv0` ..
+/// for texture coordinates precede it.
 ///
 /// # Errors
 /// Returns the error of [`Graph::check`].
@@ -100,9 +101,7 @@ pub fn function(
     }
     let single = roots.len() == 1 && neighbours.is_none();
     writer.head(name, (!single).then_some(roots.len()), neighbours);
-    for id in order {
-        writer.statement(id);
-    }
+    writer.statements(&order, roots);
     writer.results(roots, single);
     Ok(writer.text)
 }
@@ -115,11 +114,28 @@ struct Writer<'a> {
     sampled: Vec<(u16, NodeId, NodeId)>,
     /// The sums of squares found so far. Their square roots need no guard against negative numbers.
     squares: HashSet<NodeId>,
+    /// The variables of loops that hold values after the loop.
+    kept: HashMap<NodeId, String>,
+}
+
+/// An operand in the text.
+struct Operand {
+    text: String,
+    /// The value of a constant.
+    number: Option<f32>,
+    is_square: bool,
 }
 
 impl<'a> Writer<'a> {
     fn new(graph: &'a Graph, text: String) -> Self {
-        Self { graph, text, coordinates: Vec::new(), sampled: Vec::new(), squares: HashSet::new() }
+        Self {
+            graph,
+            text,
+            coordinates: Vec::new(),
+            sampled: Vec::new(),
+            squares: HashSet::new(),
+            kept: HashMap::new(),
+        }
     }
 
     fn coordinates(&mut self, order: &[NodeId], name: &str) -> Result<(), GraphError> {
@@ -168,45 +184,112 @@ impl<'a> Writer<'a> {
         match self.graph.node(id) {
             Node::Constant(value) => literal(value),
             Node::Input(input) => input_name(input),
-            _ => format!("v{}", id.index()),
+            _ => self.kept.get(&id).cloned().unwrap_or_else(|| format!("v{}", id.index())),
         }
     }
 
-    fn statement(&mut self, id: NodeId) {
-        let node = self.graph.node(id);
-        let is_sum = match node {
-            Node::Unary(op, _) => op == Op::Square,
-            Node::Binary(op, a, b) => op == Op::Add && self.squares.contains(&a) && self.squares.contains(&b),
-            _ => false,
-        };
-        if is_sum {
-            self.squares.insert(id);
+    fn operand_of(&self, id: NodeId) -> Operand {
+        Operand {
+            text: self.operand(id),
+            number: self.graph.as_constant(id),
+            is_square: self.squares.contains(&id),
         }
-        let (template, a, b) = match node {
-            Node::Constant(_) | Node::Input(_) => return,
-            Node::Unary(Op::Sqrt, a) if self.squares.contains(&a) => {
-                ("sqrt($a)", self.operand(a), String::new())
-            }
-            Node::Unary(op, a) => (op.glsl(), self.operand(a), String::new()),
-            Node::Binary(Op::Div, a, b) if reciprocal(self.graph, b).is_some() => {
-                let factor = reciprocal(self.graph, b).map_or_else(String::new, literal);
-                ("($a * $b)", self.operand(a), factor)
-            }
-            Node::Binary(op, a, b) => {
-                let never_zero = self.graph.as_constant(b).is_some_and(f32::is_normal);
-                let template = if never_zero { op.glsl_by_constant() } else { op.glsl() };
-                (template, self.operand(a), self.operand(b))
-            }
+    }
+
+    fn statements(&mut self, order: &[NodeId], roots: &[NodeId]) {
+        let unrolled = Unrolled::new(self.graph, order, roots);
+        let loops = unrolled.loops();
+        if loops.is_empty() {
+            order.iter().for_each(|id| self.statement(*id));
+            return;
+        }
+        let mut written = 0;
+        for rounds in &loops {
+            let before = unrolled.order.get(written..rounds.places.start).unwrap_or_default();
+            before.iter().for_each(|id| self.statement(*id));
+            self.rounds(rounds);
+            written = rounds.places.end;
+        }
+        let rest = unrolled.order.get(written..).unwrap_or_default();
+        rest.iter().for_each(|id| self.statement(*id));
+    }
+
+    fn statement(&mut self, id: NodeId) {
+        match self.graph.node(id) {
+            Node::Constant(_) | Node::Input(_) => {}
+            Node::Unary(op, a) => self.operation(id, op, &[self.operand_of(a), self.operand_of(a)]),
+            Node::Binary(op, a, b) => self.operation(id, op, &[self.operand_of(a), self.operand_of(b)]),
             Node::Texture { texture, channel, u, v } => {
                 let place = self.sample(texture, u, v);
                 let channel = ["x", "y", "z", "w"][usize::from(channel & 3)];
                 let _ = writeln!(self.text, "    float v{} = s{place}.{channel};", id.index());
-                return;
             }
+        }
+    }
+
+    fn operation(&mut self, id: NodeId, op: Op, [a, b]: &[Operand; 2]) {
+        if op == Op::Square || op == Op::Add && a.is_square && b.is_square {
+            self.squares.insert(id);
+        }
+        let factor = b.number.filter(|_| op == Op::Div).and_then(reciprocal).map(literal);
+        let never_zero = op.arity() == 2 && b.number.is_some_and(f32::is_normal);
+        let template = match op {
+            Op::Sqrt if a.is_square => "sqrt($a)",
+            Op::Div if factor.is_some() => "($a * $b)",
+            _ if never_zero => op.glsl_by_constant(),
+            _ => op.glsl(),
         };
         let _ = write!(self.text, "    float v{} = ", id.index());
-        fill(&mut self.text, template, &a, &b);
+        fill(&mut self.text, template, &a.text, factor.as_ref().unwrap_or(&b.text));
         self.text.push_str(";\n");
+    }
+
+    /// Writes a loop. Values that the next round or a later statement reads are in variables outside of the loop.
+    fn rounds(&mut self, rounds: &Rounds) {
+        let kept_name = |offset: usize| {
+            rounds.steps.get(offset).map_or_else(String::new, |step| format!("k{}", step.id.index()))
+        };
+        for (offset, step) in rounds.steps.iter().enumerate().filter(|(_, step)| step.is_kept) {
+            let _ = writeln!(self.text, "    float {} = {};", kept_name(offset), self.operand(step.before));
+        }
+        let _ = writeln!(self.text, "    for (int i = 0; i < {}; ++i) {{", rounds.count);
+        if let Some(condition) = rounds.steps.len().checked_sub(1).filter(|_| rounds.ends_early) {
+            let _ = writeln!(self.text, "    if ({} != 0.0) break;", kept_name(condition));
+        }
+        for step in rounds.steps.iter().filter(|step| step.is_computed) {
+            let operand = |source: Source| match source {
+                Source::Here(of) => rounds.steps.get(of).map(|of| self.operand_of(of.id)),
+                Source::Fixed(id) => Some(self.operand_of(id)),
+                Source::Before(of) => Some(Operand { text: kept_name(of), number: None, is_square: false }),
+                Source::Known(value) => {
+                    Some(Operand { text: literal(value), number: Some(value), is_square: false })
+                }
+                Source::Counted { first, step } => {
+                    let text = format!("({} + {} * float(i))", literal(first), literal(step));
+                    Some(Operand { text, number: None, is_square: false })
+                }
+            };
+            match step.formula {
+                Formula::Operation(op, [a, b]) => {
+                    if let (Some(a), Some(b)) = (operand(a), operand(b)) {
+                        self.operation(step.id, op, &[a, b]);
+                    }
+                }
+                Formula::Copy(source) => {
+                    if let Some(source) = operand(source) {
+                        let _ = writeln!(self.text, "    float v{} = {};", step.id.index(), source.text);
+                    }
+                }
+            }
+        }
+        for (offset, step) in rounds.steps.iter().enumerate().filter(|(_, step)| step.is_kept) {
+            let _ = writeln!(self.text, "    {} = v{};", kept_name(offset), step.id.index());
+            self.kept.insert(step.last, kept_name(offset));
+            if self.squares.contains(&step.id) {
+                self.squares.insert(step.last);
+            }
+        }
+        self.text.push_str("    }\n");
     }
 
     /// Returns the number of a texture sample, which reads all four channels at once.

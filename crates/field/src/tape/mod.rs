@@ -42,6 +42,7 @@ pub mod glsl;
 mod gradients;
 pub mod interpreter;
 mod print;
+mod rounds;
 mod select;
 mod slopes;
 
@@ -206,6 +207,8 @@ impl Tape {
     }
 }
 
+#[cfg(test)]
+mod rounds_tests;
 #[cfg(test)]
 mod slope_tests;
 #[cfg(test)]

@@ -23,10 +23,16 @@ fn scene(text: &str) -> Option<Scene> {
     compile("test", text, &mut no_includes).scene
 }
 
-/// Returns each token, and true if it begins a line.
+/// Returns each token, and true if it begins a line. The first token always does: blank lines before it are removed.
 fn tokens(text: &str) -> Vec<(PieceKind, String, bool)> {
-    let tokens = pieces(text).into_iter().filter(|piece| !piece.is_comment());
-    tokens.map(|piece| (piece.kind, piece.text.to_owned(), piece.newline)).collect()
+    let tokens = pieces(text).into_iter().filter(|piece| !piece.is_comment()).enumerate();
+    tokens.map(|(at, piece)| (piece.kind, piece.text.to_owned(), piece.newline || at == 0)).collect()
+}
+
+#[test]
+fn blank_lines_before_the_first_token_have_no_meaning() {
+    assert!(check("\n\"\"").is_ok());
+    assert!(check("\n\nlet a = 1\nlet b = 2").is_ok());
 }
 
 fn comments(text: &str) -> Vec<&str> {

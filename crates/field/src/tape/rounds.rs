@@ -1,0 +1,437 @@
+//! Finds loops in an unrolled expression, so that compiled GLSL has a loop instead of a copy for each round.
+//!
+//! The scene language and GLSL functions are lowered round by round. In the order of their creation, the nodes of a
+//! round are followed by equal nodes of the next round, whose operands are shifted by the same number of places. The
+//! search finds the longest such run for any text, without help from the language.
+//!
+//! **Early ends.** After `break` or `while`, each value is a choice between its new value and the one of the round
+//! before, by a condition that stays true once it is. If that condition turns every value that is read later into the
+//! one of the round before, the loop can end there, and inside the loop the choices are gone. A Mandelbulb of eight
+//! rounds then ends after about three.
+
+use std::ops::Range;
+
+use crate::graph::{FrameInputs, Graph, Node, NodeId, Op, Properties};
+
+/// Shorter runs stay unrolled: the loop must save this number of nodes.
+const SAVED_MIN: usize = 48;
+/// Longest round.
+const LENGTH_MAX: usize = 512;
+/// Longest list of nodes that is searched. The time grows with the square of the length.
+const NODES_MAX: usize = 8192;
+/// Whole numbers up to this size and their sums are exact.
+const WHOLE_MAX: f32 = (1 << 20) as f32;
+
+/// The source of an operand in a round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Source {
+    /// The value at this offset in the same round.
+    Here(usize),
+    /// The value at this offset in the round before.
+    Before(usize),
+    /// A value from before the loop, the same in all rounds.
+    Fixed(NodeId),
+    /// A number, the same in all rounds.
+    Known(f32),
+    /// The whole number `first + step * round`.
+    Counted { first: f32, step: f32 },
+}
+
+/// How a round computes a value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Formula {
+    /// The second operand repeats the first one for a one-operand operator.
+    Operation(Op, [Source; 2]),
+    /// The value equals another one.
+    Copy(Source),
+}
+
+/// A value of each round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Step {
+    /// The node in the first round.
+    pub(super) id: NodeId,
+    /// The node in the last round, which nodes after the loop read.
+    pub(super) last: NodeId,
+    /// The node in the round before the first one, which gives the first value.
+    pub(super) before: NodeId,
+    pub(super) formula: Formula,
+    /// True if the loop has a statement for the value.
+    pub(super) is_computed: bool,
+    /// True if the next round or a node after the loop reads the value.
+    pub(super) is_kept: bool,
+}
+
+/// A loop.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Rounds {
+    /// Places of its nodes in [`Unrolled::order`].
+    pub(super) places: Range<usize>,
+    pub(super) count: usize,
+    /// The values of a round, in the order of their computation.
+    pub(super) steps: Vec<Step>,
+    /// True if the loop ends when the last value of a round is not 0.
+    pub(super) ends_early: bool,
+}
+
+/// The nodes of an expression in the order of their creation.
+pub(super) struct Unrolled<'a> {
+    graph: &'a Graph,
+    /// All nodes except constants and inputs.
+    pub(super) order: Vec<NodeId>,
+    /// Places in `order`, by the nodes' positions in the graph.
+    places: Vec<Option<usize>>,
+    /// Place of the last reader of each place; for results, a place after all others.
+    last_reader: Vec<usize>,
+}
+
+/// Places `first..end` whose nodes do the same as the nodes that are `length` places later.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    first: usize,
+    end: usize,
+    length: usize,
+}
+
+impl Run {
+    /// The number of whole rounds from a place on.
+    fn rounds_from(&self, start: usize) -> usize {
+        (self.end + self.length).saturating_sub(start) / self.length
+    }
+
+    fn saves(&self) -> usize {
+        self.rounds_from(self.first.max(self.length)).saturating_sub(1) * self.length
+    }
+
+    /// Places at which the loop may start: a round precedes it.
+    fn starts(&self) -> Range<usize> {
+        let first = self.first.max(self.length);
+        first..first + self.length + 1
+    }
+}
+
+impl<'a> Unrolled<'a> {
+    /// `needed` holds the nodes that `roots` need, in any order.
+    pub(super) fn new(graph: &'a Graph, needed: &[NodeId], roots: &[NodeId]) -> Self {
+        let computed = |id: &NodeId| !matches!(graph.node(*id), Node::Constant(_) | Node::Input(_));
+        let mut order: Vec<NodeId> = needed.iter().copied().filter(computed).collect();
+        order.sort_unstable();
+        let mut unrolled =
+            Self { graph, places: vec![None; graph.len()], last_reader: (0..order.len()).collect(), order };
+        for (place, id) in unrolled.order.iter().enumerate() {
+            unrolled.places[id.index()] = Some(place);
+        }
+        for place in 0..unrolled.order.len() {
+            for operand in graph.node(unrolled.order[place]).operands() {
+                if let Some(of) = unrolled.place(operand) {
+                    unrolled.last_reader[of] = place;
+                }
+            }
+        }
+        for root in roots {
+            if let Some(place) = unrolled.place(*root) {
+                unrolled.last_reader[place] = unrolled.order.len();
+            }
+        }
+        unrolled
+    }
+
+    fn place(&self, id: NodeId) -> Option<usize> {
+        self.places.get(id.index()).copied().flatten()
+    }
+
+    /// Returns the loops, in order.
+    pub(super) fn loops(&self) -> Vec<Rounds> {
+        let mut found = Vec::new();
+        if self.order.len() <= NODES_MAX {
+            self.search(0..self.order.len(), &mut found);
+        }
+        found
+    }
+
+    fn search(&self, within: Range<usize>, found: &mut Vec<Rounds>) {
+        let Some(run) = self.longest_run(&within) else { return };
+        let rounds = self.with_early_end(run).or_else(|| self.without_early_end(run));
+        let places = rounds.as_ref().map_or(run.first..run.end + run.length, |rounds| rounds.places.clone());
+        self.search(within.start..places.start, found);
+        found.extend(rounds);
+        self.search(places.end..within.end, found);
+    }
+
+    fn longest_run(&self, within: &Range<usize>) -> Option<Run> {
+        let (mut best, mut most) = (None, SAVED_MIN - 1);
+        for length in 2..=LENGTH_MAX.min(within.len() / 3) {
+            let mut first = within.start;
+            for place in within.start..=within.end - length {
+                if place + length < within.end && self.repeats(place, length) {
+                    continue;
+                }
+                let run = Run { first, end: place, length };
+                if run.saves() > most {
+                    (best, most) = (Some(run), run.saves());
+                }
+                first = place + 1;
+            }
+        }
+        best
+    }
+
+    /// True if the node that is `length` places later does the same.
+    fn repeats(&self, place: usize, length: usize) -> bool {
+        let [here, later] = [place, place + length].map(|place| self.graph.node(self.order[place]));
+        match (here, later) {
+            (Node::Unary(op, a), Node::Unary(other, b)) => op == other && self.is_shifted(a, b, length),
+            (Node::Binary(op, a, b), Node::Binary(other, c, d)) => {
+                op == other && self.is_shifted(a, c, length) && self.is_shifted(b, d, length)
+            }
+            _ => false,
+        }
+    }
+
+    fn is_shifted(&self, here: NodeId, later: NodeId, length: usize) -> bool {
+        let is_number = |id: NodeId| self.graph.as_constant(id).is_some();
+        let shifted = self.place(here).map(|place| place + length);
+        here == later
+            || is_number(here) && is_number(later)
+            || shifted.is_some() && shifted == self.place(later)
+    }
+
+    /// Returns the loop of a run that starts at a place. The round before it stays outside.
+    fn rounds(&self, run: Run, start: usize) -> Option<Rounds> {
+        let (length, count) = (run.length, run.rounds_from(start));
+        let places = start..start + count * length;
+        if count < 2 || (count - 1) * length < SAVED_MIN {
+            return None;
+        }
+        let last = places.end - length;
+        let step = |offset: usize| {
+            let id = self.order[start + offset];
+            let (op, is_unary) = match self.graph.node(id) {
+                Node::Unary(op, _) => (op, true),
+                Node::Binary(op, ..) => (op, false),
+                _ => return None,
+            };
+            let first = self.source(start, offset, 0, (length, count))?;
+            let second = if is_unary { first } else { self.source(start, offset, 1, (length, count))? };
+            Some(Step {
+                id,
+                last: self.order[last + offset],
+                before: self.order[start + offset - length],
+                formula: Formula::Operation(op, [first, second]),
+                is_computed: true,
+                is_kept: self.last_reader[last + offset] >= places.end,
+            })
+        };
+        let steps: Option<Vec<Step>> = (0..length).map(step).collect();
+        // Nodes after the loop can only read the last round.
+        let is_hidden = |place: usize| self.last_reader[place] < places.end;
+        (start..last).all(is_hidden).then_some(Rounds { steps: steps?, places, count, ends_early: false })
+    }
+
+    /// Returns the source of an operand if all rounds have the same one. The round before the loop may differ in what
+    /// it reads from the round before it.
+    fn source(
+        &self,
+        start: usize,
+        offset: usize,
+        operand: usize,
+        (length, count): (usize, usize),
+    ) -> Option<Source> {
+        let node = |round: usize| {
+            // Round 0 is the one before the loop.
+            self.graph.node(self.order[start - length + round * length + offset]).operands().nth(operand)
+        };
+        let (first, second) = (node(1)?, node(2)?);
+        let number = |round: usize| self.graph.as_constant(node(round)?);
+        if let Some(value) = number(1) {
+            let step = number(2)? - value;
+            let counts = |round: usize| number(round) == Some(value + step * (round as f32 - 1.0));
+            let is_whole = |value: f32| value.trunc() == value && value.abs() < WHOLE_MAX;
+            return match first == second {
+                true => (0..=count).all(|round| node(round) == Some(first)).then_some(Source::Known(value)),
+                false => ((1..=count).all(counts) && is_whole(value) && is_whole(step))
+                    .then_some(Source::Counted { first: value, step }),
+            };
+        }
+        if first == second {
+            let is_before = self.place(first).is_none_or(|place| place < start);
+            let is_fixed = is_before && (0..=count).all(|round| node(round) == Some(first));
+            return is_fixed.then_some(Source::Fixed(first));
+        }
+        let place = self.place(first)?;
+        let shifts = |round: usize| {
+            node(round).and_then(|id| self.place(id)) == (place + round * length).checked_sub(length)
+        };
+        if !(1..=count).all(shifts) {
+            return None;
+        }
+        match place.checked_sub(start) {
+            Some(offset) => shifts(0).then_some(Source::Here(offset)),
+            None => Some(Source::Before((place + length).checked_sub(start)?)),
+        }
+    }
+
+    fn without_early_end(&self, run: Run) -> Option<Rounds> {
+        let mut rounds = run.starts().find_map(|start| self.rounds(run, start))?;
+        rounds.keep_what_is_read();
+        Some(rounds)
+    }
+
+    /// Returns the loop of a run that ends by a condition. Its rounds start after the condition.
+    fn with_early_end(&self, run: Run) -> Option<Rounds> {
+        let follows_max =
+            |start: &usize| matches!(self.graph.node(self.order[start - 1]), Node::Binary(Op::Max, ..));
+        run.starts().filter(follows_max).find_map(|start| {
+            let rounds = self.rounds(run, start)?;
+            let ended = rounds.settled(self.graph, 1.0);
+            let mut rounds = rounds.simplified(self.graph);
+            rounds.keep_what_is_read();
+            let mut steps = rounds.steps.iter().zip(&ended);
+            steps.all(|(step, ended)| !step.is_kept || ended.stays).then_some(rounds)
+        })
+    }
+}
+
+/// What is known of a value in a round if the end of the loop is known.
+#[derive(Debug, Clone, Copy)]
+struct Settled {
+    /// What it is equal to, if that is known.
+    is: Option<Source>,
+    /// True if it equals the value of the round before.
+    stays: bool,
+}
+
+impl Rounds {
+    /// The offset of the condition that ends a loop.
+    fn condition(&self) -> usize {
+        self.steps.len().saturating_sub(1)
+    }
+
+    /// Replaces a source by what it is equal to, if the loop has ended (1) or not (0) before this round.
+    fn resolved(&self, source: Source, settled: &[Settled], ended: f32) -> Source {
+        match source {
+            Source::Here(offset) => settled.get(offset).and_then(|known| known.is).unwrap_or(source),
+            Source::Before(offset) if offset == self.condition() => Source::Known(ended),
+            _ => source,
+        }
+    }
+
+    /// Finds what the values of a round are equal to.
+    fn settled(&self, graph: &Graph, ended: f32) -> Vec<Settled> {
+        let mut settled: Vec<Settled> = Vec::with_capacity(self.steps.len());
+        for (offset, step) in self.steps.iter().enumerate() {
+            let Formula::Operation(op, operands) = step.formula else { break };
+            let [a, b] = operands.map(|source| self.resolved(source, &settled, ended));
+            let is_truth = |source: Source| self.is_truth(graph, source);
+            let is = match (op, a, b) {
+                (_, Source::Known(a), Source::Known(b)) if !op.properties().has(Properties::READS_FRAME) => {
+                    Some(Source::Known(op.value(a, b, &FrameInputs::default())))
+                }
+                (Op::Mask, Source::Known(condition), b) => {
+                    Some(if condition == 0.0 { Source::Known(0.0) } else { b })
+                }
+                (Op::Add, Source::Known(0.0), other) | (Op::Add | Op::Sub, other, Source::Known(0.0)) => {
+                    Some(other)
+                }
+                (Op::Max, Source::Known(1.0), other) | (Op::Max, other, Source::Known(1.0))
+                    if is_truth(other) =>
+                {
+                    Some(Source::Known(1.0))
+                }
+                (Op::Min, Source::Known(0.0), other) | (Op::Min, other, Source::Known(0.0))
+                    if is_truth(other) =>
+                {
+                    Some(Source::Known(0.0))
+                }
+                (Op::Max, Source::Known(0.0), other) | (Op::Max, other, Source::Known(0.0))
+                    if is_truth(other) =>
+                {
+                    Some(other)
+                }
+                (Op::Min, Source::Known(1.0), other) | (Op::Min, other, Source::Known(1.0))
+                    if is_truth(other) =>
+                {
+                    Some(other)
+                }
+                _ => None,
+            };
+            let operand_stays = |source: &Source| match source {
+                Source::Here(of) => settled.get(*of).is_some_and(|of| of.stays),
+                Source::Fixed(_) | Source::Known(_) => true,
+                Source::Before(_) | Source::Counted { .. } => false,
+            };
+            let is_itself = is == Some(Source::Before(offset));
+            let is_condition = offset == self.condition() && is == Some(Source::Known(ended));
+            let stays = is_itself || is_condition || operands.iter().all(operand_stays);
+            settled.push(Settled { is, stays });
+        }
+        settled
+    }
+
+    /// True if a value is always 0 or 1.
+    fn is_truth(&self, graph: &Graph, source: Source) -> bool {
+        let gives_truth = |op: Op| op.properties().has(Properties::TRUTH);
+        match source {
+            Source::Known(number) => number == 0.0 || number == 1.0,
+            Source::Before(offset) if offset == self.condition() => true,
+            Source::Here(offset) => match self.steps.get(offset).map(|step| step.formula) {
+                Some(Formula::Operation(Op::Min | Op::Max, operands)) => {
+                    operands.iter().all(|operand| self.is_truth(graph, *operand))
+                }
+                Some(Formula::Operation(op, _)) => gives_truth(op),
+                _ => false,
+            },
+            Source::Fixed(id) => match graph.node(id) {
+                Node::Unary(op, _) | Node::Binary(op, ..) => gives_truth(op),
+                _ => false,
+            },
+            Source::Before(_) | Source::Counted { .. } => false,
+        }
+    }
+
+    /// Returns a loop that tests its end before each round. Within a round, the loop has not ended.
+    fn simplified(&self, graph: &Graph) -> Self {
+        let settled = self.settled(graph, 0.0);
+        let mut simpler = Self { ends_early: true, ..self.clone() };
+        for (step, known) in simpler.steps.iter_mut().zip(&settled) {
+            step.formula = match (step.formula, known.is) {
+                (_, Some(source)) => Formula::Copy(source),
+                (Formula::Operation(op, operands), None) => {
+                    Formula::Operation(op, operands.map(|source| self.resolved(source, &settled, 0.0)))
+                }
+                (copy, None) => copy,
+            };
+        }
+        simpler
+    }
+
+    /// Marks the values that the loop computes, and those that it keeps for the next round.
+    fn keep_what_is_read(&mut self) {
+        let condition = self.condition();
+        for (offset, step) in self.steps.iter_mut().enumerate() {
+            step.is_kept |= self.ends_early && offset == condition;
+            step.is_computed = false;
+        }
+        let mut open: Vec<usize> =
+            (0..self.steps.len()).filter(|offset| self.steps[*offset].is_kept).collect();
+        while let Some(offset) = open.pop() {
+            if std::mem::replace(&mut self.steps[offset].is_computed, true) {
+                continue;
+            }
+            let sources = match self.steps[offset].formula {
+                Formula::Operation(_, operands) => operands,
+                Formula::Copy(source) => [source; 2],
+            };
+            for source in sources {
+                match source {
+                    Source::Here(of) => open.push(of),
+                    Source::Before(of) => {
+                        self.steps[of].is_kept = true;
+                        open.push(of);
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+}
