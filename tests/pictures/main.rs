@@ -7,6 +7,7 @@ mod fades;
 mod flash_limiter;
 mod flashes;
 mod followed_sounds;
+mod glsl_import;
 mod golden;
 mod hardware_path;
 mod light;
