@@ -40,6 +40,10 @@ impl Session {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
         };
+        if let Some(pointer) = self.interface.pointer_over_picture(size) {
+            let is_followed = self.playback.scene.scenes().follow_pointer();
+            self.playback.scene.composer_mut().point(pointer, is_followed);
+        }
         // Note this during slow frames too: the show must not look idle, because an idle show restarts its frame.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
         let side_max = self.playback.side_max(&*self.screen);
@@ -202,7 +206,8 @@ impl Playback {
         let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
         let Level { quality, edges, .. } = level;
         let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
-        let picture = WantedPicture { moment, sound, size, aspect, quality, edges, runs };
+        let screen = self.scene.composer().screen(whole);
+        let picture = WantedPicture { moment, sound, size, aspect, screen, quality, edges, runs };
         let drawn = self.scene.draw(&mut self.renderer, picture);
         let new = self.without_room_smaller(drawn)?.flatten();
         if new.is_none() {

@@ -4,6 +4,7 @@ use super::{Interface, Playback};
 use crate::placement::{Map, led};
 use crate::probing::Prober;
 use crate::probing::Scenery;
+use crate::session::scene::PointerOver;
 use crate::session::screen::Screen;
 use crate::ui::editor::Editor;
 
@@ -25,14 +26,26 @@ impl Interface {
         }
     }
 
+    /// The pointer over the picture in a window of this size; `None` without a picture, or if the pointer is beside it.
+    pub(super) fn pointer_over_picture(&self, size: (u32, u32)) -> Option<PointerOver> {
+        let (place, pressed) = self.input.pointer();
+        let [x, y] = self.in_picture(place, size)?.map(|fraction| fraction as f32);
+        Some(PointerOver { at: [x, 1.0 - y], pressed })
+    }
+
+    /// Returns a position in the window, in pixels, as fractions of the picture from the upper left corner; `None`
+    /// outside the picture.
+    fn in_picture(&self, place: [f64; 2], (width, height): (u32, u32)) -> Option<[f64; 2]> {
+        let fraction = [place[0] / f64::from(width), place[1] / f64::from(height)];
+        let at = self.probing.map.and_then(|map| led(&map, fraction));
+        at.filter(|at| at.iter().all(|fraction| (0.0..=1.0).contains(fraction)))
+    }
+
     pub(super) fn look_at(&mut self, playback: &mut Playback, screen: &mut dyn Screen, place: [f64; 2]) {
         if !self.is_edited() {
             return;
         }
-        let Some((width, height)) = screen.size() else { return };
-        let fraction = [place[0] / f64::from(width), place[1] / f64::from(height)];
-        let at = self.probing.map.and_then(|map| led(&map, fraction));
-        let at = at.filter(|at| at.iter().all(|fraction| (0.0..=1.0).contains(fraction)));
+        let at = screen.size().and_then(|size| self.in_picture(place, size));
         let Some(at) = at else { return };
         match playback.scene.composer().pictures().scenery() {
             Ok(scenery) => self.with_prober(|prober| prober.ask_point(scenery, at)),

@@ -30,6 +30,7 @@ use crate::moving_textures::LiveTextures;
 use crate::scenes::camera_number;
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPicture;
+use mariana_field::graph::Screen;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
@@ -42,10 +43,21 @@ pub(crate) struct WantedPicture {
     pub size: (u32, u32),
     /// Aspect ratio of the window: width divided by height.
     pub aspect: f64,
+    /// The size of the picture in the window, and the pointer over it.
+    pub screen: Screen,
     /// The shaders' `frame_quality`.
     pub quality: f32,
     pub edges: EdgeSamples,
     pub runs: bool,
+}
+
+/// The pointer over the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PointerOver {
+    /// Fractions of the width from the left and of the height from below, 0..1.
+    pub at: [f32; 2],
+    /// True while its first button is held.
+    pub pressed: bool,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -86,6 +98,7 @@ pub(crate) struct SceneComposer {
     pub(super) views: Views,
     pub(super) camera: SceneCamera,
     pub(super) edits: Edits,
+    pointer: PointerOver,
     /// Counts the changes in the composer after which a frame of the same moment would look different.
     revision: u64,
 }
@@ -109,6 +122,7 @@ impl SceneComposer {
             views: Views::starting_with(view),
             camera: SceneCamera::default(),
             edits: Edits::default(),
+            pointer: PointerOver { at: [0.5; 2], pressed: false },
             revision: 0,
         }
     }
@@ -296,7 +310,8 @@ impl SceneComposer {
     /// Adapts a frame to the window, and adds the moving pictures of its moment.
     fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture) -> Frame {
         let world = scene.resources.world();
-        self.textures.in_frame(frame.in_window(world, picture.aspect, picture.quality), world)
+        let frame = frame.in_window(world, picture.aspect, picture.quality).on_screen(world, picture.screen);
+        self.textures.in_frame(frame, world)
     }
 
     fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
@@ -434,6 +449,19 @@ impl SceneComposer {
 
     pub(crate) fn look_different(&mut self) {
         self.revision += 1;
+    }
+
+    /// Notes the pointer over the picture. Requests a new frame if a scene follows it.
+    pub(crate) fn point(&mut self, pointer: PointerOver, is_followed: bool) {
+        if std::mem::replace(&mut self.pointer, pointer) != pointer && is_followed {
+            self.revision += 1;
+        }
+    }
+
+    /// The picture in a window of this size, with the pointer.
+    pub(crate) fn screen(&self, size: (u32, u32)) -> Screen {
+        let PointerOver { at, pressed } = self.pointer;
+        Screen { pointer: at, pressed, ..Screen::of_size(size) }
     }
 
     /// Requests a new frame: an input has changed that neither the sound's features nor the parameters show.

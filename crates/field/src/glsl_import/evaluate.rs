@@ -273,7 +273,7 @@ impl Executor<'_, '_> {
         let order = self.graph.order(nodes).map_err(|error| {
             Problem::over_limit(place.clone(), error.to_string()).hint("shorten the loops")
         })?;
-        self.spend(order.nodes.len(), place)?;
+        self.step(order.nodes.len(), || place.clone())?;
         let (pixel, one) = (self.graph.input(input), self.one);
         let mut copies: HashMap<NodeId, NodeId> = HashMap::with_capacity(order.nodes.len());
         for id in order.nodes {

@@ -53,7 +53,7 @@ fn of_picture(graph: &mut Graph, name: &str) -> Option<Vec<NodeId>> {
         }
         // Viewers that call it so give fractions of the size.
         "mouse" => vec![graph.div(x, width), graph.div(y, height)],
-        "gl_FragCoord" => {
+        "gl_FragCoord" | "fragCoord" => {
             vec![graph.input(Input::X), graph.input(Input::Y), graph.constant(0.0), graph.constant(1.0)]
         }
         _ => return None,
