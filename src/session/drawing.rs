@@ -87,7 +87,7 @@ impl Session {
         let is_drawing = self.playback.scene.composer().is_drawing();
         let area = self.interface.note_area(&mut *self.screen, lay, size);
         let map = lay.map(&self.playback.renderer, area);
-        self.interface.note_map(&mut self.playback, map);
+        self.interface.note_map(&mut self.playback, map, size);
         if let Some(controllers) = &mut self.interface.ui_state.corners {
             controllers.set_area(area);
         }
@@ -104,6 +104,7 @@ impl Session {
             begun,
         );
         content.next = self.playback.preview.next().filter(|_| !self.interface.ui_state.bare);
+        content.ray = self.interface.probing.ray_view();
         let Some(shown) = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
@@ -359,6 +360,7 @@ impl Interface {
             now,
         );
         content.next = playback.preview.next().filter(|_| !self.ui_state.bare);
+        content.ray = self.probing.ray_view();
         let due = self.overlay.due(&content, now);
         // The bar disappears when the pointer has not moved for a while.
         let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);

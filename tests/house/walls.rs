@@ -222,6 +222,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
         "export",
         &[
             "covers",
+            "probing",
             "scenes",
             "frame",
             "view",
