@@ -5,7 +5,7 @@
 //! the random directions of rough mirrors.
 
 use super::shadow_ray::ShadowRay;
-use super::{Hit, Ray, RayProbe, TAP_MIN, TAPS, add, unit};
+use super::{Hit, Ray, RayProbe, TAP_MIN, TAPS, Traced, add, unit};
 use crate::graph::Point;
 use crate::lang::{Light, Material};
 use crate::rays;
@@ -40,8 +40,10 @@ pub struct RayStep {
 pub struct PathRay {
     /// The ray.
     pub ray: Ray,
-    /// The evaluations, in order. Cells without a surface are skipped without one.
+    /// The evaluations of plain sphere tracing, in order. A value that is not a distance is traced with the cells.
     pub steps: Vec<RayStep>,
+    /// Number of evaluations with the cells of the tree, which rays skip.
+    pub evaluations: u32,
     /// The surface that ends the ray; `None` for the sky.
     pub surface: Option<PathSurface>,
 }
@@ -78,12 +80,10 @@ impl RayProbe<'_> {
         let mut path = Vec::new();
         let (mut ray, mut travelled, mut throughput) = (*ray, 0.0, 1.0);
         for _ in 0..SURFACES_MAX {
-            let begun = self.steps.replace(Some(Vec::new()));
-            debug_assert!(begun.is_none(), "rays are recorded one after another");
-            let hit = self.trace(&ray).hit;
-            let steps = self.steps.take().unwrap_or_default();
+            let Traced { hit, evaluations, .. } = self.trace(&ray);
+            let steps = self.steps_of(&ray);
             let Some(hit) = hit else {
-                path.push(PathRay { ray, steps, surface: None });
+                path.push(PathRay { ray, steps, evaluations, surface: None });
                 break;
             };
             travelled += hit.distance;
@@ -91,7 +91,7 @@ impl RayProbe<'_> {
             let surface = self.surface(&ray, hit, cone, light);
             let (normal, is_plane) = (surface.normal, hit.plane.is_some());
             throughput *= surface.reflectance;
-            path.push(PathRay { ray, steps, surface: Some(surface) });
+            path.push(PathRay { ray, steps, evaluations, surface: Some(surface) });
             if throughput < FRACTION_MIN {
                 break;
             }
@@ -106,6 +106,13 @@ impl RayProbe<'_> {
             };
         }
         path
+    }
+
+    fn steps_of(&self, ray: &Ray) -> Vec<RayStep> {
+        let begun = self.steps.replace(Some(Vec::new()));
+        debug_assert!(begun.is_none(), "rays are recorded one after another");
+        self.without_cells(|plain| plain.trace(ray));
+        self.steps.take().unwrap_or_default()
     }
 
     fn surface(&self, ray: &Ray, hit: Hit, cone: f32, light: FrameLight<'_>) -> PathSurface {
@@ -210,7 +217,7 @@ mod tests {
         for step in &only.steps {
             assert!((step.value - (4.0 - step.t)).abs() < 1e-3, "{step:?}");
         }
-        assert_eq!(surface.openness, 1.0);
+        assert!(surface.openness > 0.999, "{surface:?}");
         assert_eq!(surface.reflectance, 0.0);
     }
 
@@ -230,7 +237,7 @@ mod tests {
             let path = path_of(&corner, Ray { origin: [0.0, y, -5.0], ..FORWARD });
             path[0].surface.clone().unwrap()
         };
-        assert!(at(0.05).openness < 0.9 && at(3.0).openness == 1.0);
+        assert!(at(0.05).openness < 0.9 && at(3.0).openness > 0.999);
         assert!(at(0.05).occlusion[3].distance < 0.2);
     }
 

@@ -14,7 +14,7 @@ mod shadow_ray;
 #[cfg(test)]
 mod tests;
 
-use std::cell::RefCell;
+use std::cell::{Cell as StdCell, RefCell};
 use std::collections::HashMap;
 
 pub use deciding::Deciding;
@@ -93,6 +93,8 @@ pub struct RayProbe<'a> {
     lengths: RefCell<HashMap<u32, u64>>,
     /// The steps of the present ray, if they are recorded.
     steps: RefCell<Option<Vec<RayStep>>>,
+    /// True while rays do not skip cells.
+    is_plain: StdCell<bool>,
 }
 
 impl<'a> RayProbe<'a> {
@@ -103,7 +105,15 @@ impl<'a> RayProbe<'a> {
         frame: &'a FrameInputs,
         planes: &'a [[f32; 4]],
     ) -> Self {
-        Self { world, regions, frame, planes, lengths: RefCell::default(), steps: RefCell::default() }
+        Self {
+            world,
+            regions,
+            frame,
+            planes,
+            lengths: RefCell::default(),
+            steps: RefCell::default(),
+            is_plain: StdCell::new(false),
+        }
     }
 
     /// Follows a ray to the first surface.
@@ -228,6 +238,14 @@ impl<'a> RayProbe<'a> {
         self.regions.run(tape, point, 0.0, self.frame)[0]
     }
 
+    /// Calls `trace` with rays that do not skip cells, if the values are distances. Other values need the cells.
+    fn without_cells<T>(&self, trace: impl FnOnce(&Self) -> T) -> T {
+        self.is_plain.set(self.is_distance());
+        let result = trace(self);
+        self.is_plain.set(false);
+        result
+    }
+
     fn note(&self, t: f32, value: f32) {
         if let Some(steps) = &mut *self.steps.borrow_mut() {
             steps.push(RayStep { t, value });
@@ -326,7 +344,7 @@ impl<'a> RayProbe<'a> {
     }
 
     fn cell_at(&self, walk: &Walk<'_>, t: f32) -> Option<Cell> {
-        self.regions.cell_at(walk.place_on(t))
+        if self.is_plain.get() { None } else { self.regions.cell_at(walk.place_on(t)) }
     }
 }
 

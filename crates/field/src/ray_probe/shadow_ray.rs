@@ -28,8 +28,11 @@ pub struct ShadowRay {
     pub direction: [f32; 3],
     /// The part of the ray that is traced, or the distance of the plane that blocks it.
     pub end: f32,
-    /// The evaluations of the distance, in order.
+    /// The evaluations of the distance without skipping cells, in order. A value that is not a distance is traced with
+    /// the cells.
     pub steps: Vec<ShadowStep>,
+    /// Number of evaluations with the cells of the tree, which rays skip.
+    pub evaluations: usize,
     /// The fraction of the light that arrives, 0..1.
     pub visible: f32,
 }
@@ -97,6 +100,7 @@ impl RayProbe<'_> {
             direction: incoming.direction,
             end: incoming.t,
             steps: Vec::new(),
+            evaluations: 0,
             visible: 1.0,
         };
         if let Some(hit) = self.plane_on(&ray).filter(|hit| hit.distance < incoming.t) {
@@ -109,10 +113,17 @@ impl RayProbe<'_> {
         let span = (start.max(rays::SHADOW_START), end.min(incoming.t));
         if span.0 < span.1 {
             shadow.end = span.1;
-            shadow.visible = match self.world.non_lipschitz {
-                true => self.follow_sharp(&ray, span, sharpness, &mut shadow.steps),
-                false => self.follow_soft(&ray, span, sharpness, &mut shadow.steps),
+            let follow = |probe: &Self| {
+                let mut steps = Vec::new();
+                let visible = match probe.world.non_lipschitz {
+                    true => probe.follow_sharp(&ray, span, sharpness, &mut steps),
+                    false => probe.follow_soft(&ray, span, sharpness, &mut steps),
+                };
+                (visible, steps)
             };
+            let (visible, steps) = follow(self);
+            (shadow.visible, shadow.evaluations) = (visible, steps.len());
+            shadow.steps = self.without_cells(follow).1;
         }
         Some(shadow)
     }

@@ -154,6 +154,15 @@ fn ink_of_step(number: usize, count: usize) -> Ink {
     ink(crate::view::scale::heat(fraction).map(|part| 255.0 * (0.25 + 0.75 * part)))
 }
 
+/// The number of evaluations with the tree's cells, and of the drawn steps.
+fn evaluations(with_cells: usize, drawn: usize) -> String {
+    if with_cells == drawn {
+        format!("{drawn} evaluations")
+    } else {
+        format!("{drawn} evaluations, {with_cells} with cells")
+    }
+}
+
 fn along(origin: [f32; 3], direction: [f32; 3], t: f32) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|axis| f64::from(origin[axis] + t * direction[axis])))
 }
@@ -293,7 +302,8 @@ impl Drawing<'_> {
             Some(name) => format!("hits {name} at {reached:.2}"),
             None => "meets the sky".to_owned(),
         };
-        section.title(&format!("ray from the eye: {count} evaluations, {found}"));
+        section
+            .title(&format!("ray from the eye: {}, {found}", evaluations(first.evaluations as usize, count)));
         section.contour(|point| self.probe.distance_at(point));
         section.line([0.0, 0.0], [if object.is_some() { reached } else { 1.12 * reached }, 0.0], 0.1, RAY);
         for (number, step) in first.steps.iter().enumerate() {
@@ -332,13 +342,14 @@ impl Drawing<'_> {
         section.show([-0.06 * end, 1.06 * end], 0.5);
         let (number, count) = (shadow.light + 1, shadow.steps.len());
         let percent = (100.0 * shadow.visible).round();
-        section.title(&format!(
-            "shadow ray to light {number}: {count} evaluations, {percent} % of the light arrives"
-        ));
+        let evaluations = evaluations(shadow.evaluations, count);
+        section.title(&format!("shadow ray to light {number}: {evaluations}, {percent} % arrives"));
         section.contour(|point| self.probe.distance_at(point));
         section.line([0.0, 0.0], [1.06 * end, 0.0], 0.1, ink_of_light(shadow.visible));
         let fractions = shadow.steps.iter().map(|step| step.fraction);
+        // Only distances have a closest pass.
         let least = fractions.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(number, _)| number);
+        let least = least.filter(|_| self.probe.is_distance());
         for (number, step) in shadow.steps.iter().enumerate() {
             let is_near_least = least.is_some_and(|least| number == least || number + 1 == least);
             let width = if is_near_least { 0.14 } else { 0.06 };
@@ -380,5 +391,91 @@ impl Drawing<'_> {
         }
         section.note("blue: height of a probe, yellow: distance to the scene");
         section.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::testing::world_of;
+    use mariana_field::region::{RegionOptions, RegionPlan};
+    use mariana_music::Features;
+
+    const SIZE: (u32, u32) = (640, 360);
+
+    /// The diagram of the ray through the middle of the image.
+    fn diagram(text: &str, size: (u32, u32)) -> RayDiagram {
+        let world = world_of(text);
+        let frame = Frame::new(&world, 0.0, Features::SILENCE, size);
+        let regions = RegionPlan::new(&world).build(&frame.inputs, &RegionOptions::default());
+        let probe = RayProbe::new(&world, &regions, &frame.inputs, &frame.values.planes);
+        let camera = &frame.camera;
+        let ray = Ray {
+            origin: camera.position.as_vec3().to_array(),
+            direction: camera.forward.as_vec3().to_array(),
+            spread: 1e-3,
+        };
+        RayDiagram::of(&probe, &frame, &ray, &["ball".to_owned()], size)
+    }
+
+    fn words(diagram: &RayDiagram) -> Vec<&str> {
+        let marks = diagram.groups.iter().flat_map(|group| &group.marks);
+        marks
+            .filter_map(|mark| if let Mark::Text { words, .. } = mark { Some(&**words) } else { None })
+            .collect()
+    }
+
+    const BALL: &str = "material mirror { reflect = 0.5 }\nobject ball { shape = sphere(p, 1)  material = mirror }\n\
+                        camera { position = vec3(0, 0, -5)  target = vec3(0) }\nlight lamp { position = vec3(-4, 4, -4) }";
+
+    #[test]
+    fn a_surface_has_a_path_and_three_sections_within_the_image() {
+        let found = diagram(BALL, SIZE);
+        let titles = words(&found).join("\n");
+        for part in [
+            "ray from the eye",
+            "hits ball at 4.00",
+            "shadow ray to light 1",
+            "100 % arrives",
+            "occlusion: 100 %",
+        ] {
+            assert!(titles.contains(part), "{titles}");
+        }
+        assert_eq!(found.groups.len(), 4);
+        for group in &found.groups {
+            let [low, high] = group.clip;
+            assert!(low.cmpge(Vec2::ZERO).all() && high.cmple(found.size).all() && low.cmplt(high).all());
+        }
+        // The lamp is up and to the left in the image.
+        let path = &found.groups[0].marks;
+        let to_lamp = path.iter().any(|mark| {
+            matches!(mark, Mark::Line { from, to, ink, .. }
+                if *ink == ink_of_light(1.0) && to.x < from.x - 50.0 && to.y < from.y - 50.0)
+        });
+        assert!(to_lamp, "{path:?}");
+    }
+
+    #[test]
+    fn the_sky_has_one_section_and_a_small_image_none() {
+        let sky = "sphere(p - vec3(9, 0, 0), 1)\ncamera { position = vec3(0, 0, -5)  target = vec3(0) }";
+        let found = diagram(sky, SIZE);
+        assert_eq!(found.groups.len(), 2);
+        assert!(words(&found)[0].ends_with("meets the sky"), "{:?}", words(&found));
+        assert_eq!(diagram(BALL, (120, 60)).groups.len(), 1);
+    }
+
+    #[test]
+    fn marks_are_drawn_inside_their_clip_only() {
+        let clip = [vec2(4.0, 4.0), vec2(12.0, 12.0)];
+        let ink = [255, 0, 0, 255];
+        let marks = vec![
+            Mark::Line { from: vec2(-1e9, 8.0), to: vec2(1e9, 8.0), width: 2.0, ink },
+            Mark::Circle { center: vec2(8.0, 8.0), radius: f32::INFINITY, width: 1.0, ink },
+            Mark::Disc { center: vec2(f32::NAN, 0.0), radius: 3.0, ink },
+        ];
+        let mut rgba = vec![0; 4 * 16 * 16];
+        RayDiagram { size: vec2(16.0, 16.0), groups: vec![Group { clip, marks }] }.draw_over(&mut rgba);
+        let red = |x: usize, y: usize| rgba[4 * (16 * y + x)];
+        assert_eq!([red(3, 8), red(4, 8), red(11, 7), red(12, 8), red(8, 5)], [0, 255, 255, 0, 0]);
     }
 }

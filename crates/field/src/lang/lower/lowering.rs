@@ -78,7 +78,7 @@ impl Inputs {
                 (format!("{here} cannot read images"), "images can be read in materials and the sky")
             }
             _ if missing & uses::PIXEL != 0 => (
-                format!("`{name}` depends on a place in the picture, which has no value in {here}"),
+                format!("{here} cannot depend on `{name}`, which is a place in the picture"),
                 "pixels are available in the sky's colour; shapes and materials have the point `p`",
             ),
             _ if missing & uses::SCREEN != 0 => (

@@ -14,28 +14,33 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("x /* y", "this comment is never closed", "/*", "`*/`"),
     ("texture(\"a, p.xy)", "this text is never closed", "\"a, p.xy)", "end it"),
     // Places in the picture.
-    ("sphere(p, pixel.x)", "`pixel` depends on a place in the picture", "pixel", "the point `p`"),
+    (
+        "sphere(p, pixel.x)",
+        "a shape cannot depend on `pixel`, which is a place in the picture",
+        "pixel",
+        "the point `p`",
+    ),
     (
         "let r = resolution.x\nsphere(p, r)",
-        "`r` depends on the picture's size or the pointer",
+        "`r` depends on the picture's size or the pointer, which have no value in a shape",
         "r",
         "`picture`",
     ),
     (
         "camera { fov = mouse.x }\nx",
-        "`mouse` depends on the picture's size or the pointer",
+        "`mouse` depends on the picture's size or the pointer, which have no value in the camera",
         "mouse",
         "`picture`",
     ),
     (
         "picture { grain = pixel.x }\nx",
-        "`pixel` depends on a place in the picture",
+        "the picture cannot depend on `pixel`, which is a place in the picture",
         "pixel",
         "the sky's colour",
     ),
     (
         "sky { let a = pixel.y  ambient = vec3(a) }",
-        "`ambient` cannot depend on `pixel`",
+        "`ambient` cannot depend on `pixel`, which is a place in the picture",
         "ambient",
         "the sky's colour alone",
     ),
