@@ -6,11 +6,10 @@ use super::{Interface, Playback};
 use crate::placement::{Map, led};
 use crate::probing::Scenery;
 use crate::probing::{Answer, Prober};
-use crate::session::scene::PointerOver;
+use crate::ray_diagram::RayDiagram;
 use crate::session::screen::Screen;
 use crate::ui::editor::Editor;
 use crate::ui::overlay::RayView;
-use mariana_render::ray_diagram::RayDiagram;
 
 /// Inspects frames on a thread, which starts with the first query.
 #[derive(Default)]
@@ -48,11 +47,12 @@ impl Interface {
         }
     }
 
-    /// The pointer over the picture in a window of this size; `None` without a picture, or if the pointer is beside it.
-    pub(super) fn pointer_over_picture(&self, size: (u32, u32)) -> Option<PointerOver> {
+    /// The pointer over the picture in a window of this size, as fractions of the picture from the lower left corner, and
+    /// true while its button is held; `None` without a picture, or if the pointer is beside it.
+    pub(super) fn pointer_over_picture(&self, size: (u32, u32)) -> Option<([f32; 2], bool)> {
         let (place, pressed) = self.input.pointer();
         let [x, y] = self.in_picture(place, size)?.map(|fraction| fraction as f32);
-        Some(PointerOver { at: [x, 1.0 - y], pressed })
+        Some(([x, 1.0 - y], pressed))
     }
 
     /// Returns a position in the window, in pixels, as fractions of the picture from the upper left corner; `None`

@@ -41,6 +41,7 @@ pub(crate) mod scene;
 pub(crate) mod screen;
 mod sending;
 mod settings;
+mod shader_import;
 mod shader_importing;
 mod snapshots;
 pub(crate) mod sound;
@@ -148,7 +149,7 @@ pub(crate) struct Interface {
     ui_events: Vec<UiEvent>,
     /// Texts that are being edited, for the scene loaders.
     drafts: Drafts,
-    shader_import: shader_importing::ShaderImport,
+    shader_import: shader_import::ShaderImport,
     probing: inspecting::Probing,
     typing_times: TypingTimes,
     thumbnails: Option<Thumbnails>,

@@ -1,15 +1,12 @@
-//! Shaders that the user opens: each becomes a scene in the folder of the user's scenes, on a thread.
+//! Shaders that the user opens: each becomes a scene in the folder of the user's scenes.
 
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::thread::Builder;
 
+use super::panels::thumbnails_ahead_at;
+use super::shader_import::ShaderImport;
 use super::{Interface, Playback};
-use crate::scenes::{ImportedShader, SceneSource, ShaderError, import_shader};
-
-/// The import in progress.
-#[derive(Default)]
-pub(super) struct ShaderImport(Option<Receiver<Result<ImportedShader, ShaderError>>>);
+use crate::clock;
+use crate::scenes::{ImportedShader, SceneSource};
 
 impl Interface {
     /// Makes a scene of a shader, which is shown when it is ready.
@@ -18,28 +15,15 @@ impl Interface {
             let words = "there is no folder for your own scenes: make a scene with `mariana import`";
             return playback.reports.answer(words.to_owned());
         };
-        let (tell, coming) = channel();
-        let waker = self.waker.clone();
-        // Executing a shader may take longer than a frame.
-        let started = Builder::new().name("import".into()).spawn(move || {
-            let _ = tell.send(import_shader(&shader, &folder));
-            waker.wake();
-        });
-        match started {
-            Ok(_) => self.shader_import = ShaderImport(Some(coming)),
-            Err(error) => playback.reports.answer(format!("cannot import the shader: {error}")),
+        match ShaderImport::start(shader, folder, self.waker.clone()) {
+            Ok(import) => self.shader_import = import,
+            Err(words) => playback.reports.answer(words),
         }
     }
 
     /// Shows an imported shader. If the import has failed, reports the reason, and the scene stays.
     pub(super) fn update_shader_import(&mut self, playback: &mut Playback) {
-        let result = match self.shader_import.0.as_ref().map(Receiver::try_recv) {
-            Some(Ok(result)) => Some(result),
-            Some(Err(TryRecvError::Disconnected)) => None,
-            Some(Err(TryRecvError::Empty)) | None => return,
-        };
-        self.shader_import = ShaderImport::default();
-        match result {
+        match self.shader_import.take() {
             Some(Ok(ImportedShader { scene, left_out })) => {
                 let left_out = match left_out.as_slice() {
                     [] => String::new(),
@@ -48,14 +32,14 @@ impl Interface {
                 playback.reports.answer(format!("imported as {}{left_out}", scene.display()));
                 self.show_file(playback, scene);
             }
-            Some(Err(error)) => playback.reports.answer(error.to_string()),
-            None => playback.reports.answer("the shader could not be imported".to_owned()),
+            Some(Err(words)) => playback.reports.answer(words),
+            None => {}
         }
     }
 
     pub(super) fn show_file(&mut self, playback: &mut Playback, scene: PathBuf) {
         playback.scene.show_source(SceneSource::File(scene));
         // The file may be in another folder, whose thumbnails are not drawn yet.
-        self.thumbnails_ahead = Some(super::panels::thumbnails_ahead_at(crate::clock::now()));
+        self.thumbnails_ahead = Some(thumbnails_ahead_at(clock::now()));
     }
 }

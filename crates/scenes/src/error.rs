@@ -28,7 +28,7 @@ pub enum SceneError {
         shipped: String,
     },
     /// The file is a shader.
-    #[error("{} is a shader, not a scene: make a scene of it with `mariana import {}`", .0.display(), .0.display())]
+    #[error("{} is a shader, not a scene: write a scene around it with `mariana import {}`", .0.display(), .0.display())]
     Shader(PathBuf),
     /// The system refuses to read the file.
     #[error("the scene {} cannot be read ({reason}): check the path", .path.display())]

@@ -53,12 +53,10 @@ pub use sources::{TextureSource, VIDEO_ENDINGS};
 pub use textures::{NEUTRAL, TextureCache};
 pub use world::ReadyScene;
 
-use folder::Folder;
+use folder::{ENDING, Folder};
 use mariana_assets::SCENES;
 use mariana_field::lang::{self, Compiled};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
-
-const ENDING: &str = "scene";
 
 /// The source of a scene, which can be compiled repeatedly.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -9,8 +9,7 @@ use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_files::atomic_file::{AtomicFile, Unwritable};
 use mariana_files::file_names::{numbered, plain_name};
 
-use crate::ENDING;
-use crate::folder::read_at_most;
+use crate::folder::{ENDING, read_at_most};
 
 /// Maximum number of shaders of one name that are compared with an imported one.
 const SAME_NAMES_MAX: usize = 1_000;

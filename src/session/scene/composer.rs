@@ -51,15 +51,6 @@ pub(crate) struct WantedPicture {
     pub runs: bool,
 }
 
-/// The pointer over the picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PointerOver {
-    /// Fractions of the width from the left and of the height from below, 0..1.
-    pub at: [f32; 2],
-    /// True while its first button is held.
-    pub pressed: bool,
-}
-
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn {
     pub shown: Shown,
@@ -98,7 +89,9 @@ pub(crate) struct SceneComposer {
     pub(super) views: Views,
     pub(super) camera: SceneCamera,
     pub(super) edits: Edits,
-    pointer: PointerOver,
+    /// The pointer over the picture: fractions of the width from the left and of the height from below, and true while
+    /// its button is held.
+    pointer: ([f32; 2], bool),
     /// Counts the changes in the composer after which a frame of the same moment would look different.
     revision: u64,
 }
@@ -122,7 +115,7 @@ impl SceneComposer {
             views: Views::starting_with(view),
             camera: SceneCamera::default(),
             edits: Edits::default(),
-            pointer: PointerOver { at: [0.5; 2], pressed: false },
+            pointer: ([0.5; 2], false),
             revision: 0,
         }
     }
@@ -452,7 +445,7 @@ impl SceneComposer {
     }
 
     /// Notes the pointer over the picture. Requests a new frame if a scene follows it.
-    pub(crate) fn point(&mut self, pointer: PointerOver, is_followed: bool) {
+    pub(crate) fn point(&mut self, pointer: ([f32; 2], bool), is_followed: bool) {
         if std::mem::replace(&mut self.pointer, pointer) != pointer && is_followed {
             self.revision += 1;
         }
@@ -460,7 +453,7 @@ impl SceneComposer {
 
     /// The picture in a window of this size, with the pointer.
     pub(crate) fn screen(&self, size: (u32, u32)) -> Screen {
-        let PointerOver { at, pressed } = self.pointer;
+        let (at, pressed) = self.pointer;
         Screen { pointer: at, pressed, ..Screen::of_size(size) }
     }
 

@@ -52,7 +52,7 @@ mod universal;
 mod versions;
 mod views;
 
-pub(crate) use composer::{Drawn, PointerOver, WantedPicture};
+pub(crate) use composer::{Drawn, WantedPicture};
 pub(crate) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
 pub(crate) use library::SceneLoader;
 pub(crate) use messages::SceneWords;

@@ -8,7 +8,7 @@ use naga::{DerivativeAxis, Expression, Handle, Literal, ScalarKind, SwizzleCompo
 use super::calls::{Argument, Executor, Pointer, Slot};
 use super::layout::{Info, Part, member, size};
 use super::problem::Problem;
-use crate::graph::{Input, Node, NodeId, Op};
+use crate::graph::{Graph, Input, Node, NodeId, Op, Order};
 
 impl Executor<'_, '_> {
     pub(super) fn slot(&self, of: Handle<Expression>) -> Slot {
@@ -256,7 +256,11 @@ impl Executor<'_, '_> {
             if !wanted {
                 continue;
             }
-            let beside = self.moved(nodes, input, place)?;
+            let order = self.graph.order(nodes).map_err(|error| {
+                Problem::over_limit(place.clone(), error.to_string()).hint("shorten the loops")
+            })?;
+            self.step(order.nodes.len(), || place.clone())?;
+            let beside = at_next_pixel(self.graph, nodes, &order, input);
             for ((sum, &here), there) in sums.iter_mut().zip(nodes).zip(beside) {
                 let mut change = self.graph.sub(there, here);
                 if axis == DerivativeAxis::Width {
@@ -266,30 +270,6 @@ impl Executor<'_, '_> {
             }
         }
         Ok(sums.into_iter().map(Part::Node).collect())
-    }
-
-    /// Returns the values at the next pixel in the direction of `input`.
-    fn moved(&mut self, nodes: &[NodeId], input: Input, place: &Range<u32>) -> Result<Vec<NodeId>, Problem> {
-        let order = self.graph.order(nodes).map_err(|error| {
-            Problem::over_limit(place.clone(), error.to_string()).hint("shorten the loops")
-        })?;
-        self.step(order.nodes.len(), || place.clone())?;
-        let (pixel, one) = (self.graph.input(input), self.one);
-        let mut copies: HashMap<NodeId, NodeId> = HashMap::with_capacity(order.nodes.len());
-        for id in order.nodes {
-            let at = |id: NodeId| copies.get(&id).copied().unwrap_or(id);
-            let copy = match self.graph.node(id) {
-                Node::Input(own) if own == input => self.graph.add(pixel, one),
-                Node::Constant(_) | Node::Input(_) => id,
-                Node::Unary(op, a) => self.graph.unary(op, at(a)),
-                Node::Binary(op, a, b) => self.graph.binary(op, at(a), at(b)),
-                Node::Texture { texture, channel, u, v } => {
-                    self.graph.texture(texture, channel, at(u), at(v))
-                }
-            };
-            copies.insert(id, copy);
-        }
-        Ok(nodes.iter().map(|id| copies.get(id).copied().unwrap_or(*id)).collect())
     }
 
     fn choice(
@@ -531,4 +511,22 @@ impl Executor<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// Returns the values at the next pixel in the direction of `input`.
+fn at_next_pixel(graph: &mut Graph, nodes: &[NodeId], order: &Order, input: Input) -> Vec<NodeId> {
+    let (pixel, one) = (graph.input(input), graph.constant(1.0));
+    let mut copies: HashMap<NodeId, NodeId> = HashMap::with_capacity(order.nodes.len());
+    for &id in &order.nodes {
+        let at = |id: NodeId| copies.get(&id).copied().unwrap_or(id);
+        let copy = match graph.node(id) {
+            Node::Input(own) if own == input => graph.add(pixel, one),
+            Node::Constant(_) | Node::Input(_) => id,
+            Node::Unary(op, a) => graph.unary(op, at(a)),
+            Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
+            Node::Texture { texture, channel, u, v } => graph.texture(texture, channel, at(u), at(v)),
+        };
+        copies.insert(id, copy);
+    }
+    nodes.iter().map(|id| copies.get(id).copied().unwrap_or(*id)).collect()
 }

@@ -3,7 +3,6 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use naga::front::glsl::{Error, ErrorKind, Frontend, Options};
 use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Span, Type, TypeInner};
@@ -11,6 +10,7 @@ use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Span, Type, TypeIn
 use super::items::{self, Origin, shortened};
 use super::preprocess::preprocess;
 use super::problem::Problem;
+use super::quiet::catch_quietly;
 use super::rewrite::{BROKEN, DRAWING, IMAGE, IMAGE_IN_SCENES, Program, START, Written};
 use super::tokens::tokenize;
 use crate::limits::Limits;
@@ -289,10 +289,10 @@ const BYTES_MAX: usize = 4 << 20;
 /// Runs naga. Its front end may panic on odd text; such a panic becomes an error without a place.
 fn read(text: &str) -> Result<Module, Vec<Error>> {
     let options = Options::from(ShaderStage::Fragment);
-    match catch_unwind(AssertUnwindSafe(|| Frontend::default().parse(&options, text))) {
-        Ok(Ok(module)) => Ok(module),
-        Ok(Err(errors)) => Err(errors.errors),
-        Err(_) => {
+    match catch_quietly(|| Frontend::default().parse(&options, text)) {
+        Some(Ok(module)) => Ok(module),
+        Some(Err(errors)) => Err(errors.errors),
+        None => {
             let kind = ErrorKind::InternalError("naga cannot read this text");
             Err(vec![Error { kind, meta: Span::UNDEFINED }])
         }

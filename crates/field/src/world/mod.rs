@@ -36,12 +36,11 @@ pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShorten
 // The kinds of lights, and the tone maps.
 pub use crate::lang::{LightKind, ToneMap};
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use image::RgbaImage;
 
-use crate::graph::{FrameInputs, Graph, GraphError, Input, NodeId, ScreenInput};
+use crate::graph::{FrameInputs, Graph, GraphError, NodeId, ScreenInput};
 use crate::lang::{Material, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
 
@@ -159,8 +158,6 @@ pub struct World {
     pub frame_tape: FrameTape,
     /// For a blend, the number of parameters that belong to the outgoing scene.
     pub blended: Option<usize>,
-    /// The numbers of the picture and the pointer that the sky and the picture's settings read.
-    pub screen_inputs: BTreeSet<ScreenInput>,
     /// The images of [`Scene::textures`].
     pub pictures: Vec<Arc<RgbaImage>>,
 }
@@ -214,7 +211,7 @@ impl World {
     /// True if the pointer over the picture changes it.
     pub fn follows_pointer(&self) -> bool {
         use ScreenInput::{MousePressed, MouseX, MouseY};
-        [MouseX, MouseY, MousePressed].iter().any(|input| self.screen_inputs.contains(input))
+        [MouseX, MouseY, MousePressed].iter().any(|input| self.frame_tape.screen_inputs.contains(input))
     }
 
     /// Prepares a scene that is already split into planes and other surfaces, and whose formula is analysed.
@@ -230,7 +227,6 @@ impl World {
         scene.graph.check().map_err(graph_error)?;
         let Traced { bounds, non_lipschitz, slopes, shadow_step_growth } = traced;
         let features = SceneFeatures::of(&scene, glow, shadow_step_growth > 0.0);
-        let screen_inputs = screen_inputs(&scene).map_err(graph_error)?;
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
             name: name.to_owned(),
@@ -247,19 +243,9 @@ impl World {
             planes,
             scene,
             blended: None,
-            screen_inputs,
             pictures,
         })
     }
-}
-
-fn screen_inputs(scene: &Scene) -> Result<BTreeSet<ScreenInput>, GraphError> {
-    let roots: Vec<NodeId> = scene.sky.color.into_iter().chain(scene.picture.numbers()).collect();
-    let of_screen = |input: &Input| match input {
-        Input::Screen(input) => Some(*input),
-        _ => None,
-    };
-    Ok(scene.graph.inputs_used(&roots)?.inputs.iter().filter_map(of_screen).collect())
 }
 
 struct Surfaces {

@@ -185,7 +185,7 @@ impl Frame {
     pub fn on_screen(mut self, world: &World, screen: Screen) -> Self {
         if self.inputs.screen != screen {
             self.inputs.screen = screen;
-            if !world.screen_inputs.is_empty() {
+            if !world.frame_tape.screen_inputs.is_empty() {
                 self.inputs.hoisted = world.hoisted.values(&self.inputs);
                 self.values.picture = world.frame_tape.values(&self.inputs).picture;
                 self.picture = Picture::of(&self.values, &self.camera, world.features.lens);
