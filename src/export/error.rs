@@ -74,7 +74,7 @@ pub enum ExportError {
     },
     /// The pixel of a ray is outside the image.
     #[error(
-        "the pixel {x},{y} is outside the image of {width}x{height} pixels: --ray counts from 0,0 at the upper left"
+        "the pixel {x},{y} is outside the image of {width}x{height} pixels: choose a pixel, counted from 0,0 at the upper left"
     )]
     RayOutside {
         /// Column of the pixel.

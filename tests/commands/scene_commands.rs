@@ -247,7 +247,7 @@ fn a_shader_that_draws_becomes_a_scene_in_two_dimensions() {
     assert!(red.abs_diff(193) < 2 && green.abs_diff(188) < 2 && blue == 0, "{red} {green} {blue}");
     place.run(&["still", "flat.frag", "-o", "x.png"]).refused(&["flat.frag", "mariana import"]);
     still(&["--ray", "64,0"]).refused(&["64,0", "64x36"]);
-    still(&["--ray", "middle"]).refused_with_details(&["X,Y"]);
+    still(&["--ray", "middle"]).refused_arguments("--ray", &["X,Y"]);
     place.run(&["still", "--scene", "speakers", "--size", "640x360", "-o", "plain.png"]).done();
     place
         .run(&["still", "--scene", "speakers", "--size", "640x360", "-o", "ray.png", "--ray", "150,215"])
