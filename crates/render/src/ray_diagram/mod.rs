@@ -75,6 +75,25 @@ pub enum Mark {
     },
 }
 
+/// Greatest coordinate and radius of a mark in pixels. Painters lose precision beyond.
+const COORDINATE_MAX: f32 = 1e6;
+
+impl Mark {
+    /// True if painters can draw the mark.
+    fn can_be_drawn(&self) -> bool {
+        let is_near = |at: &Vec2| at.abs().max_element() < COORDINATE_MAX && at.is_finite();
+        match self {
+            Self::Line { from, to, .. } | Self::Ground { low: from, high: to, .. } => {
+                is_near(from) && is_near(to)
+            }
+            Self::Circle { center, radius, .. } | Self::Disc { center, radius, .. } => {
+                is_near(center) && *radius < COORDINATE_MAX
+            }
+            Self::Text { at, .. } => is_near(at),
+        }
+    }
+}
+
 /// Marks that are visible in a rectangle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {
@@ -126,7 +145,14 @@ impl RayDiagram {
         if let Some(first) = path.first() {
             drawing.sections(first, names);
         }
-        Self { size, groups: drawing.groups }
+        Self { size, groups: drawing.groups }.drawable()
+    }
+
+    fn drawable(mut self) -> Self {
+        for group in &mut self.groups {
+            group.marks.retain(Mark::can_be_drawn);
+        }
+        self
     }
 }
 
@@ -469,12 +495,15 @@ mod tests {
         let clip = [vec2(4.0, 4.0), vec2(12.0, 12.0)];
         let ink = [255, 0, 0, 255];
         let marks = vec![
-            Mark::Line { from: vec2(-1e9, 8.0), to: vec2(1e9, 8.0), width: 2.0, ink },
+            Mark::Line { from: vec2(-1e4, 8.0), to: vec2(1e4, 8.0), width: 2.0, ink },
             Mark::Circle { center: vec2(8.0, 8.0), radius: f32::INFINITY, width: 1.0, ink },
             Mark::Disc { center: vec2(f32::NAN, 0.0), radius: 3.0, ink },
+            Mark::Line { from: vec2(-1e30, 5.0), to: vec2(1e30, 5.0), width: 2.0, ink },
         ];
         let mut rgba = vec![0; 4 * 16 * 16];
-        RayDiagram { size: vec2(16.0, 16.0), groups: vec![Group { clip, marks }] }.draw_over(&mut rgba);
+        let diagram = RayDiagram { size: vec2(16.0, 16.0), groups: vec![Group { clip, marks }] }.drawable();
+        assert_eq!(diagram.groups[0].marks.len(), 1);
+        diagram.draw_over(&mut rgba);
         let red = |x: usize, y: usize| rgba[4 * (16 * y + x)];
         assert_eq!([red(3, 8), red(4, 8), red(11, 7), red(12, 8), red(8, 5)], [0, 255, 255, 0, 0]);
     }
