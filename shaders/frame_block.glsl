@@ -14,6 +14,9 @@ layout(std140) uniform FrameBlock {
     vec4 block_region_scale;      // xyz root cells per unit; w the texel of the whole tape
     vec4 frame_reach;       // x the reach of ambient occlusion and glow; y quality; z 0; w growth of a shadow ray's
                             // shortest step with each step
+    vec4 frame_screen;      // xy width and height of the picture that the frame is shown as, in pixels; zw the picture's
+                            // pixels per pixel of the frame
+    vec4 frame_mouse;       // xy the pointer in the picture's pixels, from below; z 1 while its button is held
     vec4 block_planes[PLANES_MAX];       // unit normal, and the distance of the origin; normal 0: no plane
     vec4 lights[4 * LIGHTS_MAX];        // position, w its kind (for a sun xyz is the direction of its rays); colour, w
                                         // radius; half the right side, w range or 0; half the upper side, w fraction

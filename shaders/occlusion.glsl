@@ -1,9 +1,7 @@
 // Ambient occlusion from four probes along the normal. It compares the distance at each probe with the probe's height
 // (Quilez 2008; Abt 2022, section 3.5), and affects only ambient light. Nearby shining objects add glow instead.
 
-// Heights of the probes, as fractions of the reach of occlusion (`frame_reach`).
-const vec4 PROBE_FRACTIONS = vec4(0.0625, 0.25, 0.5625, 1.0);
-const vec4 PROBE_WEIGHTS = vec4(1.0, 0.8, 0.64, 0.512) / (1.0 + 0.8 + 0.64 + 0.512);
+// PROBE_FRACTIONS and PROBE_WEIGHTS are in crates/field/src/rays.rs.
 #define probes (frame_reach.x * PROBE_FRACTIONS)
 
 // True if surfaces other than planes can affect a probe. A probe at height h is affected only by distances below h.
@@ -20,7 +18,7 @@ float openness(vec3 p, vec3 normal, vec4 d) {
         vec4 above = height + probes * dot(planes[i].xyz, normal);
         if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, max(above, 0.0));
     }
-    return clamp(1.0 - dot(PROBE_WEIGHTS, clamp((probes - d) / probes, 0.0, 1.0)), 0.0, 1.0);
+    return clamp(1.0 - dot(PROBE_WEIGHTS, clamp((probes - d) / probes, 0.0, 1.0)) / dot(PROBE_WEIGHTS, vec4(1.0)), 0.0, 1.0);
 }
 
 #ifdef GLOW

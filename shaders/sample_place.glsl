@@ -28,6 +28,11 @@ vec2 sample_place() {
     return vec2(listed_pixel().xy) + 0.5 + ((number & 1) == 0 ? pair.xy : pair.zw);
 }
 
+// Returns the position of the sample in pixels of the picture, whatever the resolution of the frame.
+vec2 picture_pixel() {
+    return sample_place() * frame_screen.zw;
+}
+
 // Returns the bits of the free distance and the steps at which this sample's ray starts (sphere_tracing.glsl).
 uint sample_start() {
     if (pass_sample.z < 1.5) return 0u;

@@ -1,17 +1,4 @@
-// Shadows: the fraction of a light that arrives at a point.
-
-const float SHADOW_STEP_MIN = 0.03;
-// Start of a shadow ray. It is not 0, so that the ray does not hit the surface that it leaves.
-const float SHADOW_START = 0.02;
-// Surfaces also dim shadow rays outside the scene's bounds, as far away as a penumbra is wide. This width is the
-// light's distance divided by its sharpness, clamped to this range.
-const float SHADOW_MARGIN_MIN = 0.1;
-const float SHADOW_MARGIN_MAX = 3.0;
-// The sharpness of a penumbra, a light's distance divided by its radius, is clamped to this range.
-const float SHARPNESS_MIN = 2.0;
-const float SHARPNESS_MAX = 64.0;
-// Length of shadow rays towards an infinitely distant light.
-const float SUN_DISTANCE = 1000.0;
+// Shadows: the fraction of a light that arrives at a point. Most constants are in crates/field/src/rays.rs.
 
 vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
     return p + normal * max(0.012, 2.0 * cone);
@@ -28,10 +15,6 @@ vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
 #else
 const int SHADOW_STEPS_MAX = 96;
 const float SHADOW_STEP_GROWTH = 0.0;
-// Longest step near surfaces. Longer steps would be visible in the penumbra. Far from surfaces, a step may be half the
-// distance.
-const float SHADOW_STEP_MAX = 0.6;
-
 // Returns the fraction of a light that is visible from p: Quilez, "soft shadows in raymarched SDFs" (2010), with the
 // closest pass between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {

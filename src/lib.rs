@@ -6,7 +6,9 @@
 
 pub use mariana_commands::{self as commands, input};
 pub use mariana_files::{atomic_file, documents, ending, file_names};
-pub use mariana_render::{faults, flash, frame, gpu, placement, reading_order, srgb, system_fonts, view};
+pub use mariana_render::{
+    faults, flash, frame, gpu, placement, ray_diagram, reading_order, srgb, system_fonts, view,
+};
 pub use mariana_scenes::{self as scenes, probing, thumbnails};
 pub use mariana_ui::{self as ui, clock, monitor};
 

@@ -68,6 +68,6 @@ macro_rules! targets {
 }
 
 targets! {
-    syntax SYNTAX scene SCENE regions REGIONS tape TAPE differential DIFFERENTIAL decode DECODE lists LISTS settings SETTINGS osc OSC midi MIDI
+    syntax SYNTAX scene SCENE glsl GLSL regions REGIONS tape TAPE differential DIFFERENTIAL decode DECODE lists LISTS settings SETTINGS osc OSC midi MIDI
     phones PHONES shows SHOWS
 }

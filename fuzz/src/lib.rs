@@ -38,6 +38,9 @@ pub(crate) const SYNTAX: Target =
 /// Scenes, from text to tapes and GLSL.
 pub(crate) const SCENE: Target =
     Target { name: "scene", run: text::scene, seeds: seeds::scenes, speaks: true, changes: 100 };
+/// The import of GLSL.
+pub(crate) const GLSL: Target =
+    Target { name: "glsl", run: text::glsl, seeds: seeds::shaders, speaks: false, changes: 150 };
 pub(crate) const REGIONS: Target =
     Target { name: "regions", run: regions::regions, seeds: seeds::small_scenes, speaks: true, changes: 60 };
 /// Tapes of expressions, and their encoding.
@@ -69,9 +72,10 @@ pub(crate) const MIDI: Target =
 pub(crate) const SHOWS: Target =
     Target { name: "shows", run: shows::shows, seeds: seeds::shows, speaks: false, changes: 1_000 };
 
-pub(crate) const TARGETS: [&Target; 12] = [
+pub(crate) const TARGETS: [&Target; 13] = [
     &SYNTAX,
     &SCENE,
+    &GLSL,
     &REGIONS,
     &TAPE,
     &DIFFERENTIAL,

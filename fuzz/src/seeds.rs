@@ -53,6 +53,49 @@ const SCENES: &[(&str, &str)] = &[
     ("choice", "object o { shape = if x > 0 then if y < 1 then 2 else length(p) - 1 else min(abs(z), 2) }"),
 ];
 
+/// Shaders with distances and pictures, as people write them for viewers of shaders.
+const SHADERS: &[(&str, &str)] = &[
+    ("distance", "float map(vec3 p) { return min(length(p) - 1.0, p.y + 1.0); }"),
+    (
+        "material",
+        "const int N = 4;\nmat2 turn(float a) { return mat2(cos(a), -sin(a), sin(a), cos(a)); }\n\
+         vec2 map(in vec3 p) {\n  vec2 r = vec2(1e9, 0.0);\n  for (int i = 0; i < N; i++) {\n    p.xz *= turn(0.3 * iTime);\n\
+         \x20   float d = length(p - vec3(float(i), 0.0, 0.0)) - 0.4;\n    if (d < r.x) { r = vec2(d, float(i)); }\n  }\n  return r;\n}\n",
+    ),
+    (
+        "picture",
+        "void mainImage(out vec4 fragColor, in vec2 fragCoord) {\n  vec2 uv = fragCoord / iResolution.xy;\n\
+         \x20 float w = fwidth(uv.x);\n  fragColor = vec4(smoothstep(0.5 - w, 0.5 + w, uv.x), uv.y, iMouse.z, 1.0);\n}\n",
+    ),
+    (
+        "fragment",
+        "#ifdef GL_ES\nprecision mediump float;\n#endif\nuniform vec2 u_resolution;\nuniform float u_time;\n#define PI 3.14159\n\
+         float ring(vec2 p, float r) { return abs(length(p) - r); }\nvoid main() {\n\
+         \x20 vec2 p = gl_FragCoord.xy / u_resolution - 0.5;\n  gl_FragColor = vec4(vec3(0.01 / ring(p, 0.2 + 0.1 * sin(u_time * PI))), 1.0);\n}\n",
+    ),
+    (
+        "output",
+        "#version 330 core\nlayout(location = 0) out vec4 color;\nstruct Hit { float d; int id; };\n\
+         Hit nearer(Hit a, Hit b) { if (a.d < b.d) return a; return b; }\nvoid main() {\n\
+         \x20 Hit h = nearer(Hit(gl_FragCoord.x, 1), Hit(gl_FragCoord.y, 2));\n\
+         \x20 switch (h.id) { case 1: color = vec4(1.0); break; default: color = vec4(0.0, 0.0, 0.0, 1.0); }\n}\n",
+    ),
+    (
+        "loops",
+        "float de(vec3 z) {\n  float s = 1.0, w[3] = float[3](0.5, 0.3, 0.2);\n  int i = 0;\n  while (i < 8) {\n\
+         \x20   z = clamp(z, -1.0, 1.0) * 2.0 - z;\n    if (dot(z, z) > 16.0) break;\n    s *= 2.0; ++i;\n  }\n\
+         \x20 return length(z) * w[1] / s;\n}\n",
+    ),
+    (
+        "mistake",
+        "float map(vec3 p { return q.x +; }\nvoid mainImage(out vec4 c) { c = vec4(map(1)); } #define A A A\n",
+    ),
+];
+
+pub(crate) fn shaders() -> Vec<Seed> {
+    SHADERS.iter().map(|(name, text)| seed(format!("{name}.glsl"), *text)).collect()
+}
+
 pub(crate) fn small_scenes() -> Vec<Seed> {
     SCENES.iter().map(|(name, text)| seed(*name, *text)).collect()
 }

@@ -1,7 +1,9 @@
 //! Texts in the scene language.
 
+use mariana_field::glsl_import::{GlslFile, Problem, scene_around};
 use mariana_field::graph::{FrameInputs, Levels, SoundInputs};
 use mariana_field::lang::{self, Diagnostic, Sources};
+use mariana_field::limits::LIMITS;
 use mariana_field::world::{ShortPrograms, ShortenOptions, World, WorldError};
 
 use super::bytes::hash;
@@ -34,6 +36,30 @@ fn check(diagnostics: &[Diagnostic], sources: &Sources) {
     }
     let reported = lang::render_all(diagnostics, sources, true);
     assert_eq!(reported.is_empty(), diagnostics.is_empty());
+}
+
+/// Imports a GLSL text: parses it, executes its functions, and writes a scene around it.
+pub(crate) fn glsl(data: &[u8]) {
+    let text = String::from_utf8_lossy(data);
+    let check_place = |problem: &Problem| {
+        let place = &problem.place;
+        assert!(place.start <= place.end && place.end as usize <= text.len(), "{problem:?}");
+        assert!(!problem.message.is_empty());
+    };
+    match scene_around(&text, "a.glsl") {
+        Ok(around) => {
+            let compiled = lang::compile("fuzz", &around.text, &mut |_| Ok(text.clone().into_owned()));
+            assert_eq!(compiled.scene.is_some(), compiled.diagnostics.is_empty());
+            check(&compiled.diagnostics, &compiled.sources);
+        }
+        Err(problem) => check_place(&problem),
+    }
+    match GlslFile::parse(&text, &LIMITS) {
+        Ok(file) => {
+            file.functions().iter().filter_map(|function| file.problem_of(function)).for_each(check_place)
+        }
+        Err(problem) => check_place(&problem),
+    }
 }
 
 /// Compiles a text to a world; `None` if the text is not a valid scene. The text can include itself, or a file with a

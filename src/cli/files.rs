@@ -6,26 +6,43 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
 
+use crate::config::Folders;
 use crate::demo_track::DEMO_TRACK;
 use crate::export::output::STANDARD;
+use crate::export::print::tell;
 use crate::limits::LIMITS;
-use crate::scenes::{SceneSource, is_scene_file};
+use crate::scenes::{SceneError, SceneSource, import_shader, is_scene_file, is_shader_file};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_player::song::Song;
 
 pub(super) struct Files {
     /// Songs, folders and playlists.
     pub(super) songs: Vec<PathBuf>,
+    /// A scene or a shader.
     pub(super) scene: Option<PathBuf>,
 }
 
 impl Files {
     pub(super) fn of(files: Vec<PathBuf>) -> anyhow::Result<Self> {
-        let (scenes, songs): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
+        let (scenes, songs): (Vec<_>, Vec<_>) =
+            files.into_iter().partition(|file| is_scene_file(file) || is_shader_file(file));
         if let [first, second, ..] = &scenes[..] {
             bail!("two scenes were given, {} and {}: give one of them", first.display(), second.display());
         }
         Ok(Self { songs, scene: scenes.into_iter().next() })
+    }
+
+    /// Makes a scene of a shader, in the folder of the user's scenes.
+    pub(super) fn with_imported_shader(self, folders: &Folders) -> anyhow::Result<Self> {
+        let Some(shader) = self.scene.as_ref().filter(|scene| is_shader_file(scene)) else { return Ok(self) };
+        let folder = folders.own_scenes();
+        let folder = folder.ok_or_else(|| SceneError::Shader(shader.clone()))?;
+        let imported = import_shader(shader, &folder)?;
+        tell(&format!("imported as {}", imported.scene.display()));
+        for sentence in imported.left_out {
+            tell(&format!("left out: {sentence}"));
+        }
+        Ok(Self { scene: Some(imported.scene), ..self })
     }
 
     pub(super) fn song_and_scene(self) -> anyhow::Result<(Song, Option<PathBuf>)> {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::Args;
 
 use super::common::colors;
@@ -10,10 +10,10 @@ use super::files::{is_standard, scene_of};
 use super::scene::require;
 use crate::atomic_file::AtomicFile;
 use crate::export::print::{print_line, tell};
+use crate::scenes::{ShaderError, read_shader, scene_of_shader};
 use mariana_field::glsl_export::shadertoy;
-use mariana_field::glsl_import::scene_around;
-use mariana_field::lang::{Diagnostic, Fault, Sources, Span, formatted, is_glsl};
-use mariana_field::limits::LIMITS;
+use mariana_field::glsl_import::Problem;
+use mariana_field::lang::{Diagnostic, Fault, Sources, Span};
 
 #[derive(Args)]
 pub(super) struct ImportArguments {
@@ -44,21 +44,13 @@ pub(super) struct ExportArguments {
 
 pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
     let shader = &arguments.shader;
+    let text = read_shader(shader)?;
     let name = shader.file_name().and_then(|name| name.to_str()).unwrap_or("");
-    if !is_glsl(name) {
-        bail!("{} is not called like a GLSL file: rename it to end in .glsl or .frag", shader.display());
-    }
-    let text = read(shader)?;
-    let around = scene_around(&text, name).map_err(|problem| {
-        let mut sources = Sources::default();
-        sources.add(name, &text);
-        let span = Span::new(problem.place.start, problem.place.end);
-        let diagnostic = Diagnostic { fault: Fault::Unsupported, ..Diagnostic::new(span, problem.message) };
-        let diagnostic = if problem.hint.is_empty() { diagnostic } else { diagnostic.hint(problem.hint) };
-        let text = diagnostic.render(&sources, colors(&std::io::stderr()));
-        anyhow::anyhow!("{} cannot become a scene\n{}", shader.display(), text.trim_end())
+    let around = scene_of_shader(shader, &text, name).map_err(|error| match &error {
+        ShaderError::NoScene { problem, .. } => underlined(shader, &text, problem),
+        _ => error.into(),
     })?;
-    let scene = formatted(&around.text).unwrap_or(around.text);
+    let scene = around.text;
     let output = arguments.output.clone().unwrap_or_else(|| shader.with_extension("scene"));
     if is_standard(&output) {
         print_line(scene.trim_end())?;
@@ -76,18 +68,17 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn read(shader: &Path) -> anyhow::Result<String> {
-    let context = || format!("{} cannot be read: check the path", shader.display());
-    let max = LIMITS.scene_bytes_max as u64;
-    let size = std::fs::metadata(shader).with_context(context)?.len();
-    if size > max {
-        bail!("{} is larger than {max} bytes: split it", shader.display());
-    }
-    let bytes = std::fs::read(shader).with_context(context)?;
-    String::from_utf8(bytes).map_err(|error| {
-        let position = error.utf8_error().valid_up_to();
-        anyhow::anyhow!("{} is not text: byte {position} is not UTF-8; save it as UTF-8", shader.display())
-    })
+/// Reports a shader that cannot become a scene, with the marked text.
+fn underlined(shader: &Path, text: &str, problem: &Problem) -> anyhow::Error {
+    let mut sources = Sources::default();
+    sources.add(shader.file_name().and_then(|name| name.to_str()).unwrap_or(""), text);
+    let span = Span::new(problem.place.start, problem.place.end);
+    let diagnostic =
+        Diagnostic { fault: Fault::Unsupported, ..Diagnostic::new(span, problem.message.clone()) };
+    let hint = problem.hint.clone();
+    let diagnostic = if hint.is_empty() { diagnostic } else { diagnostic.hint(hint) };
+    let text = diagnostic.render(&sources, colors(&std::io::stderr()));
+    anyhow::anyhow!("{} cannot become a scene\n{}", shader.display(), text.trim_end())
 }
 
 /// Copies the GLSL into the folder of the scene, which reads nothing outside of its folder.

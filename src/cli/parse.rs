@@ -29,6 +29,14 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     Ok((width, height))
 }
 
+/// Parses a pixel of an image: `640,360`.
+pub(super) fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
+    let (x, y) = text.split_once(',').ok_or("write the pixel as X,Y, such as 640,360")?;
+    let number =
+        |text: &str| text.trim().parse().map_err(|_| format!("'{text}' is not a whole number of pixels"));
+    Ok((number(x)?, number(y)?))
+}
+
 fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     let value = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
     within(value, low, high, unit)

@@ -201,7 +201,7 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         RepeatChoice::One => Repeat::One,
         RepeatChoice::Off => Repeat::Off,
     };
-    let Files { songs, scene } = Files::of(arguments.files)?;
+    let Files { songs, scene } = Files::of(arguments.files)?.with_imported_shader(&folders)?;
     settings.names_scene |= scene.is_some();
     let chosen = match last.scene.as_deref().filter(|_| scene.is_none() && arguments.scene.is_default()) {
         Some(name) => last_scene(name, &common)?,

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::common::{CommonArguments, OneScene, SetArguments, end_by_signals, refuse_a_terminal};
 use super::files::{Files, scene_of};
-use super::parse::{blend_help, parse_blend, parse_seconds, parse_size};
+use super::parse::{blend_help, parse_blend, parse_pixel, parse_seconds, parse_size};
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
@@ -44,6 +44,10 @@ pub(super) struct StillArguments {
     into: Option<OsString>,
     #[arg(long, value_name = "KIND:FRACTION", help = blend_help(), requires = "into", default_value = "melt:0.5", value_parser = parse_blend)]
     blend: (BlendKind, f32),
+    /// Draw the path of the ray through this pixel over the image, with sections that show its steps, its shadow ray
+    /// and its occlusion; 0,0 is the upper left pixel
+    #[arg(long, value_name = "X,Y", value_parser = parse_pixel, conflicts_with_all = ["show", "into", "alpha"], allow_hyphen_values = true)]
+    ray: Option<(u32, u32)>,
     #[command(flatten)]
     set: SetArguments,
     #[command(flatten)]
@@ -75,5 +79,6 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
         show: arguments.show.and_then(|show| show.showing(Vec::new())),
         blend: into.map(|into| Blend { into, kind, fraction }),
         set: arguments.set.set,
+        ray: arguments.ray,
     })?)
 }

@@ -72,6 +72,20 @@ pub enum ExportError {
         /// The output.
         path: PathBuf,
     },
+    /// The pixel of a ray is outside the image.
+    #[error(
+        "the pixel {x},{y} is outside the image of {width}x{height} pixels: choose a pixel, counted from 0,0 at the upper left"
+    )]
+    RayOutside {
+        /// Column of the pixel.
+        x: u32,
+        /// Row of the pixel.
+        y: u32,
+        /// Width of the image.
+        width: u32,
+        /// Height of the image.
+        height: u32,
+    },
     /// A setting names an input that no scene has.
     #[error("no input is called '{name}': choose one of {inputs} for --set")]
     NoInput {

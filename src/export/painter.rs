@@ -258,9 +258,14 @@ impl Painter {
     /// # Errors
     /// Fails if the driver reports an error.
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let frame_options = FrameOptions { params: &[], held: &self.held, camera: None };
-        let frame = Frame::staged(self.model.world(), time, sound, size, &frame_options);
+        let frame = self.frame(time, sound, size);
         self.headless_renderer.draw(&self.model, frame)
+    }
+
+    /// Returns the inputs of the frame that [`Self::draw`] draws.
+    pub(super) fn frame(&self, time: f64, sound: Sound, size: (u32, u32)) -> Frame {
+        let frame_options = FrameOptions { params: &[], held: &self.held, camera: None };
+        Frame::staged(self.model.world(), time, sound, size, &frame_options)
     }
 
     /// Returns the last frame as RGBA bytes, top row first; premultiplied if it is transparent.

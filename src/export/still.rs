@@ -17,6 +17,7 @@ use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
 use crate::frame::Frame;
 use crate::frame::held_inputs::Setting;
+use crate::probing::{Scenery, ray_diagram};
 use crate::scenes::{ReadyScene, SceneSource};
 use mariana_field::world::{Alignment, BlendKind};
 use mariana_music::{Gain, Sound};
@@ -43,6 +44,8 @@ pub struct StillRequest {
     pub blend: Option<Blend>,
     /// Inputs that are held at a value.
     pub set: Vec<Setting>,
+    /// The pixel whose ray is drawn as a diagram over the image, from the upper left corner.
+    pub ray: Option<(u32, u32)>,
 }
 
 /// A second scene, and its fraction in the blend with the first scene.
@@ -125,11 +128,25 @@ fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> R
     song.know_for(&ready.world.scene.graph);
     sound = song.placed(request.at, sound);
     require_inputs(&[&ready.world.scene], &request.set)?;
-    let mut painter = Painter::of_ready(&request.scene, ready)?;
+    let mut painter = Painter::of_ready(&request.scene, ready.clone())?;
     painter.hold(&request.set)?;
     painter.hear(song);
+    let (width, height) = request.size;
+    if let Some((x, y)) = request.ray.filter(|(x, y)| *x >= width || *y >= height) {
+        return Err(ExportError::RayOutside { x, y, width, height });
+    }
+    let frame = request.ray.map(|_| painter.frame(request.at, sound.clone(), request.size));
     painter.draw(request.at, sound, request.size)?;
-    Ok(painter.read())
+    let mut rgba = painter.read();
+    if let Some(((x, y), frame)) = request.ray.zip(frame) {
+        let middle = |pixel: u32, side: u32| (f64::from(pixel) + 0.5) / f64::from(side);
+        let scenery = Scenery::new(request.scene.source.clone(), ready, frame);
+        let at = [middle(x, width), middle(y, height)];
+        if let Some(diagram) = ray_diagram(&scenery, at, request.size, &|| true) {
+            diagram.draw_over(&mut rgba);
+        }
+    }
+    Ok(rgba)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,11 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::panels::thumbnails_ahead_at;
 use super::{Interface, Playback, Session};
-use crate::clock;
 use crate::commands::{Command, Files, Panel};
-use crate::scenes::{SceneSource, is_scene_file};
+use crate::scenes::{is_scene_file, is_shader_file};
 use crate::ui::file_browser::{FileBrowser, RememberedFolders};
 use crate::ui::overlay::{FileListEvent, TrackListEvent};
 use crate::ui::track_panel::TrackPanel;
@@ -111,15 +109,16 @@ impl Interface {
         self.ui_state.files = Some(files);
     }
 
-    /// Shows the last scene among these files, and plays the other files or appends them to the tracks.
+    /// Shows the last scene or shader among these files, and plays the other files or appends them to the tracks.
     pub(super) fn open_files(&mut self, playback: &mut Playback, Files { files, append }: Files) {
         let shown = self.ui_state.files.as_ref().map(|list| list.folder().to_owned());
         let folder = shown.or_else(|| files.last().and_then(|file| file.parent()).map(Path::to_owned));
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
+        let (shaders, music): (Vec<_>, Vec<_>) = music.into_iter().partition(|file| is_shader_file(file));
         if let Some(scene) = scenes.into_iter().next_back() {
-            playback.scene.show_source(SceneSource::File(scene));
-            // The file may be in another folder, whose thumbnails are not drawn yet.
-            self.thumbnails_ahead = Some(thumbnails_ahead_at(clock::now()));
+            self.show_file(playback, scene);
+        } else if let Some(shader) = shaders.into_iter().next_back() {
+            self.import_shader(playback, shader);
         }
         if !music.is_empty() {
             if let Some(folder) = folder.as_deref().and_then(Path::to_str).map(str::to_owned) {

@@ -133,6 +133,7 @@ impl Session {
                 self.interface.zoom_camera(&mut self.playback, &mut *self.screen, notches)
             }
             Command::Inspect(place) => self.interface.look_at(&mut self.playback, &mut *self.screen, place),
+            Command::ToggleRay => self.interface.toggle_ray(&mut self.playback),
             Command::NextView => self.playback.go_view(true),
             Command::PreviousView => self.playback.go_view(false),
             Command::StepView(larger) => self.playback.scene.step_view(larger),

@@ -40,6 +40,10 @@ impl Session {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.playback.moment()?))) else {
             return Ok(false);
         };
+        if let Some(pointer) = self.interface.pointer_over_picture(size) {
+            let is_followed = self.playback.scene.scenes().follow_pointer();
+            self.playback.scene.composer_mut().point(pointer, is_followed);
+        }
         // Note this during slow frames too: the show must not look idle, because an idle show restarts its frame.
         self.playback.pace.note_wanted(Some(moment), self.playback.scene.revision(), begun);
         let side_max = self.playback.side_max(&*self.screen);
@@ -83,7 +87,7 @@ impl Session {
         let is_drawing = self.playback.scene.composer().is_drawing();
         let area = self.interface.note_area(&mut *self.screen, lay, size);
         let map = lay.map(&self.playback.renderer, area);
-        self.interface.note_map(&mut self.playback, map);
+        self.interface.note_map(&mut self.playback, map, size);
         if let Some(controllers) = &mut self.interface.ui_state.corners {
             controllers.set_area(area);
         }
@@ -100,6 +104,7 @@ impl Session {
             begun,
         );
         content.next = self.playback.preview.next().filter(|_| !self.interface.ui_state.bare);
+        content.ray = self.interface.probing.ray_view();
         let Some(shown) = new.as_ref().map(|new| new.shown).or(self.playback.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
@@ -202,7 +207,8 @@ impl Playback {
         let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
         let Level { quality, edges, .. } = level;
         let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
-        let picture = WantedPicture { moment, sound, size, aspect, quality, edges, runs };
+        let screen = self.scene.composer().screen(whole);
+        let picture = WantedPicture { moment, sound, size, aspect, screen, quality, edges, runs };
         let drawn = self.scene.draw(&mut self.renderer, picture);
         let new = self.without_room_smaller(drawn)?.flatten();
         if new.is_none() {
@@ -354,6 +360,7 @@ impl Interface {
             now,
         );
         content.next = playback.preview.next().filter(|_| !self.ui_state.bare);
+        content.ray = self.probing.ray_view();
         let due = self.overlay.due(&content, now);
         // The bar disappears when the pointer has not moved for a while.
         let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);

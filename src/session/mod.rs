@@ -41,6 +41,8 @@ pub(crate) mod scene;
 pub(crate) mod screen;
 mod sending;
 mod settings;
+mod shader_import;
+mod shader_importing;
 mod snapshots;
 pub(crate) mod sound;
 mod surprising;
@@ -147,6 +149,7 @@ pub(crate) struct Interface {
     ui_events: Vec<UiEvent>,
     /// Texts that are being edited, for the scene loaders.
     drafts: Drafts,
+    shader_import: shader_import::ShaderImport,
     probing: inspecting::Probing,
     typing_times: TypingTimes,
     thumbnails: Option<Thumbnails>,
@@ -283,6 +286,7 @@ impl Session {
         self.playback.scene.update()?;
         self.update_editor();
         self.interface.update_probing(&mut self.playback);
+        self.interface.update_shader_import(&mut self.playback);
         self.interface.update_thumbnails(&mut self.playback);
         self.interface.update_music_lists(&mut self.playback);
         self.update_settings();

@@ -170,6 +170,7 @@ fn start_interface(
         ui_events: Vec::new(),
         drafts,
         probing: Default::default(),
+        shader_import: Default::default(),
         typing_times: Default::default(),
         thumbnails: None,
         thumbnails_ahead,

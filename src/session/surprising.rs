@@ -32,7 +32,7 @@ impl Session {
             self.surprises.original = Some(wanted);
         }
         let Some(original) = self.surprises.original.clone() else { return };
-        let own_scenes = self.interface.folders.data.as_ref().map(|data| data.join("scenes"));
+        let own_scenes = self.interface.folders.own_scenes();
         let folder = original.file().and_then(Path::parent).map(Path::to_owned).or(own_scenes);
         let Some(folder) = folder else {
             let words = "there is no folder for your own scenes: start Mariana with --scene FILE.scene";

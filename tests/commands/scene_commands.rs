@@ -230,3 +230,29 @@ fn a_shader_becomes_a_scene_and_a_scene_becomes_a_shader() {
     place.write("shader.txt", glsl);
     place.run(&["import", "shader.txt"]).refused(&["rename it"]);
 }
+
+#[test]
+fn a_shader_that_draws_becomes_a_scene_in_two_dimensions() {
+    let place = Workplace::new();
+    place.write("flat.frag", "uniform vec2 u_resolution;\nvoid main() { gl_FragColor = vec4(gl_FragCoord.xy / u_resolution, 0.0, 1.0); }\n");
+    let outcome = place.run(&["import", "flat.frag"]);
+    assert!(outcome.code == 0 && outcome.stderr.is_empty(), "{outcome:?}");
+    assert!(place.run(&["check", "flat.scene"]).done().contains("0 objects"));
+    let still = |more: &[&str]| {
+        place.run(&[&["still", "flat.scene", "--size", "64x36", "-o", "flat.png"], more].concat())
+    };
+    still(&[]).done();
+    let picture = image::open(place.path("flat.png")).unwrap().to_rgb8();
+    let [red, green, blue] = picture.get_pixel(48, 9).0;
+    assert!(red.abs_diff(193) < 2 && green.abs_diff(188) < 2 && blue == 0, "{red} {green} {blue}");
+    place.run(&["still", "flat.frag", "-o", "x.png"]).refused(&["flat.frag", "mariana import"]);
+    still(&["--ray", "64,0"]).refused(&["64,0", "64x36"]);
+    still(&["--ray", "middle"]).refused_arguments("--ray", &["X,Y"]);
+    place.run(&["still", "--scene", "speakers", "--size", "640x360", "-o", "plain.png"]).done();
+    place
+        .run(&["still", "--scene", "speakers", "--size", "640x360", "-o", "ray.png", "--ray", "150,215"])
+        .done();
+    let [plain, ray] = ["plain.png", "ray.png"].map(|name| image::open(place.path(name)).unwrap().to_rgb8());
+    let differ = plain.pixels().zip(ray.pixels()).filter(|(a, b)| a != b).count();
+    assert!(differ > 40_000, "only {differ} pixels belong to the diagram");
+}

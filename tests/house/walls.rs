@@ -191,6 +191,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
             "moving_textures",
             "placement",
             "probing",
+            "ray_diagram",
             "scenes",
             "sending",
             "show",
@@ -222,6 +223,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
         "export",
         &[
             "covers",
+            "probing",
             "scenes",
             "frame",
             "view",

@@ -20,6 +20,7 @@ mod scene_modes;
 mod shaders;
 mod shadow_of_a_facing_surface;
 mod textures;
+mod two_dimensions;
 mod views;
 
 #[path = "../support/mod.rs"]

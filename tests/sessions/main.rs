@@ -19,6 +19,7 @@ mod remote;
 mod scenes;
 mod sends;
 mod settings;
+mod shaders;
 mod shows;
 mod snapshots;
 mod song;

@@ -139,3 +139,18 @@ fn a_view_is_shown_from_the_start() {
     let still = still(&place, &["--view", "materials", "--sdf", "compiled"]);
     app.wait_until("the image of the still", |app| fraction(&app.picture(), &still) < 0.001);
 }
+
+#[test]
+fn the_ray_under_the_pointer_is_drawn_over_the_picture_and_follows_it() {
+    apart!();
+    let place = Place::new();
+    let (app, picture) = paused(&place, &["--regions", "off"]);
+    app.move_pointer(60.0, 60.0);
+    app.press(&["shift+r"]);
+    app.wait_until("the diagram", |app| fraction(&app.picture(), &picture) > 0.15);
+    let first = app.wait_until_still();
+    app.move_pointer(120.0, 130.0);
+    app.wait_until("the diagram of another ray", |app| fraction(&app.picture(), &first) > 0.01);
+    app.press(&["shift+r"]);
+    app.wait_until("the original frame", |app| app.picture() == picture);
+}

@@ -117,9 +117,13 @@ impl TestRenderer {
         size: (u32, u32),
     ) -> Result<RgbaImage, GpuError> {
         let frame = self.frame(time, sound, size);
-        self.renderer.draw(&frame, &self.resources, &self.program)?;
-        let bytes = self.renderer.read();
-        Ok(RgbaImage::from_raw(size.0, size.1, bytes).expect("a finished image has four bytes per pixel"))
+        self.of_frame(&frame)
+    }
+
+    pub(crate) fn of_frame(&mut self, frame: &Frame) -> Result<RgbaImage, GpuError> {
+        self.renderer.draw(frame, &self.resources, &self.program)?;
+        let (bytes, (width, height)) = (self.renderer.read(), frame.size);
+        Ok(RgbaImage::from_raw(width, height, bytes).expect("a finished image has four bytes per pixel"))
     }
 }
 

@@ -737,7 +737,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__still)
-            opts="-o -v -h --at --size --output --scene --alpha --show --into --blend --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -v -h --at --size --output --scene --alpha --show --into --blend --ray --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -772,6 +772,10 @@ _mariana() {
                     return 0
                     ;;
                 --blend)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --ray)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

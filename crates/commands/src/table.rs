@@ -396,8 +396,14 @@ commands! {
     /// Switches between a shortened tape in each cell and the whole tape everywhere.
     ToggleRegions {
         group: Some(Group::Developers),
-        bindings: &[keys!(Key::Character("r") => C::ToggleRegions, "R", "skip empty space or not; the image is the same")],
+        bindings: &[keys!(
+            Key::Character("r") => C::ToggleRegions,
+            "R or Shift+R", "skip empty space or not; Shift+R shows the ray under the pointer, step by step",
+            shifted: Some(C::ToggleRay)
+        )],
     }
+    /// Shows or hides the path and the steps of the ray under the pointer.
+    ToggleRay {}
     /// Returns to the scene's own camera after manual camera moves.
     ResetCamera {
         name: Some("camera"),

@@ -6,7 +6,12 @@ macro_rules! rays {
 
         /// Returns the constants as `NAME value`, for defines in GLSL.
         pub fn defines() -> impl Iterator<Item = String> {
-            [$(format!(concat!(stringify!($name), " {:?}"), $name)),+].into_iter()
+            let vector = |[x, y, z, w]: [f32; 4]| format!("vec4({x:?}, {y:?}, {z:?}, {w:?})");
+            let probes = [
+                format!("PROBE_FRACTIONS {}", vector(PROBE_FRACTIONS)),
+                format!("PROBE_WEIGHTS {}", vector(PROBE_WEIGHTS)),
+            ];
+            [$(format!(concat!(stringify!($name), " {:?}"), $name)),+].into_iter().chain(probes)
         }
     };
 }
@@ -50,9 +55,32 @@ rays! {
     PAST_FACE: f32 = 4e-7;
     /// Rays look up their cell this far ahead, in units of root cells, so that no ray gets stuck at a cell's face.
     AHEAD: f32 = 1e-5;
+    /// Shortest step of a shadow ray.
+    SHADOW_STEP_MIN: f32 = 0.03;
+    /// Longest step of a shadow ray near surfaces. Longer steps would be visible in the penumbra. Far from surfaces, a
+    /// step may be half the distance.
+    SHADOW_STEP_MAX: f32 = 0.6;
+    /// Start of a shadow ray. It is not 0, so that the ray does not hit the surface that it leaves.
+    SHADOW_START: f32 = 0.02;
+    /// Surfaces also dim shadow rays outside the scene's bounds, as far away as a penumbra is wide. This width is the
+    /// light's distance divided by its sharpness, but at least this length.
+    SHADOW_MARGIN_MIN: f32 = 0.1;
+    /// Maximum of the same width.
+    SHADOW_MARGIN_MAX: f32 = 3.0;
+    /// Minimum sharpness of a penumbra: a light's distance divided by its radius.
+    SHARPNESS_MIN: f32 = 2.0;
+    /// Maximum sharpness of a penumbra.
+    SHARPNESS_MAX: f32 = 64.0;
+    /// Length of shadow rays towards an infinitely distant light.
+    SUN_DISTANCE: f32 = 1000.0;
     /// This fraction of the largest coordinate of the ray's start is added to [`AHEAD`].
     AHEAD_OF_FAR: f32 = 5e-7;
 }
+
+/// Heights of the probes of ambient occlusion, as fractions of its reach.
+pub const PROBE_FRACTIONS: [f32; 4] = [0.0625, 0.25, 0.5625, 1.0];
+/// Weights of the probes; only their proportions matter.
+pub const PROBE_WEIGHTS: [f32; 4] = [1.0, 0.8, 0.64, 0.512];
 
 /// Returns the fraction of the pixel cone's radius below which a distance is a hit. `step` starts at 0.
 pub fn hit_fraction(step: u32) -> f32 {

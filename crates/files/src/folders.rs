@@ -47,6 +47,11 @@ impl Folders {
         }
     }
 
+    /// The folder of the scenes that the user has made.
+    pub fn own_scenes(&self) -> Option<PathBuf> {
+        self.data.as_ref().map(|data| data.join("scenes"))
+    }
+
     /// Returns subfolders of `folder`. Uses the system's MIDI ports.
     pub fn within(folder: &Path) -> Self {
         let part = |name: &str| Some(folder.join(name));

@@ -54,6 +54,7 @@ pub mod frame;
 pub mod gpu;
 pub mod limits;
 pub mod placement;
+pub mod ray_diagram;
 pub mod reading_order;
 mod scene_renderer;
 pub mod srgb;

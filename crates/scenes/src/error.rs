@@ -27,6 +27,9 @@ pub enum SceneError {
         /// The shipped scenes.
         shipped: String,
     },
+    /// The file is a shader.
+    #[error("{} is a shader, not a scene: write a scene around it with `mariana import {}`", .0.display(), .0.display())]
+    Shader(PathBuf),
     /// The system refuses to read the file.
     #[error("the scene {} cannot be read ({reason}): check the path", .path.display())]
     Unreadable {

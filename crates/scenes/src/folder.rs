@@ -4,6 +4,9 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
+/// The extension of scene files.
+pub(super) const ENDING: &str = "scene";
+
 /// The reason why a scene cannot read a file. The reason follows the words "`name` cannot be ...: ".
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Refusal {

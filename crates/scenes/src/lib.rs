@@ -26,6 +26,7 @@ mod loader;
 mod number_edits;
 mod order;
 pub mod probing;
+mod shader_import;
 mod sources;
 mod textures;
 pub mod thumbnails;
@@ -45,16 +46,17 @@ pub use folder::read_at_most;
 pub use loader::{Loaded, Loader};
 pub use number_edits::NumberEdits;
 pub use order::SceneList;
+pub use shader_import::{
+    ImportedShader, ShaderError, import_shader, is_shader_file, read_shader, scene_of_shader,
+};
 pub use sources::{TextureSource, VIDEO_ENDINGS};
 pub use textures::{NEUTRAL, TextureCache};
 pub use world::ReadyScene;
 
-use folder::Folder;
+use folder::{ENDING, Folder};
 use mariana_assets::SCENES;
 use mariana_field::lang::{self, Compiled};
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
-
-const ENDING: &str = "scene";
 
 /// The source of a scene, which can be compiled repeatedly.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -74,9 +76,13 @@ impl SceneSource {
     /// shipped scene, or otherwise a formula.
     ///
     /// # Errors
-    /// [`SceneError::Unknown`] if a single word is not a file and not a shipped scene.
+    /// [`SceneError::Unknown`] if a single word is not a file and not a shipped scene; [`SceneError::Shader`] for a
+    /// file of GLSL.
     pub fn find(argument: &(impl AsRef<OsStr> + ?Sized)) -> Result<Self, SceneError> {
         let path = Path::new(argument);
+        if is_shader_file(path) {
+            return Err(SceneError::Shader(path.to_owned()));
+        }
         if path.exists() || is_scene_file(path) {
             return Ok(Self::File(path.to_owned()));
         }

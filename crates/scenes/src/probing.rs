@@ -14,6 +14,7 @@ use mariana_field::region::RegionOptions;
 use mariana_field::world::World;
 use mariana_render::frame::Frame;
 use mariana_render::gpu::scene_resources::{RegionMaker, RegionRequest};
+use mariana_render::ray_diagram::RayDiagram;
 
 /// A frame with all data needed to trace rays in it.
 #[derive(Clone)]
@@ -82,6 +83,8 @@ pub enum Answer {
     Point(Probed),
     /// The ray statistics of a scene's frame.
     RayStatistics(SceneSource, Arc<RayStatistics>),
+    /// The diagram of a ray.
+    Diagram(Arc<RayDiagram>),
     /// The answer would have taken too long.
     TooLong,
 }
@@ -89,11 +92,24 @@ pub enum Answer {
 #[derive(Default)]
 struct State {
     point: Option<(Scenery, [f64; 2])>,
+    diagram: Option<(Scenery, [f64; 2], (u32, u32))>,
     ray_statistics: Option<Scenery>,
+    /// True while a diagram is drawn.
+    draws: bool,
     answers: Vec<Answer>,
     /// True while ray statistics are computed, and during the pause afterwards.
     surveys: bool,
     over: bool,
+}
+
+impl State {
+    fn is_asked_for_ray(&self) -> bool {
+        self.point.is_some() || self.diagram.is_some()
+    }
+
+    fn has_question(&self) -> bool {
+        self.is_asked_for_ray() || self.ray_statistics.is_some()
+    }
 }
 
 #[derive(Default)]
@@ -129,6 +145,18 @@ impl Prober {
         self.0.changed.notify_one();
     }
 
+    /// Asks for the diagram of the ray through a point, for an image of `size` pixels.
+    pub fn ask_diagram(&self, scenery: Scenery, at: [f64; 2], size: (u32, u32)) {
+        self.0.lock().diagram = Some((scenery, at, size));
+        self.0.changed.notify_one();
+    }
+
+    /// True while a diagram is queued or drawn.
+    pub fn draws(&self) -> bool {
+        let state = self.0.lock();
+        state.draws || state.diagram.is_some()
+    }
+
     /// Asks for ray statistics.
     pub fn ask_ray_statistics(&self, scenery: Scenery) {
         self.0.lock().ray_statistics = Some(scenery);
@@ -150,7 +178,7 @@ impl Prober {
 impl Drop for Prober {
     fn drop(&mut self) {
         let mut state = self.0.lock();
-        (state.over, state.point, state.ray_statistics) = (true, None, None);
+        (state.over, state.point, state.diagram, state.ray_statistics) = (true, None, None, None);
         drop(state);
         self.0.changed.notify_one();
     }
@@ -159,32 +187,39 @@ impl Drop for Prober {
 fn work(shared: &Shared, wake: &dyn Fn()) {
     loop {
         let mut state = shared.lock();
-        while state.point.is_none() && state.ray_statistics.is_none() && !state.over {
+        while !state.has_question() && !state.over {
             state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         if state.over {
             return;
         }
         let point = state.point.take();
-        let ray_statistics = if point.is_none() { state.ray_statistics.take() } else { None };
+        let diagram = if point.is_none() { state.diagram.take() } else { None };
+        let ray_statistics =
+            if point.is_none() && diagram.is_none() { state.ray_statistics.take() } else { None };
+        state.draws = diagram.is_some();
         state.surveys = ray_statistics.is_some();
         drop(state);
         let begun = Instant::now();
         // A question about a point interrupts the ray statistics of a grid.
-        let is_asked = point.is_some();
+        let is_asked = point.is_some() || diagram.is_some();
         let is_wanted = || {
             let state = shared.lock();
-            !state.over && begun.elapsed() < PATIENCE && (is_asked || state.point.is_none())
+            !state.over && begun.elapsed() < PATIENCE && (is_asked || !state.is_asked_for_ray())
         };
-        let answer = catch_unwind(AssertUnwindSafe(|| match (point, ray_statistics) {
-            (Some((scenery, at)), _) => probe(&scenery, at, &is_wanted).map(Answer::Point),
-            (None, Some(scenery)) => {
+        let answer = catch_unwind(AssertUnwindSafe(|| match (point, diagram, ray_statistics) {
+            (Some((scenery, at)), ..) => probe(&scenery, at, &is_wanted).map(Answer::Point),
+            (None, Some((scenery, at, size)), _) => {
+                let diagram = ray_diagram(&scenery, at, size, &is_wanted)?;
+                Some(Answer::Diagram(Arc::new(diagram)))
+            }
+            (None, None, Some(scenery)) => {
                 let ray_statistics = ray_statistics_of(&scenery, &is_wanted)?;
                 Some(Answer::RayStatistics(scenery.source, Arc::new(ray_statistics)))
             }
-            (None, None) => None,
+            (None, None, None) => None,
         }));
-        let what = if is_asked { "a point" } else { "a grid" };
+        let what = if is_asked { "a ray" } else { "a grid" };
         tracing::debug!("probed {what} of the frame in {:.1} ms", 1e3 * begun.elapsed().as_secs_f64());
         let mut state = shared.lock();
         match answer {
@@ -194,11 +229,12 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
             Err(_) => tracing::error!("probing the scene failed: this is a bug in Mariana"),
         }
         let surveyed = state.surveys;
+        state.draws = false;
         drop(state);
         wake();
         if surveyed {
             let rest = begun.elapsed().min(REST_MAX);
-            let is_idle = |state: &mut State| state.point.is_none() && !state.over;
+            let is_idle = |state: &mut State| !state.is_asked_for_ray() && !state.over;
             let rested = shared.changed.wait_timeout_while(shared.lock(), rest, is_idle);
             rested.unwrap_or_else(PoisonError::into_inner).0.surveys = false;
             wake();
@@ -255,6 +291,20 @@ pub fn probe(scenery: &Scenery, at: [f64; 2], is_wanted: &(dyn Fn() -> bool + Sy
         })
     })?;
     Some(Probed { source: scenery.source.clone(), at, surface })
+}
+
+/// Draws the diagram of the ray through a point, given as fractions of the frame's width and height, for an image of
+/// `size` pixels. Returns `None` once `is_wanted` is false.
+pub fn ray_diagram(
+    scenery: &Scenery,
+    at: [f64; 2],
+    size: (u32, u32),
+    is_wanted: &(dyn Fn() -> bool + Sync),
+) -> Option<RayDiagram> {
+    let Scenery { world, frame, .. } = scenery;
+    let ray = ray_at(frame, at, 1.0);
+    let names: Vec<String> = world.scene.objects.iter().map(|object| object.name.clone()).collect();
+    look(scenery, is_wanted, |ray_probe| RayDiagram::of(ray_probe, frame, &ray, &names, size))
 }
 
 /// Computes ray statistics of a grid over the frame. Returns `None` once `is_wanted` is false.

@@ -61,6 +61,11 @@ impl Pointer {
         if self.held.is_some() { self.pressed_at } else { self.place }
     }
 
+    /// The position in pixels, and true while the first button is held.
+    pub(crate) fn place(&self) -> ([f64; 2], bool) {
+        (self.place, self.held.is_some())
+    }
+
     fn moved(&mut self, to: [f64; 2]) -> Option<Gesture> {
         self.place = to;
         let (from, drags) = self.held?;

@@ -63,6 +63,11 @@ impl UserInput {
         self.pointer.began()
     }
 
+    /// The pointer's position in pixels, and true while its first button is held over the picture.
+    pub fn pointer(&self) -> ([f64; 2], bool) {
+        self.pointer.place()
+    }
+
     /// True while a shift key is held.
     pub fn shift_held(&self) -> bool {
         self.held.shift_key()

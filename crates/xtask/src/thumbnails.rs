@@ -49,6 +49,7 @@ fn draw(name: &str, folder: &Path) -> anyhow::Result<Vec<u8>> {
         show: None,
         blend: None,
         set: Vec::new(),
+        ray: None,
     })?;
     let picture = image::open(&path);
     fs::remove_file(&path)?;
@@ -72,6 +73,7 @@ fn draw_loop(name: &str, file: &Path) -> anyhow::Result<()> {
             show: None,
             blend: None,
             set: Vec::new(),
+            ray: None,
         })?;
     }
     let mut encode = Command::new("ffmpeg");

@@ -30,6 +30,7 @@ use crate::moving_textures::LiveTextures;
 use crate::scenes::camera_number;
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPicture;
+use mariana_field::graph::Screen;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
@@ -42,6 +43,8 @@ pub(crate) struct WantedPicture {
     pub size: (u32, u32),
     /// Aspect ratio of the window: width divided by height.
     pub aspect: f64,
+    /// The size of the picture in the window, and the pointer over it.
+    pub screen: Screen,
     /// The shaders' `frame_quality`.
     pub quality: f32,
     pub edges: EdgeSamples,
@@ -86,6 +89,9 @@ pub(crate) struct SceneComposer {
     pub(super) views: Views,
     pub(super) camera: SceneCamera,
     pub(super) edits: Edits,
+    /// The pointer over the picture: fractions of the width from the left and of the height from below, and true while
+    /// its button is held.
+    pointer: ([f32; 2], bool),
     /// Counts the changes in the composer after which a frame of the same moment would look different.
     revision: u64,
 }
@@ -109,6 +115,7 @@ impl SceneComposer {
             views: Views::starting_with(view),
             camera: SceneCamera::default(),
             edits: Edits::default(),
+            pointer: ([0.5; 2], false),
             revision: 0,
         }
     }
@@ -296,7 +303,8 @@ impl SceneComposer {
     /// Adapts a frame to the window, and adds the moving pictures of its moment.
     fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture) -> Frame {
         let world = scene.resources.world();
-        self.textures.in_frame(frame.in_window(world, picture.aspect, picture.quality), world)
+        let frame = frame.in_window(world, picture.aspect, picture.quality).on_screen(world, picture.screen);
+        self.textures.in_frame(frame, world)
     }
 
     fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
@@ -434,6 +442,19 @@ impl SceneComposer {
 
     pub(crate) fn look_different(&mut self) {
         self.revision += 1;
+    }
+
+    /// Notes the pointer over the picture. Requests a new frame if a scene follows it.
+    pub(crate) fn point(&mut self, pointer: ([f32; 2], bool), is_followed: bool) {
+        if std::mem::replace(&mut self.pointer, pointer) != pointer && is_followed {
+            self.revision += 1;
+        }
+    }
+
+    /// The picture in a window of this size, with the pointer.
+    pub(crate) fn screen(&self, size: (u32, u32)) -> Screen {
+        let (at, pressed) = self.pointer;
+        Screen { pointer: at, pressed, ..Screen::of_size(size) }
     }
 
     /// Requests a new frame: an input has changed that neither the sound's features nor the parameters show.

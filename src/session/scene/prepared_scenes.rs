@@ -122,6 +122,11 @@ impl PreparedScenes {
         self.shown.as_ref().is_some_and(|shown| shown.source == scene.source)
     }
 
+    /// True if the shown scene follows the pointer.
+    pub(crate) fn follow_pointer(&self) -> bool {
+        self.shown.as_ref().is_some_and(|scene| scene.resources.world().follows_pointer())
+    }
+
     /// True if a drawn scene reads curves of the sound, or if no scene is shown yet.
     pub(crate) fn hear_curves(&self) -> bool {
         let drawn = [&self.shown, &self.before, &self.fading_out];

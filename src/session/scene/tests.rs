@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
+use mariana_field::graph::Screen;
 use mariana_music::{Features, Section, SongStructure};
 use mariana_player::Moment;
 use mariana_testing::process::wait_until;
@@ -113,8 +114,9 @@ impl Staged {
         wait_until("a frame", || {
             let moment = at(song_time);
             let (sound, size, edges) = (Features::SILENCE.into(), (32, 18), EdgeSamples::Four);
+            let (aspect, screen) = (16.0 / 9.0, Screen::of_size(size));
             let picture =
-                WantedPicture { moment, sound, size, aspect: 16.0 / 9.0, quality: 1.0, edges, runs: true };
+                WantedPicture { moment, sound, size, aspect, screen, quality: 1.0, edges, runs: true };
             self.session.update().unwrap();
             drawn = self.session.draw(renderer, picture).unwrap();
             drawn.is_some()

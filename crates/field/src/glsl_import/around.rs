@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::calls::{Budget, Session};
-use super::candidate::candidate;
+use super::candidate::{candidate, is_distance_for_sure};
 use super::parse::{GlslFile, GlslFunction, GlslType};
 use super::problem::Problem;
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Order, Point};
@@ -33,24 +33,50 @@ const COLORS: [&str; 6] = [
     "vec3(0.55, 0.35, 0.6)",
 ];
 
-/// Writes a scene that includes the file by the path `include`.
+/// Writes a scene that includes the file by the path `include`: around its distance function or, without one, around
+/// the picture that it draws.
 ///
 /// # Errors
-/// A file without a function of a point that returns a distance, or a mistake in that function.
+/// A file that neither has a function of a point that returns a distance nor draws a picture, or a mistake in that
+/// function.
 pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
     let file = GlslFile::parse(text, &LIMITS)?;
-    let Some(function) = candidate(&file) else {
-        let names: Vec<&str> =
-            file.functions().iter().map(|function| function.name.as_str()).take(8).collect();
-        let message = "no function of this file looks like the distance of a scene";
-        let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-        return Err(Problem::unsupported(0..0, message).hint(format!(
-            "call it `map`, take one vec3, and return a float or a vec2; functions found: {found}"
-        )));
+    let shape = candidate(&file);
+    // A name such as `f` may be anything, if the file also draws a picture.
+    let is_sure = shape.is_some_and(is_distance_for_sure);
+    let text_of = |function: &GlslFunction| scene_of_shape(&file, function, include);
+    let of_shape = shape.filter(|_| is_sure || file.picture().is_none()).map(text_of);
+    let scene = match (of_shape, file.picture()) {
+        (Some(Ok(scene)), _) => scene,
+        (Some(Err(problem)), None) => return Err(problem),
+        (of_shape, Some(picture)) => {
+            let of_picture = scene_of_picture(&file, picture, include);
+            let other = of_shape.or_else(|| shape.map(text_of));
+            match (of_picture, other) {
+                (Ok(scene), _) | (Err(_), Some(Ok(scene))) => scene,
+                (Err(_), Some(Err(problem))) | (Err(problem), None) => return Err(problem),
+            }
+        }
+        (None, None) => return Err(nothing_found(&file)),
     };
-    let sampled = Sampled::of(&file, function)?;
-    let (call, name) = (format!("{}(p)", function.name), &function.name);
-    let is_vector = function.result != Some(GlslType::Float);
+    Ok(SceneAround { text: scene.text, left_out: left_out(&file, text, scene.is_picture) })
+}
+
+struct Around {
+    text: String,
+    is_picture: bool,
+}
+
+fn nothing_found(file: &GlslFile) -> Problem {
+    let names: Vec<&str> = file.functions().iter().map(|function| function.name.as_str()).take(8).collect();
+    let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+    let message = "no function of this file looks like the distance of a scene, and none draws a picture";
+    Problem::unsupported(0..0, message)
+        .hint(format!("call it `map`, take one vec3, and return a float or a vec2; functions found: {found}"))
+}
+
+/// The first lines of a scene, with values for uniforms without one.
+fn head(file: &GlslFile, include: &str) -> String {
     let mut scene = format!("# Made by `mariana import` from {include}.\n\ninclude \"{include}\"\n\n");
     for (uniform, len) in file.open_uniforms() {
         let _ = match len {
@@ -58,6 +84,28 @@ pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
             len => writeln!(scene, "let {uniform} = vec{len}(0.5)"),
         };
     }
+    scene
+}
+
+/// A scene of sky alone. The shader's colours are those of the screen, not light.
+fn scene_of_picture(file: &GlslFile, picture: &GlslFunction, include: &str) -> Result<Around, Problem> {
+    let mut graph = Graph::new();
+    let pixel = [Input::X, Input::Y].map(|input| graph.input(input)).to_vec();
+    executed(&mut graph, Session::of_picture(), (file, picture), pixel)?;
+    let mut scene = head(file, include);
+    let _ = write!(
+        scene,
+        "\nsky {{ color = srgb({}(pixel).rgb) }}\n\npicture {{ tone_map = none  bloom = 0  grain = 0 }}\n",
+        picture.name
+    );
+    Ok(Around { text: scene, is_picture: true })
+}
+
+fn scene_of_shape(file: &GlslFile, function: &GlslFunction, include: &str) -> Result<Around, Problem> {
+    let sampled = Sampled::of(file, function)?;
+    let (call, name) = (format!("{}(p)", function.name), &function.name);
+    let is_vector = function.result != Some(GlslType::Float);
+    let mut scene = head(file, include);
     let _ = writeln!(scene, "\nmaterial surface {{");
     if sampled.numbers.len() > 1 {
         let _ = writeln!(scene, "  # the number of the material is the second number of {name}");
@@ -81,13 +129,17 @@ pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
         scene,
         "camera {{ position = vec3({x}, {y}, {z})  target = vec3({a}, {b}, {c})  fov = 50 }}"
     );
+    Ok(Around { text: scene, is_picture: false })
+}
 
+/// A sentence for each part of the file that the scene leaves out.
+fn left_out(file: &GlslFile, text: &str, is_picture: bool) -> Vec<String> {
     let mut left_out = Vec::new();
-    if file.draws() {
+    if file.draws() && !is_picture {
         left_out.push("camera, light and colours of the shader: mainImage and main are not run".to_owned());
     }
     let unset = file.unset_globals();
-    if !unset.is_empty() && file.draws() {
+    if !unset.is_empty() && file.draws() && !is_picture {
         let names: Vec<String> = unset.iter().take(6).map(|name| format!("`{name}`")).collect();
         left_out.push(format!(
             "values of {} that its drawing code computes; they start at 0 or the value of a plain assignment",
@@ -102,7 +154,7 @@ pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
     if text.contains("iChannel") || text.contains("sampler2D") {
         left_out.push("textures, except tables of noise".to_owned());
     }
-    Ok(SceneAround { text: scene, left_out })
+    left_out
 }
 
 /// The colour of each material as nested choices of the number.
@@ -151,21 +203,31 @@ impl Sampler {
     }
 }
 
+/// Executes a function of one vector with the values that the scene gives to uniforms.
+fn executed(
+    graph: &mut Graph,
+    mut session: Session,
+    (file, function): (&GlslFile, &GlslFunction),
+    argument: Vec<NodeId>,
+) -> Result<Vec<NodeId>, Problem> {
+    let mut budget = Budget {
+        steps: LIMITS.scene_expansion_max,
+        rounds_max: LIMITS.scene_loop_max,
+        memory_max: LIMITS.scene_tokens_max,
+    };
+    let (one, half) = (graph.constant(1.0), graph.constant(0.5));
+    let given = file.open_uniforms().into_iter();
+    let given =
+        given.map(|(name, len)| (name.to_owned(), if len == 1 { vec![one] } else { vec![half; len] }));
+    let given: Vec<(String, Vec<NodeId>)> = given.collect();
+    session.call(file, function, &[argument], graph, &mut budget, &given)
+}
+
 impl Sampled {
     fn of(file: &GlslFile, function: &GlslFunction) -> Result<Self, Problem> {
         let mut graph = Graph::new();
         let point = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input)).to_vec();
-        let mut budget = Budget {
-            steps: LIMITS.scene_expansion_max,
-            rounds_max: LIMITS.scene_loop_max,
-            memory_max: LIMITS.scene_tokens_max,
-        };
-        let (one, half) = (graph.constant(1.0), graph.constant(0.5));
-        let given = file.open_uniforms().into_iter();
-        let given =
-            given.map(|(name, len)| (name.to_owned(), if len == 1 { vec![one] } else { vec![half; len] }));
-        let given: Vec<(String, Vec<NodeId>)> = given.collect();
-        let nodes = Session::default().call(file, function, &[point], &mut graph, &mut budget, &given)?;
+        let nodes = executed(&mut graph, Session::default(), (file, function), point)?;
         let too_large = |error: crate::graph::GraphError| {
             Problem::over_limit(function.place.clone(), error.to_string()).hint("shorten its loops")
         };

@@ -32,6 +32,8 @@ const CALLS_MAX: usize = 48;
 /// State between the calls of a file's functions: the first values of its globals, as nodes of one graph.
 #[derive(Debug, Default)]
 pub struct Session {
+    /// True for the formulas of a picture, which know the pixel, the picture's size and the pointer.
+    in_picture: bool,
     globals: Option<Vec<Part>>,
     infos: HashMap<Handle<Function>, Rc<[Option<Info>]>>,
 }
@@ -111,11 +113,17 @@ pub(super) struct Executor<'m, 'g> {
     pub one: NodeId,
     pub frame: Frame<'m>,
     pub budget: &'g mut Budget,
+    pub in_picture: bool,
     infos: &'g mut HashMap<Handle<Function>, Rc<[Option<Info>]>>,
     open: Vec<Handle<Function>>,
 }
 
 impl Session {
+    /// Returns a session for formulas of the picture. [`Input::X`](crate::graph::Input::X) and `Y` are the pixel there.
+    pub fn of_picture() -> Self {
+        Self { in_picture: true, ..Self::default() }
+    }
+
     /// Executes a function for arguments of the types of its parameters, each as the nodes of its components. Returns
     /// the components of the result. `given` are the scene's values for uniforms, which
     /// must be the same in all calls of a session.
@@ -136,6 +144,7 @@ impl Session {
         let called = file.module.functions.try_get(function.handle).map_err(|_| wrong())?;
         let known = self.globals.take();
         let mut executor = Executor::new(file, called, graph, budget, &mut self.infos);
+        executor.in_picture = self.in_picture;
         match known {
             Some(globals) => executor.memory.parts = globals,
             None => executor.start(given)?,
@@ -185,7 +194,7 @@ impl<'m, 'g> Executor<'m, 'g> {
             counts: Counts::default(),
         };
         let (memory, open) = (Memory::default(), Vec::new());
-        Self { file, graph, memory, live: one, zero, one, frame, budget, infos, open }
+        Self { file, graph, memory, live: one, zero, one, frame, budget, in_picture: false, infos, open }
     }
 
     /// Gives the globals their values.
@@ -212,7 +221,7 @@ impl<'m, 'g> Executor<'m, 'g> {
                 }
                 (None, Some(origin), _) => {
                     let known = match origin {
-                        Origin::Uniform => outside::known(self.graph, name, len),
+                        Origin::Uniform => outside::known(self.graph, name, len, self.in_picture),
                         _ => None,
                     };
                     let unset = Part::Unset(handle.index() as u32);

@@ -30,6 +30,14 @@ const NAMES: [&str; 24] = [
     "d",
 ];
 
+/// Number of names at the start of [`NAMES`] that no helper function has.
+const SURE_NAMES: usize = 9;
+
+/// True if the function's name says that it is the distance to a scene.
+pub(super) fn is_distance_for_sure(function: &GlslFunction) -> bool {
+    NAMES.iter().take(SURE_NAMES).any(|known| known.eq_ignore_ascii_case(&function.name))
+}
+
 /// Returns the function of a point in space that most likely gives the distance to the scene.
 pub fn candidate(file: &GlslFile) -> Option<&GlslFunction> {
     let fits = |function: &&GlslFunction| {

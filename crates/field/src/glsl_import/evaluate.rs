@@ -1,13 +1,14 @@
 //! Expressions.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
-use naga::{Expression, Handle, Literal, ScalarKind, SwizzleComponent, Type, TypeInner};
+use naga::{DerivativeAxis, Expression, Handle, Literal, ScalarKind, SwizzleComponent, Type, TypeInner};
 
 use super::calls::{Argument, Executor, Pointer, Slot};
 use super::layout::{Info, Part, member, size};
 use super::problem::Problem;
-use crate::graph::{NodeId, Op};
+use crate::graph::{Graph, Input, Node, NodeId, Op, Order};
 
 impl Executor<'_, '_> {
     pub(super) fn slot(&self, of: Handle<Expression>) -> Slot {
@@ -226,15 +227,49 @@ impl Executor<'_, '_> {
             Expression::ArrayLength(_) => {
                 return Err(Problem::unsupported(place, "an array needs a known size"));
             }
+            Expression::Derivative { axis, expr, .. } if self.in_picture => {
+                let nodes = self.nodes_of(*expr)?;
+                self.derivative(*axis, &nodes, &place)?
+            }
             Expression::Derivative { .. } => {
                 return Err(Problem::unsupported(
                     place,
                     "`dFdx`, `dFdy` and `fwidth` compare pixels, which a formula does not know",
                 )
-                .hint("remove this detail, or pass its size as a parameter"));
+                .hint("use it in the sky's colour, or pass the size of the detail as a parameter"));
             }
             _ => return Err(Problem::unsupported(place, "this expression has no meaning in a formula")),
         })
+    }
+
+    /// The difference of each value between this pixel and the next one.
+    fn derivative(
+        &mut self,
+        axis: DerivativeAxis,
+        nodes: &[NodeId],
+        place: &Range<u32>,
+    ) -> Result<Vec<Part>, Problem> {
+        let (along_x, along_y) =
+            (axis != DerivativeAxis::Y, matches!(axis, DerivativeAxis::Y | DerivativeAxis::Width));
+        let mut sums = vec![self.zero; nodes.len()];
+        for (input, wanted) in [(Input::X, along_x), (Input::Y, along_y)] {
+            if !wanted {
+                continue;
+            }
+            let order = self.graph.order(nodes).map_err(|error| {
+                Problem::over_limit(place.clone(), error.to_string()).hint("shorten the loops")
+            })?;
+            self.step(order.nodes.len(), || place.clone())?;
+            let beside = at_next_pixel(self.graph, nodes, &order, input);
+            for ((sum, &here), there) in sums.iter_mut().zip(nodes).zip(beside) {
+                let mut change = self.graph.sub(there, here);
+                if axis == DerivativeAxis::Width {
+                    change = self.graph.abs(change);
+                }
+                *sum = self.graph.add(*sum, change);
+            }
+        }
+        Ok(sums.into_iter().map(Part::Node).collect())
     }
 
     fn choice(
@@ -476,4 +511,22 @@ impl Executor<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// Returns the values at the next pixel in the direction of `input`.
+fn at_next_pixel(graph: &mut Graph, nodes: &[NodeId], order: &Order, input: Input) -> Vec<NodeId> {
+    let (pixel, one) = (graph.input(input), graph.constant(1.0));
+    let mut copies: HashMap<NodeId, NodeId> = HashMap::with_capacity(order.nodes.len());
+    for &id in &order.nodes {
+        let at = |id: NodeId| copies.get(&id).copied().unwrap_or(id);
+        let copy = match graph.node(id) {
+            Node::Input(own) if own == input => graph.add(pixel, one),
+            Node::Constant(_) | Node::Input(_) => id,
+            Node::Unary(op, a) => graph.unary(op, at(a)),
+            Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
+            Node::Texture { texture, channel, u, v } => graph.texture(texture, channel, at(u), at(v)),
+        };
+        copies.insert(id, copy);
+    }
+    nodes.iter().map(|id| copies.get(id).copied().unwrap_or(*id)).collect()
 }

@@ -41,6 +41,8 @@ pub(super) enum Origin {
     Uniform,
     /// An earlier stage of the shader.
     Varying,
+    /// The GLSL itself, as the colour that it draws.
+    Output,
 }
 
 /// Words in front of a declaration that do not change its type.
@@ -131,6 +133,7 @@ fn item<'a>(tokens: &[Token<'a>], items: &mut Vec<Item<'a>>) -> Result<usize, Pr
             }
             "uniform" | "buffer" => origin = Origin::Uniform,
             "in" | "varying" | "attribute" => origin = Origin::Varying,
+            "out" => origin = Origin::Output,
             "const" => is_const = true,
             word if QUALIFIERS.contains(&word) => {}
             _ => break,

@@ -24,6 +24,7 @@ mod outside;
 mod parse;
 mod preprocess;
 mod problem;
+mod quiet;
 mod rewrite;
 mod textures;
 mod tokens;

@@ -1,13 +1,19 @@
 //! Values of the uniforms that viewers of shaders define.
 
-use crate::graph::{Graph, Input, NodeId, Op};
+use crate::graph::{Graph, Input, NodeId, Op, ScreenInput};
 
-/// Width and height in pixels that shaders see as the resolution.
+/// Width and height in pixels that shapes see as the resolution. A formula of the picture sees the actual size.
 const RESOLUTION: [f32; 2] = [1280.0, 720.0];
 const FRAMES_PER_SECOND: f32 = 60.0;
 
-/// Returns `len` components of a known uniform; `None` for an unknown one.
-pub(super) fn known(graph: &mut Graph, name: &str, len: usize) -> Option<Vec<NodeId>> {
+/// Returns `len` components of a known uniform; `None` for an unknown one. `in_picture` is true for a formula of the
+/// picture, which knows the pixel, the picture's size and the pointer.
+pub(super) fn known(graph: &mut Graph, name: &str, len: usize, in_picture: bool) -> Option<Vec<NodeId>> {
+    if in_picture && let Some(mut nodes) = of_picture(graph, name) {
+        let zero = graph.constant(0.0);
+        nodes.resize(len, zero);
+        return Some(nodes);
+    }
     let mut constants = |values: &[f32]| -> Vec<NodeId> {
         (0..len).map(|index| graph.constant(values.get(index).copied().unwrap_or(0.0))).collect()
     };
@@ -32,7 +38,29 @@ pub(super) fn known(graph: &mut Graph, name: &str, len: usize) -> Option<Vec<Nod
     })
 }
 
+/// Returns the components of a uniform that depends on the picture.
+fn of_picture(graph: &mut Graph, name: &str) -> Option<Vec<NodeId>> {
+    let screen = |graph: &mut Graph, input| graph.input(Input::Screen(input));
+    let (width, height) = (screen(graph, ScreenInput::Width), screen(graph, ScreenInput::Height));
+    let (x, y) = (screen(graph, ScreenInput::MouseX), screen(graph, ScreenInput::MouseY));
+    Some(match name {
+        "iResolution" | "resolution" | "u_resolution" | "uResolution" | "RENDERSIZE" => {
+            vec![width, height, graph.constant(1.0)]
+        }
+        "iMouse" | "u_mouse" | "uMouse" => {
+            let pressed = screen(graph, ScreenInput::MousePressed);
+            vec![x, y, graph.mul(pressed, x), graph.mul(pressed, y)]
+        }
+        // Viewers that call it so give fractions of the size.
+        "mouse" => vec![graph.div(x, width), graph.div(y, height)],
+        "gl_FragCoord" | "fragCoord" => {
+            vec![graph.input(Input::X), graph.input(Input::Y), graph.constant(0.0), graph.constant(1.0)]
+        }
+        _ => return None,
+    })
+}
+
 /// True for a uniform whose value a scene must give.
 pub(super) fn is_unknown(name: &str) -> bool {
-    known(&mut Graph::new(), name, 1).is_none()
+    known(&mut Graph::new(), name, 1, true).is_none()
 }

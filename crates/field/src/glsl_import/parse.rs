@@ -3,7 +3,6 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use naga::front::glsl::{Error, ErrorKind, Frontend, Options};
 use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Span, Type, TypeInner};
@@ -11,7 +10,8 @@ use naga::{Function, Handle, Module, ScalarKind, ShaderStage, Span, Type, TypeIn
 use super::items::{self, Origin, shortened};
 use super::preprocess::preprocess;
 use super::problem::Problem;
-use super::rewrite::{BROKEN, Program, START, Written};
+use super::quiet::catch_quietly;
+use super::rewrite::{BROKEN, DRAWING, IMAGE, IMAGE_IN_SCENES, Program, START, Written};
 use super::tokens::tokenize;
 use crate::limits::Limits;
 
@@ -48,6 +48,8 @@ pub struct GlslFunction {
     pub result: Option<GlslType>,
     /// The bytes of the GLSL text at which the function begins.
     pub place: Range<u32>,
+    /// True for the function that returns the colour of a pixel of the picture.
+    pub is_picture: bool,
     pub(super) handle: Handle<Function>,
 }
 
@@ -175,6 +177,20 @@ impl GlslFile {
                         special.insert(handle, Special::Broken(number));
                     } else if name.starts_with(START) {
                         starts.push(handle);
+                    } else if name == IMAGE {
+                        functions.push(GlslFunction {
+                            name: IMAGE_IN_SCENES.to_owned(),
+                            parameters: vec![GlslParameter {
+                                name: "pixel".to_owned(),
+                                of: Some(GlslType::Vector(2)),
+                            }],
+                            result: Some(GlslType::Vector(4)),
+                            place: program.image_place(),
+                            is_picture: true,
+                            handle,
+                        });
+                    } else if DRAWING.contains(&name.as_str()) || name == "main_" {
+                        // A scene calls it by the function above.
                     } else if written.is_own(range(module.functions.get_span(handle)).start) {
                         let parameters = function.arguments.iter().map(|argument| GlslParameter {
                             name: argument.name.clone().unwrap_or_default(),
@@ -186,6 +202,7 @@ impl GlslFile {
                             parameters: parameters.collect(),
                             result,
                             place: written.source_range(range(module.functions.get_span(handle))),
+                            is_picture: false,
                             handle,
                         });
                     }
@@ -197,7 +214,8 @@ impl GlslFile {
         Ok(Self { module, written, problems, outside, starts, special, functions, unset, has_drawing })
     }
 
-    /// Returns the functions of the file without `mainImage` and other functions that draw.
+    /// Returns the functions of the file. A function that draws is there as a function of the pixel that returns its
+    /// colour ([`GlslFunction::is_picture`]).
     pub fn functions(&self) -> &[GlslFunction] {
         &self.functions
     }
@@ -246,6 +264,16 @@ impl GlslFile {
         &self.unset
     }
 
+    /// Returns the function that draws the picture.
+    pub fn picture(&self) -> Option<&GlslFunction> {
+        self.functions.iter().find(|function| function.is_picture)
+    }
+
+    /// True if a formula with this session reads the pixel, because the file reads `gl_FragCoord`.
+    pub fn reads_pixel(&self) -> bool {
+        ["gl_FragCoord", "fragCoord"].iter().any(|name| self.outside.contains_key(*name))
+    }
+
     /// True if the file has a function that draws a picture, such as `mainImage`.
     pub fn draws(&self) -> bool {
         self.has_drawing
@@ -261,10 +289,10 @@ const BYTES_MAX: usize = 4 << 20;
 /// Runs naga. Its front end may panic on odd text; such a panic becomes an error without a place.
 fn read(text: &str) -> Result<Module, Vec<Error>> {
     let options = Options::from(ShaderStage::Fragment);
-    match catch_unwind(AssertUnwindSafe(|| Frontend::default().parse(&options, text))) {
-        Ok(Ok(module)) => Ok(module),
-        Ok(Err(errors)) => Err(errors.errors),
-        Err(_) => {
+    match catch_quietly(|| Frontend::default().parse(&options, text)) {
+        Some(Ok(module)) => Ok(module),
+        Some(Err(errors)) => Err(errors.errors),
+        None => {
             let kind = ErrorKind::InternalError("naga cannot read this text");
             Err(vec![Error { kind, meta: Span::UNDEFINED }])
         }

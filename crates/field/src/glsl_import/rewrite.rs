@@ -104,6 +104,11 @@ const GIVEN: [(&str, &str); 20] = [
     ("fragCoord", "vec2 fragCoord;"),
 ];
 
+/// A function that returns the colour of a pixel. Scenes call it by the name [`IMAGE_IN_SCENES`].
+pub(super) const IMAGE: &str = "glsl_image";
+/// The name of the function that draws, in scenes.
+pub(super) const IMAGE_IN_SCENES: &str = "mainImage";
+
 /// Functions that draw a picture. A scene has its own camera and light.
 pub(super) const DRAWING: [&str; 6] = ["main", "mainImage", "mainVR", "mainSound", "mainCubemap", "mainFull"];
 
@@ -118,6 +123,8 @@ pub(super) struct Program<'a> {
     sets: Vec<Vec<Token<'a>>>,
     given: Vec<&'static str>,
     pub has_drawing: bool,
+    /// The function that returns the colour of a pixel, and the index of the function that it calls.
+    image: Option<(String, usize)>,
 }
 
 impl<'a> Program<'a> {
@@ -127,20 +134,25 @@ impl<'a> Program<'a> {
         for item in &items {
             if let Item::Global(global) = item {
                 declared.insert(global.name.text);
-                if global.origin != Origin::Own {
+                if matches!(global.origin, Origin::Uniform | Origin::Varying) {
                     outside.insert(global.name.text.to_owned(), global.origin);
                 } else if global.value.is_empty() {
                     unset.insert(global.name.text.to_owned());
                 }
             }
         }
+        let image = image(&items);
         let mut used = BTreeSet::new();
         let (mut sets, mut has_drawing) = (Vec::new(), false);
-        for item in &items {
+        for (index, item) in items.iter().enumerate() {
             match item {
-                Item::Function { name, body, .. } if DRAWING.contains(&name.text) => {
+                Item::Function { name, header, body } if DRAWING.contains(&name.text) => {
                     has_drawing = true;
                     sets.extend(settings(body, &unset));
+                    if image.as_ref().is_some_and(|(_, drawing)| *drawing == index) {
+                        let is_parameter = |word: &&str| header.iter().any(|token| token.is(word));
+                        used.extend(body.iter().map(|token| token.text).filter(|word| !is_parameter(word)));
+                    }
                 }
                 Item::Function { header, body, .. } => {
                     used.extend(header.iter().chain(body).map(|token| token.text));
@@ -150,6 +162,9 @@ impl<'a> Program<'a> {
             }
         }
         used.extend(sets.iter().flatten().map(|token| token.text));
+        if image.as_ref().is_some_and(|(text, _)| text.contains("gl_FragCoord")) {
+            used.extend(["gl_FragCoord", "gl_FragColor"]);
+        }
         let defines = |name: &str| {
             items.iter().any(|item| matches!(item, Item::Function { name: own, .. } if own.is(name)))
         };
@@ -161,7 +176,7 @@ impl<'a> Program<'a> {
                 outside.insert(name.to_owned(), Origin::Uniform);
             }
         }
-        Self { items, outside, unset, sets, given, has_drawing }
+        Self { items, outside, unset, sets, given, has_drawing, image }
     }
 
     /// Writes the program. Functions in `broken` keep their header, and their body calls a function whose name tells
@@ -180,7 +195,7 @@ impl<'a> Program<'a> {
         for (index, item) in self.items.iter().enumerate() {
             match item {
                 Item::Plain(tokens) => out.extend(&in_shape(tokens), index),
-                Item::Function { name, .. } if DRAWING.contains(&name.text) => {}
+                Item::Function { name, .. } if DRAWING.contains(&name.text) && !self.draws_with(index) => {}
                 Item::Function { name, header, body } => {
                     out.extend(&in_shape(header), index);
                     match broken.get(&index) {
@@ -201,6 +216,9 @@ impl<'a> Program<'a> {
                 Item::Global(global) => write_global(&mut out, global, index, broken.contains_key(&index)),
             }
         }
+        if let Some((text, _)) = &self.image {
+            out.text.push_str(text);
+        }
         for (number, set) in self.sets.iter().enumerate() {
             let index = self.items.len() + number;
             if !broken.contains_key(&index) {
@@ -211,6 +229,20 @@ impl<'a> Program<'a> {
         }
         out.text.push_str("void main() { }\n");
         out
+    }
+
+    /// True for the function that the scene's `mainImage` calls.
+    fn draws_with(&self, index: usize) -> bool {
+        self.image.as_ref().is_some_and(|(_, drawing)| *drawing == index)
+    }
+
+    /// The place of the name of the function that draws.
+    pub(super) fn image_place(&self) -> Range<u32> {
+        let drawing = self.image.as_ref().and_then(|(_, drawing)| self.items.get(*drawing));
+        match drawing {
+            Some(Item::Function { name, .. }) => name.place(),
+            _ => 0..0,
+        }
     }
 
     /// The name of the function with this index.
@@ -229,6 +261,36 @@ impl<'a> Program<'a> {
             Some(Item::Plain(_)) => false,
         }
     }
+}
+
+/// Writes the function that returns the colour of a pixel: the result of `mainImage`, or what `main` draws. `None` for a
+/// file without such a function.
+fn image(items: &[Item<'_>]) -> Option<(String, usize)> {
+    let mut main = None;
+    for (index, item) in items.iter().enumerate() {
+        let Item::Function { name, header, .. } = item else { continue };
+        let words =
+            || header.iter().filter(|token| token.is_word() && !token.is("in")).map(|token| token.text);
+        if name.is("mainImage") && words().next() == Some("void") {
+            let types: Vec<&str> = words().skip(2).collect();
+            if matches!(types.as_slice(), ["out" | "inout", "vec4", _, "vec2", _]) {
+                let call = "vec4 glsl_color = vec4(0.0, 0.0, 0.0, 1.0); mainImage(glsl_color, glsl_pixel); return glsl_color;";
+                return Some((format!("vec4 {IMAGE}(vec2 glsl_pixel) {{ {call} }}\n"), index));
+            }
+        }
+        if name.is("main") && words().next() == Some("void") {
+            main = Some(index);
+        }
+    }
+    let output = items.iter().find_map(|item| match item {
+        Item::Global(global) if global.origin == Origin::Output && global.of.is("vec4") => {
+            Some(global.name.text)
+        }
+        _ => None,
+    });
+    let output = output.unwrap_or("gl_FragColor");
+    let call = format!("gl_FragCoord = vec4(glsl_pixel, 0.0, 1.0); main_(); return {output};");
+    main.map(|index| (format!("vec4 {IMAGE}(vec2 glsl_pixel) {{ {call} }}\n"), index))
 }
 
 fn write_global(out: &mut Written, global: &Global<'_>, index: usize, broken: bool) {

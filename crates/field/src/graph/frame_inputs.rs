@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::interval::Interval;
 use super::node::Input;
+use super::screen_input::Screen;
 use super::table::{TableData, unit};
 use super::{LevelList, Levels, PartInput, SoundInputs};
 
@@ -20,6 +21,7 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     levels: Levels::SILENCE,
     parts: Vec::new(),
     eye: [0.0; 3],
+    screen: Screen::NONE,
     params: Vec::new(),
     hoisted: Vec::new(),
     spectrum: TableData::EMPTY,
@@ -42,6 +44,8 @@ pub struct FrameInputs {
     pub parts: Vec<f32>,
     /// Position of the eye.
     pub eye: [f32; 3],
+    /// The size of the picture and the pointer over it.
+    pub screen: Screen,
     /// The scene's parameters by number; missing parameters are 0.
     pub params: Vec<f32>,
     /// The values that were computed once for this frame, by number; missing values are 0.
@@ -89,7 +93,7 @@ impl FrameInputs {
             }
             Input::Param(i) => params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => Interval::ANY,
-            Input::EyeX | Input::EyeY | Input::EyeZ | Input::Hoisted(_) => Interval::ANY,
+            Input::EyeX | Input::EyeY | Input::EyeZ | Input::Screen(_) | Input::Hoisted(_) => Interval::ANY,
         }
     }
 
@@ -103,6 +107,7 @@ impl FrameInputs {
             Input::EyeX => self.eye[0],
             Input::EyeY => self.eye[1],
             Input::EyeZ => self.eye[2],
+            Input::Screen(input) => self.screen.value(input),
             Input::Param(i) => self.params.get(usize::from(i)).copied().unwrap_or(0.0),
             Input::Hoisted(i) => self.hoisted.get(usize::from(i)).copied().unwrap_or(0.0),
         }

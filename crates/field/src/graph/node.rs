@@ -1,6 +1,7 @@
 //! Nodes of the expression graph.
 
 use super::op::Op;
+use super::screen_input::ScreenInput;
 use super::{Level, SoundInput};
 
 /// Identifies a node of one [`super::Graph`].
@@ -46,6 +47,8 @@ pub enum Input {
     EyeY,
     /// Position of the eye, z.
     EyeZ,
+    /// A number of the picture as a whole or of the pointer over it.
+    Screen(ScreenInput),
     /// A parameter of the scene, by its number.
     Param(u16),
     /// A value that is computed once per frame from the inputs above (see [`World`](crate::world::World)).
@@ -98,6 +101,7 @@ impl Input {
             Input::EyeX => 7,
             Input::EyeY => 8,
             Input::EyeZ => 9,
+            Input::Screen(input) => 0xA + input as u32,
             Input::Sound(input) => 0x10 + input as u32,
             Input::Level(level) => 0x100 | level.place() as u32,
             Input::Param(i) => 0x1_0000 | i as u32,
@@ -120,6 +124,7 @@ impl std::fmt::Display for Input {
             Input::EyeX => "EYE.X",
             Input::EyeY => "EYE.Y",
             Input::EyeZ => "EYE.Z",
+            Input::Screen(input) => input.name(),
             Input::Sound(input) => return f.write_str(&input.name().to_uppercase()),
             Input::Level(level) => return f.write_str(&level.to_string().to_uppercase()),
             Input::Param(i) => return write!(f, "PARAM({i})"),

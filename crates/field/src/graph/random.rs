@@ -1,6 +1,6 @@
 //! Random expressions for property tests.
 
-use super::{Levels, SoundInput, SoundInputs};
+use super::{Levels, Screen, ScreenInput, SoundInput, SoundInputs};
 use std::sync::Arc;
 
 use proptest::prelude::*;
@@ -62,7 +62,7 @@ pub(crate) fn steps(size: usize) -> impl Strategy<Value = Vec<Step>> {
     proptest::collection::vec(step, 1..size)
 }
 
-const INPUTS: [Input; 12] = [
+const INPUTS: [Input; 13] = [
     Input::X,
     Input::Y,
     Input::Z,
@@ -74,6 +74,7 @@ const INPUTS: [Input; 12] = [
     Input::Sound(SoundInput::Bass),
     Input::Param(1),
     Input::Sound(SoundInput::Beat),
+    Input::Screen(ScreenInput::MouseY),
     Input::X,
 ];
 
@@ -137,6 +138,7 @@ pub(crate) fn frame() -> FrameInputs {
         levels: Levels::each(|list, i| (list as u8 as f32 + i as f32 * 0.7).cos() * 0.5),
         parts: (0..PartInput::COUNT).map(|i| (i as f32 * 0.37).cos().abs()).collect(),
         eye: [1.5, 2.0, -4.0],
+        screen: Screen { size: [64.0, 36.0], pointer: [0.25, 0.75], pressed: true },
         params: vec![1.0, -2.5],
         spectrum: TableData::row(wave(64, 0.3)),
         waveform: TableData::row(wave(50, 1.1)),

@@ -2,7 +2,7 @@
 //!
 //! All other functions are in the library, which is written in the language.
 
-use crate::graph::{Input, LevelList, Op, SoundInput};
+use crate::graph::{Input, LevelList, Op, ScreenInput, SoundInput};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum InputValue {
@@ -21,6 +21,10 @@ pub(super) mod uses {
     /// Time, sound and parameters.
     pub(crate) const FRAME: u8 = 16;
     pub(crate) const EYE: u8 = 32;
+    /// The pixel that is drawn.
+    pub(crate) const PIXEL: u8 = 64;
+    /// The size of the picture, and the pointer over it.
+    pub(crate) const SCREEN: u8 = 128;
     pub(crate) const NOTHING: u8 = 0;
 }
 
@@ -38,9 +42,18 @@ const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str)
 }
 
 use InputValue::{Constant, Many, One};
-use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, POINT};
+use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, PIXEL, POINT, SCREEN};
 
-/// All inputs except numbers of the sound. The direction is stored as the normal, because no expression reads both.
+impl InputRow {
+    /// True if a scene may declare a value of the same name, because scenes were written before the input existed.
+    pub(super) fn may_be_hidden(&self) -> bool {
+        let is_of_picture = self.uses & (PIXEL | SCREEN) != 0;
+        is_of_picture || matches!(self.value, One(input) if input.may_be_hidden())
+    }
+}
+
+/// All inputs except numbers of the sound. The direction is stored as the normal and the pixel as the point, because no
+/// expression reads both.
 const OTHERS: &[InputRow] = &[
     row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
     row("x", One(Input::X), POINT, "p.x, to the right"),
@@ -70,6 +83,29 @@ const OTHERS: &[InputRow] = &[
         Many(&[Input::EyeX, Input::EyeY, Input::EyeZ]),
         EYE,
         "the position of the camera in use; in materials and the sky",
+    ),
+    row(
+        "pixel",
+        Many(&[Input::X, Input::Y]),
+        PIXEL,
+        "the place in the picture in pixels, vec2, from the lower left corner; in the sky's colour",
+    ),
+    row(
+        "resolution",
+        Many(&[Input::Screen(ScreenInput::Width), Input::Screen(ScreenInput::Height)]),
+        SCREEN,
+        "width and height of the picture in pixels, vec2; in the sky's colour and in `picture`",
+    ),
+    row(
+        "mouse",
+        Many(&[
+            Input::Screen(ScreenInput::MouseX),
+            Input::Screen(ScreenInput::MouseY),
+            Input::Screen(ScreenInput::MousePressed),
+        ]),
+        SCREEN,
+        "the pointer in pixels from the lower left corner, and 1 while its button is held, vec3; the centre in stills \
+         and videos; in the sky's colour and in `picture`",
     ),
     row("pi", Constant(std::f32::consts::PI), NOTHING, "half a turn in radians"),
     row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),

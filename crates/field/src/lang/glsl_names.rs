@@ -72,11 +72,12 @@ const VALUES: &[(&str, &str)] = &[
     ("iResolution", PIXEL),
     ("u_resolution", PIXEL),
     ("uv", PIXEL),
-    ("iMouse", "the mouse turns the camera; declare a slider: `param amount = 0.5`"),
+    ("iMouse", "the pointer is `mouse`, in the sky; in a shape, declare a slider: `param amount = 0.5`"),
     ("iChannel0", "images have names: `texture(\"wood.png\", uv)`"),
 ];
 
-const PIXEL: &str = "formulas depend on the point `p` instead of a pixel; in the sky, on the `direction`";
+const PIXEL: &str = "formulas depend on the point `p` instead of a pixel; in the sky, on `pixel` and `resolution` or on the \
+                     `direction`";
 
 /// Returns what to write instead of a function that is not known here.
 pub(super) fn function(name: &str) -> Option<&'static str> {

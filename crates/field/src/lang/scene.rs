@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::about::About;
-use super::builtin::uses::{DIRECTION, EYE, FRAME, NOTHING, TEXTURE};
+use super::builtin::uses::{DIRECTION, EYE, FRAME, NOTHING, PIXEL, SCREEN, TEXTURE};
 use super::fields::DefaultValue::{Each, Library, Parts};
 use super::fields::section;
 use super::material::Material;
@@ -165,7 +165,8 @@ section! {
 section! {
     /// The background. The default is a dusk that is brightest at the horizon, so that no ray ends in black.
     Sky {}
-    color: Vector = Library("default_sky"), DIRECTION | TEXTURE | FRAME | EYE, "Light from the given direction.";
+    color: Vector = Library("default_sky"), DIRECTION | TEXTURE | FRAME | EYE | PIXEL | SCREEN,
+        "Light from the given direction, or at the given pixel.";
     ambient: Vector = Library("default_ambient"), DIRECTION | FRAME | EYE,
         "Ambient light on a surface whose normal has the given direction.";
     reach: Number = Each(1.1), FRAME,
@@ -176,10 +177,10 @@ section! {
     /// The conversion of light to the colours of the image. Its values depend only on the frame. The default has a
     /// slight glow around bright areas, and grain too weak to be seen.
     Picture {}
-    exposure: Number = Each(1.0), FRAME, "Factor by which light is multiplied.";
-    bloom: Number = Each(0.04), FRAME, "Fraction of the light that is scattered around bright areas, 0..1.";
-    vignette: Number = Each(0.0), FRAME, "Fraction of the light that is lost in the corners, 0..1.";
-    grain: Number = Each(1.0), FRAME, "Strength of the grain, in steps of 1/255.";
+    exposure: Number = Each(1.0), FRAME | SCREEN, "Factor by which light is multiplied.";
+    bloom: Number = Each(0.04), FRAME | SCREEN, "Fraction of the light that is scattered around bright areas, 0..1.";
+    vignette: Number = Each(0.0), FRAME | SCREEN, "Fraction of the light that is lost in the corners, 0..1.";
+    grain: Number = Each(1.0), FRAME | SCREEN, "Strength of the grain, in steps of 1/255.";
     tone_map: ToneMap = Each(ToneMap::Agx.number()), NOTHING,
         "The number of the [`ToneMap`], which converts light to a colour of the screen.";
 }

@@ -6,19 +6,23 @@
 //! counts evaluations and the clauses of the cells' tapes.
 
 mod deciding;
+mod light_path;
 mod preview;
 mod ray_faults;
 mod ray_statistics;
+mod shadow_ray;
 #[cfg(test)]
 mod tests;
 
-use std::cell::RefCell;
+use std::cell::{Cell as StdCell, RefCell};
 use std::collections::HashMap;
 
 pub use deciding::Deciding;
+pub use light_path::{FrameLight, OcclusionProbe, PathRay, PathSurface, RayStep};
 pub use preview::preview;
 pub use ray_faults::{RayFaults, ray_faults};
 pub use ray_statistics::{ObjectCost, Part, PartCost, RayStatistics, RayStatisticsOptions};
+pub use shadow_ray::{ShadowRay, ShadowStep};
 
 use crate::graph::{FrameInputs, NodeId};
 use crate::lang::TextPlace;
@@ -87,6 +91,10 @@ pub struct RayProbe<'a> {
     planes: &'a [[f32; 4]],
     /// The length of each tape that was run, by the tape's first texel.
     lengths: RefCell<HashMap<u32, u64>>,
+    /// The steps of the present ray, if they are recorded.
+    steps: RefCell<Option<Vec<RayStep>>>,
+    /// True while rays do not skip cells.
+    is_plain: StdCell<bool>,
 }
 
 impl<'a> RayProbe<'a> {
@@ -97,14 +105,22 @@ impl<'a> RayProbe<'a> {
         frame: &'a FrameInputs,
         planes: &'a [[f32; 4]],
     ) -> Self {
-        Self { world, regions, frame, planes, lengths: RefCell::default() }
+        Self {
+            world,
+            regions,
+            frame,
+            planes,
+            lengths: RefCell::default(),
+            steps: RefCell::default(),
+            is_plain: StdCell::new(false),
+        }
     }
 
     /// Follows a ray to the first surface.
     pub fn trace(&self, ray: &Ray) -> Traced {
         let behind = self.plane_on(ray);
         let mut traced = Traced { hit: behind, ..Traced::default() };
-        let Some((start, end)) = self.traced_span(ray) else { return traced };
+        let Some((start, end)) = self.traced_span(ray, 0.0) else { return traced };
         let end = behind.map_or(end, |hit| end.min(hit.distance));
         if start < end {
             let met = match self.world.non_lipschitz {
@@ -133,6 +149,29 @@ impl<'a> RayProbe<'a> {
             sum = std::array::from_fn(|axis| sum[axis] + estimate * tap[axis]);
         }
         unit(sum)
+    }
+
+    /// True if the values along rays are distances.
+    pub fn is_distance(&self) -> bool {
+        !self.world.non_lipschitz
+    }
+
+    /// Returns the value of the scene at a point: the distance to the nearest surface.
+    pub fn distance_at(&self, point: [f32; 3]) -> f32 {
+        let rest = match self.world.has_rest {
+            true => self.regions.distance(point, 0.0, self.frame)[1],
+            false => rays::FAR,
+        };
+        self.heights(point).fold(rest, f32::min)
+    }
+
+    /// The heights of a point above the planes.
+    fn heights(&self, point: [f32; 3]) -> impl Iterator<Item = f32> {
+        self.planes.iter().filter_map(move |[a, b, c, d]| {
+            let slope = (a * a + b * b + c * c).sqrt();
+            let height = (a * point[0] + b * point[1] + c * point[2] + d) / slope;
+            (slope > 0.0 && height.is_finite()).then_some(height)
+        })
     }
 
     /// Returns the path from a shape to the hit part, up to the last node whose origin in the text is known. `deciding`
@@ -171,14 +210,16 @@ impl<'a> RayProbe<'a> {
         first
     }
 
-    /// Returns the part of the ray that may meet surfaces other than planes.
-    fn traced_span(&self, ray: &Ray) -> Option<(f32, f32)> {
+    /// Returns the part of the ray that may come as near as `margin` to surfaces other than planes.
+    fn traced_span(&self, ray: &Ray, margin: f32) -> Option<(f32, f32)> {
         if !self.world.has_rest {
             return None;
         }
         let mut span = (0.0_f32, rays::FAR);
         let tree = Some((self.regions.low, add(self.regions.low, self.regions.size)));
-        let boxes = [self.regions.bounds, tree.filter(|_| self.world.non_lipschitz)];
+        let enlarged =
+            |(low, high): ([f32; 3], [f32; 3])| (low.map(|x| x - margin), high.map(|x| x + margin));
+        let boxes = [self.regions.bounds.map(enlarged), tree.filter(|_| self.world.non_lipschitz)];
         for (low, high) in boxes.into_iter().flatten() {
             for axis in 0..3 {
                 let slow = ray.direction[axis] + 1e-9_f32.copysign(ray.direction[axis]);
@@ -195,6 +236,20 @@ impl<'a> RayProbe<'a> {
         traced.clauses +=
             *self.lengths.borrow_mut().entry(tape).or_insert_with(|| self.regions.clauses_of(tape));
         self.regions.run(tape, point, 0.0, self.frame)[0]
+    }
+
+    /// Calls `trace` with rays that do not skip cells, if the values are distances. Other values need the cells.
+    fn without_cells<T>(&self, trace: impl FnOnce(&Self) -> T) -> T {
+        self.is_plain.set(self.is_distance());
+        let result = trace(self);
+        self.is_plain.set(false);
+        result
+    }
+
+    fn note(&self, t: f32, value: f32) {
+        if let Some(steps) = &mut *self.steps.borrow_mut() {
+            steps.push(RayStep { t, value });
+        }
     }
 
     fn trace_distance(&self, ray: &Ray, (start, end): (f32, f32), traced: &mut Traced) -> Option<f32> {
@@ -215,6 +270,7 @@ impl<'a> RayProbe<'a> {
                 cell = self.cell_at(&walk, t);
             }
             d = self.value(cell.as_ref(), ray.at(t), traced);
+            self.note(t, d);
             // A NaN also ends the ray.
             if d.is_nan() || d < reach * t {
                 traced.capped = false;
@@ -255,6 +311,7 @@ impl<'a> RayProbe<'a> {
                 return None;
             }
             let value = self.value(cell.as_ref(), ray.at(t), traced);
+            self.note(t, value);
             let radius = ray.spread * t;
             if value > 0.0 {
                 outside = (t, value);
@@ -287,7 +344,7 @@ impl<'a> RayProbe<'a> {
     }
 
     fn cell_at(&self, walk: &Walk<'_>, t: f32) -> Option<Cell> {
-        self.regions.cell_at(walk.place_on(t))
+        if self.is_plain.get() { None } else { self.regions.cell_at(walk.place_on(t)) }
     }
 }
 

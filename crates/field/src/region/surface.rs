@@ -29,6 +29,8 @@ const FARTHEST: f32 = 1e7;
 const OVERLAP: f32 = 1e-5;
 /// Largest component of normals and directions, after rounding.
 const NORMAL_MAX: f32 = 1.001;
+/// The largest coordinate of a pixel.
+const PIXEL_MAX: f32 = 1e6;
 const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
 /// Number of texels that a full grid has in addition to those of a grid with a single cell.
 const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
@@ -47,7 +49,7 @@ const SHORTER_FRACTION: f32 = 0.9;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Over {
     Points,
-    /// Directions towards the sky. The programs get the origin as their point.
+    /// Directions towards the sky. The programs get the picture's pixel as x and y of their point, and 0 as z.
     Directions,
 }
 
@@ -313,7 +315,7 @@ impl<'a> Shortener<'a> {
         self.rows.resize(self.rows.len().max(program.inputs), nothing);
         let (divided, other) = match plan.over {
             Over::Points => ((0, FARTHEST), (3, Interval { lo: -NORMAL_MAX, hi: NORMAL_MAX })),
-            Over::Directions => ((3, NORMAL_MAX), (0, Interval::point(0.0))),
+            Over::Directions => ((3, NORMAL_MAX), (0, Interval { lo: 0.0, hi: PIXEL_MAX })),
         };
         for axis in 0..3 {
             let row = &mut self.rows[divided.0 + axis];

@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
 use super::rounds::{Formula, Rounds, Source, Unrolled};
-use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
+use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op, ScreenInput};
 
 /// Returns a literal that GLSL parses to the same f32. Negative numbers are put in parentheses.
 pub fn literal(value: f32) -> String {
@@ -24,7 +24,8 @@ pub fn literal(value: f32) -> String {
 ///
 /// `frame_time` is a float. `frame_heard` holds the sound's numbers, `frame_params` the parameters and `frame_hoisted`
 /// the values that are computed once per frame, four to a vec4. `frame_levels` holds the levels that scenes read by
-/// number, one in the x of each vec4. `camera_position` is a vec4 with the eye in xyz.
+/// number, one in the x of each vec4. `camera_position` is a vec4 with the eye in xyz, `frame_screen` one with the
+/// picture's size in xy, and `frame_mouse` one with the pointer's position in xy and its button in z.
 pub fn input_name(input: Input) -> String {
     let packed =
         |name: &str, index: usize| format!("{name}[{}].{}", index / 4, ["x", "y", "z", "w"][index % 4]);
@@ -40,6 +41,13 @@ pub fn input_name(input: Input) -> String {
         Input::EyeX => "camera_position.x".into(),
         Input::EyeY => "camera_position.y".into(),
         Input::EyeZ => "camera_position.z".into(),
+        Input::Screen(input) => match input {
+            ScreenInput::Width => "frame_screen.x".into(),
+            ScreenInput::Height => "frame_screen.y".into(),
+            ScreenInput::MouseX => "frame_mouse.x".into(),
+            ScreenInput::MouseY => "frame_mouse.y".into(),
+            ScreenInput::MousePressed => "frame_mouse.z".into(),
+        },
         Input::Level(level) => format!("frame_levels[{}].x", level.place()),
         Input::Param(index) => packed("frame_params", usize::from(index)),
         Input::Hoisted(index) => packed("frame_hoisted", usize::from(index)),
@@ -65,8 +73,11 @@ pub enum Sampling {
     /// the position one pixel to the right and one pixel up. It calls `vec4 sample_texture(int, vec2 uv, vec2 dx,
     /// vec2 dy)`.
     AlongPosition,
-    /// Like [`Sampling::AlongPosition`], with the changes of the normal (in the sky: of the direction).
+    /// Like [`Sampling::AlongPosition`], with the changes of the normal.
     AlongNormal,
+    /// Like [`Sampling::AlongNormal`] for the sky, whose normal is the ray's direction and whose position is the
+    /// picture's pixel. The function has two more arguments, `vec3 px, vec3 py`: the changes of the pixel.
+    AlongDirection,
 }
 
 /// Returns the reciprocal of a divisor, if both are normal numbers. Drivers may multiply by the reciprocal in any case,
@@ -78,8 +89,8 @@ fn reciprocal(divisor: f32) -> Option<f32> {
 
 /// Writes a function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3
 /// n, out float r0, out float r1, ..)`. The function has a temporary per node, in the order of evaluation; equal rounds
-/// become a loop (`rounds.rs`). With [`Sampling::AlongPosition`] or [`Sampling::AlongNormal`], functions `name_uv0` ..
-/// for texture coordinates precede it.
+/// become a loop (`rounds.rs`). With a [`Sampling`] other than `None`, functions `name_uv0` .. for texture coordinates
+/// precede it.
 ///
 /// # Errors
 /// Returns the error of [`Graph::check`].
@@ -94,13 +105,19 @@ pub fn function(
         Sampling::None => None,
         Sampling::AlongPosition => Some(["p + dx, n", "p + dy, n"]),
         Sampling::AlongNormal => Some(["p, n + dx", "p, n + dy"]),
+        Sampling::AlongDirection => Some(["p + px, n + dx", "p + py, n + dy"]),
+    };
+    let arguments = match sampling {
+        Sampling::None => "vec3 p, vec3 n",
+        Sampling::AlongPosition | Sampling::AlongNormal => "vec3 p, vec3 n, vec3 dx, vec3 dy",
+        Sampling::AlongDirection => "vec3 p, vec3 n, vec3 dx, vec3 dy, vec3 px, vec3 py",
     };
     let mut writer = Writer::new(graph, String::with_capacity(order.len() * 32 + 256));
     if neighbours.is_some() {
         writer.coordinates(&order, name)?;
     }
     let single = roots.len() == 1 && neighbours.is_none();
-    writer.head(name, (!single).then_some(roots.len()), neighbours);
+    writer.head((name, arguments), (!single).then_some(roots.len()), neighbours);
     writer.statements(&order, roots);
     writer.results(roots, single);
     Ok(writer.text)
@@ -153,10 +170,13 @@ impl<'a> Writer<'a> {
 
     /// Writes the signature, with `results` out parameters or a return value, and the texture coordinates of the
     /// neighbouring pixels.
-    fn head(&mut self, name: &str, results: Option<usize>, neighbours: Option<[&str; 2]>) {
+    fn head(
+        &mut self,
+        (name, arguments): (&str, &str),
+        results: Option<usize>,
+        neighbours: Option<[&str; 2]>,
+    ) {
         let text = &mut self.text;
-        let arguments =
-            if neighbours.is_some() { "vec3 p, vec3 n, vec3 dx, vec3 dy" } else { "vec3 p, vec3 n" };
         match results {
             None => {
                 let _ = writeln!(text, "float {name}({arguments}) {{");

@@ -40,7 +40,7 @@ impl World {
         let functions = [
             glsl::function(graph, &roots.distance, "rest_distance", Sampling::None),
             glsl::function(graph, &[roots.distance[1], roots.object], "rest_surface", Sampling::None),
-            glsl::function(graph, &roots.sky, "sky", Sampling::AlongNormal),
+            glsl::function(graph, &roots.sky, "sky", Sampling::AlongDirection),
             glsl::function(graph, &roots.ambient, "ambient", Sampling::AlongNormal),
             glsl::function(graph, &roots.glow, "glow", Sampling::AlongPosition),
         ]
@@ -68,11 +68,15 @@ impl World {
              float scene_estimate(vec3 p, out float object) {\n    float d;\n    \
              rest_surface(p, vec3(0.0), d, object);\n    return d;\n}\n",
         );
-        for (name, function) in [("sky_color", "sky"), ("sky_ambient", "ambient")] {
+        let pixel = "vec3(picture_pixel(), 0.0)";
+        let steps = ", vec3(frame_screen.z, 0.0, 0.0), vec3(0.0, frame_screen.w, 0.0)";
+        for (name, function, place, steps) in
+            [("sky_color", "sky", pixel, steps), ("sky_ambient", "ambient", "vec3(0.0)", "")]
+        {
             let _ = write!(
                 text,
-                "vec3 {name}(vec3 direction, vec3 dx, vec3 dy) {{\n    vec3 color;\n    {function}(vec3(0.0), \
-                 direction, dx, dy, color.r, color.g, color.b);\n    return color;\n}}\n"
+                "vec3 {name}(vec3 direction, vec3 dx, vec3 dy) {{\n    vec3 color;\n    {function}({place}, \
+                 direction, dx, dy{steps}, color.r, color.g, color.b);\n    return color;\n}}\n"
             );
         }
         text.push_str(

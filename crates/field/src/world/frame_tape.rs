@@ -1,6 +1,8 @@
 //! Values that the CPU computes once per frame because they do not depend on the point: camera, lights and planes.
 
-use crate::graph::{FrameInputs, NodeId, Point};
+use std::collections::BTreeSet;
+
+use crate::graph::{FrameInputs, Input, NodeId, Point, ScreenInput};
 use crate::lang::{Camera, Light, LightKind, Picture, Scene};
 use crate::limits::{LIMITS, Limits};
 use crate::tape::{PointEvaluator, Tape, TapeError, TapeOptions};
@@ -16,6 +18,8 @@ pub struct FrameTape {
     reach: Tape,
     picture: Tape,
     planes: Vec<Tape>,
+    /// The numbers of the picture and the pointer that the sky and the picture's settings read.
+    pub screen_inputs: BTreeSet<ScreenInput>,
 }
 
 /// The scene's values in one frame. They are unchecked and may be infinite or NaN.
@@ -53,6 +57,7 @@ impl FrameTape {
             reach: tape(&[scene.sky.reach])?,
             picture: tape(&scene.picture.numbers())?,
             planes: planes.iter().map(|plane| tape(&[plane.shape])).collect::<Result<_, _>>()?,
+            screen_inputs: screen_inputs(scene)?,
         })
     }
 
@@ -74,4 +79,13 @@ impl FrameTape {
             planes: self.planes.iter().map(plane).collect(),
         }
     }
+}
+
+fn screen_inputs(scene: &Scene) -> Result<BTreeSet<ScreenInput>, TapeError> {
+    let roots: Vec<NodeId> = scene.sky.color.into_iter().chain(scene.picture.numbers()).collect();
+    let of_screen = |input: &Input| match input {
+        Input::Screen(input) => Some(*input),
+        _ => None,
+    };
+    Ok(scene.graph.inputs_used(&roots)?.inputs.iter().filter_map(of_screen).collect())
 }

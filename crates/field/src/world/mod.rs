@@ -40,7 +40,7 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 
-use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
+use crate::graph::{FrameInputs, Graph, GraphError, NodeId, ScreenInput};
 use crate::lang::{Material, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
 
@@ -206,6 +206,12 @@ impl World {
                 tape.map_err(|source| WorldError::Tape { scene: self.name.clone(), source })?;
         }
         Ok(world)
+    }
+
+    /// True if the pointer over the picture changes it.
+    pub fn follows_pointer(&self) -> bool {
+        use ScreenInput::{MousePressed, MouseX, MouseY};
+        [MouseX, MouseY, MousePressed].iter().any(|input| self.frame_tape.screen_inputs.contains(input))
     }
 
     /// Prepares a scene that is already split into planes and other surfaces, and whose formula is analysed.

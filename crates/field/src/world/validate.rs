@@ -10,7 +10,7 @@ use crate::limits::LIMITS;
 fn surroundings() -> String {
     format!(
         "#version 450\n\
-         layout(std140, set = 0, binding = 0) uniform Inputs {{\n    vec4 camera_position;\n    float frame_time;\n    vec4 frame_heard[{}];\n    \
+         layout(std140, set = 0, binding = 0) uniform Inputs {{\n    vec4 camera_position;\n    vec4 frame_screen;\n    vec4 frame_mouse;\n    float frame_time;\n    vec4 frame_heard[{}];\n    \
          vec4 frame_levels[{}];\n    vec4 frame_params[{}];\n    vec4 frame_hoisted[{}];\n}};\n\
          {}float table_part(float a) {{ return a; }}\nfloat table_spectrum(float a) {{ return a; }}\n\
          float table_waveform(float a) {{ return a; }}\nfloat table_history(float a, float b) {{ return a + b; }}\n\

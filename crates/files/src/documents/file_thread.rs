@@ -42,7 +42,7 @@ impl FileThread {
     /// Fails if the system cannot start a thread.
     pub fn start(folders: &Folders, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let kept = KeptTexts::among(folders);
-        let own_scenes = folders.data.as_ref().map(|data| data.join("scenes"));
+        let own_scenes = folders.own_scenes();
         let ((orders, inbox), (tell, file_events)) = (channel(), channel());
         Builder::new().name("documents".into()).spawn(move || {
             let tell = move |file_events| {

@@ -1,6 +1,7 @@
 //! Packs a frame into the shaders' `FrameBlock` (std140: all members are vec4, see `shaders/frame_block.glsl`).
 
 use super::Frame;
+use mariana_field::graph::ScreenInput::{MousePressed, MouseX, MouseY};
 use mariana_field::graph::{LEVEL_COUNT, PartInput, SoundInput};
 use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
@@ -11,7 +12,7 @@ use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
 /// Number of vec4 before the block's arrays.
-const HEAD: usize = 12;
+const HEAD: usize = 14;
 const LIGHT: usize = 4;
 const LIGHTS_MAX: usize = FIELD_LIMITS.scene_lights_max;
 const HEARD_QUADS: usize = SoundInput::ALL.len().div_ceil(4);
@@ -66,6 +67,8 @@ impl Frame {
         // The radius of a pixel's cone at distance 1.
         let pixel_radius = camera.tan_half.1 / height;
         let inputs = &self.inputs;
+        let [screen_width, screen_height] = inputs.screen.size;
+        let pointer = |input| inputs.screen.value(input);
         let xyz = |v: glam::DVec3, w: f64| [v.x, v.y, v.z, w].map(|value| value as f32);
         let planes = self.planes();
         let (first_row, row_span) = inputs.history.scroll();
@@ -93,6 +96,8 @@ impl Frame {
             [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
             [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, world.shadow_step_growth],
+            [screen_width, screen_height, screen_width / width as f32, screen_height / height as f32],
+            [pointer(MouseX), pointer(MouseY), pointer(MousePressed), 0.0],
         ];
         let mut rest = &mut block[..];
         put(&mut rest, HEAD, head);

@@ -16,7 +16,7 @@ use camera::Camera;
 use held_inputs::HeldInputs;
 use image::RgbaImage;
 use mariana_field::graph::SoundInputs;
-use mariana_field::graph::{FrameInputs, LevelList, Levels, PartInput, TableData};
+use mariana_field::graph::{FrameInputs, LevelList, Levels, PartInput, Screen, TableData};
 use mariana_field::world::{FrameValues, World};
 pub use mariana_music::Sound;
 use mariana_music::{Features, HISTORY_POINTS, SongMoment};
@@ -87,8 +87,9 @@ impl Frame {
         frame
     }
 
-    fn of_inputs(world: &World, inputs: FrameInputs, size: (u32, u32)) -> Self {
+    fn of_inputs(world: &World, mut inputs: FrameInputs, size: (u32, u32)) -> Self {
         let size = (size.0.max(1), size.1.max(1));
+        inputs.screen = Screen::of_size(size);
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values.camera, aspect(size));
         let picture = Picture::of(&values, &camera, world.features.lens);
@@ -175,6 +176,21 @@ impl Frame {
     pub fn resized(mut self, world: &World, size: (u32, u32)) -> Self {
         self.size = (size.0.max(1), size.1.max(1));
         self.see_from(world, aspect(self.size), self.orbit);
+        let Screen { pointer, pressed, .. } = self.inputs.screen;
+        self.on_screen(world, Screen { pointer, pressed, ..Screen::of_size(size) })
+    }
+
+    /// Sets the picture that the frame is shown as, without changing the frame's size: a window may draw fewer pixels
+    /// than it shows.
+    pub fn on_screen(mut self, world: &World, screen: Screen) -> Self {
+        if self.inputs.screen != screen {
+            self.inputs.screen = screen;
+            if !world.frame_tape.screen_inputs.is_empty() {
+                self.inputs.hoisted = world.hoisted.values(&self.inputs);
+                self.values.picture = world.frame_tape.values(&self.inputs).picture;
+                self.picture = Picture::of(&self.values, &self.camera, world.features.lens);
+            }
+        }
         self
     }
 

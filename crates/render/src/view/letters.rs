@@ -9,7 +9,7 @@ use epaint::{Color32, ColorImage, FontId};
 use crate::reading_order::as_seen;
 use crate::system_fonts::SystemFonts;
 
-pub(super) struct Letters {
+pub(crate) struct Letters {
     fonts: Fonts,
     system: SystemFonts,
     /// Letters that have been searched for in the system's fonts.
@@ -17,7 +17,7 @@ pub(super) struct Letters {
 }
 
 /// A line of text: the coverage of each pixel by its letters.
-pub(super) struct Line {
+pub(crate) struct Line {
     /// Width and height in pixels.
     pub size: (usize, usize),
     /// Coverage, 0..255, row by row from the top.
@@ -25,7 +25,7 @@ pub(super) struct Line {
 }
 
 impl Letters {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::with_fonts(SystemFonts::new())
     }
 
@@ -54,7 +54,7 @@ impl Letters {
         self.fonts = Fonts::new(TextOptions::default(), definitions);
     }
 
-    pub(super) fn line(&mut self, text: &str, size: f32) -> Line {
+    pub(crate) fn line(&mut self, text: &str, size: f32) -> Line {
         self.complete(text);
         let mut fonts = self.fonts.with_pixels_per_point(1.0);
         let galley =

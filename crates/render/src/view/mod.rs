@@ -10,7 +10,7 @@
 
 pub mod caption;
 pub mod legend;
-mod letters;
+pub(crate) mod letters;
 pub mod scale;
 pub mod setup;
 

@@ -285,6 +285,8 @@ impl Editor {
     /// Handles the result of a probe of the frame.
     pub fn take_answer_about_the_picture(&mut self, answer: Answer) {
         match answer {
+            // The session takes it.
+            Answer::Diagram(_) => {}
             Answer::TooLong => self.tell("this scene is too large to be inspected while it plays"),
             Answer::RayStatistics(source, ray_statistics) if Some(&source) == self.texts.source() => {
                 self.picture.take_ray_statistics(ray_statistics);

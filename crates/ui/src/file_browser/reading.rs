@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use directories::UserDirs;
 use mariana_player::playlist::{AUDIO_EXTENSIONS, Kind, compare_names};
-use mariana_scenes::is_scene_file;
+use mariana_scenes::{is_scene_file, is_shader_file};
 
 use super::{FileEntry, FileKind, Place, PlaceKind};
 use crate::limits::LIMITS;
@@ -114,7 +114,7 @@ fn kind_of(path: &Path, is_folder: bool) -> FileKind {
         FileKind::Music
     } else if Kind::of(path).is_some() {
         FileKind::List
-    } else if is_scene_file(path) {
+    } else if is_scene_file(path) || is_shader_file(path) {
         FileKind::Scene
     } else {
         FileKind::Other

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::bar::Bar;
+use super::ray::RayView;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
 use crate::controllers_panel::ControllersPanel;
@@ -69,6 +70,8 @@ pub struct OverlayContent<'a> {
     pub picture: Option<Area>,
     /// The next scene of the show.
     pub next: Option<&'a NextScene>,
+    /// The diagram of the ray under the pointer.
+    pub ray: Option<&'a RayView>,
     /// Fills the window with a calm background, while there is no frame.
     pub calm: bool,
     /// True if the pointer is hidden over the frame.
@@ -235,6 +238,7 @@ impl OverlayContent<'_> {
             && self.video.is_none()
             && self.corners.is_none()
             && self.next.is_none()
+            && self.ray.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
@@ -279,6 +283,7 @@ impl OverlayContent<'_> {
         self.video.map(VideoPanel::revision).hash(&mut hasher);
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.next.map(|next| next.revision).hash(&mut hasher);
+        self.ray.map(|ray| ray.revision).hash(&mut hasher);
         self.picture.map(|area| area.map(f64::to_bits)).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.panel.revision(), tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {

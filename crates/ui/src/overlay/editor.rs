@@ -9,6 +9,8 @@ mod popup;
 mod profile;
 mod text;
 
+pub(super) use light::on_screen;
+
 use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::events::UiEvent;

@@ -15,7 +15,7 @@ use super::picture::KeptPicture;
 use super::rooms::Rooms;
 use super::{
     assisted, bar, binding, browser, calm, controllers, corners, cues, decks, editor, files, help, params,
-    preview, problem, settings, sources, style, tracks, video, welcome,
+    preview, problem, ray, settings, sources, style, tracks, video, welcome,
 };
 use mariana_render::system_fonts::SystemFonts;
 
@@ -147,6 +147,9 @@ fn show(
     let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
     if content.calm {
         calm::draw(&back, screen);
+    }
+    if let Some(view) = content.ray {
+        ray::draw(&back, screen, view);
     }
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 

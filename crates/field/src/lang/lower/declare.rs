@@ -1,7 +1,7 @@
 //! The scene's declarations: collects all names, and evaluates numbers that must be constant.
 
 use super::super::ast::{ExprId, Item, Name, Section};
-use super::super::builtin::{INPUTS, InputRow, InputValue, uses};
+use super::super::builtin::{INPUTS, uses};
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::origins::Stretch;
@@ -83,8 +83,7 @@ impl<'a> SceneBuilder<'a> {
     /// True if a value of the scene may have this name; otherwise reports the conflict.
     fn may_declare(&mut self, name: Name) -> bool {
         let input = library::input_index(name.symbol).and_then(|index| INPUTS.get(index));
-        let may_hide = |row: &InputRow| matches!(row.value, InputValue::One(input) if input.may_be_hidden());
-        if input.is_some_and(|row| !may_hide(row)) {
+        if input.is_some_and(|row| !row.may_be_hidden()) {
             let message = format!("the name `{}` is taken by an input", self.lowering.name(name.symbol));
             self.lowering.reports.add(Diagnostic::new(name.span, message).hint("choose another name"));
             return false;

@@ -329,10 +329,16 @@ impl Lowering<'_> {
         let globals = globals.map(|(index, _)| self.names.name(Symbol(index as u32)));
         let locals =
             self.scope.bindings.iter().skip(self.scope.frame).map(|binding| self.names.name(binding.symbol));
-        let near = suggest::nearest(name, locals.chain(globals).chain(INPUTS.iter().map(|row| row.name)));
-        let unknown = match (glsl_names::value(name), near) {
-            (Some(hint), None) => unknown.hint(hint),
-            _ => unknown.did_you_mean(near),
+        let own = locals.chain(globals);
+        let unknown = match glsl_names::value(name) {
+            // A similar name of the scene is more likely than an input of GLSL.
+            Some(hint) => match suggest::nearest(name, own) {
+                near @ Some(_) => unknown.did_you_mean(near),
+                None => unknown.hint(hint),
+            },
+            None => {
+                unknown.did_you_mean(suggest::nearest(name, own.chain(INPUTS.iter().map(|row| row.name))))
+            }
         };
         self.reports.add(unknown)
     }

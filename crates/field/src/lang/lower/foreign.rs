@@ -17,7 +17,8 @@ use crate::graph::{Input, NodeId};
 #[derive(Default)]
 pub(super) struct Foreign<'a> {
     files: &'a [ForeignFile],
-    sessions: Vec<Session>,
+    /// For each file, the session of shapes and materials and the session of the picture.
+    sessions: Vec<[Session; 2]>,
     /// For each name, the index of the file and of the function.
     by_name: HashMap<Symbol, Vec<(usize, usize)>>,
     /// True if a file could not be read.
@@ -34,7 +35,8 @@ impl<'a> Foreign<'a> {
                 }
             }
         }
-        Self { files, sessions: files.iter().map(|_| Session::default()).collect(), by_name, is_broken }
+        let sessions = files.iter().map(|_| [Session::default(), Session::of_picture()]).collect();
+        Self { files, sessions, by_name, is_broken }
     }
 
     pub(super) fn is_function(&self, name: Symbol) -> bool {
@@ -103,10 +105,12 @@ impl ForeignCall<'_, '_> {
                 _ => Vec::new(),
             });
         }
-        let Some(mut session) = self.outer.declared.foreign.sessions.get_mut(index).map(std::mem::take)
-        else {
-            return Value::Unknown;
+        let in_picture = self.is_in_picture(function);
+        let kept = |this: &mut Self, session: Session| {
+            let sessions = this.outer.declared.foreign.sessions.get_mut(index)?;
+            Some(std::mem::replace(&mut sessions[usize::from(in_picture)], session))
         };
+        let Some(mut session) = kept(self, Session::default()) else { return Value::Unknown };
         let mut budget = Budget {
             steps: self.outer.budget.left(self.outer.limits),
             rounds_max: self.outer.limits.scene_loop_max,
@@ -117,9 +121,7 @@ impl ForeignCall<'_, '_> {
         let result =
             session.call(&foreign.file, function, &arguments, &mut self.outer.graph, &mut budget, &given);
         self.outer.budget.spend(steps - budget.steps);
-        if let Some(place) = self.outer.declared.foreign.sessions.get_mut(index) {
-            *place = session;
-        }
+        kept(self, session);
         let nodes = match result {
             Ok(nodes) => nodes,
             Err(problem) => return self.problem(foreign, &problem),
@@ -127,10 +129,35 @@ impl ForeignCall<'_, '_> {
         if nodes.iter().any(|&node| self.outer.known(node).is_none()) && foreign.file.reads_frame() {
             self.outer.inputs.take(uses::FRAME, self.name, self.span, &mut self.outer.reports);
         }
+        if in_picture {
+            self.use_picture(foreign, &nodes);
+        }
         match function.result {
             Some(GlslType::Bool) => nodes.first().map_or(Value::Unknown, |&node| Value::Bool(node)),
             _ => Vector::from_slice(&nodes).map_or(Value::Unknown, Value::Vector),
         }
+    }
+
+    /// True if the call is part of a picture's formula: `resolution` is the picture's size there. The same function
+    /// sees a fixed size in a shape.
+    fn is_in_picture(&self, function: &GlslFunction) -> bool {
+        let inputs = &self.outer.inputs;
+        // The `let` of a scene may be part of anything.
+        let is_of_picture = inputs.allowed & uses::POINT == 0 || inputs.used & uses::PIXEL != 0;
+        function.is_picture || (inputs.allowed & uses::PIXEL != 0 && is_of_picture)
+    }
+
+    /// Notes the inputs of the picture that the result of a call depends on.
+    fn use_picture(&mut self, foreign: &ForeignFile, nodes: &[NodeId]) {
+        let Ok(used) = self.outer.graph.inputs_used(nodes) else { return };
+        let (mut kind, reads) = (uses::NOTHING, &used.inputs);
+        if reads.iter().any(|input| matches!(input, Input::Screen(_))) {
+            kind |= uses::SCREEN;
+        }
+        if foreign.file.reads_pixel() && (reads.contains(&Input::X) || reads.contains(&Input::Y)) {
+            kind |= uses::PIXEL;
+        }
+        self.outer.inputs.take(kind, self.name, self.span, &mut self.outer.reports);
     }
 
     /// The scene's parameters and lets that have the names of uniforms.

@@ -77,6 +77,16 @@ impl Inputs {
             _ if missing & uses::TEXTURE != 0 => {
                 (format!("{here} cannot read images"), "images can be read in materials and the sky")
             }
+            _ if missing & uses::PIXEL != 0 => (
+                format!("{here} cannot depend on `{name}`, which is a place in the picture"),
+                "pixels are available in the sky's colour; shapes and materials have the point `p`",
+            ),
+            _ if missing & uses::SCREEN != 0 => (
+                format!(
+                    "`{name}` depends on the picture's size or the pointer, which have no value in {here}"
+                ),
+                "both are available in the sky's colour and in `picture`",
+            ),
             _ => (
                 format!("{here} is fixed before the music plays, so `{name}` has no value here"),
                 "write a number",

@@ -18,7 +18,7 @@ use super::super::value::{Value, Vector};
 use super::lowering::Lowering;
 use super::reports::Reports;
 use super::scene::SceneBuilder;
-use crate::graph::NodeId;
+use crate::graph::{Input, NodeId};
 
 /// The fields of objects. Their defaults are unused: `objects.rs` handles missing fields.
 const OBJECT: &[Field] = &[
@@ -167,6 +167,7 @@ impl SceneBuilder<'_> {
             Section::Sky => {
                 let sky = Sky::of(self.lowering.numbers(Sky::FIELDS, values));
                 self.parts.has_own_sky |= values.given("color").is_some();
+                self.refuse_pixels(&sky, values);
                 only(&mut self.lowering.reports, &mut self.parts.sky, sky, section, span);
             }
             Section::Picture => {
@@ -272,6 +273,19 @@ impl SceneBuilder<'_> {
                     _ => wrong.hint("write `vec3(a, b, c)`, or one number for all three"),
                 };
                 self.lowering.reports.add(wrong)
+            }
+        }
+    }
+
+    /// Reports a field of the sky beside its colour that depends on the pixel through a `let` of the block.
+    fn refuse_pixels(&mut self, sky: &Sky, values: &Values) {
+        for (name, numbers) in [("ambient", &sky.ambient[..]), ("reach", &[sky.reach])] {
+            let Some((_, span)) = values.given(name) else { continue };
+            let Ok(used) = self.lowering.graph.inputs_used(numbers) else { continue };
+            if used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y) {
+                let message = format!("`{name}` cannot depend on `pixel`, which is a place in the picture");
+                let wrong = Diagnostic::unsupported(span, message);
+                self.lowering.reports.add(wrong.hint("use `pixel` in the sky's colour alone"));
             }
         }
     }

@@ -13,6 +13,37 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("1e999", "this number is too large", "1e999", "3.4e38"),
     ("x /* y", "this comment is never closed", "/*", "`*/`"),
     ("texture(\"a, p.xy)", "this text is never closed", "\"a, p.xy)", "end it"),
+    // Places in the picture.
+    (
+        "sphere(p, pixel.x)",
+        "a shape cannot depend on `pixel`, which is a place in the picture",
+        "pixel",
+        "the point `p`",
+    ),
+    (
+        "let r = resolution.x\nsphere(p, r)",
+        "`r` depends on the picture's size or the pointer, which have no value in a shape",
+        "r",
+        "`picture`",
+    ),
+    (
+        "camera { fov = mouse.x }\nx",
+        "`mouse` depends on the picture's size or the pointer, which have no value in the camera",
+        "mouse",
+        "`picture`",
+    ),
+    (
+        "picture { grain = pixel.x }\nx",
+        "the picture cannot depend on `pixel`, which is a place in the picture",
+        "pixel",
+        "the sky's colour",
+    ),
+    (
+        "sky { let a = pixel.y  ambient = vec3(a) }",
+        "`ambient` cannot depend on `pixel`, which is a place in the picture",
+        "ambient",
+        "the sky's colour alone",
+    ),
     // Expressions.
     ("1 +", "expected an expression, found the end of the text", "", ""),
     ("sphere(p 1)", "expected `,` or `)`, found a number", "1", ""),

@@ -16,6 +16,8 @@ mod messages;
 #[cfg(test)]
 mod parts;
 #[cfg(test)]
+mod pixels;
+#[cfg(test)]
 mod shapes;
 #[cfg(test)]
 mod slopes;

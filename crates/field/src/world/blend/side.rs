@@ -41,6 +41,11 @@ impl Side {
         // In distances, the input for the normal's x holds the penumbra (see `Roots`).
         let [moved, turned] =
             [own, own.turned(graph, alignment)].map(|own| copied(graph, &scene.graph, before, &own));
+        // The sky's point is the picture's pixel, which stays in its place.
+        let in_sky = Own { point: position(graph), ..own.turned(graph, alignment) };
+        let in_sky =
+            copied_roots(graph, (&scene.graph, &scene.sky.color), before, &|input| in_sky.value(input))?;
+        let color = scene.sky.color.map(|id| at_index(&in_sky, id));
         let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
         let on_surface = |id: NodeId| turned.get(id.index()).copied().unwrap_or_default();
         let all = |numbers: Vec<NodeId>| numbers.into_iter().map(at);
@@ -85,7 +90,7 @@ impl Side {
             params: std::iter::repeat_n(0.0, before.1)
                 .chain(scene.params.iter().map(|param| param.default))
                 .collect(),
-            sky: Sky::of(scene.sky.numbers().into_iter().map(on_surface)),
+            sky: Sky { color, ..Sky::of(scene.sky.numbers().into_iter().map(on_surface)) },
             picture: Picture::of(all(scene.picture.numbers())),
         })
     }
@@ -163,14 +168,24 @@ pub(super) fn copied_at(
         Input::Z => Some(place[2]),
         _ => None,
     };
-    let mut moved = vec![NodeId::default(); root.index() + 1];
-    for id in from.order(&[root])?.nodes {
-        let copy = copy(graph, from.node(id), before, &value, &moved);
+    Ok(at_index(&copied_roots(graph, (from, &[root]), before, &value)?, root))
+}
+
+/// Copies the roots and their operands. Returns the copies by the index of their nodes.
+fn copied_roots(
+    graph: &mut Graph,
+    (from, roots): (&Graph, &[NodeId]),
+    before: (usize, usize),
+    value: &dyn Fn(Input) -> Option<NodeId>,
+) -> Result<Vec<NodeId>, GraphError> {
+    let mut moved = vec![NodeId::default(); from.len()];
+    for id in from.order(roots)?.nodes {
+        let copy = copy(graph, from.node(id), before, value, &moved);
         if let Some(place) = moved.get_mut(id.index()) {
             *place = copy;
         }
     }
-    Ok(at_index(&moved, root))
+    Ok(moved)
 }
 
 /// Copies a node whose operands are at `moved`; `value` returns the replacement of an input.

@@ -494,3 +494,27 @@ fn an_aligned_scene_is_seen_as_by_its_own_camera() {
         Alignment::NONE
     );
 }
+
+/// The second scene is turned to the first scene's camera, but a pixel is a place in the picture.
+#[test]
+fn the_pixel_of_the_sky_stays_where_it_is() {
+    let scene = |x: f32| {
+        let camera = format!("camera {{ position = vec3({x}, 3, -4)  target = vec3(1, {x}, 0) }}");
+        world_of(&format!("sky {{ color = vec3(pixel, {x}) }}\nsphere(p, 1)\n{camera}"))
+    };
+    let (a, b) = (scene(0.0), scene(6.0));
+    let alignment = Alignment::of(
+        &a.frame_tape.values(&FrameInputs::default()).camera,
+        &b.frame_tape.values(&FrameInputs::default()).camera,
+    );
+    assert_ne!(alignment, Alignment::NONE);
+    let melt = World::blend(&a, &b, BlendKind::Melt, &alignment, 0.5).unwrap();
+    for (fraction, third) in [(0.0, 0.0), (0.5, 3.0), (1.0, 6.0)] {
+        let sky =
+            melt.scene.sky.color.map(|part| value(&melt, part, [30.0, 40.0, 0.0], &frame(&a, &b, fraction)));
+        assert!(
+            sky.iter().zip([30.0, 40.0, third]).all(|(a, b)| (a - b).abs() < 1e-4),
+            "{sky:?} at {fraction}"
+        );
+    }
+}

@@ -25,7 +25,7 @@ struct Kept {
 }
 
 /// Returns the screen position of the point `at` of the frame. `at` is in fractions to the right and down.
-pub(super) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Option<Pos2> {
+pub(in crate::overlay) fn on_screen(map: &Map, screen: Rect, at: [f64; 2]) -> Option<Pos2> {
     let [x, y] = led(&inverse(map), at)?;
     Some(pos2(screen.left() + x as f32 * screen.width(), screen.top() + y as f32 * screen.height()))
 }

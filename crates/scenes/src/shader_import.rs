@@ -1,0 +1,210 @@
+//! Makes scenes of shaders in a folder of scenes, without replacing any file.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use mariana_field::glsl_import::{Problem, SceneAround, scene_around};
+use mariana_field::lang::{Sources, formatted, is_glsl};
+use mariana_field::limits::LIMITS as FIELD_LIMITS;
+use mariana_files::atomic_file::{AtomicFile, Unwritable};
+use mariana_files::file_names::{numbered, plain_name};
+
+use crate::folder::{ENDING, read_at_most};
+
+/// Maximum number of shaders of one name that are compared with an imported one.
+const SAME_NAMES_MAX: usize = 1_000;
+
+/// A shader that cannot become a scene. Each message names the file, the reason and a remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum ShaderError {
+    /// The name does not end like that of a shader.
+    #[error("{} is not called like a GLSL file: rename it to end in .glsl or .frag", .0.display())]
+    NoShader(PathBuf),
+    /// The system refuses to read the file.
+    #[error("{} cannot be read ({reason}): check the path", .path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The error from the system.
+        reason: io::Error,
+    },
+    /// The file is larger than [`mariana_field::limits::Limits::scene_bytes_max`].
+    #[error("{} is larger than {max} bytes: split it", .path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The limit.
+        max: usize,
+    },
+    /// The file is not UTF-8.
+    #[error("{} is not text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first byte that is not UTF-8, from 0.
+        position: usize,
+    },
+    /// No scene can be made of the text.
+    #[error("{} cannot become a scene: {}", .path.display(), sentence(.text, .problem))]
+    NoScene {
+        /// The file.
+        path: PathBuf,
+        /// The text.
+        text: String,
+        /// The reason.
+        problem: Problem,
+    },
+    /// The folder of the scenes cannot be written.
+    #[error(transparent)]
+    Unwritable(#[from] Unwritable),
+}
+
+fn sentence(text: &str, problem: &Problem) -> String {
+    let mut sources = Sources::default();
+    sources.add("shader", text);
+    let line = match sources.place(problem.place.start) {
+        Some(place) if !problem.place.is_empty() => format!("line {}: ", place.line),
+        _ => String::new(),
+    };
+    let hint = if problem.hint.is_empty() { String::new() } else { format!("; {}", problem.hint) };
+    format!("{line}{}{hint}", problem.message)
+}
+
+/// A scene that was made of a shader.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImportedShader {
+    /// The file of the scene.
+    pub scene: PathBuf,
+    /// A sentence for each part of the shader that the scene leaves out.
+    pub left_out: Vec<String>,
+}
+
+/// True if the path has the ending of a GLSL file.
+pub fn is_shader_file(path: &Path) -> bool {
+    path.file_name().and_then(|name| name.to_str()).is_some_and(is_glsl)
+}
+
+/// Reads the text of a shader.
+///
+/// # Errors
+/// A path that is not called like a GLSL file, or a file that cannot be read, is too large or is not text.
+pub fn read_shader(path: &Path) -> Result<String, ShaderError> {
+    let max = FIELD_LIMITS.scene_bytes_max;
+    if !is_shader_file(path) {
+        return Err(ShaderError::NoShader(path.to_owned()));
+    }
+    let unreadable = |reason| ShaderError::Unreadable { path: path.to_owned(), reason };
+    // Opening a pipe would wait for its other end.
+    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Err(unreadable(io::Error::other("it is not a file")));
+    }
+    let bytes = read_at_most(path, max).map_err(unreadable)?;
+    let bytes = bytes.ok_or_else(|| ShaderError::TooLarge { path: path.to_owned(), max })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let position = error.utf8_error().valid_up_to();
+        ShaderError::NotText { path: path.to_owned(), position }
+    })
+}
+
+/// Writes the text of a scene around a shader, which the scene includes by the name `include`.
+///
+/// # Errors
+/// A shader that cannot become a scene.
+pub fn scene_of_shader(path: &Path, text: &str, include: &str) -> Result<SceneAround, ShaderError> {
+    let around = scene_around(text, include).map_err(|problem| ShaderError::NoScene {
+        path: path.to_owned(),
+        text: text.to_owned(),
+        problem,
+    })?;
+    Ok(SceneAround { text: formatted(&around.text).unwrap_or(around.text), ..around })
+}
+
+/// Copies a shader into a folder of scenes and writes a scene around it. If the folder has the same shader and its scene
+/// already, that scene is the result, with the user's changes. Creates the folder. Replaces no file.
+///
+/// # Errors
+/// A shader that cannot be read or cannot become a scene, or a folder that cannot be written.
+pub fn import_shader(shader: &Path, folder: &Path) -> Result<ImportedShader, ShaderError> {
+    let text = read_shader(shader)?;
+    let stem = plain_name(&shader.file_stem().unwrap_or_default().to_string_lossy(), "shader");
+    let ending = shader.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let copy = folder.join(format!("{stem}.{ending}"));
+    let there = numbered(&copy).take_while(|copy| copy.exists()).take(SAME_NAMES_MAX);
+    let there = there.into_iter().find(|copy| std::fs::read_to_string(copy).is_ok_and(|own| own == text));
+    if let Some(scene) =
+        there.as_ref().map(|copy| copy.with_extension(ENDING)).filter(|scene| scene.is_file())
+    {
+        return Ok(ImportedShader { scene, left_out: Vec::new() });
+    }
+    // Nothing is written for a shader that cannot become a scene.
+    scene_of_shader(shader, &text, "shader.glsl")?;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Unwritable { path: folder.to_owned(), reason: error.to_string() })?;
+    let copy = match there {
+        Some(copy) => copy,
+        None => AtomicFile::create(&copy)?.write_beside(text.as_bytes())?,
+    };
+    let include = copy.file_name().unwrap_or_default().to_string_lossy();
+    let around = scene_of_shader(shader, &text, &include)?;
+    let scene = AtomicFile::create(&copy.with_extension(ENDING))?.write_beside(around.text.as_bytes())?;
+    Ok(ImportedShader { scene, left_out: around.left_out })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use crate::SceneSource;
+
+    const DISC: &str = "void mainImage(out vec4 c, in vec2 f) { c = vec4(f / iResolution.xy, 0.5, 1.0); }";
+
+    fn imported(shader: &Path, folder: &Path) -> PathBuf {
+        import_shader(shader, folder).unwrap_or_else(|error| panic!("{error}")).scene
+    }
+
+    #[test]
+    fn a_shader_becomes_a_scene_in_the_folder_once() {
+        let place = tempfile::tempdir().unwrap();
+        let (shader, scenes) = (place.path().join("disc: 1.FRAG"), place.path().join("own/scenes"));
+        fs::write(&shader, DISC).unwrap();
+        let first = imported(&shader, &scenes);
+        assert_eq!(first, scenes.join("disc_ 1.scene"));
+        assert!(SceneSource::File(first.clone()).ready().is_ok());
+        fs::write(&first, "sphere(p, 1)").unwrap();
+        assert_eq!(imported(&shader, &scenes), first, "the same shader");
+        assert_eq!(fs::read_to_string(&first).unwrap(), "sphere(p, 1)");
+        fs::write(&shader, DISC.replace("0.5", "0.7")).unwrap();
+        let second = imported(&shader, &scenes);
+        assert_eq!(second, scenes.join("disc_ 1 2.scene"), "another shader of the same name");
+        assert_eq!(imported(&shader, &scenes), second);
+        assert!(SceneSource::File(second).ready().is_ok());
+        assert_eq!(fs::read_to_string(scenes.join("disc_ 1.frag")).unwrap(), DISC);
+        assert_eq!(fs::read_dir(&scenes).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn a_shader_that_cannot_become_a_scene_writes_nothing() {
+        let place = tempfile::tempdir().unwrap();
+        let scenes = place.path().join("scenes");
+        let reason = |name: &str, bytes: &[u8]| {
+            let shader = place.path().join(name);
+            fs::write(&shader, bytes).unwrap();
+            import_shader(&shader, &scenes).unwrap_err().to_string()
+        };
+        let mistake = reason("a.glsl", b"\nvoid mainImage(out vec4 c, in vec2 f) { c = vec4(a); }");
+        assert!(
+            mistake.contains("a.glsl cannot become a scene: line 2: there is no `a` here; declare"),
+            "{mistake}"
+        );
+        assert!(reason("a.txt", b"").contains("rename it"));
+        assert!(reason("b.glsl", b"\xff").contains("byte 0 is not UTF-8"));
+        assert!(reason("c.glsl", &vec![b' '; FIELD_LIMITS.scene_bytes_max + 1]).contains("split it"));
+        let missing = import_shader(&place.path().join("none.glsl"), &scenes).unwrap_err();
+        assert!(matches!(missing, ShaderError::Unreadable { .. }), "{missing}");
+        fs::create_dir(place.path().join("folder.glsl")).unwrap();
+        let folder = import_shader(&place.path().join("folder.glsl"), &scenes).unwrap_err();
+        assert!(folder.to_string().contains("not a file"), "{folder}");
+        assert!(!scenes.exists());
+    }
+}
