@@ -185,7 +185,7 @@ fn evaluations(with_cells: usize, drawn: usize) -> String {
     if with_cells == drawn {
         format!("{drawn} evaluations")
     } else {
-        format!("{drawn} evaluations, {with_cells} with cells")
+        format!("{drawn} evaluations ({with_cells} with cells)")
     }
 }
 
@@ -326,10 +326,9 @@ impl Drawing<'_> {
         let count = first.steps.len();
         let found = match object {
             Some(name) => format!("hits {name} at {reached:.2}"),
-            None => "meets the sky".to_owned(),
+            None => "sky".to_owned(),
         };
-        section
-            .title(&format!("ray from the eye: {}, {found}", evaluations(first.evaluations as usize, count)));
+        section.title(&format!("eye ray: {}, {found}", evaluations(first.evaluations as usize, count)));
         section.contour(|point| self.probe.distance_at(point));
         section.line([0.0, 0.0], [if object.is_some() { reached } else { 1.12 * reached }, 0.0], 0.1, RAY);
         for (number, step) in first.steps.iter().enumerate() {
@@ -458,13 +457,9 @@ mod tests {
     fn a_surface_has_a_path_and_three_sections_within_the_image() {
         let found = diagram(BALL, SIZE);
         let titles = words(&found).join("\n");
-        for part in [
-            "ray from the eye",
-            "hits ball at 4.00",
-            "shadow ray to light 1",
-            "100 % arrives",
-            "occlusion: 100 %",
-        ] {
+        for part in
+            ["eye ray: ", "hits ball at 4.00", "shadow ray to light 1", "100 % arrives", "occlusion: 100 %"]
+        {
             assert!(titles.contains(part), "{titles}");
         }
         assert_eq!(found.groups.len(), 4);
@@ -486,7 +481,7 @@ mod tests {
         let sky = "sphere(p - vec3(9, 0, 0), 1)\ncamera { position = vec3(0, 0, -5)  target = vec3(0) }";
         let found = diagram(sky, SIZE);
         assert_eq!(found.groups.len(), 2);
-        assert!(words(&found)[0].ends_with("meets the sky"), "{:?}", words(&found));
+        assert!(words(&found)[0].ends_with(", sky"), "{:?}", words(&found));
         assert_eq!(diagram(BALL, (120, 60)).groups.len(), 1);
     }
 
