@@ -74,7 +74,7 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
 fn tape_of_cell(name: &str, scene: Scene, point: [f32; 3]) -> anyhow::Result<String> {
     let params = scene.params.iter().map(|param| param.default).collect();
     let world = World::new(name, scene, Vec::new())?;
-    let mut frame = FrameInputs { params, ..FrameInputs::default() };
+    let mut frame = FrameInputs { params, shapes: world.scene.atlas.clone(), ..FrameInputs::default() };
     frame.hoisted = world.hoisted.values(&frame);
     let tree = RegionPlan::new(&world).build(&frame, &RegionOptions::default());
     let Some(cell) = tree.cell_at(point) else {
@@ -111,6 +111,7 @@ pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
     let scene = require(&scene_of(&arguments.scene)?)?;
     let mut frame = FrameInputs {
         params: scene.params.iter().map(|param| param.default).collect(),
+        shapes: scene.atlas.clone(),
         ..Default::default()
     };
     let set = &arguments.set.set;

@@ -16,7 +16,7 @@ use super::fields::section;
 use super::material::Material;
 use super::origins::Origins;
 use super::source::Span;
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, NodeId, ShapeAtlas};
 
 /// A scene without mistakes. All [`NodeId`]s refer to [`Scene::graph`].
 #[derive(Debug, Clone)]
@@ -48,6 +48,11 @@ pub struct Scene {
     pub params: Vec<Param>,
     /// The textures. Their indices are the texture numbers in the graph.
     pub textures: Vec<TextureRef>,
+    /// The texts and pictures that shapes read. Their indices are their numbers in the graph.
+    pub shapes: Vec<ShapeRef>,
+    /// The distances to [`Scene::shapes`], in the same order. The loader of scenes sets them; without them, nothing is
+    /// near.
+    pub atlas: ShapeAtlas,
     /// Paths of the files that were included, in the order in which they were read.
     pub includes: Vec<String>,
     /// The locations of nodes in the text; empty for a scene that blends two scenes.
@@ -72,6 +77,8 @@ impl Scene {
             && self.about == other.about
             && self.params.iter().map(range).eq(other.params.iter().map(range))
             && self.textures.iter().map(|one| &one.name).eq(other.textures.iter().map(|one| &one.name))
+            && self.shapes.iter().map(|one| &one.source).eq(other.shapes.iter().map(|one| &one.source))
+            && self.atlas == other.atlas
     }
 }
 
@@ -259,4 +266,45 @@ pub struct MovingTexture {
     pub file: PathBuf,
     /// Changes when the file changes.
     pub version: u64,
+}
+
+/// A text or picture that shapes of a scene read as a 2D distance.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShapeRef {
+    /// The text or picture.
+    pub source: ShapeSource,
+    /// The location of its first use.
+    pub span: Span,
+}
+
+/// A text or picture.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum ShapeSource {
+    /// A text.
+    Text {
+        /// The text.
+        text: String,
+        /// The name of a font, or the path of its file in the scene's folder; `None` for the program's font.
+        font: Option<String>,
+    },
+    /// A picture: its path relative to the scene's folder.
+    Image(String),
+    /// A text of the song. It changes during the song.
+    Song {
+        /// The text.
+        what: SongText,
+        /// The font, as for a text.
+        font: Option<String>,
+    },
+}
+
+/// A text of the song.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum SongText {
+    /// The title.
+    Title,
+    /// The name of the artist.
+    Artist,
+    /// The line of the lyrics at this moment.
+    Lyrics,
 }

@@ -21,11 +21,13 @@ mod reports;
 mod scene;
 mod scope;
 mod sections;
+mod shape_read;
 mod statements;
 mod texture_read;
 mod unused;
 
 pub use sections::section_fields;
+pub(in crate::lang) use shape_read::ShapeCall;
 pub(in crate::lang) use sections::word;
 
 use super::changing::ChangingNumbers;
