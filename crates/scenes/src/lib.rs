@@ -26,6 +26,7 @@ mod loader;
 mod number_edits;
 mod order;
 pub mod probing;
+mod shapes;
 mod sources;
 mod textures;
 pub mod thumbnails;
@@ -45,6 +46,7 @@ pub use folder::read_at_most;
 pub use loader::{Loaded, Loader};
 pub use number_edits::NumberEdits;
 pub use order::SceneList;
+pub use shapes::ShapeCache;
 pub use sources::{TextureSource, VIDEO_ENDINGS};
 pub use textures::{NEUTRAL, TextureCache};
 pub use world::ReadyScene;
@@ -127,6 +129,8 @@ impl SceneSource {
             let textures = compiled.scene.iter().flat_map(|scene| &scene.textures);
             let files_of = textures.filter(|one| TextureSource::of(one).is_none_or(|of| of.is_file()));
             files.extend(files_of.map(|texture| folder.path(&texture.name)));
+            let shapes = compiled.scene.iter().flat_map(|scene| &scene.shapes);
+            files.extend(shapes.filter_map(shapes::file_of).map(|name| folder.path(name)));
         }
         files
     }

@@ -18,9 +18,11 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Rgba, RgbaImag
 
 use super::SceneSource;
 use super::folder::{Folder, Refusal};
+use super::shapes::ShapeCache;
 use super::sources::{TextureSource, find_videos, is_video};
 use crate::limits::{LIMITS, Limits};
 use mariana_assets::TEXTURES;
+use mariana_field::graph::ShapeAtlas;
 use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
 
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
@@ -35,6 +37,7 @@ const NEUTRAL_SIDE: u32 = 6;
 #[derive(Debug, Default)]
 pub struct TextureCache {
     pictures: HashMap<u64, Arc<RgbaImage>>,
+    shapes: ShapeCache,
 }
 
 impl SceneSource {
@@ -80,6 +83,18 @@ impl TextureCache {
         Err(wrong)
     }
 
+    /// Bakes the texts and pictures that shapes read, with the cache ([`ShapeCache::load`]).
+    ///
+    /// # Errors
+    /// Fails like [`ShapeCache::load`].
+    pub fn load_shapes(
+        &mut self,
+        source: &SceneSource,
+        scene: &Scene,
+    ) -> Result<ShapeAtlas, Vec<Diagnostic>> {
+        self.shapes.load(source, scene)
+    }
+
     fn picture(
         &mut self,
         source: &SceneSource,
@@ -122,6 +137,26 @@ impl TextureCache {
         kept.insert(key, Arc::clone(&picture));
         Ok(picture)
     }
+}
+
+/// Reads an image for a shape: of the scene's folder, or a shipped one.
+pub(super) fn image_bytes(
+    source: &SceneSource,
+    name: &str,
+    span: Span,
+) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
+    let texture = TextureRef { name: name.to_owned(), span, moves: None };
+    match (own_bytes(source, name), shipped(name)) {
+        (Some(Ok(bytes)), _) => Ok(Cow::Owned(bytes)),
+        (None | Some(Err(Refusal::Missing)), Some(bytes)) => Ok(Cow::Borrowed(bytes)),
+        (None, None) => Err(Box::new(missing(source, &texture))),
+        (Some(Err(refusal)), _) => Err(Box::new(refused(source, &texture, &refusal))),
+    }
+}
+
+/// Decodes a PNG or JPEG for a shape, like a texture.
+pub(super) fn decode_image(name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
+    decode(&TextureRef { name: name.to_owned(), span, moves: None }, bytes, &LIMITS)
 }
 
 /// Reads a file from the scene's folder; `None` if the scene has no folder.

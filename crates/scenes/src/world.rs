@@ -116,6 +116,10 @@ impl SceneSource {
             Ok(pictures) => pictures,
             Err(wrong) => return Err(self.mistakes(wrong, compiled)),
         };
+        match textures.load_shapes(self, &scene) {
+            Ok(atlas) => scene.atlas = atlas,
+            Err(wrong) => return Err(self.mistakes(wrong, compiled)),
+        }
         let world = World::new(&self.name(), scene, pictures)?;
         let mut diagnostics = compiled.warnings;
         diagnostics.extend(world.warning());

@@ -5,7 +5,10 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
-use super::{AtlasShape, FrameInputs, Graph, Input, Node, NodeId, Op, PartInput, ShapeAtlas, ShapeGrid, TableData, TextureReader};
+use super::{
+    AtlasShape, FrameInputs, Graph, Input, Node, NodeId, Op, PartInput, ShapeAtlas, ShapeGrid, TableData,
+    TextureReader,
+};
 
 pub(crate) const SPECIALS: [f32; 24] = [
     0.0,

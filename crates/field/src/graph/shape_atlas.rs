@@ -161,9 +161,8 @@ impl Placed {
     /// True if the shape's patches, with one more patch at each side, hold the patches of a rectangle.
     fn holds(&self, columns: (usize, usize), rows: (usize, usize)) -> bool {
         let (width, height) = self.shape.grid.size();
-        let within = |first: usize, count: usize, (low, high): (usize, usize)| {
-            low >= first && high < first + count
-        };
+        let within =
+            |first: usize, count: usize, (low, high): (usize, usize)| low >= first && high < first + count;
         within(self.column, width, columns) && within(self.row, height, rows)
     }
 
@@ -464,8 +463,10 @@ mod tests {
 
     #[test]
     fn grids_are_read_at_their_places() {
-        let grid = |value: f32, columns: usize| ShapeGrid::new(vec![value; 3 * columns], columns, 2.0).unwrap();
-        let shape = |value: f32, columns: usize| AtlasShape { grid: grid(value, columns), changes: value > 4.0 };
+        let grid =
+            |value: f32, columns: usize| ShapeGrid::new(vec![value; 3 * columns], columns, 2.0).unwrap();
+        let shape =
+            |value: f32, columns: usize| AtlasShape { grid: grid(value, columns), changes: value > 4.0 };
         let atlas = ShapeAtlas::new(vec![shape(3.0, 5), shape(4.0, 2040), shape(5.0, 7)]).unwrap();
         let middle = |atlas: &ShapeAtlas, number: usize| {
             let [column, row] = [3, 4].map(|place| atlas.number((SHAPE_NUMBERS * number + place) as f32));

@@ -62,8 +62,8 @@ pub use names::{Declaration, Meaning, Names, names};
 pub use origins::{Origins, TextPlace};
 pub use parser::{Operator, PREFIX_BINDS, operators};
 pub use scene::{
-    Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, ShapeRef, ShapeSource, Sky, SongText, TextureRef,
-    ToneMap,
+    Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, ShapeRef, ShapeSource, Sky,
+    SongText, TextureRef, ToneMap,
 };
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;

@@ -70,7 +70,8 @@ pub use tree::{RegionOptions, RegionStats, Regions};
 use std::collections::BTreeSet;
 
 use crate::graph::{
-    Compounds, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op, Properties, ShapeAtlas, TableData, Uses,
+    Compounds, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op, Properties, ShapeAtlas, TableData,
+    Uses,
 };
 use crate::tape::interpreter::rounded_registers;
 use crate::world::World;

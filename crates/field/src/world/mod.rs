@@ -270,7 +270,8 @@ impl Traced {
             Some(bounds) => vec![bounds],
             None => distance_check::around(frame_tape.values(inputs).camera.target),
         };
-        let frames = distance_check::frames(&scene.params, &scene.atlas).map(|inputs| (around(&inputs), inputs));
+        let frames =
+            distance_check::frames(&scene.params, &scene.atlas).map(|inputs| (around(&inputs), inputs));
         let reach = bounds.map_or(TAMED_REACH, |bounds| NORMALIZED_FRACTION * bounds.half());
         Ok(match distance_check::tamed(&tape, frames, bounds.as_ref(), reach) {
             Some(slopes) => Self { bounds, non_lipschitz: true, slopes, ..Self::default() },

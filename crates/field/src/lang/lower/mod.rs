@@ -27,8 +27,8 @@ mod texture_read;
 mod unused;
 
 pub use sections::section_fields;
-pub(in crate::lang) use shape_read::ShapeCall;
 pub(in crate::lang) use sections::word;
+pub(in crate::lang) use shape_read::ShapeCall;
 
 use super::changing::ChangingNumbers;
 use super::diagnostic::Diagnostics;

@@ -1,0 +1,3 @@
+//! Tests of texts and pictures as shapes.
+
+use super::*;
