@@ -22,7 +22,6 @@ use super::shapes::ShapeCache;
 use super::sources::{TextureSource, find_videos, is_video};
 use crate::limits::{LIMITS, Limits};
 use mariana_assets::TEXTURES;
-use mariana_field::graph::ShapeAtlas;
 use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
 
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
@@ -83,15 +82,11 @@ impl TextureCache {
         Err(wrong)
     }
 
-    /// Bakes the texts and pictures that shapes read, with the cache ([`ShapeCache::load`]).
+    /// Bakes the texts and pictures that shapes read into the scene's atlas, with the cache ([`ShapeCache::load`]).
     ///
     /// # Errors
     /// Fails like [`ShapeCache::load`].
-    pub fn load_shapes(
-        &mut self,
-        source: &SceneSource,
-        scene: &Scene,
-    ) -> Result<ShapeAtlas, Vec<Diagnostic>> {
+    pub fn load_shapes(&mut self, source: &SceneSource, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
         self.shapes.load(source, scene)
     }
 

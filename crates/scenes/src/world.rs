@@ -116,9 +116,8 @@ impl SceneSource {
             Ok(pictures) => pictures,
             Err(wrong) => return Err(self.mistakes(wrong, compiled)),
         };
-        match textures.load_shapes(self, &scene) {
-            Ok(atlas) => scene.atlas = atlas,
-            Err(wrong) => return Err(self.mistakes(wrong, compiled)),
+        if let Err(wrong) = textures.load_shapes(self, &mut scene) {
+            return Err(self.mistakes(wrong, compiled));
         }
         let world = World::new(&self.name(), scene, pictures)?;
         let mut diagnostics = compiled.warnings;

@@ -28,6 +28,7 @@ use crate::gpu::renderer::{Progress, Renderer};
 use crate::gpu::scene_program::Mode;
 use crate::moving_textures::LiveTextures;
 use crate::scenes::camera_number;
+use crate::song_shapes::{LiveSongShapes, SongTexts};
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPicture;
 use mariana_music::Sound;
@@ -80,6 +81,7 @@ pub(crate) struct SceneComposer {
     has_interrupted: bool,
     pub(super) pictures: SeenPictures,
     textures: LiveTextures,
+    song_shapes: LiveSongShapes,
     pub(super) regions: SceneRegions,
     pub(super) fading: Fading,
     change: SceneChange,
@@ -93,7 +95,7 @@ pub(crate) struct SceneComposer {
 impl SceneComposer {
     pub(super) fn new(
         mut regions: SceneRegions,
-        textures: LiveTextures,
+        (textures, song_shapes): (LiveTextures, LiveSongShapes),
         view: Option<ViewChoice>,
         fade: f64,
     ) -> Self {
@@ -103,6 +105,7 @@ impl SceneComposer {
             has_interrupted: false,
             pictures: SeenPictures::default(),
             textures,
+            song_shapes,
             regions,
             fading: Fading::of(fade),
             change: SceneChange::default(),
@@ -296,7 +299,8 @@ impl SceneComposer {
     /// Adapts a frame to the window, and adds the moving pictures of its moment.
     fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture) -> Frame {
         let world = scene.resources.world();
-        self.textures.in_frame(frame.in_window(world, picture.aspect, picture.quality), world)
+        let frame = frame.in_window(world, picture.aspect, picture.quality);
+        self.song_shapes.in_frame(self.textures.in_frame(frame, world), world)
     }
 
     fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
@@ -449,6 +453,15 @@ impl SceneComposer {
             self.outdate();
         }
         self.textures.take_messages()
+    }
+
+    /// Passes the texts of the song to the scenes that show them; `None` if there are none. Requests a new frame if a
+    /// text has been baked that the last frame lacks.
+    pub(crate) fn follow_song_texts(&mut self, texts: Option<SongTexts>) {
+        let are_others = texts.is_some_and(|texts| self.song_shapes.set_texts(texts));
+        if self.song_shapes.take_news() || are_others {
+            self.outdate();
+        }
     }
 
     pub(super) fn revision(&self) -> u64 {

@@ -63,7 +63,7 @@ pub use origins::{Origins, TextPlace};
 pub use parser::{Operator, PREFIX_BINDS, operators};
 pub use scene::{
     Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, ShapeRef, ShapeSource, Sky,
-    SongText, TextureRef, ToneMap,
+    SongText, TextBaker, TextureRef, ToneMap,
 };
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;

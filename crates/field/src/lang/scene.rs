@@ -16,7 +16,7 @@ use super::fields::section;
 use super::material::Material;
 use super::origins::Origins;
 use super::source::Span;
-use crate::graph::{Graph, NodeId, ShapeAtlas};
+use crate::graph::{Graph, NodeId, ShapeAtlas, ShapeGrid};
 
 /// A scene without mistakes. All [`NodeId`]s refer to [`Scene::graph`].
 #[derive(Debug, Clone)]
@@ -269,12 +269,21 @@ pub struct MovingTexture {
 }
 
 /// A text or picture that shapes of a scene read as a 2D distance.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct ShapeRef {
     /// The text or picture.
     pub source: ShapeSource,
     /// The location of its first use.
     pub span: Span,
+    /// Set by the loader of scenes for a text that changes during the song.
+    pub baker: Option<Arc<dyn TextBaker>>,
+}
+
+/// Computes the distances to texts in one font.
+pub trait TextBaker: std::fmt::Debug + Send + Sync {
+    /// Returns the distances to a text. Their grid always has the same size. Any text is accepted. This takes up to a
+    /// tenth of a second.
+    fn bake(&self, text: &str) -> ShapeGrid;
 }
 
 /// A text or picture.

@@ -21,7 +21,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use image::RgbaImage;
 use kurbo::{Affine, Rect};
 use mariana_field::graph::{AtlasShape, SHAPE_COLUMNS, ShapeAtlas, ShapeGrid};
-use mariana_field::lang::{Diagnostic, Scene, ShapeRef, ShapeSource, Span, nearest};
+use mariana_field::lang::{Diagnostic, Scene, ShapeRef, ShapeSource, Span, TextBaker, nearest};
 use mariana_render::system_fonts::SystemFonts;
 
 use super::SceneSource;
@@ -55,7 +55,18 @@ const FONT_ENDINGS: [&str; 4] = ["ttf", "otf", "ttc", "otc"];
 pub struct ShapeCache {
     grids: HashMap<u64, ShapeGrid>,
     fonts: HashMap<u64, Arc<Font>>,
+    bakers: HashMap<u64, Arc<SongBaker>>,
     last: Option<(Vec<u64>, ShapeAtlas)>,
+}
+
+/// Bakes texts of the song in one font.
+#[derive(Debug)]
+struct SongBaker(Arc<Font>);
+
+impl TextBaker for SongBaker {
+    fn bake(&self, text: &str) -> ShapeGrid {
+        song_grid(text, &self.0)
+    }
 }
 
 /// The fonts of the system, which are read when they are first needed.
@@ -84,14 +95,14 @@ impl Refused {
 }
 
 impl ShapeCache {
-    /// Bakes [`Scene::shapes`]. Texts of the song are empty.
+    /// Bakes [`Scene::shapes`]. Texts of the song are empty, and get a baker.
     ///
     /// # Errors
     /// Fails with a diagnostic for each text or picture that cannot be baked, with its position in the text.
-    pub fn load(&mut self, source: &SceneSource, scene: &Scene) -> Result<ShapeAtlas, Vec<Diagnostic>> {
+    pub fn load(&mut self, source: &SceneSource, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
         let (mut keys, mut shapes, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
         let mut kept = HashMap::new();
-        for shape in &scene.shapes {
+        for shape in &mut scene.shapes {
             match self.grid(source, shape, &mut kept) {
                 Ok((key, grid)) => {
                     keys.push(key);
@@ -107,24 +118,27 @@ impl ShapeCache {
         if let Some((last, atlas)) = &self.last
             && *last == keys
         {
-            return Ok(atlas.clone());
+            scene.atlas = atlas.clone();
+            return Ok(());
         }
         let Some(atlas) = ShapeAtlas::new(shapes) else {
             let span = scene.shapes.first().map(|shape| shape.span).unwrap_or_default();
             let message = "the texts and pictures need more room than there is";
             return Err(vec![Diagnostic::over_limit(span, message).hint("use fewer or shorter ones")]);
         };
-        self.last = Some((keys, atlas.clone()));
-        Ok(atlas)
+        scene.atlas = atlas.clone();
+        self.last = Some((keys, atlas));
+        Ok(())
     }
 
     fn grid(
         &mut self,
         source: &SceneSource,
-        shape: &ShapeRef,
+        shape: &mut ShapeRef,
         kept: &mut HashMap<u64, ShapeGrid>,
     ) -> Result<(u64, ShapeGrid), Box<Diagnostic>> {
-        let refused = |refused: Refused| Box::new(refused.at(shape.span));
+        let span = shape.span;
+        let refused = |refused: Refused| Box::new(refused.at(span));
         let mut hasher = DefaultHasher::new();
         shape.source.hash(&mut hasher);
         let (font, bytes) = match &shape.source {
@@ -134,19 +148,23 @@ impl ShapeCache {
                 (Some(font), None)
             }
             ShapeSource::Image(name) => {
-                let bytes = image_bytes(source, name, shape.span)?;
+                let bytes = image_bytes(source, name, span)?;
                 bytes.hash(&mut hasher);
                 (None, Some(bytes))
             }
         };
         let key = hasher.finish();
+        if let (true, Some(font)) = (changes(&shape.source), &font) {
+            let baker = self.bakers.entry(key).or_insert_with(|| Arc::new(SongBaker(font.clone())));
+            shape.baker = Some(baker.clone());
+        }
         let known = kept.get(&key).or_else(|| self.grids.get(&key)).cloned();
         let grid = match (known, &shape.source, font, bytes) {
             (Some(grid), ..) => grid,
             (None, ShapeSource::Text { text, .. }, Some(font), _) => {
                 text_grid(text, &font).map_err(refused)?
             }
-            (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(name, shape.span, &bytes)?,
+            (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(name, span, &bytes)?,
             _ => song_grid("", &Arc::new(Font::own())),
         };
         kept.insert(key, grid.clone());

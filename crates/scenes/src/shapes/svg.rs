@@ -13,6 +13,8 @@ use super::outline::{Coverage, Filling, Part};
 
 /// Maximum number of elements of an SVG's text.
 const NODES_MAX: u32 = 100_000;
+/// Maximum number of elements that are visited, after uses of symbols are expanded.
+const VISITED_MAX: usize = 50_000;
 /// Maximum number of painted shapes, after uses of symbols are expanded.
 const PAINTED_MAX: usize = 10_000;
 /// Maximum nesting of groups and uses.
@@ -74,6 +76,7 @@ impl Drawing {
             rules: rules(&document),
             shapes: Vec::new(),
             elements: 0,
+            visited: 0,
             scale: 1.0,
             has_text: false,
         };
@@ -132,6 +135,7 @@ struct Reader<'d> {
     rules: Vec<(String, Vec<(String, String)>)>,
     shapes: Vec<Painted>,
     elements: usize,
+    visited: usize,
     scale: f64,
     has_text: bool,
 }
@@ -176,6 +180,10 @@ impl<'d> Reader<'d> {
         place: Affine,
         depth: usize,
     ) -> Result<(), Refused> {
+        self.visited += 1;
+        if self.visited > VISITED_MAX {
+            return Err((format!("its uses repeat more than {VISITED_MAX} elements"), true));
+        }
         let mut style = style.clone();
         let mut hidden = false;
         let mut own = place * node.attribute("transform").map_or(Affine::IDENTITY, transformation);

@@ -166,7 +166,7 @@ impl ShapeRead<'_, '_> {
             self.outer.reports.add(wrong);
             return None;
         }
-        shapes.push(ShapeRef { source, span });
+        shapes.push(ShapeRef { source, span, baker: None });
         Some(shapes.len() - 1)
     }
 
