@@ -45,6 +45,14 @@ impl SceneSource {
         find_videos(self.file().map(Folder::of).as_ref(), scene);
     }
 
+    /// Bakes the texts and pictures that shapes read into the scene's atlas.
+    ///
+    /// # Errors
+    /// Fails with a diagnostic for each text or picture that cannot be baked, with its position in the text.
+    pub fn bake_shapes(&self, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
+        ShapeCache::default().load(self, scene)
+    }
+
     /// Loads the images of [`Scene::textures`] in the same order. Pixels are sRGB with straight alpha, top row first.
     ///
     /// # Errors

@@ -6,6 +6,7 @@
 //! shadows of objects that do not exist (Abt 2022, figure 12). Where rays step by the bound, the estimate is larger, so
 //! that no shadow is cast there.
 
+use std::panic::{RefUnwindSafe, UnwindSafe};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -280,7 +281,7 @@ pub struct ShapeRef {
 }
 
 /// Computes the distances to texts in one font.
-pub trait TextBaker: std::fmt::Debug + Send + Sync {
+pub trait TextBaker: std::fmt::Debug + Send + Sync + UnwindSafe + RefUnwindSafe {
     /// Returns the distances to a text. Their grid always has the same size. Any text is accepted. This takes up to a
     /// tenth of a second.
     fn bake(&self, text: &str) -> ShapeGrid;

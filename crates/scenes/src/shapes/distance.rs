@@ -14,6 +14,8 @@ pub(super) const FINER: usize = 4;
 const SWEEPS: usize = 16;
 /// The squared distance of a pixel without a seed: farther than any pixel.
 const FAR: f32 = 1e12;
+/// Covered fractions below this are 0: they come from rounding.
+const LEAST: f32 = 1.0 / 512.0;
 
 /// Returns the distances to the covered pixels at the points of a grid of `columns` by `rows`, negative inside. The
 /// coverage has [`FINER`] pixels per point along each side. No bilinear patch has a slope above 1. `None` if the grid
@@ -83,7 +85,7 @@ fn signed(coverage: &Coverage) -> Vec<f32> {
         let seed = |value: &f32| {
             let off = if outside { 0.5 - value } else { value - 0.5 };
             match off {
-                off if off >= 0.5 => FAR,
+                off if off >= 0.5 - LEAST => FAR,
                 off => off.max(0.0) * off.max(0.0),
             }
         };
