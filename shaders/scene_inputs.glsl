@@ -18,8 +18,8 @@ float shape_number(float index) {
 
 float shape_distance(float column, float row) {
     int rows = shape_texels / SHAPE_COLUMNS - 1;
-    float along = column > 0.0 ? min(column, float(SHAPE_COLUMNS - 1)) : 0.0;
-    float up = row > 0.0 ? min(row, float(rows - 1)) : 0.0;
+    float along = column > 0.0 ? min(SHAPE_STEP * column, float(SHAPE_COLUMNS - 1)) : 0.0;
+    float up = row > 0.0 ? min(SHAPE_STEP * row, float(rows - 1)) : 0.0;
     int left = min(int(along), SHAPE_COLUMNS - 2);
     int lower = min(int(up), rows - 2);
     int at = (lower + 1) * SHAPE_COLUMNS + left;

@@ -47,7 +47,8 @@ pub use op::{BoundsKernel, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::{InputsUsed, Order};
 pub use part::{Part, PartInput, PartNumber};
 pub use shape_atlas::{
-    AtlasShape, FRAME_SHAPES_MAX, SHAPE_COLUMNS, SHAPE_NUMBERS, SHAPE_ROWS_MAX, ShapeAtlas, ShapeGrid,
+    AtlasShape, FRAME_SHAPES_MAX, SHAPE_COLUMNS, SHAPE_NUMBERS, SHAPE_ROWS_MAX, SHAPE_STEP, ShapeAtlas,
+    ShapeGrid,
 };
 pub use sound_input::{SoundInput, SoundInputs};
 pub use table::TableData;

@@ -490,7 +490,7 @@ operators! {
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),
         glsl "table_history($a, $b)";
 
-    /// The distance to a text or picture at column a and row b of the grid of all of them, clamped; bilinear.
+    /// The distance to a text or picture at the coordinates a and b of the grid of all of them, clamped; bilinear.
     Shape = 87 "SHAPE" READS_FRAME.and(EXPENSIVE),
         value |a, b, frame| frame.shapes.at(a, b), bounds |a, b, frame| frame.shape_bounds(a, b),
         slopes |a, b, _, frame| frame.shapes.slopes(a, b),

@@ -143,7 +143,7 @@ float along_row(int table, int row, int count, float u) {
 float table_spectrum(float u) { return along_row(0, 0, 5, u); }
 float table_waveform(float u) { return along_row(5, 0, 4, u); }
 float shape_number(float i) {
-    const float numbers[5] = float[5](0.5, 0.25, 2.0, 1.0, 0.5);
+    const float numbers[5] = float[5](0.5, 0.25, 0.03125, 0.015625, 0.0078125);
     int number = int(i > 0.0 ? min(i, 319.0) : 0.0);
     return number < 5 ? numbers[number] : 0.0;
 }
@@ -152,8 +152,8 @@ float shape_entry(int column, int row) {
     return column < 4 && row < 3 ? entries[3 * min(row, 1) + min(column, 2)] : 1.0;
 }
 float shape_distance(float u, float v) {
-    float x = u > 0.0 ? min(u, 2047.0) : 0.0;
-    float y = v > 0.0 ? min(v, 2.0) : 0.0;
+    float x = u > 0.0 ? min(64.0 * u, 2047.0) : 0.0;
+    float y = v > 0.0 ? min(64.0 * v, 2.0) : 0.0;
     int column = min(int(x), 2046);
     int row = min(int(y), 1);
     float lower = mix(shape_entry(column, row), shape_entry(column + 1, row), x - float(column));

@@ -2,7 +2,7 @@
 
 use super::{Frame, sound_tables};
 use mariana_field::graph::{
-    FRAME_SHAPES_MAX, LEVEL_COUNT, PartInput, SHAPE_COLUMNS, SHAPE_NUMBERS, SoundInput,
+    FRAME_SHAPES_MAX, LEVEL_COUNT, PartInput, SHAPE_COLUMNS, SHAPE_NUMBERS, SHAPE_STEP, SoundInput,
 };
 use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
@@ -28,7 +28,7 @@ pub const FRAME_BLOCK_VECTORS: usize =
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
 /// The defines of `shaders/frame_block.glsl`: the lengths of the block's arrays and of the sound tables.
-pub fn block_defines() -> [String; 12] {
+pub fn block_defines() -> [String; 13] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
@@ -41,6 +41,7 @@ pub fn block_defines() -> [String; 12] {
         format!("HISTORY_POINTS {HISTORY_POINTS}"),
         format!("PART_NUMBERS {}", PartInput::COUNT),
         format!("SHAPE_COLUMNS {SHAPE_COLUMNS}"),
+        format!("SHAPE_STEP {SHAPE_STEP:?}"),
         format!("SHAPE_NUMBER_COUNT {}", SHAPE_NUMBERS * FRAME_SHAPES_MAX),
     ]
 }

@@ -206,7 +206,7 @@ mod tests {
             for (number, ([x, y], size)) in spots.into_iter().enumerate() {
                 path.extend(match number % 2 {
                     0 => Circle::new((x, y), size).to_path(1e-2),
-                    _ => Affine::rotate_about(size, (x, y).into())
+                    _ => Affine::rotate_about(size, (x, y))
                         * Rect::new(x - size, y - 0.3, x + size, y + 0.3).to_path(1.0),
                 });
             }
