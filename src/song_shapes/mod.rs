@@ -153,3 +153,95 @@ impl ExactSongShapes {
         frame.inputs.shapes = self.atlases.of(&world.scene.atlas, changed);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::scenes::SceneSource;
+    use mariana_field::graph::{Interval, Point, SoundInput};
+    use mariana_field::tape::{IntervalEvaluator, PointEvaluator, Tape, TapeOptions};
+    use mariana_music::Sound;
+
+    const LYRICS: &str = "[00:01.00]First words\n[00:02.00]Second\n[00:03.00]\n[00:04.00]First words";
+
+    fn world(formula: &str) -> Arc<World> {
+        SceneSource::Formula(formula.to_owned()).ready().unwrap().world
+    }
+
+    fn texts() -> SongTexts {
+        let lyrics = Arc::new(Lyrics::parse(LYRICS));
+        SongTexts { title: "Deep".to_owned(), artist: "Mariana".to_owned(), lyrics }
+    }
+
+    fn frame(world: &World, line: Option<usize>) -> Frame {
+        let mut frame = Frame::new(world, 1.0, Sound::default(), (8, 8));
+        frame.inputs.sound[SoundInput::Line] = line.map_or(0.0, |line| line as f32 + 1.0);
+        frame
+    }
+
+    /// Distances at some points, and whether the bounds of boxes hold them.
+    fn distances(world: &World, frame: &Frame) -> Vec<f32> {
+        let tape = Tape::build(&world.scene.graph, &[world.scene.distance], &TapeOptions::default()).unwrap();
+        let (mut values, mut bounds) =
+            (PointEvaluator::new(&tape, &frame.inputs), IntervalEvaluator::new(&tape, &frame.inputs));
+        let points = (0..400).map(|at| ((at % 40) as f32 / 5.0 - 4.0, (at / 40) as f32 / 5.0 - 1.0));
+        points
+            .map(|(x, y)| {
+                let value = values.at(&Point::at(x, y, 0.0))[0];
+                let near = |at: f32| Interval::new(at - 0.1, at + 0.1);
+                let bound = bounds.over([near(x), near(y), near(0.0)], [Interval::point(0.0); 3])[0];
+                assert!(bound.contains(value), "{value} at {x}, {y}: {bound:?}");
+                value
+            })
+            .collect()
+    }
+
+    #[test]
+    fn each_moment_has_its_text_and_its_bounds() {
+        let world = world("extrude(lyrics(p.xy), p.z, 0.2)");
+        let mut exact = ExactSongShapes::default();
+        let mut at = |line| {
+            let mut frame = frame(&world, line);
+            exact.put_into(&mut frame, &world, &texts(), line);
+            (distances(&world, &frame), frame.inputs.shapes)
+        };
+        let (first, nothing, second, again) = (at(Some(0)), at(None), at(Some(1)), at(Some(3)));
+        let solid =
+            |(values, _): &(Vec<f32>, ShapeAtlas)| values.iter().filter(|value| **value < 0.0).count();
+        assert!(solid(&first) > solid(&second) && solid(&second) > 0 && solid(&nothing) == 0);
+        assert!(first.0 == again.0 && nothing.1 == world.scene.atlas);
+        assert!(at(Some(3)).1 == again.1, "the same text is not joined again");
+        let bounds = world.bounds.expect("any text is within its grid");
+        assert!(bounds.high[0] < 9.0 && bounds.high[1] < 3.0, "{bounds:?}");
+        assert!(!world.non_lipschitz && !are_shown_by(&self::world("length(p) - 1")));
+    }
+
+    #[test]
+    fn the_window_shows_the_texts_of_stills() {
+        let world = world("extrude(min(title(p.xy), lyrics(p.xy + vec2(0, 2))), p.z, 0.2)");
+        let (woken, wakes) = std::sync::mpsc::channel();
+        let mut live = LiveSongShapes::new(move || {
+            let _ = woken.send(());
+        });
+        let mut exact = ExactSongShapes::default();
+        assert!(live.set_texts(texts()) && !live.set_texts(texts()));
+        let mut before = None;
+        for line in [Some(0), Some(1), None] {
+            let mut wanted = frame(&world, line);
+            exact.put_into(&mut wanted, &world, &texts(), line);
+            let wanted = distances(&world, &wanted);
+            let mut found = distances(&world, &live.in_frame(frame(&world, line), &world));
+            while found != wanted {
+                assert!(before.is_none() || line != Some(1), "the next line is baked ahead");
+                wakes.recv_timeout(Duration::from_secs(120)).expect("a text is baked");
+                live.take_news();
+                found = distances(&world, &live.in_frame(frame(&world, line), &world));
+            }
+            // Wait until the next line is baked.
+            while line == Some(0) && wakes.recv_timeout(Duration::from_secs(2)).is_ok() {}
+            before = Some(found);
+        }
+    }
+}

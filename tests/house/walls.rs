@@ -171,7 +171,7 @@ pub(super) const ROOMS: &[(&str, &[&str])] = &[
     ("song_structures", &["atomic_file", "config", "limits"]),
     ("covers", &["limits", "song_structures"]),
     ("moving_textures", &["clock", "frame", "scenes"]),
-    ("song_shapes", &["frame"]),
+    ("song_shapes", &["frame", "scenes"]),
     ("stems", &["config", "limits", "song_structures"]),
     ("sending", &["limits", "y4m"]),
     ("y4m", &[]),
