@@ -148,6 +148,11 @@ pub(super) fn image_bytes(
     name: &str,
     span: Span,
 ) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
+    if is_video(name) {
+        let message = format!("`{name}` is a video, and a shape needs a picture that does not move");
+        let wrong = Diagnostic::unsupported(span, message);
+        return Err(Box::new(wrong.hint("name a PNG, JPEG or SVG file")));
+    }
     let texture = TextureRef { name: name.to_owned(), span, moves: None };
     match (own_bytes(source, name), shipped(name)) {
         (Some(Ok(bytes)), _) => Ok(Cow::Owned(bytes)),

@@ -93,8 +93,9 @@ pub(crate) fn frame() -> FrameInputs {
 
 /// Returns a grid of three columns and two rows.
 fn shapes() -> ShapeAtlas {
-    let grid = ShapeGrid::new(vec![0.5, -0.25, 0.25, 0.75, 0.125, 1.5], 3, 2.0).unwrap();
-    ShapeAtlas::new(vec![AtlasShape { grid, changes: false }]).unwrap()
+    let grid = ShapeGrid::new(vec![0.5, -0.25, 0.25, 0.75, 0.125, 1.5], 3, 2.0);
+    let shapes = grid.into_iter().map(|grid| AtlasShape { grid, changes: false });
+    ShapeAtlas::new(shapes.collect()).unwrap_or_default()
 }
 
 /// Returns levels that differ from place to place and have short decimals.

@@ -112,7 +112,7 @@ impl Fonts {
                     None => continue,
                 }
                 if font.is_none() {
-                    line.missing.extend(run.chars());
+                    line.missing.extend(run.chars().filter(|letter| !letter.is_whitespace()));
                 }
             }
         }

@@ -208,6 +208,7 @@ fn refusals_say_what_where_and_what_to_do() {
         ("text(\"a\", p.xy, \"../a.ttf\")", Malformed, "outside", "folder"),
         ("text(\"a\", p.xy, \"junk.ttf\")", Malformed, "no font with outlines", "TrueType"),
         ("image(\"none.png\", p.xy)", Malformed, "no image `none.png`", "put it there"),
+        ("image(\"clip.mp4\", p.xy)", Fault::Unsupported, "is a video", "PNG, JPEG or SVG"),
         ("image(\"junk.png\", p.xy)", Malformed, "not an image", "PNG or JPEG"),
         ("image(\"huge.png\", p.xy)", OverLimit, "16384 x 8", "scale it down"),
         ("image(\"thin.png\", p.xy)", OverLimit, "too long and narrow", "crop"),
@@ -273,7 +274,10 @@ fn texts_of_the_song_are_broken_into_lines_that_fit() {
         assert!(grid.size() == SONG_GRID && grid.steepest() <= 1.0 + 1e-5);
         let (columns, rows) = grid.size();
         let rim = |at: usize| {
-            at % columns == 0 || at % columns == columns - 1 || at < columns || at >= columns * (rows - 1)
+            at.is_multiple_of(columns)
+                || (at + 1).is_multiple_of(columns)
+                || at < columns
+                || at >= columns * (rows - 1)
         };
         assert!(
             (0..columns * rows).all(|at| !rim(at) || grid.values()[at] > 0.0),
