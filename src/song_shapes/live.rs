@@ -9,7 +9,7 @@ use mariana_field::graph::{ShapeGrid, SoundInput};
 use mariana_field::lang::{SongText, TextBaker};
 use mariana_field::world::World;
 
-/// Texts that are shown at once: of the shown scene, and of one that fades out.
+/// Maximum number of texts of the shown scene and of a scene that fades out.
 const SHOWN_MAX: usize = 64;
 
 /// The texts of the song in the frames of a session.

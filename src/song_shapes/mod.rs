@@ -18,7 +18,7 @@ use mariana_player::lyrics::Lyrics;
 
 /// Number of baked texts that are kept.
 const KEPT_MAX: usize = 24;
-/// Number of atlases that are kept: of the shown scene, and of one that fades out.
+/// Number of atlases that are kept: of the shown scene and of a scene that fades out.
 const ATLASES_MAX: usize = 4;
 
 /// The texts of a song. Missing texts are empty.
@@ -207,12 +207,12 @@ mod tests {
             exact.put_into(&mut frame, &world, &texts(), line);
             (distances(&world, &frame), frame.inputs.shapes)
         };
-        let (first, nothing, second, again) = (at(Some(0)), at(None), at(Some(1)), at(Some(3)));
+        let (first, nothing, second, again) = (at(Some(0)), at(None), at(Some(1)), at(Some(2)));
         let solid =
             |(values, _): &(Vec<f32>, ShapeAtlas)| values.iter().filter(|value| **value < 0.0).count();
         assert!(solid(&first) > solid(&second) && solid(&second) > 0 && solid(&nothing) == 0);
         assert!(first.0 == again.0 && nothing.1 == world.scene.atlas);
-        assert!(at(Some(3)).1 == again.1, "the same text is not joined again");
+        assert!(at(Some(2)).1 == again.1, "the same text is not joined again");
         let bounds = world.bounds.expect("any text is within its grid");
         assert!(bounds.high[0] < 9.0 && bounds.high[1] < 3.0, "{bounds:?}");
         assert!(!world.non_lipschitz && !are_shown_by(&self::world("length(p) - 1")));

@@ -1,7 +1,7 @@
 //! Random expressions for property tests.
 
 use super::{Levels, SoundInput, SoundInputs};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use proptest::prelude::*;
 
@@ -124,6 +124,8 @@ impl TextureReader for Stripes {
     }
 }
 
+static SHAPES: LazyLock<ShapeAtlas> = LazyLock::new(shapes);
+
 /// Two discs, the second of which may change.
 fn shapes() -> ShapeAtlas {
     let disc = |(columns, rows): (usize, usize), per_unit: f32, radius: f32| {
@@ -172,7 +174,7 @@ pub(crate) fn frame() -> FrameInputs {
         waveform: TableData::row(wave(50, 1.1)),
         history: TableData::scrolling(wave(9 * 16, 0.9), 16, 0.375, 6.5),
         textures: Some(Arc::new(Stripes)),
-        shapes: shapes(),
+        shapes: SHAPES.clone(),
     }
 }
 

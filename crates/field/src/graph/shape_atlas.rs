@@ -31,7 +31,7 @@ pub const FRAME_SHAPES_MAX: usize = 64;
 const BLOCK: usize = 4;
 /// A search in the pyramid visits at most this many blocks per side.
 const BLOCKS_VISITED: usize = 4;
-/// The value where no shape is known: nothing is near.
+/// The value without shapes.
 const NOTHING: f32 = 1.0;
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
@@ -56,7 +56,7 @@ impl ShapeGrid {
         (fits && is_whole && is_scaled).then_some(Self { columns, points_per_unit, values })
     }
 
-    /// Returns a grid without a shape: nothing is near.
+    /// Returns a grid of large distances.
     pub fn empty(columns: usize, rows: usize, points_per_unit: f32) -> Option<Self> {
         let far = (columns + rows) as f32 / points_per_unit;
         Self::new(vec![far; columns * rows], columns, points_per_unit)
@@ -118,6 +118,8 @@ struct Grids {
     rows: usize,
     values: Vec<f32>,
     placed: Vec<Placed>,
+    /// Bounds of all numbers of shapes.
+    numbers: Interval,
     /// From fine to coarse.
     levels: Vec<Level>,
 }
@@ -233,10 +235,12 @@ impl ShapeAtlas {
             }
         }
         let levels = levels(&values, rows);
-        Some(Self(Some(Arc::new(Grids { rows, values, placed, levels }))))
+        let numbers = placed.iter().flat_map(Placed::numbers).map(Interval::point);
+        let numbers = numbers.fold(Interval::point(0.0), Interval::hull);
+        Some(Self(Some(Arc::new(Grids { rows, values, placed, numbers, levels }))))
     }
 
-    /// Returns the shapes of both grids, those of `self` first; `None` as in [`ShapeAtlas::new`].
+    /// Returns the shapes of both grids, first the shapes of `self`; `None` as in [`ShapeAtlas::new`].
     pub fn joined(&self, other: &Self) -> Option<Self> {
         Self::new(self.shapes().chain(other.shapes()).cloned().collect())
     }
@@ -277,11 +281,10 @@ impl ShapeAtlas {
 
     /// Returns bounds of [`ShapeAtlas::number`].
     pub fn number_bounds(&self, index: Interval) -> Interval {
-        if index.is_any() || clamped(index.lo) != clamped(index.hi) {
-            let all = (0..SHAPE_NUMBERS * FRAME_SHAPES_MAX).map(|at| Interval::point(self.number(at as f32)));
-            return all.fold(Interval::point(0.0), Interval::hull);
+        match &self.0 {
+            Some(grids) if index.is_any() || clamped(index.lo) != clamped(index.hi) => grids.numbers,
+            _ => Interval::point(self.number(index.lo)),
         }
-        Interval::point(self.number(index.lo))
     }
 
     /// Returns the distance at the coordinates of a column and a row, in units, both clamped to the grid.

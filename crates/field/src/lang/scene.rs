@@ -51,8 +51,7 @@ pub struct Scene {
     pub textures: Vec<TextureRef>,
     /// The texts and pictures that shapes read. Their indices are their numbers in the graph.
     pub shapes: Vec<ShapeRef>,
-    /// The distances to [`Scene::shapes`], in the same order. The loader of scenes sets them; without them, nothing is
-    /// near.
+    /// The distances to [`Scene::shapes`], in the same order. The loader of scenes sets them.
     pub atlas: ShapeAtlas,
     /// Paths of the files that were included, in the order in which they were read.
     pub includes: Vec<String>,

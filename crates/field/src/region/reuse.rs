@@ -3,7 +3,7 @@
 //! Most numbers of a frame affect few cells. A block's cells and tapes are copied from the previous tree if that tree
 //! has a block with the same position and the same program, which contains the frame's numbers. Programs are compared
 //! by their hashes. Programs that read tables of the sound, whose values are not part of a program, are never reused.
-//! Nothing is reused if a text or picture has changed.
+//! A change of a text or picture makes all bricks new.
 //!
 //! Scenes that move as a whole (gyroid, letters, tunnel) and scenes that read the sound's history reuse nothing. City
 //! reuses 174 of 480 bricks and builds its next tree in 3.4 instead of 4.3 ms.

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A text has 64 points per height of a capital letter, a picture 256 points per height; fewer if it is long. Grids are
-//! cached by the content of what they show, so that an edit elsewhere in a scene bakes nothing again.
+//! cached by their sources' content, so that an edit elsewhere in a scene is quick.
 
 mod distance;
 mod lettering;
@@ -49,7 +49,7 @@ const SONG_LINES_MAX: usize = 3;
 /// Endings of font files.
 const FONT_ENDINGS: [&str; 4] = ["ttf", "otf", "ttc", "otc"];
 
-/// Bakes texts and pictures, and keeps those of the last scene. Loading a scene again bakes only what has changed, and
+/// Bakes texts and pictures, and keeps the grids of the last scene. Loading a scene again bakes only what has changed, and
 /// returns the same atlas if nothing has.
 #[derive(Debug, Default)]
 pub struct ShapeCache {
@@ -421,7 +421,7 @@ fn coverage_of(picture: &RgbaImage, (columns, rows): (usize, usize), per_unit: f
     let contrast = (1.0 / pixels_per_pixel).max(1.0) as f32;
     let mut coverage = Coverage::none(width, height);
     for (row, line) in coverage.values.chunks_exact_mut(width).enumerate() {
-        // Rows go up, those of the picture go down.
+        // The grid's rows go up, and the picture's rows go down.
         let y = 0.5 * down as f64 - (row as f64 + 0.5 - 0.5 * height as f64) * pixels_per_pixel;
         for (column, value) in line.iter_mut().enumerate() {
             let x = 0.5 * across as f64 + (column as f64 + 0.5 - 0.5 * width as f64) * pixels_per_pixel;

@@ -13,7 +13,7 @@ use super::super::value::{Value, Vector};
 use super::lowering::Lowering;
 use crate::graph::{NodeId, Op, SHAPE_NUMBERS};
 
-/// What a call reads.
+/// The kind of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::lang) enum ShapeCall {
     Text,
