@@ -9,6 +9,8 @@ use mariana_field::graph::{ShapeGrid, SoundInput};
 use mariana_field::lang::{SongText, TextBaker};
 use mariana_field::world::World;
 
+/// Maximum number of texts that wait for the thread. Older ones are dropped.
+const WANTED_MAX: usize = 32;
 /// Maximum number of texts of the shown scene and of a scene that fades out.
 const SHOWN_MAX: usize = 64;
 
@@ -99,10 +101,15 @@ impl LiveSongShapes {
     }
 
     fn want(&mut self, wanted: Vec<Key>) {
-        let is_needed = !wanted.is_empty();
-        self.shared.lock().wanted = wanted;
-        if !is_needed {
+        if wanted.is_empty() {
             return;
+        }
+        {
+            // Two scenes may be drawn in turn, so keep what the other one wants.
+            let all = &mut self.shared.lock().wanted;
+            all.retain(|key| !wanted.contains(key));
+            all.splice(0..0, wanted);
+            all.truncate(WANTED_MAX);
         }
         if !self.has_thread {
             let shared = self.shared.clone();

@@ -141,7 +141,7 @@ impl PreparedScenes {
 
     /// True if a scene shows a text of the song.
     pub(crate) fn show_song_texts(&self) -> bool {
-        self.all().any(|scene| crate::song_shapes::are_shown_by(scene.resources.world()))
+        self.all().any(|scene| scene.has_song_texts)
     }
 
     /// Keeps a scene until it has faded out. Replaces a scene that is still fading out.

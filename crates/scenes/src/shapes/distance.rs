@@ -10,8 +10,12 @@ use mariana_field::graph::ShapeGrid;
 
 /// Pixels per point of the grid, along each side; an even number.
 pub(super) const FINER: usize = 4;
-/// Sweeps over all patches that make steep ones flatter.
-const SWEEPS: usize = 16;
+/// Maximum number of sweeps over steep patches that make them flatter.
+const SWEEPS: usize = 400;
+/// A patch with a slope above this is steep. All distances are then divided by the steepest slope that remains.
+const STEEP: f32 = 1.002;
+/// Allowance for the rounding of values far from edges.
+const ROUNDING: f32 = 2e-5;
 /// The squared distance of a pixel without a seed: farther than any pixel.
 const FAR: f32 = 1e12;
 /// Covered fractions below this are 0: they come from rounding.
@@ -40,13 +44,9 @@ pub(super) fn grid(
             values.push(0.25 * sum / FINER as f32);
         }
     }
-    for _ in 0..SWEEPS {
-        if !flattened(&mut values, columns) {
-            break;
-        }
-    }
+    flatten(&mut values, columns);
     // One unit has `points_per_unit` points.
-    let steepest = ShapeGrid::new(values.clone(), columns, 1.0)?.steepest().max(1.0) * (1.0 + 1e-6);
+    let steepest = ShapeGrid::new(values.clone(), columns, 1.0)?.steepest().max(1.0) * (1.0 + ROUNDING);
     let scale = 1.0 / (steepest * points_per_unit);
     values.iter_mut().for_each(|value| *value *= scale);
     ShapeGrid::new(values, columns, points_per_unit)
@@ -54,29 +54,46 @@ pub(super) fn grid(
 
 /// Makes patches that are too steep as flat as allowed, without changing their means. The grids that are flat enough
 /// are a convex set, so repeated sweeps approach it. Steep patches are at ridges, where the nearest edge changes.
-/// Returns true if there was one.
-fn flattened(values: &mut [f32], columns: usize) -> bool {
-    let mut any = false;
-    for lower in 0..values.len().saturating_sub(columns) {
-        if (lower + 1) % columns == 0 {
-            continue;
+fn flatten(values: &mut [f32], columns: usize) {
+    let last = values.len().saturating_sub(columns);
+    let mut active: Vec<usize> = (0..last).collect();
+    for _ in 0..SWEEPS {
+        active.retain(|lower| flatten_patch(values, columns, *lower));
+        // A change makes the patches around it steeper.
+        let around = [columns + 1, columns, columns - 1, 1, 0];
+        let beside =
+            |at: usize| around.into_iter().flat_map(move |off| [at.checked_sub(off), Some(at + off)]);
+        let mut next: Vec<usize> = active.into_iter().flat_map(beside).flatten().collect();
+        next.sort_unstable();
+        next.dedup();
+        next.retain(|lower| *lower < last);
+        if next.is_empty() {
+            break;
         }
-        let places = [lower, lower + 1, lower + columns, lower + columns + 1];
-        let [a, b, c, d] = places.map(|at| values.get(at).copied().unwrap_or_default());
-        let across = (b - a).abs().max((d - c).abs());
-        let up = (c - a).abs().max((d - b).abs());
-        let steepest = across.hypot(up);
-        if steepest > 1.0 {
-            any = true;
-            let mean = 0.25 * (a + b + c + d);
-            for (place, value) in places.into_iter().zip([a, b, c, d]) {
-                if let Some(stored) = values.get_mut(place) {
-                    *stored = mean + (value - mean) / steepest;
-                }
-            }
+        active = next;
+    }
+}
+
+/// Flattens one patch. Returns true if it was too steep.
+fn flatten_patch(values: &mut [f32], columns: usize, lower: usize) -> bool {
+    if (lower + 1).is_multiple_of(columns) {
+        return false;
+    }
+    let places = [lower, lower + 1, lower + columns, lower + columns + 1];
+    let [a, b, c, d] = places.map(|at| values.get(at).copied().unwrap_or_default());
+    let across = (b - a).abs().max((d - c).abs());
+    let up = (c - a).abs().max((d - b).abs());
+    let steepest = across.hypot(up);
+    if steepest <= STEEP {
+        return false;
+    }
+    let mean = 0.25 * (a + b + c + d);
+    for (place, value) in places.into_iter().zip([a, b, c, d]) {
+        if let Some(stored) = values.get_mut(place) {
+            *stored = mean + (value - mean) / steepest;
         }
     }
-    any
+    true
 }
 
 /// Returns the distance of each pixel's centre from the edge, in pixels, negative where covered.

@@ -16,6 +16,7 @@ mod svg;
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use image::RgbaImage;
@@ -262,7 +263,13 @@ fn font_bytes(source: &SceneSource, name: &str) -> Result<Vec<u8>, Refused> {
 
 /// Bakes one line of text.
 fn text_grid(text: &str, font: &Arc<Font>) -> Result<ShapeGrid, Refused> {
-    let line = system_fonts(|system| Fonts::for_text(font, text, system)).line(text);
+    // A damaged font can make its reader panic.
+    let line = catch_unwind(AssertUnwindSafe(|| {
+        system_fonts(|system| Fonts::for_text(font, text, system)).line(text)
+    }));
+    let Ok(line) = line else {
+        return Err(Refused::new("the font of this text is damaged".to_owned(), "use another font"));
+    };
     if !line.missing.is_empty() {
         let letters: String = line.missing.iter().collect();
         let message = format!("no font of this system has the letters `{letters}`");
@@ -299,7 +306,7 @@ fn song_grid(text: &str, font: &Arc<Font>) -> ShapeGrid {
     let far = || ShapeGrid::empty(columns, rows, SONG_POINTS as f32);
     let text: String = text.chars().take(LIMITS.song_letters_max).collect();
     let text = text.replace(char::is_control, " ");
-    let baked = (!text.trim().is_empty()).then(|| {
+    let bake = || {
         let fonts = system_fonts(|system| Fonts::for_text(font, &text, system));
         let room = (columns - 2 * RIM) as f64 / SONG_POINTS;
         let whole = fonts.line(text.trim());
@@ -318,7 +325,9 @@ fn song_grid(text: &str, font: &Arc<Font>) -> ShapeGrid {
         let scale = if scale.is_finite() { scale } else { 1.0 };
         let coverage = covered(&(Affine::scale(scale) * path), SONG_POINTS, SONG_GRID);
         distance::grid(&coverage, SONG_GRID, SONG_POINTS as f32)
-    });
+    };
+    // A damaged font can make its reader panic; its text is then empty.
+    let baked = (!text.trim().is_empty()).then(|| catch_unwind(AssertUnwindSafe(bake)).ok().flatten());
     let plain = || ShapeGrid::empty(2, 2, 1.0);
     // The sizes are constants, so there is always a grid.
     #[expect(clippy::unwrap_used, reason = "a grid of constant size holds finite numbers")]
