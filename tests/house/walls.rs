@@ -278,6 +278,7 @@ pub(super) const OUTSIDE: &[(&str, &[&str])] = &[
             "moving_textures",
             "session",
             "shell",
+            "song_shapes",
             "song_structures",
             "stems",
             "videos",

@@ -46,7 +46,6 @@ pub use folder::read_at_most;
 pub use loader::{Loaded, Loader};
 pub use number_edits::NumberEdits;
 pub use order::SceneList;
-pub use shapes::ShapeCache;
 pub use sources::{TextureSource, VIDEO_ENDINGS};
 pub use textures::{NEUTRAL, TextureCache};
 pub use world::ReadyScene;

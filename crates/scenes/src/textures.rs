@@ -18,7 +18,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Rgba, RgbaImag
 
 use super::SceneSource;
 use super::folder::{Folder, Refusal};
-use super::shapes::ShapeCache;
+use super::shapes::{ShapeCache, ShapeFiles};
 use super::sources::{TextureSource, find_videos, is_video};
 use crate::limits::{LIMITS, Limits};
 use mariana_assets::TEXTURES;
@@ -90,10 +90,10 @@ impl TextureCache {
         Err(wrong)
     }
 
-    /// Bakes the texts and pictures that shapes read into the scene's atlas, with the cache ([`ShapeCache::load`]).
+    /// Bakes the texts and pictures that shapes read into the scene's atlas, with the cache.
     ///
     /// # Errors
-    /// Fails like [`ShapeCache::load`].
+    /// Fails like [`SceneSource::bake_shapes`].
     pub fn load_shapes(&mut self, source: &SceneSource, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
         self.shapes.load(source, scene)
     }
@@ -142,29 +142,29 @@ impl TextureCache {
     }
 }
 
-/// Reads an image for a shape: of the scene's folder, or a shipped one.
-pub(super) fn image_bytes(
-    source: &SceneSource,
-    name: &str,
-    span: Span,
-) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
-    if is_video(name) {
-        let message = format!("`{name}` is a video, and a shape needs a picture that does not move");
-        let wrong = Diagnostic::unsupported(span, message);
-        return Err(Box::new(wrong.hint("name a PNG, JPEG or SVG file")));
+impl ShapeFiles for SceneSource {
+    fn font(&self, name: &str) -> Option<Result<Vec<u8>, Refusal>> {
+        Some(Folder::of(self.file()?).bytes(name, LIMITS.font_bytes_max))
     }
-    let texture = TextureRef { name: name.to_owned(), span, moves: None };
-    match (own_bytes(source, name), shipped(name)) {
-        (Some(Ok(bytes)), _) => Ok(Cow::Owned(bytes)),
-        (None | Some(Err(Refusal::Missing)), Some(bytes)) => Ok(Cow::Borrowed(bytes)),
-        (None, None) => Err(Box::new(missing(source, &texture))),
-        (Some(Err(refusal)), _) => Err(Box::new(refused(source, &texture, &refusal))),
-    }
-}
 
-/// Decodes a PNG or JPEG for a shape, like a texture.
-pub(super) fn decode_image(name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
-    decode(&TextureRef { name: name.to_owned(), span, moves: None }, bytes, &LIMITS)
+    fn picture(&self, name: &str, span: Span) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
+        if is_video(name) {
+            let message = format!("`{name}` is a video, and a shape needs a picture that does not move");
+            let wrong = Diagnostic::unsupported(span, message);
+            return Err(Box::new(wrong.hint("name a PNG, JPEG or SVG file")));
+        }
+        let texture = TextureRef { name: name.to_owned(), span, moves: None };
+        match (own_bytes(self, name), shipped(name)) {
+            (Some(Ok(bytes)), _) => Ok(Cow::Owned(bytes)),
+            (None | Some(Err(Refusal::Missing)), Some(bytes)) => Ok(Cow::Borrowed(bytes)),
+            (None, None) => Err(Box::new(missing(self, &texture))),
+            (Some(Err(refusal)), _) => Err(Box::new(refused(self, &texture, &refusal))),
+        }
+    }
+
+    fn decoded(&self, name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
+        decode(&TextureRef { name: name.to_owned(), span, moves: None }, bytes, &LIMITS)
+    }
 }
 
 /// Reads a file from the scene's folder; `None` if the scene has no folder.

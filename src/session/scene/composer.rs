@@ -93,6 +93,13 @@ pub(crate) struct SceneComposer {
 }
 
 impl SceneComposer {
+    /// The sources of pictures and texts that change during the song. They call `wake` when they have something new.
+    pub(super) fn changing(
+        wake: &(impl Fn() + Clone + Send + Sync + 'static),
+    ) -> (LiveTextures, LiveSongShapes) {
+        (LiveTextures::new(wake.clone()), LiveSongShapes::new(wake.clone()))
+    }
+
     pub(super) fn new(
         mut regions: SceneRegions,
         (textures, song_shapes): (LiveTextures, LiveSongShapes),

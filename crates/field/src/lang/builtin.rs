@@ -2,8 +2,7 @@
 //!
 //! All other functions are in the library, which is written in the language.
 
-use super::lower::ShapeCall;
-use super::scene::SongText;
+use super::shape::{ShapeCall, SongText};
 use crate::graph::{Input, LevelList, Op, SoundInput};
 
 #[derive(Debug, Clone, Copy, PartialEq)]

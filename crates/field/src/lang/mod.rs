@@ -38,6 +38,7 @@ mod origins;
 mod parser;
 mod path;
 mod scene;
+mod shape;
 mod source;
 mod suggest;
 mod symbol;
@@ -62,9 +63,9 @@ pub use names::{Declaration, Meaning, Names, names};
 pub use origins::{Origins, TextPlace};
 pub use parser::{Operator, PREFIX_BINDS, operators};
 pub use scene::{
-    Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, ShapeRef, ShapeSource, Sky,
-    SongText, TextBaker, TextureRef, ToneMap,
+    Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap,
 };
+pub use shape::{ShapeRef, ShapeSource, SongText, TextBaker};
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]

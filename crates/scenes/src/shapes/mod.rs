@@ -14,6 +14,7 @@ mod lettering;
 mod outline;
 mod svg;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,9 +26,7 @@ use mariana_field::graph::{AtlasShape, SHAPE_COLUMNS, ShapeAtlas, ShapeGrid};
 use mariana_field::lang::{Diagnostic, Scene, ShapeRef, ShapeSource, Span, TextBaker, nearest};
 use mariana_render::system_fonts::SystemFonts;
 
-use super::SceneSource;
-use super::folder::{Folder, Refusal};
-use super::textures::{decode_image, image_bytes};
+use super::folder::Refusal;
 use crate::limits::LIMITS;
 use distance::FINER;
 use lettering::{Font, Fonts, LINE};
@@ -50,10 +49,22 @@ const SONG_LINES_MAX: usize = 3;
 /// Endings of font files.
 const FONT_ENDINGS: [&str; 4] = ["ttf", "otf", "ttc", "otc"];
 
+/// The files that texts and pictures of a scene read.
+pub(super) trait ShapeFiles {
+    /// Reads a font's file. `None` if the scene has no folder.
+    fn font(&self, name: &str) -> Option<Result<Vec<u8>, Refusal>>;
+
+    /// Reads a picture's file.
+    fn picture(&self, name: &str, span: Span) -> Result<Cow<'static, [u8]>, Box<Diagnostic>>;
+
+    /// Decodes a PNG or JPEG.
+    fn decoded(&self, name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>>;
+}
+
 /// Bakes texts and pictures, and keeps the grids of the last scene. Loading a scene again bakes only what has changed, and
 /// returns the same atlas if nothing has.
 #[derive(Debug, Default)]
-pub struct ShapeCache {
+pub(super) struct ShapeCache {
     grids: HashMap<u64, ShapeGrid>,
     fonts: HashMap<u64, Arc<Font>>,
     bakers: HashMap<u64, Arc<SongBaker>>,
@@ -100,7 +111,7 @@ impl ShapeCache {
     ///
     /// # Errors
     /// Fails with a diagnostic for each text or picture that cannot be baked, with its position in the text.
-    pub fn load(&mut self, source: &SceneSource, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
+    pub(super) fn load(&mut self, source: &dyn ShapeFiles, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
         let (mut keys, mut shapes, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
         let mut kept = HashMap::new();
         for shape in &mut scene.shapes {
@@ -134,7 +145,7 @@ impl ShapeCache {
 
     fn grid(
         &mut self,
-        source: &SceneSource,
+        source: &dyn ShapeFiles,
         shape: &mut ShapeRef,
         kept: &mut HashMap<u64, ShapeGrid>,
     ) -> Result<(u64, ShapeGrid), Box<Diagnostic>> {
@@ -149,7 +160,7 @@ impl ShapeCache {
                 (Some(font), None)
             }
             ShapeSource::Image(name) => {
-                let bytes = image_bytes(source, name, span)?;
+                let bytes = source.picture(name, span)?;
                 bytes.hash(&mut hasher);
                 (None, Some(bytes))
             }
@@ -165,7 +176,7 @@ impl ShapeCache {
             (None, ShapeSource::Text { text, .. }, Some(font), _) => {
                 text_grid(text, &font).map_err(refused)?
             }
-            (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(name, span, &bytes)?,
+            (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(source, (name, span), &bytes)?,
             _ => song_grid("", &Arc::new(Font::own())),
         };
         kept.insert(key, grid.clone());
@@ -173,7 +184,7 @@ impl ShapeCache {
     }
 
     /// Returns a font, and a key of its content.
-    fn font(&mut self, source: &SceneSource, name: Option<&str>) -> Result<(u64, Arc<Font>), Refused> {
+    fn font(&mut self, source: &dyn ShapeFiles, name: Option<&str>) -> Result<(u64, Arc<Font>), Refused> {
         let Some(name) = name else { return Ok((0, Arc::new(Font::own()))) };
         let mut hasher = DefaultHasher::new();
         if is_font_file(name) {
@@ -242,12 +253,12 @@ fn changes(source: &ShapeSource) -> bool {
     matches!(source, ShapeSource::Song { .. })
 }
 
-fn font_bytes(source: &SceneSource, name: &str) -> Result<Vec<u8>, Refused> {
-    let Some(file) = source.file() else {
+fn font_bytes(source: &dyn ShapeFiles, name: &str) -> Result<Vec<u8>, Refused> {
+    let Some(read) = source.font(name) else {
         let message = format!("`{name}` is a file, and only a scene in a file can use fonts of its folder");
         return Err(Refused::new(message, "save the scene as a file next to the font"));
     };
-    Folder::of(file).bytes(name, LIMITS.font_bytes_max).map_err(|refusal| {
+    read.map_err(|refusal| {
         let over_limit = matches!(refusal, Refusal::TooLarge(_));
         let hint = match refusal {
             Refusal::TooLarge(_) => "use a font with fewer letters",
@@ -356,7 +367,11 @@ fn broken(text: &str, count: usize) -> Vec<&str> {
     lines
 }
 
-fn image_grid(name: &str, span: Span, bytes: &[u8]) -> Result<ShapeGrid, Box<Diagnostic>> {
+fn image_grid(
+    source: &dyn ShapeFiles,
+    (name, span): (&str, Span),
+    bytes: &[u8],
+) -> Result<ShapeGrid, Box<Diagnostic>> {
     let unusable = || {
         let message = format!("the picture `{name}` is too long and narrow for a shape");
         Box::new(Diagnostic::over_limit(span, message).hint("crop it"))
@@ -382,7 +397,7 @@ fn image_grid(name: &str, span: Span, bytes: &[u8]) -> Result<ShapeGrid, Box<Dia
         let coverage = within(coverage, place.transform_rect_bbox(view));
         return distance::grid(&coverage, size, per_unit as f32).ok_or_else(unusable);
     }
-    let picture = decode_image(name, span, bytes)?;
+    let picture = source.decoded(name, span, bytes)?;
     let Some((size, per_unit)) = size_of(f64::from(picture.width()), f64::from(picture.height())) else {
         return Err(unusable());
     };

@@ -2,7 +2,8 @@
 
 use super::super::ast::{ExprId, Function};
 use super::super::origins::Stretch;
-use super::super::scene::{Param, ShapeRef, TextureRef};
+use super::super::scene::{Param, TextureRef};
+use super::super::shape::ShapeRef;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::Value;

@@ -28,7 +28,6 @@ mod unused;
 
 pub use sections::section_fields;
 pub(in crate::lang) use sections::word;
-pub(in crate::lang) use shape_read::ShapeCall;
 
 use super::changing::ChangingNumbers;
 use super::diagnostic::Diagnostics;

@@ -7,19 +7,11 @@
 use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
 use super::super::path;
-use super::super::scene::{ShapeRef, ShapeSource, SongText};
+use super::super::shape::{ShapeCall, ShapeRef, ShapeSource};
 use super::super::source::Span;
 use super::super::value::{Value, Vector};
 use super::lowering::Lowering;
 use crate::graph::{NodeId, Op, SHAPE_NUMBERS};
-
-/// The kind of a call.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::lang) enum ShapeCall {
-    Text,
-    Image,
-    Song(SongText),
-}
 
 /// A call with the arguments from `mark` on, whose expressions begin at `first` (see `Lowering::apply`).
 pub(super) struct ShapeRead<'l, 'a> {

@@ -139,11 +139,7 @@ impl World {
         let fraction_number = from.scene.params.len() + to.scene.params.len();
         let s = graph.input(Input::Param(fraction_number as u16));
         let graph_error = |source| WorldError::Graph { scene: name.clone(), source };
-        let before = Before {
-            textures: from.pictures.len(),
-            params: from.scene.params.len(),
-            shapes: from.scene.shapes.len(),
-        };
+        let before = Before::of(from);
         let a = Side::of(&mut graph, from, Before::default(), &Alignment::NONE).map_err(graph_error)?;
         let b = Side::of(&mut graph, to, before, alignment).map_err(graph_error)?;
         let camera = camera::mixed(&mut graph, &a.camera, &b.camera, s);

@@ -7,12 +7,19 @@ use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op, SHAPE_NUMBERS};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
 use crate::world::World;
 
-/// How many things of the other world precede those of a world.
+/// The numbers of things of the first world, which precede the things of the second world.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Before {
     pub(super) textures: usize,
     pub(super) params: usize,
     pub(super) shapes: usize,
+}
+
+impl Before {
+    pub(super) fn of(world: &World) -> Self {
+        let scene = &world.scene;
+        Self { textures: world.pictures.len(), params: scene.params.len(), shapes: scene.shapes.len() }
+    }
 }
 
 /// A world in a blend's graph. Its values are distances, or values that are normalized to be similar to distances.
