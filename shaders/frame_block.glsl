@@ -3,7 +3,7 @@
 layout(std140) uniform FrameBlock {
     vec4 viewport;          // width, height, 1 / width, 1 / height, in pixels
     vec4 camera_position;   // xyz the eye; w half a pixel's width at distance 1
-    vec4 camera_right;      // xyz to the right edge of the frame
+    vec4 camera_right;      // xyz to the right edge of the frame; w the texels of texts and pictures as shapes
     vec4 camera_up;         // xyz to the upper edge
     vec4 camera_forward;    // xyz along the viewing axis, unit length
     vec4 frame_clock;       // x time in seconds; y lights; z the row of the history at age 0, w the rows up to age 1
@@ -58,12 +58,14 @@ vec4 bounds_high;
 vec4 region_low;
 vec4 region_scale;
 vec4 planes[PLANES_MAX];
+int shape_texels;
 
 void load_frame() {
     bounds_low = block_bounds_low;
     bounds_high = block_bounds_high;
     region_low = block_region_low;
     region_scale = block_region_scale;
+    shape_texels = int(camera_right.w);
     for (int i = 0; i < PLANES; i++) planes[i] = block_planes[i];
 }
 #else
@@ -72,6 +74,7 @@ void load_frame() {
 #define region_low block_region_low
 #define region_scale block_region_scale
 #define planes block_planes
+#define shape_texels int(camera_right.w)
 
 void load_frame() {}
 #endif

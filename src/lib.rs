@@ -24,6 +24,7 @@ pub mod sending;
 pub mod session;
 pub mod shell;
 pub mod show;
+pub mod song_shapes;
 pub mod song_structures;
 pub mod stems;
 pub mod videos;

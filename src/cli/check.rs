@@ -198,8 +198,8 @@ fn compile(source: &SceneSource) -> Result<Result<Checked, Mistakes>, SceneError
     let Compiled { scene, diagnostics, warnings, sources, .. } = source.compile()?;
     let Some(mut scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
     source.find_videos(&mut scene);
-    Ok(match source.textures(&scene) {
-        Ok(_) => Ok((scene, sources, warnings)),
+    Ok(match source.textures(&scene).and_then(|_| source.bake_shapes(&mut scene)) {
+        Ok(()) => Ok((scene, sources, warnings)),
         Err(diagnostics) => Err(Mistakes { diagnostics, sources }),
     })
 }

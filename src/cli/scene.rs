@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 
 use super::common::{SetArguments, colors};
@@ -13,7 +13,7 @@ use crate::export::print::print_line;
 use crate::frame::held_inputs::HeldInputs;
 use crate::scenes::SceneSource;
 use mariana_field::graph::{FrameInputs, Point};
-use mariana_field::lang::Scene;
+use mariana_field::lang::{Scene, render_all};
 use mariana_field::region::{ListedClause, RegionOptions, RegionPlan};
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use mariana_field::world::World;
@@ -74,7 +74,7 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
 fn tape_of_cell(name: &str, scene: Scene, point: [f32; 3]) -> anyhow::Result<String> {
     let params = scene.params.iter().map(|param| param.default).collect();
     let world = World::new(name, scene, Vec::new())?;
-    let mut frame = FrameInputs { params, ..FrameInputs::default() };
+    let mut frame = FrameInputs { params, shapes: world.scene.atlas.clone(), ..FrameInputs::default() };
     frame.hoisted = world.hoisted.values(&frame);
     let tree = RegionPlan::new(&world).build(&frame, &RegionOptions::default());
     let Some(cell) = tree.cell_at(point) else {
@@ -111,6 +111,7 @@ pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
     let scene = require(&scene_of(&arguments.scene)?)?;
     let mut frame = FrameInputs {
         params: scene.params.iter().map(|param| param.default).collect(),
+        shapes: scene.atlas.clone(),
         ..Default::default()
     };
     let set = &arguments.set.set;
@@ -136,15 +137,16 @@ pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
 }
 
 pub(super) fn require(source: &SceneSource) -> anyhow::Result<Scene> {
-    let compiled = source.compile()?;
-    let diagnostics = compiled.render(colors(&std::io::stderr()));
-    compiled.scene.ok_or_else(|| {
-        anyhow::anyhow!(
-            "{} has mistakes: correct what is underlined\n{}",
-            source.name(),
-            diagnostics.trim_end()
-        )
-    })
+    let mut compiled = source.compile()?;
+    let wrong = match compiled.scene.take() {
+        Some(mut scene) => match source.bake_shapes(&mut scene) {
+            Ok(()) => return Ok(scene),
+            Err(wrong) => wrong,
+        },
+        None => compiled.diagnostics,
+    };
+    let diagnostics = render_all(&wrong, &compiled.sources, colors(&std::io::stderr()));
+    bail!("{} has mistakes: correct what is underlined\n{}", source.name(), diagnostics.trim_end())
 }
 
 fn for_each_point(path: &Path, mut take: impl FnMut([f32; 3]) -> anyhow::Result<()>) -> anyhow::Result<()> {

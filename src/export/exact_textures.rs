@@ -9,7 +9,10 @@ use crate::covers;
 use crate::frame::Frame;
 use crate::moving_textures::{image_of, pictures_of};
 use crate::scenes::TextureSource;
+use crate::song_shapes::{self, ExactSongShapes, SongTexts};
+use crate::song_structures::lyrics_of;
 use mariana_field::world::World;
+use mariana_player::lyrics::Lyrics;
 use mariana_player::song::Song;
 use mariana_player::video::{VideoError, VideoReader};
 
@@ -18,6 +21,9 @@ use mariana_player::video::{VideoError, VideoReader};
 pub(super) struct ExactTextures {
     known: Vec<(TextureSource, Exact)>,
     song: Option<(Song, String)>,
+    shapes: ExactSongShapes,
+    /// Known once a scene shows them.
+    texts: Option<SongTexts>,
 }
 
 enum Exact {
@@ -34,12 +40,40 @@ impl ExactTextures {
     /// Sets the song whose cover the scenes show, and its display name.
     pub(super) fn hear(&mut self, song: Song, name: String) {
         self.song = Some((song, name));
+        self.texts = None;
+    }
+
+    /// Replaces the lyrics of the song.
+    pub(super) fn sing(&mut self, lyrics: Lyrics) {
+        let texts = self.texts();
+        texts.lyrics = Arc::new(lyrics);
+    }
+
+    fn texts(&mut self) -> &mut SongTexts {
+        let song = &self.song;
+        self.texts.get_or_insert_with(|| {
+            let Some((song, name)) = song else { return SongTexts::default() };
+            let decoder = song.open().ok();
+            let info = decoder.as_ref().map(|decoder| decoder.info());
+            let title = info.and_then(|info| info.title.clone());
+            let artist = info.and_then(|info| info.artist.clone());
+            SongTexts {
+                title: title.unwrap_or_else(|| name.clone()),
+                artist: artist.unwrap_or_default(),
+                lyrics: Arc::new(lyrics_of(song)),
+            }
+        })
     }
 
     /// Adds the pictures at the frame's time to a frame of a world. Waits for them.
     pub(super) fn put_into(&mut self, frame: &mut Frame, world: &World) {
         let time = f64::from(frame.inputs.time);
         frame.pictures = pictures_of(world, |source| self.picture(source, time));
+        if song_shapes::are_shown_by(world) {
+            let texts = self.texts().clone();
+            let line = texts.lyrics.at(time).map(|(number, _)| number);
+            self.shapes.put_into(frame, world, &texts, line);
+        }
     }
 
     fn picture(&mut self, source: TextureSource, time: f64) -> Option<Arc<RgbaImage>> {

@@ -130,6 +130,9 @@ impl HeadlessRenderer {
     /// Sets the song whose cover the scenes show.
     pub(super) fn hear(&mut self, song: &SongFeatures) {
         self.textures.hear(song.song().clone(), song.name().to_owned());
+        if let Some(lyrics) = song.lyrics() {
+            self.textures.sing(lyrics.clone());
+        }
     }
 
     pub(super) fn draw(&mut self, model: &Model, mut frame: Frame) -> Result<(), ExportError> {

@@ -153,6 +153,11 @@ impl SongFeatures {
         &self.song
     }
 
+    /// Returns the lyrics, if they are known already.
+    pub(super) fn lyrics(&self) -> Option<&Lyrics> {
+        self.lyrics.as_ref()
+    }
+
     /// Returns the song's title for messages.
     pub fn name(&self) -> &str {
         &self.name

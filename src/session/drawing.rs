@@ -272,6 +272,8 @@ impl Playback {
         for message in self.scene.composer_mut().follow_textures(cover) {
             self.reports.say(message);
         }
+        let texts = self.scene.scenes().show_song_texts().then(|| self.listening.song_texts());
+        self.scene.composer_mut().follow_song_texts(texts);
     }
 
     pub(super) fn moment(&mut self) -> Option<Moment> {

@@ -14,6 +14,7 @@ use crate::session::announcer::{TrackOrder, words_of};
 use crate::session::direction::Playing;
 use crate::session::heard_parts::HeardParts;
 use crate::session::sound::Sound;
+use crate::song_shapes::SongTexts;
 use crate::song_structures::SongReader;
 use crate::stems::Parts;
 use crate::ui::overlay::OverlayContent;
@@ -353,6 +354,19 @@ impl Listening {
     /// The cover of the track that plays, or a painted one.
     pub(crate) fn cover_or_painted(&mut self) -> Arc<RgbaImage> {
         self.cover().unwrap_or_else(|| self.painted.picture())
+    }
+
+    /// The texts of the track that plays; empty for other sources.
+    pub(crate) fn song_texts(&self) -> SongTexts {
+        let Some(track) = self.painted.track.as_ref().filter(|_| self.sound.plays_song()) else {
+            return SongTexts::default();
+        };
+        let known = self.songs.as_ref().and_then(|songs| songs.get(track.id));
+        SongTexts {
+            title: track.title.clone().unwrap_or_else(|| track.name.clone()),
+            artist: track.artist.clone().unwrap_or_default(),
+            lyrics: known.map(|song| song.lyrics.clone()).unwrap_or_default(),
+        }
     }
 
     pub(crate) fn track_of(&self, moment: Moment) -> Option<u64> {

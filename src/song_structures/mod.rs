@@ -34,7 +34,7 @@ pub struct ReadSong {
     /// The song's structure.
     pub structure: Arc<SongStructure>,
     /// The song's lyrics; without lines if it has none.
-    pub lyrics: Lyrics,
+    pub lyrics: Arc<Lyrics>,
 }
 
 impl ReadSong {

@@ -64,7 +64,7 @@ impl SongReader {
             let structure = find(reopen.content(), || reopen.open(), &cache, go_on)?;
             // The times of lyrics are those of the whole file.
             let whole = reopen.content().filter(|content| content.cut.is_none());
-            let lyrics = whole.map(|content| lyrics_of(&content.song)).unwrap_or_default();
+            let lyrics = Arc::new(whole.map(|content| lyrics_of(&content.song)).unwrap_or_default());
             Some(structure.map(|structure| ReadSong { structure: Arc::new(structure), lyrics }))
         };
         Self::of("songs", KNOWN_MAX, read, wake)

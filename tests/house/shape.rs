@@ -39,6 +39,7 @@ const RECORDS: &[(&str, &str)] = &[
     ("PlayArguments", "the command line of `play`"),
     ("PlaySettings", "the settings of a run"),
     ("PlayerStatus", "the player's state, for display"),
+    ("Scene", "a checked scene"),
     ("ShowState", "the state of the show, for controllers"),
     ("SongMoment", "the place of a moment in a song"),
     ("SongStructure", "the analysis of a song"),

@@ -149,6 +149,7 @@ const ROWS: &[Row] = &[
     Row { op: Op::Spectrum, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::Waveform, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::History, relative: 0.0, absolute: 1e-6, trusted: any },
+    Row { op: Op::Shape, relative: 0.0, absolute: 1e-6, trusted: any },
     Row { op: Op::Div, relative: 3e-7, absolute: 0.0, trusted: any },
     // A driver flushes a subnormal quotient to 0, so the floor of a negative quotient is 0 instead of -1.
     Row { op: Op::Mod, relative: 3e-7, absolute: 0.0, trusted: quotient },
@@ -366,7 +367,7 @@ fn disturbance(op: Op, a: f32, result: f32) -> f32 {
         Op::Mod if a != 0.0 && a.abs() < 1e-30 => result.abs(),
         // The result may be a small difference of large numbers.
         Op::Fract | Op::Mod => ULPS * a.abs(),
-        Op::Spectrum | Op::Waveform | Op::History => ULPS,
+        Op::Spectrum | Op::Waveform | Op::History | Op::Shape => ULPS,
         op => {
             let (relative, absolute) = tolerance(op);
             relative * result.abs() + absolute

@@ -67,6 +67,18 @@ sky {
 camera { position = vec3(0, 2.5, -2)  target = vec3(0, 1.2, 6)  fov = 55  roll = 0.05 * sin(t) }
 "#;
 
+/// Texts and pictures as shapes, in shapes and in a material, beside the tables of the sound.
+const WORDS: &str = r#"
+material paint {
+  color = vec3(0.5, 0.2, 0.1) + 0.4 * spectrum(0.5 + p.x / 12) * vec3(0.2, 0.5, 0.1) + 0.3 * step(image("mallard.png", p.xz / 2), 0)
+}
+object word { shape = extrude(text("Ägir 8&", p.xy - vec2(-1, 0.7 + 0.3 * band(3))), p.z - 4, 0.2)  material = paint }
+object bird { shape = round(extrude(image("mallard.png", p.xy - vec2(2.6, 0.6)), p.z - 4, 0.1), 0.03) }
+object floor { shape = p.y  material = paint }
+light sun { direction = vec3(0.4, -1, 0.7)  color = vec3(2, 1.8, 1.5)  radius = 0.05 }
+camera { position = vec3(-1, 2.2, -3)  target = vec3(0, 0.8, 4)  fov = 50 }
+"#;
+
 /// A scene that reads every sound value: hills from the history of the spectrum, a floor with the waveform, and a ball.
 const HEARS_ALL: &str = r#"
 fn hills(p) = 0.25 * (p.y - 1.6 * history(0.5 + p.x / 12, p.z / 20))
@@ -217,6 +229,14 @@ fn both_modes_show_the_same_planes() {
 #[test]
 fn both_modes_show_the_same_scene_of_many_parts() {
     assert_modes_agree("many", &SceneSource::Formula(MANY.into()), &[3.0, 5.0]);
+}
+
+#[test]
+fn both_modes_show_the_same_texts_and_pictures() {
+    let scene = SceneSource::Formula(WORDS.into());
+    assert_modes_agree("words", &scene, &[3.0, 5.0]);
+    let world = TestRenderer::of(&scene, Mode::Compiled, Counting::Off).resources.world().clone();
+    assert!(!world.non_lipschitz && world.scene.atlas.rows() > 300);
 }
 
 #[test]

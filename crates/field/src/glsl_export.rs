@@ -1,6 +1,7 @@
 //! A scene as GLSL that can be pasted into Shadertoy.
 //!
 //! The time becomes `iTime`, parameters become constants of the same name, and the sound is silent. Textures are grey.
+//! Texts and pictures as shapes are left out.
 
 use std::fmt::Write as _;
 
@@ -9,12 +10,14 @@ use crate::lang::Scene;
 use crate::tape::glsl::{Sampling, function, input_name, literal};
 
 /// Functions that the generated code may call, each with its text.
-const HELPERS: [(&str, &str); 6] = [
+const HELPERS: [(&str, &str); 8] = [
     ("cell_hash(", CELL_HASH_GLSL),
     ("table_part(", "float table_part(float a) { return 0.0; }\n"),
     ("table_spectrum(", "float table_spectrum(float a) { return 0.0; }\n"),
     ("table_waveform(", "float table_waveform(float a) { return 0.0; }\n"),
     ("table_history(", "float table_history(float a, float b) { return 0.0; }\n"),
+    ("shape_number(", "float shape_number(float a) { return 0.0; }\n"),
+    ("shape_distance(", "float shape_distance(float a, float b) { return 1.0; }\n"),
     ("read_texture(", "vec4 read_texture(int i, float u, float v) { return vec4(0.5, 0.5, 0.5, 1.0); }\n"),
 ];
 

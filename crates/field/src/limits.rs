@@ -33,6 +33,10 @@ pub struct Limits {
     pub scene_params_max: usize,
     /// Maximum number of textures of a scene. OpenGL 3.3 guarantees that a fragment shader can use 16.
     pub scene_textures_max: usize,
+    /// Maximum number of different texts and pictures that the shapes of a scene read.
+    pub scene_shapes_max: usize,
+    /// Maximum number of letters in a text that is a shape.
+    pub shape_letters_max: usize,
     /// Maximum number of objects of a scene.
     pub scene_objects_max: usize,
     /// Maximum number of materials of a scene.
@@ -62,6 +66,8 @@ pub const LIMITS: Limits = Limits {
     scene_includes_max: 64,
     scene_params_max: 64,
     scene_textures_max: 12,
+    scene_shapes_max: 16,
+    shape_letters_max: 200,
     scene_objects_max: 256,
     scene_materials_max: 64,
     scene_lights_max: 16,

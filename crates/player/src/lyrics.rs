@@ -158,6 +158,11 @@ impl Lyrics {
         let number = self.lines.partition_point(|line| line.start <= time).checked_sub(1)?;
         self.lines.get(number).filter(|line| time < line.end).map(|line| (number, line))
     }
+
+    /// Returns the line with this number, from 0.
+    pub fn line(&self, number: usize) -> Option<&LyricLine> {
+        self.lines.get(number)
+    }
 }
 
 /// Reads a time such as `01:23.45`, `1:23` or `01:23:45`.

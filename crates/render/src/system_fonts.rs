@@ -111,6 +111,40 @@ impl SystemFonts {
         }
         found
     }
+
+    /// Reads the system font with this name: a family such as `DejaVu Sans`, a family with a style such as `DejaVu Sans
+    /// Bold`, or a full name. Spaces, hyphens and case do not matter. Returns the file and the number of the font in it.
+    /// `None` if there is no such font, or if it is unreadable or larger than the limit.
+    pub fn named(&mut self, name: &str) -> Option<(Vec<u8>, u32)> {
+        let folder = self.folder.as_deref();
+        let database = self.database.get_or_insert_with(|| read_fonts(folder));
+        let wanted = plain(name);
+        let of_family = |face: &&FaceInfo| {
+            face.families.iter().any(|(family, _)| {
+                let family = plain(family);
+                let bold = format!("{family}bold");
+                let is_bold = face.weight.0 >= 600 && face.style == Style::Normal;
+                family == wanted || (is_bold && bold == wanted)
+            })
+        };
+        let full = database.faces().find(|face| plain(&face.post_script_name) == wanted);
+        let face = full.or_else(|| database.faces().filter(of_family).max_by_key(|face| rank(face, None)))?;
+        let index = face.index;
+        let (font, _) = insert(face, LIMITS.system_fonts_bytes_max)?;
+        Some(((*font.data.font).as_ref().to_vec(), index))
+    }
+
+    /// The names of the system's font families.
+    pub fn families(&mut self) -> BTreeSet<String> {
+        let folder = self.folder.as_deref();
+        let database = self.database.get_or_insert_with(|| read_fonts(folder));
+        database.faces().flat_map(|face| &face.families).map(|(name, _)| name.clone()).collect()
+    }
+}
+
+/// A font's name without spaces, hyphens and case.
+fn plain(name: &str) -> String {
+    name.chars().filter(|letter| !matches!(letter, ' ' | '-' | '_')).flat_map(char::to_lowercase).collect()
 }
 
 impl Default for SystemFonts {

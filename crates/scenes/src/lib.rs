@@ -27,6 +27,7 @@ mod number_edits;
 mod order;
 pub mod probing;
 mod shader_import;
+mod shapes;
 mod sources;
 mod textures;
 pub mod thumbnails;
@@ -133,6 +134,8 @@ impl SceneSource {
             let textures = compiled.scene.iter().flat_map(|scene| &scene.textures);
             let files_of = textures.filter(|one| TextureSource::of(one).is_none_or(|of| of.is_file()));
             files.extend(files_of.map(|texture| folder.path(&texture.name)));
+            let shapes = compiled.scene.iter().flat_map(|scene| &scene.shapes);
+            files.extend(shapes.filter_map(shapes::file_of).map(|name| folder.path(name)));
         }
         files
     }

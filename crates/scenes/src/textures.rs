@@ -18,6 +18,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Rgba, RgbaImag
 
 use super::SceneSource;
 use super::folder::{Folder, Refusal};
+use super::shapes::{ShapeCache, ShapeFiles};
 use super::sources::{TextureSource, find_videos, is_video};
 use crate::limits::{LIMITS, Limits};
 use mariana_assets::TEXTURES;
@@ -35,12 +36,21 @@ const NEUTRAL_SIDE: u32 = 6;
 #[derive(Debug, Default)]
 pub struct TextureCache {
     pictures: HashMap<u64, Arc<RgbaImage>>,
+    shapes: ShapeCache,
 }
 
 impl SceneSource {
     /// Notes the files of moving textures in the scene. [`SceneSource::textures`] reports missing files.
     pub fn find_videos(&self, scene: &mut Scene) {
         find_videos(self.file().map(Folder::of).as_ref(), scene);
+    }
+
+    /// Bakes the texts and pictures that shapes read into the scene's atlas.
+    ///
+    /// # Errors
+    /// Fails with a diagnostic for each text or picture that cannot be baked, with its position in the text.
+    pub fn bake_shapes(&self, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
+        ShapeCache::default().load(self, scene)
     }
 
     /// Loads the images of [`Scene::textures`] in the same order. Pixels are sRGB with straight alpha, top row first.
@@ -78,6 +88,14 @@ impl TextureCache {
         }
         wrong.sort_by_key(|diagnostic| diagnostic.span);
         Err(wrong)
+    }
+
+    /// Bakes the texts and pictures that shapes read into the scene's atlas, with the cache.
+    ///
+    /// # Errors
+    /// Fails like [`SceneSource::bake_shapes`].
+    pub fn load_shapes(&mut self, source: &SceneSource, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
+        self.shapes.load(source, scene)
     }
 
     fn picture(
@@ -121,6 +139,31 @@ impl TextureCache {
         };
         kept.insert(key, Arc::clone(&picture));
         Ok(picture)
+    }
+}
+
+impl ShapeFiles for SceneSource {
+    fn font(&self, name: &str) -> Option<Result<Vec<u8>, Refusal>> {
+        Some(Folder::of(self.file()?).bytes(name, LIMITS.font_bytes_max))
+    }
+
+    fn picture(&self, name: &str, span: Span) -> Result<Cow<'static, [u8]>, Box<Diagnostic>> {
+        if is_video(name) {
+            let message = format!("`{name}` is a video, and a shape needs a picture that does not move");
+            let wrong = Diagnostic::unsupported(span, message);
+            return Err(Box::new(wrong.hint("name a PNG, JPEG or SVG file")));
+        }
+        let texture = TextureRef { name: name.to_owned(), span, moves: None };
+        match (own_bytes(self, name), shipped(name)) {
+            (Some(Ok(bytes)), _) => Ok(Cow::Owned(bytes)),
+            (None | Some(Err(Refusal::Missing)), Some(bytes)) => Ok(Cow::Borrowed(bytes)),
+            (None, None) => Err(Box::new(missing(self, &texture))),
+            (Some(Err(refusal)), _) => Err(Box::new(refused(self, &texture, &refusal))),
+        }
+    }
+
+    fn decoded(&self, name: &str, span: Span, bytes: &[u8]) -> Result<RgbaImage, Box<Diagnostic>> {
+        decode(&TextureRef { name: name.to_owned(), span, moves: None }, bytes, &LIMITS)
     }
 }
 

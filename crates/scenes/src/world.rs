@@ -116,6 +116,9 @@ impl SceneSource {
             Ok(pictures) => pictures,
             Err(wrong) => return Err(self.mistakes(wrong, compiled)),
         };
+        if let Err(wrong) = textures.load_shapes(self, &mut scene) {
+            return Err(self.mistakes(wrong, compiled));
+        }
         let world = World::new(&self.name(), scene, pictures)?;
         let mut diagnostics = compiled.warnings;
         diagnostics.extend(world.warning());

@@ -28,6 +28,7 @@ use crate::gpu::renderer::{Progress, Renderer};
 use crate::gpu::scene_program::Mode;
 use crate::moving_textures::LiveTextures;
 use crate::scenes::camera_number;
+use crate::song_shapes::{LiveSongShapes, SongTexts};
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPicture;
 use mariana_field::graph::Screen;
@@ -83,6 +84,7 @@ pub(crate) struct SceneComposer {
     has_interrupted: bool,
     pub(super) pictures: SeenPictures,
     textures: LiveTextures,
+    song_shapes: LiveSongShapes,
     pub(super) regions: SceneRegions,
     pub(super) fading: Fading,
     change: SceneChange,
@@ -97,9 +99,16 @@ pub(crate) struct SceneComposer {
 }
 
 impl SceneComposer {
+    /// The sources of pictures and texts that change during the song. They call `wake` when they have something new.
+    pub(super) fn changing(
+        wake: &(impl Fn() + Clone + Send + Sync + 'static),
+    ) -> (LiveTextures, LiveSongShapes) {
+        (LiveTextures::new(wake.clone()), LiveSongShapes::new(wake.clone()))
+    }
+
     pub(super) fn new(
         mut regions: SceneRegions,
-        textures: LiveTextures,
+        (textures, song_shapes): (LiveTextures, LiveSongShapes),
         view: Option<ViewChoice>,
         fade: f64,
     ) -> Self {
@@ -109,6 +118,7 @@ impl SceneComposer {
             has_interrupted: false,
             pictures: SeenPictures::default(),
             textures,
+            song_shapes,
             regions,
             fading: Fading::of(fade),
             change: SceneChange::default(),
@@ -304,7 +314,7 @@ impl SceneComposer {
     fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture) -> Frame {
         let world = scene.resources.world();
         let frame = frame.in_window(world, picture.aspect, picture.quality).on_screen(world, picture.screen);
-        self.textures.in_frame(frame, world)
+        self.song_shapes.in_frame(self.textures.in_frame(frame, world), world)
     }
 
     fn outgoing(&self, of: Ingredients<'_>, moment: &Moment) -> Option<Outgoing> {
@@ -470,6 +480,15 @@ impl SceneComposer {
             self.outdate();
         }
         self.textures.take_messages()
+    }
+
+    /// Passes the texts of the song to the scenes that show them; `None` if there are none. Requests a new frame if a
+    /// text has been baked that the last frame lacks.
+    pub(crate) fn follow_song_texts(&mut self, texts: Option<SongTexts>) {
+        let are_others = texts.is_some_and(|texts| self.song_shapes.set_texts(texts));
+        if self.song_shapes.take_news() || are_others {
+            self.outdate();
+        }
     }
 
     pub(super) fn revision(&self) -> u64 {

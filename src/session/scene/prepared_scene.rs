@@ -15,6 +15,7 @@ use crate::gpu::program::Program;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{ReadyScene, SceneSource, TextureSource};
+use crate::song_shapes;
 use mariana_field::graph::Op;
 
 #[derive(Debug, Clone, Copy)]
@@ -56,6 +57,8 @@ pub(super) struct PreparedScene {
     /// True if the scene reads parts of the song.
     pub hears_parts: bool,
     pub shows_cover: bool,
+    /// True if the scene shows texts of the song.
+    pub has_song_texts: bool,
     pub knobs: SceneKnobs,
     pub since: Instant,
     /// True if this version only turns the numbers of the shown scene back into constants.
@@ -106,6 +109,7 @@ impl PreparedScene {
         let (moves, hears_curves, hears_parts) =
             (graph.moves_by_itself(), graph.reads(&Op::CURVES), graph.reads(&Op::PARTS));
         let is_cover = |(_, source): &(usize, TextureSource)| *source == TextureSource::Cover;
+        let has_song_texts = song_shapes::are_shown_by(&ready.world);
         let (covers, moving): (Vec<_>, Vec<_>) = TextureSource::of_world(&ready.world).partition(is_cover);
         let resources = SceneResources::upload_after(last, gl, ready.world, ready.buffers, ready.plan)?;
         Ok(Self {
@@ -120,7 +124,8 @@ impl PreparedScene {
                 compilable: true,
             },
             tree: FirstTree::Coming,
-            moves: moves || !moving.is_empty(),
+            moves: moves || has_song_texts || !moving.is_empty(),
+            has_song_texts,
             hears_curves,
             hears_parts,
             shows_cover: !covers.is_empty(),

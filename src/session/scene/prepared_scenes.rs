@@ -144,6 +144,11 @@ impl PreparedScenes {
         self.all().any(|scene| scene.shows_cover)
     }
 
+    /// True if a scene shows a text of the song.
+    pub(crate) fn show_song_texts(&self) -> bool {
+        self.all().any(|scene| scene.has_song_texts)
+    }
+
     /// Keeps a scene until it has faded out. Replaces a scene that is still fading out.
     pub(super) fn fade_out(&mut self, scene: PreparedScene) {
         self.end_fade();

@@ -32,7 +32,6 @@ use crate::gpu::gl::Gl;
 use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::renderer::{Renderer, Sketch};
 use crate::gpu::scene_program::Mode;
-use crate::moving_textures::LiveTextures;
 use crate::scenes::{Loaded, ReadyScene, SceneError, SceneSource};
 use crate::ui::overlay::DeckStrip;
 use crate::view::ViewChoice;
@@ -71,7 +70,7 @@ impl SceneSession {
         let choice = DrawingChoice { sdf: ways.sdf, cells: ways.cells };
         let library = SceneLibrary::new(loaders.shown, source.clone());
         let trials = TreeTrials::start(wake.clone()).map_err(no_worker)?;
-        let textures = LiveTextures::new(wake.clone());
+        let textures = SceneComposer::changing(&wake);
         let programs = ProgramLibrary::start(gl, contexts, sources, wake);
         let preparation = ScenePreparation::new(gl, choice, library, trials, programs);
         let mut session = Self {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::interval::Interval;
 use super::node::Input;
 use super::screen_input::Screen;
+use super::shape_atlas::ShapeAtlas;
 use super::table::{TableData, unit};
 use super::{LevelList, Levels, PartInput, SoundInputs};
 
@@ -28,6 +29,7 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     waveform: TableData::EMPTY,
     history: TableData::EMPTY,
     textures: None,
+    shapes: ShapeAtlas::NONE,
     ranges: None,
 };
 
@@ -58,6 +60,8 @@ pub struct FrameInputs {
     pub history: TableData,
     /// The scene's textures. Without a reader, every texture is 0.
     pub textures: Option<Arc<dyn TextureReader>>,
+    /// The scene's texts and pictures as shapes.
+    pub shapes: ShapeAtlas,
     /// The ranges of the parameters; set only by [`FrameInputs::any`].
     pub ranges: Option<Arc<[Interval]>>,
 }
@@ -68,8 +72,11 @@ const TIME_MAX: f32 = 86_400.0;
 impl FrameInputs {
     /// Returns the inputs of all frames at once: any sound, any time, parameters within their ranges. Bounds computed
     /// with these inputs hold for every frame; values computed with them are those of a silent frame.
-    pub fn any(params: impl IntoIterator<Item = (f32, f32)>) -> Self {
+    ///
+    /// `shapes` are the scene's texts and pictures. Those that change may have any content.
+    pub fn any(params: impl IntoIterator<Item = (f32, f32)>, shapes: &ShapeAtlas) -> Self {
         Self {
+            shapes: shapes.clone(),
             spectrum: TableData::within(0.0, 1.0),
             waveform: TableData::within(-1.0, 1.0),
             history: TableData::within(0.0, 1.0),
@@ -145,6 +152,12 @@ impl FrameInputs {
             _ => Interval::point(self.parts.get(at).copied().unwrap_or(0.0)),
         };
         (first..=last).fold(value(first), |bounds, at| bounds.hull(value(at)))
+    }
+
+    /// Returns bounds of the distance to the scene's texts and pictures over columns and rows of their grid.
+    #[inline]
+    pub fn shape_bounds(&self, column: Interval, row: Interval) -> Interval {
+        self.shapes.bounds(column, row, self.ranges.is_some())
     }
 
     /// Reads a channel of a texture, clamped to 0..1. Returns 0 without a reader.

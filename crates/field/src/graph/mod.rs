@@ -24,6 +24,7 @@ mod order;
 mod part;
 mod rules;
 mod screen_input;
+mod shape_atlas;
 mod simplify;
 mod slope_rules;
 mod sound_input;
@@ -47,6 +48,10 @@ pub use op::{BoundsKernel, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::{InputsUsed, Order};
 pub use part::{Part, PartInput, PartNumber};
 pub use screen_input::{Screen, ScreenInput};
+pub use shape_atlas::{
+    AtlasShape, FRAME_SHAPES_MAX, SHAPE_COLUMNS, SHAPE_NUMBERS, SHAPE_ROWS_MAX, SHAPE_STEP, ShapeAtlas,
+    ShapeGrid,
+};
 pub use sound_input::{SoundInput, SoundInputs};
 pub use table::TableData;
 pub use unit_input::{UnitInput, Wave};
@@ -142,7 +147,9 @@ impl Graph {
     pub fn moves_by_itself(&self) -> bool {
         self.nodes.iter().any(|node| match node {
             Node::Input(input) => *input == Input::T || input.comes_from_song(),
-            Node::Unary(op, _) | Node::Binary(op, _, _) => op.properties().has(op::Properties::READS_FRAME),
+            Node::Unary(op, _) | Node::Binary(op, _, _) => {
+                op.properties().has(op::Properties::READS_FRAME) && !Op::SHAPES.contains(op)
+            }
             _ => false,
         })
     }

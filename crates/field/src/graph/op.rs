@@ -365,6 +365,13 @@ operators! {
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "table_part($a)";
 
+    /// The number of the scene's texts and pictures with the index floor(a), clamped; the first for a NaN
+    /// ([`ShapeAtlas`](super::ShapeAtlas)).
+    ShapeNumber = 48 "SHAPE_NUMBER" READS_FRAME.and(EXPENSIVE),
+        value |a, _, frame| frame.shapes.number(a), bounds |a, _, frame| frame.shapes.number_bounds(a),
+        slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
+        glsl "shape_number($a)";
     /// Like [`Op::Band`], for the levels of notes.
     Note = 43 "NOTE" READS_FRAME.and(EXPENSIVE),
         value |a, _, frame| frame.level(LevelList::Note, a),
@@ -483,6 +490,13 @@ operators! {
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),
         glsl "table_history($a, $b)";
 
+    /// The distance to a text or picture at the coordinates a and b of the grid of all of them, clamped; bilinear.
+    Shape = 87 "SHAPE" READS_FRAME.and(EXPENSIVE),
+        value |a, b, frame| frame.shapes.at(a, b), bounds |a, b, frame| frame.shape_bounds(a, b),
+        slopes |a, b, _, frame| frame.shapes.slopes(a, b),
+        slope_bounds |a, b, _, frame| frame.shapes.slope_bounds(a, b),
+        glsl "shape_distance($a, $b)";
+
     // Fused operators, which only `fuse.rs` makes. Each replaces two operators and rounds after both operations.
 
     /// a * a + b.
@@ -538,6 +552,9 @@ impl Op {
     pub const CURVES: [Op; 3] = [Op::Spectrum, Op::Waveform, Op::History];
     /// The operator that reads the parts of the song.
     pub const PARTS: [Op; 1] = [Op::Part];
+
+    /// The operators that read texts and pictures as shapes.
+    pub const SHAPES: [Op; 2] = [Op::ShapeNumber, Op::Shape];
 
     /// Returns the operator that reads a level of the list.
     pub const fn of_levels(list: LevelList) -> Self {

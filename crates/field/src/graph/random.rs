@@ -1,11 +1,14 @@
 //! Random expressions for property tests.
 
 use super::{Levels, Screen, ScreenInput, SoundInput, SoundInputs};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use proptest::prelude::*;
 
-use super::{FrameInputs, Graph, Input, Node, NodeId, Op, PartInput, TableData, TextureReader};
+use super::{
+    AtlasShape, FrameInputs, Graph, Input, Node, NodeId, Op, PartInput, ShapeAtlas, ShapeGrid, TableData,
+    TextureReader,
+};
 
 pub(crate) const SPECIALS: [f32; 24] = [
     0.0,
@@ -122,6 +125,35 @@ impl TextureReader for Stripes {
     }
 }
 
+static SHAPES: LazyLock<ShapeAtlas> = LazyLock::new(shapes);
+
+/// Two discs, the second of which may change.
+fn shapes() -> ShapeAtlas {
+    let disc = |(columns, rows): (usize, usize), per_unit: f32, radius: f32| {
+        let distance = |at: usize| {
+            let (x, y) = ((at % columns) as f32, (at / columns) as f32);
+            let off = |at: f32, count: usize| (at - 0.5 * (count - 1) as f32) / per_unit;
+            off(x, columns).hypot(off(y, rows)) - radius
+        };
+        let values: Vec<f32> = (0..columns * rows).map(distance).collect();
+        let grid = ShapeGrid::new(values, columns, per_unit).unwrap();
+        assert!(grid.steepest() < 1.5);
+        // The tips of cones are steeper in bilinear patches.
+        let values: Vec<f32> = grid.values().iter().map(|value| value / grid.steepest().max(1.0)).collect();
+        ShapeGrid::new(values, columns, per_unit).unwrap()
+    };
+    let shapes = [((24, 17), 4.0, 1.0), ((31, 40), 1.5, 7.0)].into_iter().enumerate();
+    ShapeAtlas::new(
+        shapes
+            .map(|(number, (size, per_unit, radius))| AtlasShape {
+                grid: disc(size, per_unit, radius),
+                changes: number == 1,
+            })
+            .collect(),
+    )
+    .unwrap()
+}
+
 pub(crate) fn frame() -> FrameInputs {
     let wave = |count: usize, step: f32| (0..count).map(|i| (i as f32 * step).sin()).collect::<Vec<_>>();
     FrameInputs {
@@ -144,6 +176,7 @@ pub(crate) fn frame() -> FrameInputs {
         waveform: TableData::row(wave(50, 1.1)),
         history: TableData::scrolling(wave(9 * 16, 0.9), 16, 0.375, 6.5),
         textures: Some(Arc::new(Stripes)),
+        shapes: SHAPES.clone(),
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! All other functions are in the library, which is written in the language.
 
+use super::shape::{ShapeCall, SongText};
 use crate::graph::{Input, LevelList, Op, ScreenInput, SoundInput};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,6 +173,8 @@ pub(super) enum Builtin {
     Table(Op),
     History,
     Texture,
+    /// The 2D distance to a text or picture.
+    Shape(ShapeCall),
     Matrix(MatrixFunction),
 }
 
@@ -350,6 +353,41 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         Texture,
         (2, 2),
         "colour and alpha of an image, a video, a camera or the cover at uv, repeated beyond 0..1; in materials and the sky",
+    ),
+    function(
+        "text",
+        "words, p, font",
+        Builtin::Shape(ShapeCall::Text),
+        (2, 3),
+        "the 2D distance to a text at p, a vec2: capital letters are 1 high, and the text is centred; in the program's font, or in the font of that name or file",
+    ),
+    function(
+        "image",
+        "file, p",
+        Builtin::Shape(ShapeCall::Image),
+        (2, 2),
+        "the 2D distance to the opaque parts of a picture at p, or to its bright parts if it is opaque everywhere: PNG, JPEG or SVG, 1 high and centred",
+    ),
+    function(
+        "title",
+        "p, font",
+        Builtin::Shape(ShapeCall::Song(SongText::Title)),
+        (1, 2),
+        "the 2D distance to the title of the song, like a text",
+    ),
+    function(
+        "artist",
+        "p, font",
+        Builtin::Shape(ShapeCall::Song(SongText::Artist)),
+        (1, 2),
+        "the 2D distance to the name of the song's artist, like a text",
+    ),
+    function(
+        "lyrics",
+        "p, font",
+        Builtin::Shape(ShapeCall::Song(SongText::Lyrics)),
+        (1, 2),
+        "the 2D distance to the line of the lyrics that is sung now, like a text",
     ),
 ];
 

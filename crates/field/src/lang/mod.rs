@@ -38,6 +38,7 @@ mod origins;
 mod parser;
 mod path;
 mod scene;
+mod shape;
 mod source;
 mod suggest;
 mod symbol;
@@ -64,6 +65,7 @@ pub use parser::{Operator, PREFIX_BINDS, operators};
 pub use scene::{
     Camera, Light, LightKind, MovingTexture, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap,
 };
+pub use shape::{ShapeRef, ShapeSource, SongText, TextBaker};
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]

@@ -15,8 +15,9 @@ use super::fields::DefaultValue::{Each, Library, Parts};
 use super::fields::section;
 use super::material::Material;
 use super::origins::Origins;
+use super::shape::ShapeRef;
 use super::source::Span;
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, NodeId, ShapeAtlas};
 
 /// A scene without mistakes. All [`NodeId`]s refer to [`Scene::graph`].
 #[derive(Debug, Clone)]
@@ -48,6 +49,10 @@ pub struct Scene {
     pub params: Vec<Param>,
     /// The textures. Their indices are the texture numbers in the graph.
     pub textures: Vec<TextureRef>,
+    /// The texts and pictures that shapes read. Their indices are their numbers in the graph.
+    pub shapes: Vec<ShapeRef>,
+    /// The distances to [`Scene::shapes`], in the same order. The loader of scenes sets them.
+    pub atlas: ShapeAtlas,
     /// Paths of the files that were included, in the order in which they were read.
     pub includes: Vec<String>,
     /// The locations of nodes in the text; empty for a scene that blends two scenes.
@@ -72,6 +77,8 @@ impl Scene {
             && self.about == other.about
             && self.params.iter().map(range).eq(other.params.iter().map(range))
             && self.textures.iter().map(|one| &one.name).eq(other.textures.iter().map(|one| &one.name))
+            && self.shapes.iter().map(|one| &one.source).eq(other.shapes.iter().map(|one| &one.source))
+            && self.atlas == other.atlas
     }
 }
 

@@ -82,7 +82,7 @@ impl RayFaults {
 /// bounds make steps safe.
 pub fn ray_faults(world: &World, time: f32, (columns, rows): (usize, usize)) -> RayFaults {
     let params = world.scene.params.iter().map(|param| param.default).collect();
-    let mut frame = FrameInputs { time, params, ..FrameInputs::default() };
+    let mut frame = FrameInputs { time, params, shapes: world.scene.atlas.clone(), ..FrameInputs::default() };
     let camera = world.frame_tape.values(&frame).camera;
     frame.eye = camera.position;
     frame.hoisted = world.hoisted.values(&frame);

@@ -70,7 +70,8 @@ pub use tree::{RegionOptions, RegionStats, Regions};
 use std::collections::BTreeSet;
 
 use crate::graph::{
-    Compounds, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op, Properties, TableData, Uses,
+    Compounds, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op, Properties, ShapeAtlas, TableData,
+    Uses,
 };
 use crate::tape::interpreter::rounded_registers;
 use crate::world::World;
@@ -121,6 +122,7 @@ impl RegionVariant {
 pub struct RegionKey {
     numbers: Vec<u32>,
     tables: Vec<TableData>,
+    shapes: Option<ShapeAtlas>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -138,9 +140,10 @@ impl Reads {
 
     fn key(&self, inputs: &FrameInputs) -> RegionKey {
         let mut numbers: Vec<u32> = self.inputs.iter().map(|input| inputs.value(*input).to_bits()).collect();
-        let mut tables = Vec::new();
+        let (mut tables, mut shapes) = (Vec::new(), None);
         for op in &self.tables {
             match op {
+                Op::Shape | Op::ShapeNumber => shapes = Some(inputs.shapes.clone()),
                 Op::Part => numbers.extend(inputs.parts.iter().map(|number| number.to_bits())),
                 Op::Spectrum => tables.push(inputs.spectrum.clone()),
                 Op::Waveform => tables.push(inputs.waveform.clone()),
@@ -151,7 +154,7 @@ impl Reads {
                 }
             }
         }
-        RegionKey { numbers, tables }
+        RegionKey { numbers, tables, shapes }
     }
 }
 

@@ -12,7 +12,7 @@ use super::prune::{ChoiceTrace, Scratch};
 use super::reuse::{Hashed, Memory, is_of_place, key_of, spread};
 use super::tree::{AROUND, Block, RegionStats, Trunk, bound_cells, place_in};
 use super::{DIVIDED, OBJECT_UNKNOWN};
-use crate::graph::Interval;
+use crate::graph::{Interval, Op};
 use crate::rays::REGION_LEVELS;
 
 /// Cells whose program has at most this many clauses are not divided.
@@ -268,8 +268,11 @@ impl<'a> Part<'a> {
     }
 
     fn divisible(&self, program: &Program, block: &Block, depth: usize, cells: u64) -> u64 {
+        // One step reads a text or picture, which may have many edges in a cell. Dividing such cells twice would save
+        // half of the remaining clauses, but the tree of a word would take 16 instead of 3 ms.
+        let has_shape = || program.steps.iter().any(|step| step.op == Op::Shape);
         let is_long = match depth {
-            1 => self.gradients.is_some() || program.steps.len() > UNDIVIDED_MAX,
+            1 => self.gradients.is_some() || program.steps.len() > UNDIVIDED_MAX || has_shape(),
             2 => self.gradients.is_none() && program.steps.len() > UNDIVIDED_AGAIN_MAX && self.again > 0,
             _ => false,
         };

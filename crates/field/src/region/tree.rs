@@ -169,14 +169,15 @@ pub(super) fn build(
         texels: vec![[0; 4]; if cells { ROOT_SIDE.pow(3) } else { 0 }],
         variant,
         steepest,
-        before: last.filter(|_| cells).and_then(|last| Before::of(last, low, size)),
+        before: last.filter(|_| cells).and_then(|last| Before::of(last, (low, size), &frame.shapes)),
         unbounded: bounds.is_none(),
         rounding: Rounding { margin: farthest * ROUNDING, overlap: farthest * OVERLAP },
         whole: Whole::default(),
         stats: RegionStats::default(),
     };
     trunk.write_whole();
-    let mut memory = Memory { whole_object: trunk.whole.object, ..Memory::default() };
+    let mut memory =
+        Memory { whole_object: trunk.whole.object, shapes: frame.shapes.clone(), ..Memory::default() };
     let (mut stats, mut texels) = (trunk.stats, Vec::new());
     if cells {
         trunk.divide();

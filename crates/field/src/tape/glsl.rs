@@ -2,8 +2,8 @@
 //!
 //! The generated text relies on declarations in the surrounding shader: `cell_hash` ([`crate::graph::CELL_HASH_GLSL`]),
 //! the frame's inputs ([`input_name`]), and, if they are used, `float table_part(float)`, `float
-//! table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float, float)`, `vec4 read_texture(int,
-//! float, float)` and the functions of [`crate::graph::levels_glsl`].
+//! table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float, float)`, `float
+//! shape_number(float)`, `float shape_distance(float, float)`, `vec4 read_texture(int, float, float)` and the functions of [`crate::graph::levels_glsl`].
 
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;

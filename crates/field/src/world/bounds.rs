@@ -312,7 +312,7 @@ mod tests {
 
     fn bounds(text: &str) -> Option<Bounds> {
         let scene = compile("test", text, &mut no_includes).scene.unwrap();
-        let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
+        let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)), &scene.atlas);
         find(&scene.graph, scene.distance, &any).unwrap()
     }
 

@@ -8,7 +8,7 @@
 //! where parts of a formula jump, so that the bounds for noise are those of its smooth parts.
 
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, Levels, TableData, cell_hash};
+use crate::graph::{FrameInputs, Levels, ShapeAtlas, TableData, cell_hash};
 use crate::graph::{SoundInput, SoundInputs};
 use crate::lang::Param;
 use crate::tape::{Dual, GradientBatch, Tape};
@@ -260,12 +260,12 @@ impl Samples {
 }
 
 /// Returns the frames to sample: silence at the start, then random times, sounds and parameters.
-pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
+pub(super) fn frames(params: &[Param], shapes: &ShapeAtlas) -> impl Iterator<Item = FrameInputs> {
     (0..FRAMES).map(|number| {
         let random = |what: usize| cell_hash(number as f32, 7919.0 + what as f32);
         if number == 0 {
             let params = params.iter().map(|param| param.default).collect();
-            return FrameInputs { params, ..FrameInputs::default() };
+            return FrameInputs { params, shapes: shapes.clone(), ..FrameInputs::default() };
         }
         let turned = params.iter().enumerate();
         let row = |from: usize, count: usize| (from..from + count).map(random).collect::<Vec<f32>>();
@@ -282,6 +282,7 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
                 row(2_000, COLUMNS).iter().map(|value| 2.0 * value - 1.0).collect::<Vec<f32>>(),
             ),
             history: TableData::rows(row(3_000, ROWS * COLUMNS), COLUMNS),
+            shapes: shapes.clone(),
             ..FrameInputs::default()
         }
     })

@@ -268,7 +268,7 @@ struct Traced {
 
 impl Traced {
     fn of(scene: &mut Scene, distance: NodeId, frame_tape: &FrameTape) -> Result<Self, TapeError> {
-        let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
+        let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)), &scene.atlas);
         let bounds = bounds::find(&scene.graph, distance, &any)?;
         let Some(checked) = untrusted(scene, distance) else { return Ok(Self { bounds, ..Self::default() }) };
         let tape = Tape::build(&scene.graph, &[checked], &TapeOptions::default())?;
@@ -276,7 +276,8 @@ impl Traced {
             Some(bounds) => vec![bounds],
             None => distance_check::around(frame_tape.values(inputs).camera.target),
         };
-        let frames = distance_check::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
+        let frames =
+            distance_check::frames(&scene.params, &scene.atlas).map(|inputs| (around(&inputs), inputs));
         let reach = bounds.map_or(TAMED_REACH, |bounds| NORMALIZED_FRACTION * bounds.half());
         Ok(match distance_check::tamed(&tape, frames, bounds.as_ref(), reach) {
             Some(slopes) => Self { bounds, non_lipschitz: true, slopes, ..Self::default() },

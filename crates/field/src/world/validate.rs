@@ -12,7 +12,8 @@ fn surroundings() -> String {
         "#version 450\n\
          layout(std140, set = 0, binding = 0) uniform Inputs {{\n    vec4 camera_position;\n    vec4 frame_screen;\n    vec4 frame_mouse;\n    float frame_time;\n    vec4 frame_heard[{}];\n    \
          vec4 frame_levels[{}];\n    vec4 frame_params[{}];\n    vec4 frame_hoisted[{}];\n}};\n\
-         {}float table_part(float a) {{ return a; }}\nfloat table_spectrum(float a) {{ return a; }}\n\
+         {}float table_part(float a) {{ return a; }}\nfloat shape_number(float a) {{ return a; }}\n\
+         float shape_distance(float a, float b) {{ return a + b; }}\nfloat table_spectrum(float a) {{ return a; }}\n\
          float table_waveform(float a) {{ return a; }}\nfloat table_history(float a, float b) {{ return a + b; }}\n\
          vec4 read_texture(int i, float u, float v) {{ return vec4(u, v, float(i), 1.0); }}\n\
          vec4 sample_texture(int i, vec2 uv, vec2 dx, vec2 dy) {{ return vec4(uv, dx + dy); }}\n{CELL_HASH_GLSL}\n",

@@ -1,5 +1,6 @@
 //! Random expressions, and the effect of rounding on them.
 
+use mariana_field::graph::{AtlasShape, ShapeAtlas, ShapeGrid};
 use mariana_field::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, PartInput, Point, TableData};
 use mariana_field::graph::{LEVEL_COUNT, LevelList, Levels, SoundInput, SoundInputs, levels_glsl};
 
@@ -85,8 +86,16 @@ pub(crate) fn frame() -> FrameInputs {
         spectrum: TableData::row(vec![0.5, 0.25, 0.75, 1.0, 0.125]),
         waveform: TableData::row(vec![-0.5, 0.25, -0.75, 1.0]),
         history: TableData::rows(vec![0.5, 0.25, 0.75, 1.0, 0.0, 0.375], 3),
+        shapes: shapes(),
         ..FrameInputs::default()
     }
+}
+
+/// Returns a grid of three columns and two rows.
+fn shapes() -> ShapeAtlas {
+    let grid = ShapeGrid::new(vec![0.5, -0.25, 0.25, 0.75, 0.125, 1.5], 3, 2.0);
+    let shapes = grid.into_iter().map(|grid| AtlasShape { grid, changes: false });
+    ShapeAtlas::new(shapes.collect()).unwrap_or_default()
 }
 
 /// Returns levels that differ from place to place and have short decimals.
@@ -134,6 +143,24 @@ float along_row(int table, int row, int count, float u) {
 }
 float table_spectrum(float u) { return along_row(0, 0, 5, u); }
 float table_waveform(float u) { return along_row(5, 0, 4, u); }
+float shape_number(float i) {
+    const float numbers[5] = float[5](0.5, 0.25, 0.03125, 0.015625, 0.0078125);
+    int number = int(i > 0.0 ? min(i, 319.0) : 0.0);
+    return number < 5 ? numbers[number] : 0.0;
+}
+float shape_entry(int column, int row) {
+    const float entries[6] = float[6](0.5, -0.25, 0.25, 0.75, 0.125, 1.5);
+    return column < 4 && row < 3 ? entries[3 * min(row, 1) + min(column, 2)] : 1.0;
+}
+float shape_distance(float u, float v) {
+    float x = u > 0.0 ? min(64.0 * u, 2047.0) : 0.0;
+    float y = v > 0.0 ? min(64.0 * v, 2.0) : 0.0;
+    int column = min(int(x), 2046);
+    int row = min(int(y), 1);
+    float lower = mix(shape_entry(column, row), shape_entry(column + 1, row), x - float(column));
+    float upper = mix(shape_entry(column, row + 1), shape_entry(column + 1, row + 1), x - float(column));
+    return mix(lower, upper, y - float(row));
+}
 float table_history(float u, float v) {
     float y = unit(v);
     float now = along_row(9, 0, 3, u);

@@ -1,8 +1,10 @@
 //! Packs a frame into the shaders' `FrameBlock` (std140: all members are vec4, see `shaders/frame_block.glsl`).
 
-use super::Frame;
+use super::{Frame, sound_tables};
 use mariana_field::graph::ScreenInput::{MousePressed, MouseX, MouseY};
-use mariana_field::graph::{LEVEL_COUNT, PartInput, SoundInput};
+use mariana_field::graph::{
+    FRAME_SHAPES_MAX, LEVEL_COUNT, PartInput, SHAPE_COLUMNS, SHAPE_NUMBERS, SHAPE_STEP, SoundInput,
+};
 use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
@@ -27,7 +29,7 @@ pub const FRAME_BLOCK_VECTORS: usize =
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
 /// The defines of `shaders/frame_block.glsl`: the lengths of the block's arrays and of the sound tables.
-pub fn block_defines() -> [String; 10] {
+pub fn block_defines() -> [String; 13] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
@@ -39,6 +41,9 @@ pub fn block_defines() -> [String; 10] {
         format!("WAVEFORM_POINTS {WAVEFORM_POINTS}"),
         format!("HISTORY_POINTS {HISTORY_POINTS}"),
         format!("PART_NUMBERS {}", PartInput::COUNT),
+        format!("SHAPE_COLUMNS {SHAPE_COLUMNS}"),
+        format!("SHAPE_STEP {SHAPE_STEP:?}"),
+        format!("SHAPE_NUMBER_COUNT {}", SHAPE_NUMBERS * FRAME_SHAPES_MAX),
     ]
 }
 
@@ -85,7 +90,7 @@ impl Frame {
         let head: [[f32; 4]; HEAD] = [
             [width, height, 1.0 / width, 1.0 / height].map(|value| value as f32),
             xyz(camera.position, pixel_radius),
-            xyz(right, 0.0),
+            xyz(right, sound_tables::shape_texels(&inputs.shapes) as f64),
             xyz(up, 0.0),
             xyz(camera.forward, 0.0),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],

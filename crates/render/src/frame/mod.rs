@@ -136,6 +136,7 @@ fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInp
                 value.unwrap_or(param.default).clamp(param.min, param.max)
             })
             .collect(),
+        shapes: world.scene.atlas.clone(),
         ..FrameInputs::default()
     }
 }

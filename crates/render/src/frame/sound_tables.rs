@@ -1,7 +1,7 @@
-//! Packs the sound tables for the shaders: spectrum, waveform, numbers of the song's parts, rows of the history
+//! Packs the tables for the shaders: texts and pictures as shapes, spectrum, waveform, numbers of the song's parts, rows of the history
 //! (`shaders/scene_inputs.glsl`).
 
-use mariana_field::graph::{FrameInputs, Op, PartInput, TableData};
+use mariana_field::graph::{FrameInputs, Op, PartInput, SHAPE_COLUMNS, ShapeAtlas, TableData};
 use mariana_field::world::World;
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
@@ -13,7 +13,16 @@ pub fn are_read_by(world: &World) -> bool {
     Op::CURVES.iter().chain(&Op::PARTS).any(|table| used.tables.contains(table))
 }
 
-/// The texels: one polynomial per piece, and one number of the parts in the first component of each texel. A table of
+/// Number of texels of texts and pictures as shapes, which precede the tables of the sound. They fill whole rows of
+/// [`SHAPE_COLUMNS`]: first the shapes' numbers, then the patches.
+pub fn shape_texels(shapes: &ShapeAtlas) -> usize {
+    match shapes.rows() {
+        0 => 0,
+        rows => (rows + 1) * SHAPE_COLUMNS,
+    }
+}
+
+/// The texels of the sound: one polynomial per piece, and one number of the parts in the first component of each texel. A table of
 /// an unexpected length is replaced by silence.
 pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
     const HISTORY_PIECES: usize = HISTORY_POINTS - 1;

@@ -24,7 +24,7 @@ use crate::frame::block::RegionTree;
 use crate::frame::sound_tables;
 use crate::limits::LIMITS;
 use crate::view::setup::Drawn;
-use mariana_field::graph::FrameInputs;
+use mariana_field::graph::{FrameInputs, ShapeAtlas};
 use mariana_field::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions, Surfaces};
 use mariana_field::world::{
     ShortPrograms, ShortenOptions, ShortenRequest, TapeBuffers, World, WorthShortening,
@@ -361,9 +361,7 @@ impl SceneResources {
             self.on_gpu.tape.replace(&bytes_of(&texels));
             self.worth.borrow_mut().pass_frame();
         }
-        if self.hears_tables {
-            self.on_gpu.sound_tables.replace(&floats_as_bytes(&sound_tables::texels(inputs)));
-        }
+        self.on_gpu.upload_tables(inputs, self.hears_tables);
         Ok(())
     }
 
@@ -405,6 +403,8 @@ pub(super) struct SceneLists {
     tape: TexelList,
     regions: TexelList,
     sound_tables: TexelList,
+    /// The texts and pictures that are uploaded.
+    shapes: RefCell<ShapeAtlas>,
 }
 
 impl SceneLists {
@@ -413,7 +413,25 @@ impl SceneLists {
             tape: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
             regions: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
             sound_tables: TexelList::new(gl, ListTexel::Rgba32F, &floats_as_bytes(sound))?,
+            shapes: RefCell::new(ShapeAtlas::NONE),
         })
+    }
+
+    /// Uploads the texts and pictures if they have changed, and the tables of the sound if the scene reads them.
+    fn upload_tables(&self, inputs: &FrameInputs, hears_tables: bool) {
+        let is_known = *self.shapes.borrow() == inputs.shapes;
+        if is_known && !hears_tables {
+            return;
+        }
+        let sound = floats_as_bytes(&sound_tables::texels(inputs));
+        let first = sound_tables::shape_texels(&inputs.shapes);
+        if is_known && self.sound_tables.replace_from(first, &sound) {
+            return;
+        }
+        let mut bytes = floats_as_bytes(&inputs.shapes.texels());
+        bytes.extend(sound);
+        self.sound_tables.replace(&bytes);
+        *self.shapes.borrow_mut() = inputs.shapes.clone();
     }
 
     pub(super) fn names(&self, pictures: Vec<glow::NativeTexture>) -> SceneNames {

@@ -7,6 +7,7 @@ use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::expr::zip;
 use super::lowering::Lowering;
+use super::shape_read::ShapeRead;
 use super::texture_read::TextureRead;
 use crate::graph::{Graph, Input, LevelList, NodeId, Op};
 
@@ -38,6 +39,9 @@ impl Lowering<'_> {
         }
         if row.builtin == Builtin::Texture {
             return TextureRead { outer: self, mark, first, span }.value();
+        }
+        if let Builtin::Shape(call) = row.builtin {
+            return ShapeRead { outer: self, name: row.name, call, mark, first, span }.value();
         }
         if let Builtin::Matrix(function) = row.builtin {
             return self.matrix_function(row, function, mark, span);

@@ -3,6 +3,7 @@
 use super::super::ast::{ExprId, Function};
 use super::super::origins::Stretch;
 use super::super::scene::{Param, TextureRef};
+use super::super::shape::ShapeRef;
 use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::Value;
@@ -15,6 +16,7 @@ pub(super) struct Declared<'a> {
     pub functions: Vec<GlobalFunction<'a>>,
     pub params: Vec<Param>,
     pub textures: Vec<TextureRef>,
+    pub shapes: Vec<ShapeRef>,
     pub foreign: Foreign<'a>,
 }
 
@@ -27,6 +29,7 @@ impl Declared<'_> {
             functions: Vec::new(),
             params: Vec::new(),
             textures: Vec::new(),
+            shapes: Vec::new(),
             foreign: Foreign::default(),
         }
     }

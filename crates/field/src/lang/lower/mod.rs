@@ -21,6 +21,7 @@ mod reports;
 mod scene;
 mod scope;
 mod sections;
+mod shape_read;
 mod statements;
 mod texture_read;
 mod unused;

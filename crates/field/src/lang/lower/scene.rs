@@ -12,7 +12,7 @@ use super::super::scene::{Camera, Light, LightKind, Object, Param, Picture, Scen
 use super::super::source::{Sources, Span};
 use super::lowering::Lowering;
 use super::sections::Values;
-use crate::graph::NodeId;
+use crate::graph::{NodeId, ShapeAtlas};
 
 #[derive(Default)]
 pub(super) struct Parts {
@@ -101,6 +101,8 @@ impl<'a> SceneBuilder<'a> {
             about: self.parts.about.unwrap_or_default(),
             params: self.lowering.declared.params,
             textures: self.lowering.declared.textures,
+            shapes: self.lowering.declared.shapes,
+            atlas: ShapeAtlas::NONE,
             includes,
             origins: Arc::new(self.lowering.origins),
         })

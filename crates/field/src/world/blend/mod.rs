@@ -29,7 +29,7 @@ use super::{Bounds, FrameTape, Plane, Rest, Surfaces, Traced, World, WorldError}
 use crate::graph::{Graph, Input, NodeId, Op};
 use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, TransitionStyle};
 use crate::limits::LIMITS;
-use side::{Side, Steps};
+use side::{Before, Side, Steps};
 
 /// A kind of transition between two scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -139,8 +139,8 @@ impl World {
         let fraction_number = from.scene.params.len() + to.scene.params.len();
         let s = graph.input(Input::Param(fraction_number as u16));
         let graph_error = |source| WorldError::Graph { scene: name.clone(), source };
-        let before = (from.pictures.len(), from.scene.params.len());
-        let a = Side::of(&mut graph, from, (0, 0), &Alignment::NONE).map_err(graph_error)?;
+        let before = Before::of(from);
+        let a = Side::of(&mut graph, from, Before::default(), &Alignment::NONE).map_err(graph_error)?;
         let b = Side::of(&mut graph, to, before, alignment).map_err(graph_error)?;
         let camera = camera::mixed(&mut graph, &a.camera, &b.camera, s);
         let (planes, rest, material) = match kind {
@@ -183,6 +183,8 @@ impl World {
             about: About::default(),
             params: params.chain([fraction_param(fraction)]).collect(),
             textures: from.scene.textures.iter().chain(&to.scene.textures).cloned().collect(),
+            shapes: from.scene.shapes.iter().chain(&to.scene.shapes).cloned().collect(),
+            atlas: from.scene.atlas.joined(&to.scene.atlas).unwrap_or_default(),
             includes: Vec::new(),
             origins: Default::default(),
         };
@@ -231,6 +233,7 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     for (what, count, max) in [
         ("lights", counts(|world| world.scene.lights.len()), LIMITS.scene_lights_max),
         ("pictures", counts(|world| world.pictures.len()), LIMITS.scene_textures_max),
+        ("texts and pictures as shapes", counts(|world| world.scene.shapes.len()), LIMITS.scene_shapes_max),
         ("parameters", counts(|world| world.scene.params.len()) + fraction, LIMITS.scene_params_max),
     ] {
         if count > max {

@@ -5,7 +5,7 @@
 //! cuts through a solid, the cut has the material of the side whose surface is nearer.
 
 use super::alignment::Vector;
-use super::side::{self, Side, Steps};
+use super::side::{self, Before, Side, Steps};
 use crate::graph::{Graph, GraphError, NodeId, Op};
 use crate::lang::{Camera, Scene};
 
@@ -101,7 +101,7 @@ fn half_space(graph: &mut Graph, seen: &Seen, fraction: NodeId) -> NodeId {
 fn own_shape(
     graph: &mut Graph,
     seen: &Seen,
-    (scene, shape, before): (&Scene, NodeId, (usize, usize)),
+    (scene, shape, before): (&Scene, NodeId, Before),
     s: NodeId,
 ) -> Result<NodeId, GraphError> {
     let grown = growth(graph, s);
@@ -129,7 +129,7 @@ fn own_shape(
 fn portal(
     graph: &mut Graph,
     shape: PortalShape,
-    (to, before): (&Scene, (usize, usize)),
+    (to, before): (&Scene, Before),
     camera: &Camera,
     s: NodeId,
 ) -> Result<NodeId, GraphError> {
@@ -150,7 +150,7 @@ pub(super) fn through(
     graph: &mut Graph,
     (a, b): (&Side, &Side),
     shape: PortalShape,
-    to: (&Scene, (usize, usize)),
+    to: (&Scene, Before),
     camera: &Camera,
     s: NodeId,
 ) -> Result<Through, GraphError> {

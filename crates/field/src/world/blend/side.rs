@@ -3,9 +3,24 @@
 use super::super::distance_check::{Growth, NormalizedValue};
 use super::super::{Bounds, nearby_light, planes};
 use super::alignment::{Alignment, Vector};
-use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
+use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op, SHAPE_NUMBERS};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
 use crate::world::World;
+
+/// The numbers of things of the first world, which precede the things of the second world.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Before {
+    pub(super) textures: usize,
+    pub(super) params: usize,
+    pub(super) shapes: usize,
+}
+
+impl Before {
+    pub(super) fn of(world: &World) -> Self {
+        let scene = &world.scene;
+        Self { textures: world.pictures.len(), params: scene.params.len(), shapes: scene.shapes.len() }
+    }
+}
 
 /// A world in a blend's graph. Its values are distances, or values that are normalized to be similar to distances.
 pub(super) struct Side {
@@ -27,11 +42,11 @@ pub(super) struct Side {
 }
 
 impl Side {
-    /// Copies a world into the graph. `before`: how many images and parameters precede its own.
+    /// Copies a world into the graph. `before`: how many images, parameters and shapes precede its own.
     pub(super) fn of(
         graph: &mut Graph,
         world: &World,
-        before: (usize, usize),
+        before: Before,
         alignment: &Alignment,
     ) -> Result<Self, GraphError> {
         let mut scene = world.scene.clone();
@@ -87,7 +102,7 @@ impl Side {
                     [camera.position, camera.target].map(|place| alignment.common_point(graph, place));
                 Camera { position, target, ..camera }
             },
-            params: std::iter::repeat_n(0.0, before.1)
+            params: std::iter::repeat_n(0.0, before.params)
                 .chain(scene.params.iter().map(|param| param.default))
                 .collect(),
             sky: Sky { color, ..Sky::of(scene.sky.numbers().into_iter().map(on_surface)) },
@@ -146,7 +161,7 @@ impl Own {
     }
 }
 
-fn copied(graph: &mut Graph, from: &Graph, before: (usize, usize), own: &Own) -> Vec<NodeId> {
+fn copied(graph: &mut Graph, from: &Graph, before: Before, own: &Own) -> Vec<NodeId> {
     let mut moved: Vec<NodeId> = Vec::with_capacity(from.len());
     for node in from.nodes() {
         let copy = copy(graph, node, before, &|input| own.value(input), &moved);
@@ -159,7 +174,7 @@ fn copied(graph: &mut Graph, from: &Graph, before: (usize, usize), own: &Own) ->
 pub(super) fn copied_at(
     graph: &mut Graph,
     (from, root): (&Graph, NodeId),
-    before: (usize, usize),
+    before: Before,
     place: Vector,
 ) -> Result<NodeId, GraphError> {
     let value = |input| match input {
@@ -192,19 +207,25 @@ fn copied_roots(
 fn copy(
     graph: &mut Graph,
     node: Node,
-    (textures, params): (usize, usize),
+    before: Before,
     value: &dyn Fn(Input) -> Option<NodeId>,
     moved: &[NodeId],
 ) -> NodeId {
     let at = |id: NodeId| at_index(moved, id);
     match node {
         Node::Constant(value) => graph.constant(value),
-        Node::Input(Input::Param(number)) => graph.input(Input::Param(number + params as u16)),
+        Node::Input(Input::Param(number)) => graph.input(Input::Param(number + before.params as u16)),
         Node::Input(input) => value(input).unwrap_or_else(|| graph.input(input)),
+        Node::Unary(Op::ShapeNumber, a) => {
+            let own = at(a);
+            let index = graph.as_constant(own).map(|index| index + (SHAPE_NUMBERS * before.shapes) as f32);
+            let index = index.map_or(own, |index| graph.constant(index));
+            graph.unary(Op::ShapeNumber, index)
+        }
         Node::Unary(op, a) => graph.unary(op, at(a)),
         Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
         Node::Texture { texture, channel, u, v } => {
-            graph.texture(texture + textures as u16, channel, at(u), at(v))
+            graph.texture(texture + before.textures as u16, channel, at(u), at(v))
         }
     }
 }

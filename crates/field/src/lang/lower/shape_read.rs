@@ -1,0 +1,187 @@
+//! Calls of `text`, `image`, `title`, `artist` and `lyrics`: the 2D distance to a text or picture.
+//!
+//! The distance is read from the grid at the nearest point of its rectangle. Beyond the rectangle, the distance to the
+//! rectangle is also a lower bound. Within it that distance is negative and never the larger one, because the grid is
+//! positive at its rim. A cell of the tree on one side of the rim therefore drops the other side.
+
+use super::super::builtin::uses;
+use super::super::diagnostic::Diagnostic;
+use super::super::path;
+use super::super::shape::{ShapeCall, ShapeRef, ShapeSource};
+use super::super::source::Span;
+use super::super::value::{Value, Vector};
+use super::lowering::Lowering;
+use crate::graph::{NodeId, Op, SHAPE_NUMBERS};
+
+/// A call with the arguments from `mark` on, whose expressions begin at `first` (see `Lowering::apply`).
+pub(super) struct ShapeRead<'l, 'a> {
+    pub outer: &'l mut Lowering<'a>,
+    pub name: &'static str,
+    pub call: ShapeCall,
+    pub mark: usize,
+    pub first: u32,
+    pub span: Span,
+}
+
+impl ShapeRead<'_, '_> {
+    pub(super) fn value(&mut self) -> Value {
+        let (words, at) = match self.call {
+            ShapeCall::Song(_) => (None, 0),
+            ShapeCall::Text | ShapeCall::Image => (Some(0), 1),
+        };
+        let words = match words.map(|place| self.words(place)) {
+            Some(None) => return Value::Unknown,
+            Some(words) => words,
+            None => None,
+        };
+        let Some(at) = self.position(at) else { return Value::Unknown };
+        let font = match self.argument(if words.is_some() { 2 } else { 1 }) {
+            None => None,
+            Some(_) => {
+                let place = if words.is_some() { 2 } else { 1 };
+                match self.words(place) {
+                    Some(font) => Some(font),
+                    None => return Value::Unknown,
+                }
+            }
+        };
+        let Some(source) = self.source(words, font) else { return Value::Unknown };
+        match self.number(source) {
+            Some(number) => Value::scalar(self.distance(number, at)),
+            None => Value::Unknown,
+        }
+    }
+
+    fn argument(&self, place: usize) -> Option<Value> {
+        self.outer.arguments.get(self.mark + place).copied()
+    }
+
+    fn place(&self, argument: usize) -> Span {
+        let place = self.outer.argument_span(self.first, argument, self.span);
+        self.outer.reports.library_call.map_or(place, |call| call.1)
+    }
+
+    fn words(&mut self, argument: usize) -> Option<String> {
+        match self.argument(argument) {
+            Some(Value::Text(symbol)) => Some(self.outer.name(symbol).to_owned()),
+            Some(Value::Unknown) | None => None,
+            Some(other) => {
+                let what = match (self.call, argument) {
+                    (ShapeCall::Text, 0) => "a text in quotes",
+                    (ShapeCall::Image, 0) => "a file's name in quotes",
+                    _ => "the name of a font in quotes",
+                };
+                let message = format!("`{}` takes {what}, not {}", self.name, other.described());
+                let hint = self.example();
+                let wrong = Diagnostic::new(self.place(argument), message).hint(hint);
+                self.outer.reports.add(wrong);
+                None
+            }
+        }
+    }
+
+    fn example(&self) -> String {
+        match self.call {
+            ShapeCall::Text => "write `text(\"MARIANA\", p.xy)`".to_owned(),
+            ShapeCall::Image => "write `image(\"logo.png\", p.xy)`".to_owned(),
+            ShapeCall::Song(_) => format!("write `{}(p.xy)`", self.name),
+        }
+    }
+
+    fn position(&mut self, argument: usize) -> Option<Vector> {
+        match self.argument(argument) {
+            Some(Value::Vector(vector)) if vector.len() == 2 => Some(vector),
+            Some(Value::Unknown) | None => None,
+            Some(other) => {
+                let message =
+                    format!("`{}` takes a vec2 as its position, not {}", self.name, other.described());
+                let wrong =
+                    Diagnostic::new(self.place(argument), message).hint("take two components, as in `p.xy`");
+                self.outer.reports.add(wrong);
+                None
+            }
+        }
+    }
+
+    /// Returns what to bake. Reports a text, file or font that cannot exist.
+    fn source(&mut self, words: Option<String>, font: Option<String>) -> Option<ShapeSource> {
+        let font_place = if words.is_some() { 2 } else { 1 };
+        let font = match font.map(|font| path::checked(&font)).transpose() {
+            Ok(font) => font,
+            Err((message, hint)) => {
+                let message = message.replace("file", "font");
+                self.outer.reports.add(Diagnostic::new(self.place(font_place), message).hint(hint));
+                return None;
+            }
+        };
+        let place = self.place(0);
+        match (self.call, words) {
+            (ShapeCall::Song(what), _) => {
+                if let Some(symbol) = self.outer.names.get(self.name) {
+                    self.outer.inputs.take(uses::FRAME, symbol, self.span, &mut self.outer.reports);
+                }
+                Some(ShapeSource::Song { what, font })
+            }
+            (ShapeCall::Image, Some(file)) => match path::checked(&file) {
+                Ok(file) => Some(ShapeSource::Image(file)),
+                Err((message, hint)) => {
+                    self.outer.reports.add(Diagnostic::new(place, message).hint(hint));
+                    None
+                }
+            },
+            (_, words) => {
+                let text = words.unwrap_or_default();
+                let (letters, max) = (text.chars().count(), self.outer.limits.shape_letters_max);
+                let wrong = if text.trim().is_empty() {
+                    Diagnostic::new(place, "this text has no letters").hint("write a word in the quotes")
+                } else if letters > max {
+                    let message = format!("this text has {letters} letters, and a shape has at most {max}");
+                    Diagnostic::over_limit(place, message).hint("divide it into several texts")
+                } else {
+                    return Some(ShapeSource::Text { text, font });
+                };
+                self.outer.reports.add(wrong);
+                None
+            }
+        }
+    }
+
+    fn number(&mut self, source: ShapeSource) -> Option<usize> {
+        let span = self.place(0);
+        let (shapes, max) = (&mut self.outer.declared.shapes, self.outer.limits.scene_shapes_max);
+        if let Some(known) = shapes.iter().position(|one| one.source == source) {
+            return Some(known);
+        }
+        if shapes.len() >= max {
+            let message = format!("the scene has more than {max} different texts and pictures as shapes");
+            let wrong = Diagnostic::over_limit(span, message).hint("write several words as one text");
+            self.outer.reports.add(wrong);
+            return None;
+        }
+        shapes.push(ShapeRef { source, span, baker: None });
+        Some(shapes.len() - 1)
+    }
+
+    fn distance(&mut self, number: usize, at: Vector) -> NodeId {
+        let graph = &mut self.outer.graph;
+        let numbers: [NodeId; SHAPE_NUMBERS] = std::array::from_fn(|place| {
+            let index = graph.constant((SHAPE_NUMBERS * number + place) as f32);
+            graph.unary(Op::ShapeNumber, index)
+        });
+        let [width, height, per_unit, column, row] = numbers;
+        let [x, y] = [at.part(0), at.part(1)];
+        let [across, up] = [(x, width, column), (y, height, row)].map(|(at, half, middle)| {
+            let least = graph.neg(half);
+            let inside = graph.clamp(at, least, half);
+            let scaled = graph.mul(inside, per_unit);
+            graph.add(scaled, middle)
+        });
+        let mut distance = graph.binary(Op::Shape, across, up);
+        for (at, half) in [(y, height), (x, width)] {
+            let off = graph.abs(at);
+            let beyond = graph.sub(off, half);
+            distance = graph.max(beyond, distance);
+        }
+        distance
+    }
+}
