@@ -190,7 +190,7 @@ pub(super) fn copied_at(
 fn copied_roots(
     graph: &mut Graph,
     (from, roots): (&Graph, &[NodeId]),
-    before: (usize, usize),
+    before: Before,
     value: &dyn Fn(Input) -> Option<NodeId>,
 ) -> Result<Vec<NodeId>, GraphError> {
     let mut moved = vec![NodeId::default(); from.len()];
