@@ -15,7 +15,7 @@ const FILES: [(&str, &str); 3] = [
     ("values.glsl", include_str!("../../crates/field/src/glsl_import/tests/fixtures/values.glsl")),
     ("functions.glsl", include_str!("../../crates/field/src/glsl_import/tests/fixtures/functions.glsl")),
 ];
-/// Words that GLSL 4.30 reserves, but that people use as names in texts for WebGL, and what stands for them here.
+/// Replacements for words that GLSL 4.30 reserves and that people use as names in shaders for WebGL.
 const RENAMED: [(&str, &str); 4] =
     [("sample(", "sampled("), ("buffer", "taken"), ("flat ", "level "), ("#ifdef GL_ES", "#if 1")];
 const HEAD: &str = "#version 430 core
@@ -27,7 +27,7 @@ const POINTS: usize = 1000;
 const TOLERANCE: f32 = 1e-4;
 /// llvmpipe computes arcs from polynomials with errors of 2e-4.
 const TOLERANCE_OF_ARCS: (&str, f32) = ("trigonometry", 6e-4);
-/// Computes remainders of negative numbers for x below 0, which GLSL leaves undefined.
+/// For x below 0, this function computes remainders of negative numbers, which GLSL leaves undefined.
 const DEFINED_FROM_ZERO: &str = "whole_numbers";
 /// Number of points that may be at a jump, where the last bit of an operand decides.
 const JUMPS: usize = POINTS / 100;

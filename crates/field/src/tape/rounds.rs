@@ -4,10 +4,9 @@
 //! round are followed by equal nodes of the next round, whose operands are shifted by the same number of places. The
 //! search finds the longest such run for any text, without help from the language.
 //!
-//! **Early ends.** After `break` or `while`, each value is a choice between its new value and the one of the round
-//! before, by a condition that stays true once it is. If that condition turns every value that is read later into the
-//! one of the round before, the loop can end there, and inside the loop the choices are gone. A Mandelbulb of eight
-//! rounds then ends after about three.
+//! **Early ends.** With `break` or `while`, a condition chooses between the old and the new content of each variable.
+//! Once the condition is true, it stays true. If no variable changes from then on, the loop ends when the condition
+//! becomes true, and the choices inside the loop are removed.
 
 use std::ops::Range;
 
@@ -81,7 +80,7 @@ pub(super) struct Unrolled<'a> {
     pub(super) order: Vec<NodeId>,
     /// Places in `order`, by the nodes' positions in the graph.
     places: Vec<Option<usize>>,
-    /// Place of the last reader of each place; for results, a place after all others.
+    /// For each node, the place of its last reader; for results, a place after all others.
     last_reader: Vec<usize>,
 }
 
@@ -196,7 +195,7 @@ impl<'a> Unrolled<'a> {
             || shifted.is_some() && shifted == self.place(later)
     }
 
-    /// Returns the loop of a run that starts at a place. The round before it stays outside.
+    /// Returns the loop of a run whose rounds begin at `start`. The round before `start` stays outside.
     fn rounds(&self, run: Run, start: usize) -> Option<Rounds> {
         let (length, count) = (run.length, run.rounds_from(start));
         let places = start..start + count * length;
@@ -228,8 +227,8 @@ impl<'a> Unrolled<'a> {
         (start..last).all(is_hidden).then_some(Rounds { steps: steps?, places, count, ends_early: false })
     }
 
-    /// Returns the source of an operand if all rounds have the same one. The round before the loop may differ in what
-    /// it reads from the round before it.
+    /// Returns the source of an operand if all rounds have the same one. The round before the loop may read other
+    /// values from the round before itself.
     fn source(
         &self,
         start: usize,
@@ -238,7 +237,7 @@ impl<'a> Unrolled<'a> {
         (length, count): (usize, usize),
     ) -> Option<Source> {
         let node = |round: usize| {
-            // Round 0 is the one before the loop.
+            // Round 0 precedes the loop.
             self.graph.node(self.order[start - length + round * length + offset]).operands().nth(operand)
         };
         let (first, second) = (node(1)?, node(2)?);
@@ -292,12 +291,12 @@ impl<'a> Unrolled<'a> {
     }
 }
 
-/// What is known of a value in a round if the end of the loop is known.
+/// Knowledge about a value in a round, if the loop is known to have ended or not.
 #[derive(Debug, Clone, Copy)]
 struct Settled {
-    /// What it is equal to, if that is known.
+    /// An equal value or number, if one is known.
     is: Option<Source>,
-    /// True if it equals the value of the round before.
+    /// True if the value does not change from the round before.
     stays: bool,
 }
 
@@ -307,7 +306,7 @@ impl Rounds {
         self.steps.len().saturating_sub(1)
     }
 
-    /// Replaces a source by what it is equal to, if the loop has ended (1) or not (0) before this round.
+    /// Replaces a source by an equal one, if the loop has ended (1) or not (0) before this round.
     fn resolved(&self, source: Source, settled: &[Settled], ended: f32) -> Source {
         match source {
             Source::Here(offset) => settled.get(offset).and_then(|known| known.is).unwrap_or(source),
@@ -316,7 +315,7 @@ impl Rounds {
         }
     }
 
-    /// Finds what the values of a round are equal to.
+    /// Finds an equal value or number for each value of a round.
     fn settled(&self, graph: &Graph, ended: f32) -> Vec<Settled> {
         let mut settled: Vec<Settled> = Vec::with_capacity(self.steps.len());
         for (offset, step) in self.steps.iter().enumerate() {
