@@ -3,8 +3,8 @@
 layout(std140) uniform FrameBlock {
     vec4 viewport;          // width, height, 1 / width, 1 / height, in pixels
     vec4 camera_position;   // xyz the eye; w half a pixel's width at distance 1
-    vec4 camera_right;      // xyz to the right edge of the frame; w the texels of texts and pictures as shapes
-    vec4 camera_up;         // xyz to the upper edge
+    vec4 camera_right;      // xyz to the right edge of the frame; w the first texel of texts and pictures as shapes
+    vec4 camera_up;         // xyz to the upper edge; w the rows of texts and pictures as shapes, 0 without any
     vec4 camera_forward;    // xyz along the viewing axis, unit length
     vec4 frame_clock;       // x time in seconds; y lights; z the row of the history at age 0, w the rows up to age 1
     vec4 block_bounds_low;        // xyz lower corner of the traced surfaces; w 1 if there are traced surfaces
@@ -58,14 +58,16 @@ vec4 bounds_high;
 vec4 region_low;
 vec4 region_scale;
 vec4 planes[PLANES_MAX];
-int shape_texels;
+int shape_first;
+int shape_rows;
 
 void load_frame() {
     bounds_low = block_bounds_low;
     bounds_high = block_bounds_high;
     region_low = block_region_low;
     region_scale = block_region_scale;
-    shape_texels = int(camera_right.w);
+    shape_first = int(camera_right.w);
+    shape_rows = int(camera_up.w);
     for (int i = 0; i < PLANES; i++) planes[i] = block_planes[i];
 }
 #else
@@ -74,7 +76,8 @@ void load_frame() {
 #define region_low block_region_low
 #define region_scale block_region_scale
 #define planes block_planes
-#define shape_texels int(camera_right.w)
+#define shape_first int(camera_right.w)
+#define shape_rows int(camera_up.w)
 
 void load_frame() {}
 #endif

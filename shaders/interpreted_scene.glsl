@@ -188,9 +188,16 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
 // Tried: one call of run_program for materials, light and sky. It saves 9 to 14 % of the code. But the sky must then be
 // computed before the lights, which costs every compiled scene a wave on Vega.
 vec3 sky_color(vec3 direction, vec3 dx, vec3 dy) {
+#ifdef PIXEL
     vec3 pixel = vec3(picture_pixel(), 0.0);
-    uvec4 head = run_program(program_at(SKY_PROGRAM, direction), Place(pixel, direction),
-                             Place(pixel + vec3(frame_screen.z, 0.0, 0.0), direction + dx),
-                             Place(pixel + vec3(0.0, frame_screen.w, 0.0), direction + dy));
+    vec3 right = pixel + vec3(frame_screen.z, 0.0, 0.0);
+    vec3 above = pixel + vec3(0.0, frame_screen.w, 0.0);
+#else
+    const vec3 pixel = vec3(0.0);
+    const vec3 right = vec3(0.0);
+    const vec3 above = vec3(0.0);
+#endif
+    uvec4 head = run_program(program_at(SKY_PROGRAM, direction), Place(pixel, direction), Place(right, direction + dx),
+                             Place(above, direction + dy));
     return vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2));
 }

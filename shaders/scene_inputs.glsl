@@ -3,9 +3,9 @@
 #include "levels.glsl"
 #include "texel_lists.glsl"
 
-// The texts and pictures as shapes, the spectrum, the waveform, the numbers of the song's parts, then the rows of the
-// history (crates/render/src/frame/sound_tables.rs). The curves are cubic B-splines: each texel holds the polynomial
-// between two entries, constant term first. The numbers are in x. All zero without sound.
+// The spectrum, the waveform, the numbers of the song's parts, the rows of the history, then texts and pictures as shapes
+// (crates/render/src/frame/sound_tables.rs). The curves are cubic B-splines: each texel holds the polynomial between two
+// entries, constant term first. The numbers are in x. All zero without sound.
 //
 // The first row of the shapes holds their numbers in x. The other rows hold the bilinear patches of a grid of distances
 // (crates/field/src/graph/shape_atlas.rs): the coefficients of 1, x, y and xy.
@@ -13,17 +13,16 @@ uniform NUMBER_LIST sound_tables;
 
 float shape_number(float index) {
     int number = int(clamp(index, 0.0, float(SHAPE_NUMBER_COUNT - 1)));
-    return shape_texels > 0 ? TEXEL(sound_tables, number).x : 0.0;
+    return shape_rows > 0 ? TEXEL(sound_tables, shape_first + number).x : 0.0;
 }
 
 float shape_distance(float column, float row) {
-    int rows = shape_texels / SHAPE_COLUMNS - 1;
     float along = column > 0.0 ? min(SHAPE_STEP * column, float(SHAPE_COLUMNS - 1)) : 0.0;
-    float up = row > 0.0 ? min(SHAPE_STEP * row, float(rows - 1)) : 0.0;
+    float up = row > 0.0 ? min(SHAPE_STEP * row, float(shape_rows - 1)) : 0.0;
     int left = min(int(along), SHAPE_COLUMNS - 2);
-    int lower = min(int(up), rows - 2);
-    int at = (lower + 1) * SHAPE_COLUMNS + left;
-    vec4 terms = shape_texels > 0 ? TEXEL(sound_tables, at) : vec4(1.0, 0.0, 0.0, 0.0);
+    int lower = min(int(up), shape_rows - 2);
+    int at = shape_first + (lower + 1) * SHAPE_COLUMNS + left;
+    vec4 terms = shape_rows > 0 ? TEXEL(sound_tables, at) : vec4(1.0, 0.0, 0.0, 0.0);
     float x = along - float(left);
     float y = up - float(lower);
     return (terms.w * x + terms.z) * y + (terms.y * x + terms.x);
@@ -49,16 +48,16 @@ float table_row(int first, int pieces, float u) {
 }
 
 float table_spectrum(float u) {
-    return table_row(shape_texels, SPECTRUM_POINTS - 1, u);
+    return table_row(0, SPECTRUM_POINTS - 1, u);
 }
 
 float table_waveform(float u) {
-    return table_row(shape_texels + SPECTRUM_POINTS - 1, WAVEFORM_POINTS - 1, u);
+    return table_row(SPECTRUM_POINTS - 1, WAVEFORM_POINTS - 1, u);
 }
 
 float table_part(float index) {
     int number = int(clamp(index, 0.0, float(PART_NUMBERS - 1)));
-    return TEXEL(sound_tables, shape_texels + SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + number).x;
+    return TEXEL(sound_tables, SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + number).x;
 }
 
 // Blends the four rows around an age. The buffer has one extra row before the first row of the history.
@@ -69,7 +68,7 @@ float table_history(float u, float age) {
     float along = frame_clock.z + (age > 0.0 ? min(age, 1.0) : 0.0) * frame_clock.w;
     int upper = int(along);
     float y = along - float(upper);
-    int at = shape_texels + SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + PART_NUMBERS + upper * PIECES + piece;
+    int at = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + PART_NUMBERS + upper * PIECES + piece;
     float sum = 0.0;
     // frame_reach.z is 0. Without this term, compilers unroll the loop, and four rows occupy registers at once.
     int rows = 4 + int(frame_reach.z);

@@ -398,7 +398,7 @@ commands! {
         group: Some(Group::Developers),
         bindings: &[keys!(
             Key::Character("r") => C::ToggleRegions,
-            "R or Shift+R", "skip empty space or not; Shift+R shows the ray under the pointer, step by step",
+            "R or Shift+R", "skip empty space or not; Shift+R: the pointer's ray, step by step",
             shifted: Some(C::ToggleRay)
         )],
     }

@@ -1,9 +1,10 @@
-//! The optional parts of the shaders that a scene needs: panels, mirrors, rough mirrors, glow, a lens.
+//! The optional parts of the shaders that a scene needs: panels, mirrors, rough mirrors, glow, a lens,
+//! pixels.
 //!
 //! Parts that a scene does not need are not compiled, because a renderer that never skips a branch would compute them
 //! in vain.
 
-use crate::graph::NodeId;
+use crate::graph::{Input, NodeId};
 use crate::lang::{LightKind, Scene};
 
 /// Parts of the shaders that only some scenes need.
@@ -21,15 +22,19 @@ pub struct SceneFeatures {
     pub lens: bool,
     /// A blend of two scenes. A lamp of one scene may be inside a surface of the other scene.
     pub blend: bool,
+    /// A sky that depends on the picture's pixel.
+    pub pixel: bool,
 }
 
 impl SceneFeatures {
     /// All features.
     pub const ALL: Self =
-        Self { panels: true, mirrors: true, blur: true, glow: true, lens: true, blend: true };
+        Self { panels: true, mirrors: true, blur: true, glow: true, lens: true, blend: true, pixel: true };
 
     pub(super) fn of(scene: &Scene, glow: bool, blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
+        // The pixel is the position of the sky's program.
+        let used = scene.graph.inputs_used(&scene.sky.color);
         let mirrors = scene.materials.iter().any(|material| some(material.reflect));
         Self {
             panels: scene.lights.iter().any(|light| light.kind == LightKind::Panel),
@@ -38,6 +43,7 @@ impl SceneFeatures {
             glow,
             lens: some(scene.camera.aperture),
             blend,
+            pixel: used.is_ok_and(|used| used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y)),
         }
     }
 
@@ -50,6 +56,7 @@ impl SceneFeatures {
             (self.glow, "GLOW"),
             (self.lens, "LENS"),
             (self.blend, "BLEND"),
+            (self.pixel, "PIXEL"),
         ];
         all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }

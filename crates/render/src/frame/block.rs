@@ -90,8 +90,8 @@ impl Frame {
         let head: [[f32; 4]; HEAD] = [
             [width, height, 1.0 / width, 1.0 / height].map(|value| value as f32),
             xyz(camera.position, pixel_radius),
-            xyz(right, sound_tables::shape_texels(&inputs.shapes) as f64),
-            xyz(up, 0.0),
+            xyz(right, sound_tables::texel_count(inputs) as f64),
+            xyz(up, inputs.shapes.rows() as f64),
             xyz(camera.forward, 0.0),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
             // The last component of each line is a flag: the world has something to trace; the bounds are known.

@@ -1,7 +1,7 @@
-//! Packs the tables for the shaders: texts and pictures as shapes, spectrum, waveform, numbers of the song's parts, rows of the history
-//! (`shaders/scene_inputs.glsl`).
+//! Packs the tables for the shaders: spectrum, waveform, numbers of the song's parts, rows of the history, then texts and
+//! pictures as shapes (`shaders/scene_inputs.glsl`). The sound comes first, so that scenes find it at constant places.
 
-use mariana_field::graph::{FrameInputs, Op, PartInput, SHAPE_COLUMNS, ShapeAtlas, TableData};
+use mariana_field::graph::{FrameInputs, Op, PartInput, TableData};
 use mariana_field::world::World;
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
@@ -13,29 +13,32 @@ pub fn are_read_by(world: &World) -> bool {
     Op::CURVES.iter().chain(&Op::PARTS).any(|table| used.tables.contains(table))
 }
 
-/// Number of texels of texts and pictures as shapes, which precede the tables of the sound. They fill whole rows of
-/// [`SHAPE_COLUMNS`]: first the shapes' numbers, then the patches.
-pub fn shape_texels(shapes: &ShapeAtlas) -> usize {
-    match shapes.rows() {
-        0 => 0,
-        rows => (rows + 1) * SHAPE_COLUMNS,
-    }
+const HISTORY_PIECES: usize = HISTORY_POINTS - 1;
+/// The first texel of the history.
+const HISTORY: usize = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + PartInput::COUNT;
+/// Shaders always read this number of rows of the history.
+const HISTORY_ROWS_MIN: usize = 4;
+
+/// Number of texels of the sound, after which texts and pictures as shapes begin. These fill rows of
+/// [`SHAPE_COLUMNS`](mariana_field::graph::SHAPE_COLUMNS) texels: one with the shapes' numbers, then the patches.
+pub fn texel_count(inputs: &FrameInputs) -> usize {
+    HISTORY + history_rows(inputs).count().max(HISTORY_ROWS_MIN) * HISTORY_PIECES
 }
 
-/// The texels of the sound: one polynomial per piece, and one number of the parts in the first component of each texel. A table of
-/// an unexpected length is replaced by silence.
+fn history_rows(inputs: &FrameInputs) -> impl Iterator<Item = &[[f32; 4]]> {
+    inputs.history.rows_of_pieces().filter(|row| row.len() == HISTORY_PIECES)
+}
+
+/// The texels of the sound: one polynomial per piece, and one number of the parts in the first component of each texel.
+/// A table of an unexpected length is replaced by silence.
 pub fn texels(inputs: &FrameInputs) -> Vec<[f32; 4]> {
-    const HISTORY_PIECES: usize = HISTORY_POINTS - 1;
     let mut texels = Vec::new();
     append(&mut texels, &inputs.spectrum, SPECTRUM_POINTS - 1);
     append(&mut texels, &inputs.waveform, WAVEFORM_POINTS - 1);
     let numbers = (0..PartInput::COUNT).map(|at| inputs.parts.get(at).copied().unwrap_or(0.0));
     texels.extend(numbers.map(|number| [number, 0.0, 0.0, 0.0]));
-    let rows = inputs.history.rows_of_pieces().filter(|row| row.len() == HISTORY_PIECES);
-    texels.extend(rows.flatten().map(polynomial));
-    // Shaders always read four rows.
-    let first_row = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + PartInput::COUNT;
-    texels.resize(texels.len().max(first_row + 4 * HISTORY_PIECES), [0.0; 4]);
+    texels.extend(history_rows(inputs).flatten().map(polynomial));
+    texels.resize(texel_count(inputs), [0.0; 4]);
     texels
 }
 

@@ -403,8 +403,8 @@ pub(super) struct SceneLists {
     tape: TexelList,
     regions: TexelList,
     sound_tables: TexelList,
-    /// The texts and pictures that are uploaded.
-    shapes: RefCell<ShapeAtlas>,
+    /// The uploaded texts and pictures, and their first texel.
+    shapes: RefCell<(usize, ShapeAtlas)>,
 }
 
 impl SceneLists {
@@ -413,25 +413,28 @@ impl SceneLists {
             tape: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
             regions: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
             sound_tables: TexelList::new(gl, ListTexel::Rgba32F, &floats_as_bytes(sound))?,
-            shapes: RefCell::new(ShapeAtlas::NONE),
+            shapes: RefCell::new((0, ShapeAtlas::NONE)),
         })
     }
 
     /// Uploads the texts and pictures if they have changed, and the tables of the sound if the scene reads them.
     fn upload_tables(&self, inputs: &FrameInputs, hears_tables: bool) {
-        let is_known = *self.shapes.borrow() == inputs.shapes;
-        if is_known && !hears_tables {
+        let first = sound_tables::texel_count(inputs);
+        let are_known = {
+            let (place, shapes) = &*self.shapes.borrow();
+            *shapes == inputs.shapes && (shapes.rows() == 0 || *place == first)
+        };
+        if are_known && !hears_tables {
             return;
         }
-        let sound = floats_as_bytes(&sound_tables::texels(inputs));
-        let first = sound_tables::shape_texels(&inputs.shapes);
-        if is_known && self.sound_tables.replace_from(first, &sound) {
+        let mut bytes = floats_as_bytes(&sound_tables::texels(inputs));
+        if are_known && inputs.shapes.rows() > 0 {
+            self.sound_tables.replace_start(&bytes);
             return;
         }
-        let mut bytes = floats_as_bytes(&inputs.shapes.texels());
-        bytes.extend(sound);
+        bytes.extend(floats_as_bytes(&inputs.shapes.texels()));
         self.sound_tables.replace(&bytes);
-        *self.shapes.borrow_mut() = inputs.shapes.clone();
+        *self.shapes.borrow_mut() = (first, inputs.shapes.clone());
     }
 
     pub(super) fn names(&self, pictures: Vec<glow::NativeTexture>) -> SceneNames {

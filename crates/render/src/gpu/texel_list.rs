@@ -47,8 +47,7 @@ pub(super) struct TexelList {
 }
 
 enum Storage {
-    /// The buffer and its size in bytes.
-    Buffer(Buffer, Cell<usize>),
+    Buffer(Buffer),
     /// The number of rows of the texture.
     Rows(Cell<usize>),
 }
@@ -67,7 +66,7 @@ impl TexelList {
                     gl.bind_buffer(glow::TEXTURE_BUFFER, Some(buffer.native()));
                     gl.tex_buffer(target, texel.formats().0, Some(buffer.native()));
                 }
-                Storage::Buffer(buffer, Cell::new(0))
+                Storage::Buffer(buffer)
             }
             Api::Embedded => {
                 for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
@@ -89,37 +88,27 @@ impl TexelList {
     pub(super) fn replace(&self, bytes: &[u8]) {
         match &self.storage {
             // SAFETY: `self` owns the buffer, which belongs to the current context.
-            Storage::Buffer(buffer, size) => unsafe {
-                let bytes = padded(bytes);
+            Storage::Buffer(buffer) => unsafe {
                 self.gl.bind_buffer(glow::TEXTURE_BUFFER, Some(buffer.native()));
-                self.gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, &bytes, glow::STREAM_DRAW);
-                size.set(bytes.len());
+                self.gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, &padded(bytes), glow::STREAM_DRAW);
             },
-            Storage::Rows(rows) => self.replace_rows(rows, 0, bytes),
+            Storage::Rows(rows) => self.replace_rows(rows, bytes),
         }
     }
 
-    /// Replaces the texels from the number `first` on, which is the first one of a row. Returns false, without a
-    /// change, if the list is too short.
-    pub(super) fn replace_from(&self, first: usize, bytes: &[u8]) -> bool {
-        let texel_bytes = self.texel.formats().3;
-        let end = first * texel_bytes + bytes.len();
+    /// Replaces the first texels and keeps the others. The list must be long enough.
+    pub(super) fn replace_start(&self, bytes: &[u8]) {
         match &self.storage {
-            _ if first == 0 => self.replace(bytes),
-            Storage::Buffer(_, size) if end > size.get() => return false,
-            Storage::Rows(rows) if end > (rows.get() * texel_bytes) << ROW_BITS => return false,
-            // SAFETY: `self` owns the buffer, which belongs to the current context and has room for the bytes.
-            Storage::Buffer(buffer, _) => unsafe {
+            // SAFETY: `self` owns the buffer, which belongs to the current context. OpenGL refuses bytes beyond its end.
+            Storage::Buffer(buffer) => unsafe {
                 self.gl.bind_buffer(glow::TEXTURE_BUFFER, Some(buffer.native()));
-                let offset = (first * texel_bytes) as i32;
-                self.gl.buffer_sub_data_u8_slice(glow::TEXTURE_BUFFER, offset, bytes);
+                self.gl.buffer_sub_data_u8_slice(glow::TEXTURE_BUFFER, 0, bytes);
             },
-            Storage::Rows(rows) => self.replace_rows(rows, first >> ROW_BITS, bytes),
+            Storage::Rows(rows) => self.replace_rows(rows, bytes),
         }
-        true
     }
 
-    fn replace_rows(&self, rows: &Cell<usize>, first: usize, bytes: &[u8]) {
+    fn replace_rows(&self, rows: &Cell<usize>, bytes: &[u8]) {
         let (gl, target) = (&self.gl, glow::TEXTURE_2D);
         let (stored, format, kind, texel_bytes) = self.texel.formats();
         let row_bytes = texel_bytes << ROW_BITS;
@@ -128,7 +117,7 @@ impl TexelList {
         unsafe {
             gl.bind_texture(target, Some(self.texture.native()));
             gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
-            let needed = rows_for(first + bytes.len().div_ceil(row_bytes));
+            let needed = rows_for(bytes.len().div_ceil(row_bytes));
             if needed > rows.get() {
                 let nothing = glow::PixelUnpackData::Slice(None);
                 let (width, height) = (1 << ROW_BITS, needed as i32);
@@ -137,11 +126,8 @@ impl TexelList {
             }
             let (whole, rest) = bytes.split_at(bytes.len() - bytes.len() % row_bytes);
             let height = (whole.len() / row_bytes) as i32;
-            let first = first as i32;
-            let areas = [
-                (first, 1 << ROW_BITS, height, whole),
-                (first + height, (rest.len() / texel_bytes) as i32, 1, rest),
-            ];
+            let areas =
+                [(0, 1 << ROW_BITS, height, whole), (height, (rest.len() / texel_bytes) as i32, 1, rest)];
             for (y, width, height, bytes) in areas.into_iter().filter(|(.., bytes)| !bytes.is_empty()) {
                 let texels = glow::PixelUnpackData::Slice(Some(bytes));
                 gl.tex_sub_image_2d(target, 0, 0, y, width, height, format, kind, texels);
