@@ -46,9 +46,10 @@ pub(crate) fn glsl(data: &[u8]) {
         assert!(place.start <= place.end && place.end as usize <= text.len(), "{problem:?}");
         assert!(!problem.message.is_empty());
     };
-    match scene_around(&text, "a.glsl") {
+    match scene_around(&text) {
         Ok(around) => {
-            let compiled = lang::compile("fuzz", &around.text, &mut |_| Ok(text.clone().into_owned()));
+            let compiled =
+                lang::compile("fuzz", &around.text("a.glsl"), &mut |_| Ok(text.clone().into_owned()));
             assert_eq!(compiled.scene.is_some(), compiled.diagnostics.is_empty());
             check(&compiled.diagnostics, &compiled.sources);
         }

@@ -10,7 +10,7 @@ use super::files::{is_standard, scene_of};
 use super::scene::require;
 use crate::atomic_file::AtomicFile;
 use crate::export::print::{print_line, tell};
-use crate::scenes::{ShaderError, read_shader, scene_of_shader};
+use crate::scenes::{ShaderError, read_shader, scene_of_shader, text_around};
 use mariana_field::glsl_export::shadertoy;
 use mariana_field::glsl_import::Problem;
 use mariana_field::lang::{Diagnostic, Fault, Sources, Span};
@@ -46,11 +46,11 @@ pub(super) fn run_import(arguments: &ImportArguments) -> anyhow::Result<()> {
     let shader = &arguments.shader;
     let text = read_shader(shader)?;
     let name = shader.file_name().and_then(|name| name.to_str()).unwrap_or("");
-    let around = scene_of_shader(shader, &text, name).map_err(|error| match &error {
+    let around = scene_of_shader(shader, &text).map_err(|error| match &error {
         ShaderError::NoScene { problem, .. } => underlined(shader, &text, problem),
         _ => error.into(),
     })?;
-    let scene = around.text;
+    let scene = text_around(&around, name);
     let output = arguments.output.clone().unwrap_or_else(|| shader.with_extension("scene"));
     if is_standard(&output) {
         print_line(scene.trim_end())?;

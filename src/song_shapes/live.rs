@@ -3,7 +3,7 @@
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 
-use super::{Atlases, Baked, Key, SongTexts, shown};
+use super::{Atlases, Baked, Key, SongTexts, are_same, shown};
 use crate::frame::Frame;
 use mariana_field::graph::{ShapeGrid, SoundInput};
 use mariana_field::lang::{SongText, TextBaker};
@@ -67,10 +67,7 @@ impl LiveSongShapes {
         for (number, what, baker) in shown(world) {
             let key = |line| Key { baker: baker.clone(), text: self.texts.text(what, line).to_owned() };
             let (now, soon) = (key(line), key(Some(next)));
-            let is_same = |other: &Arc<dyn TextBaker>| {
-                Arc::as_ptr(other).cast::<()>() == Arc::as_ptr(baker).cast::<()>()
-            };
-            let last = self.shown.iter().position(|(other, of, _)| *of == what && is_same(other));
+            let last = self.shown.iter().position(|(other, of, _)| *of == what && are_same(other, baker));
             if now.text.is_empty() {
                 last.map(|last| self.shown.remove(last));
             } else if let Some(grid) = self.shared.lock().baked.get(&now) {

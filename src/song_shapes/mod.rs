@@ -65,9 +65,12 @@ struct Key {
 
 impl PartialEq for Key {
     fn eq(&self, other: &Self) -> bool {
-        self.text == other.text
-            && Arc::as_ptr(&self.baker).cast::<()>() == Arc::as_ptr(&other.baker).cast::<()>()
+        self.text == other.text && are_same(&self.baker, &other.baker)
     }
+}
+
+fn are_same(one: &Arc<dyn TextBaker>, other: &Arc<dyn TextBaker>) -> bool {
+    std::ptr::addr_eq(Arc::as_ptr(one), Arc::as_ptr(other))
 }
 
 /// Baked texts, the last used one at the end.

@@ -48,7 +48,7 @@ pub use loader::{Loaded, Loader};
 pub use number_edits::NumberEdits;
 pub use order::SceneList;
 pub use shader_import::{
-    ImportedShader, ShaderError, import_shader, is_shader_file, read_shader, scene_of_shader,
+    ImportedShader, ShaderError, import_shader, is_shader_file, read_shader, scene_of_shader, text_around,
 };
 pub use sources::{TextureSource, VIDEO_ENDINGS};
 pub use textures::{NEUTRAL, TextureCache};

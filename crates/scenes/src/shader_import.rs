@@ -106,17 +106,22 @@ pub fn read_shader(path: &Path) -> Result<String, ShaderError> {
     })
 }
 
-/// Writes the text of a scene around a shader, which the scene includes by the name `include`.
+/// Writes a scene around a shader.
 ///
 /// # Errors
 /// A shader that cannot become a scene.
-pub fn scene_of_shader(path: &Path, text: &str, include: &str) -> Result<SceneAround, ShaderError> {
-    let around = scene_around(text, include).map_err(|problem| ShaderError::NoScene {
+pub fn scene_of_shader(path: &Path, text: &str) -> Result<SceneAround, ShaderError> {
+    scene_around(text).map_err(|problem| ShaderError::NoScene {
         path: path.to_owned(),
         text: text.to_owned(),
         problem,
-    })?;
-    Ok(SceneAround { text: formatted(&around.text).unwrap_or(around.text), ..around })
+    })
+}
+
+/// Returns the formatted text of a scene that includes its shader by the name `include`.
+pub fn text_around(around: &SceneAround, include: &str) -> String {
+    let text = around.text(include);
+    formatted(&text).unwrap_or(text)
 }
 
 /// Copies a shader into a folder of scenes and writes a scene around it. If the folder has the same shader and its scene
@@ -137,7 +142,7 @@ pub fn import_shader(shader: &Path, folder: &Path) -> Result<ImportedShader, Sha
         return Ok(ImportedShader { scene, left_out: Vec::new() });
     }
     // Nothing is written for a shader that cannot become a scene.
-    scene_of_shader(shader, &text, "shader.glsl")?;
+    let around = scene_of_shader(shader, &text)?;
     std::fs::create_dir_all(folder)
         .map_err(|error| Unwritable { path: folder.to_owned(), reason: error.to_string() })?;
     let copy = match there {
@@ -145,8 +150,8 @@ pub fn import_shader(shader: &Path, folder: &Path) -> Result<ImportedShader, Sha
         None => AtomicFile::create(&copy)?.write_beside(text.as_bytes())?,
     };
     let include = copy.file_name().unwrap_or_default().to_string_lossy();
-    let around = scene_of_shader(shader, &text, &include)?;
-    let scene = AtomicFile::create(&copy.with_extension(ENDING))?.write_beside(around.text.as_bytes())?;
+    let scene = text_around(&around, &include);
+    let scene = AtomicFile::create(&copy.with_extension(ENDING))?.write_beside(scene.as_bytes())?;
     Ok(ImportedShader { scene, left_out: around.left_out })
 }
 

@@ -12,10 +12,17 @@ use crate::limits::LIMITS;
 /// A scene for a GLSL file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneAround {
-    /// The text of the scene.
-    pub text: String,
+    /// The text of the scene after the line that includes the file.
+    body: String,
     /// A sentence for each part of the file that the scene leaves out.
     pub left_out: Vec<String>,
+}
+
+impl SceneAround {
+    /// Returns the text of the scene, which includes the file by the path `include`.
+    pub fn text(&self, include: &str) -> String {
+        format!("# Made by `mariana import` from {include}.\n\ninclude \"{include}\"\n\n{}", self.body)
+    }
 }
 
 /// Half the side of the cube in which the shape is looked for, and the number of samples along a side.
@@ -33,24 +40,23 @@ const COLORS: [&str; 6] = [
     "vec3(0.55, 0.35, 0.6)",
 ];
 
-/// Writes a scene that includes the file by the path `include`: around its distance function or, without one, around
-/// the picture that it draws.
+/// Writes a scene that includes a file: around its distance function or, without one, around the picture that it draws.
 ///
 /// # Errors
 /// A file that neither has a function of a point that returns a distance nor draws a picture, or a mistake in that
 /// function.
-pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
+pub fn scene_around(text: &str) -> Result<SceneAround, Problem> {
     let file = GlslFile::parse(text, &LIMITS)?;
     let shape = candidate(&file);
     // A name such as `f` may be anything, if the file also draws a picture.
     let is_sure = shape.is_some_and(is_distance_for_sure);
-    let text_of = |function: &GlslFunction| scene_of_shape(&file, function, include);
+    let text_of = |function: &GlslFunction| scene_of_shape(&file, function);
     let of_shape = shape.filter(|_| is_sure || file.picture().is_none()).map(text_of);
     let scene = match (of_shape, file.picture()) {
         (Some(Ok(scene)), _) => scene,
         (Some(Err(problem)), None) => return Err(problem),
         (of_shape, Some(picture)) => {
-            let of_picture = scene_of_picture(&file, picture, include);
+            let of_picture = scene_of_picture(&file, picture);
             let other = of_shape.or_else(|| shape.map(text_of));
             match (of_picture, other) {
                 (Ok(scene), _) | (Err(_), Some(Ok(scene))) => scene,
@@ -59,11 +65,11 @@ pub fn scene_around(text: &str, include: &str) -> Result<SceneAround, Problem> {
         }
         (None, None) => return Err(nothing_found(&file)),
     };
-    Ok(SceneAround { text: scene.text, left_out: left_out(&file, text, scene.is_picture) })
+    Ok(SceneAround { body: scene.body, left_out: left_out(&file, text, scene.is_picture) })
 }
 
 struct Around {
-    text: String,
+    body: String,
     is_picture: bool,
 }
 
@@ -75,9 +81,9 @@ fn nothing_found(file: &GlslFile) -> Problem {
         .hint(format!("call it `map`, take one vec3, and return a float or a vec2; functions found: {found}"))
 }
 
-/// The first lines of a scene, with values for uniforms without one.
-fn head(file: &GlslFile, include: &str) -> String {
-    let mut scene = format!("# Made by `mariana import` from {include}.\n\ninclude \"{include}\"\n\n");
+/// Lines with values for uniforms without one.
+fn uniforms(file: &GlslFile) -> String {
+    let mut scene = String::new();
     for (uniform, len) in file.open_uniforms() {
         let _ = match len {
             1 => writeln!(scene, "param {uniform} = 1 in 0 .. 2"),
@@ -87,25 +93,25 @@ fn head(file: &GlslFile, include: &str) -> String {
     scene
 }
 
-/// A scene of sky alone. The shader's colours are those of the screen, not light.
-fn scene_of_picture(file: &GlslFile, picture: &GlslFunction, include: &str) -> Result<Around, Problem> {
+/// A scene of sky alone. A shader computes colours of the screen, but a sky is light.
+fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<Around, Problem> {
     let mut graph = Graph::new();
     let pixel = [Input::X, Input::Y].map(|input| graph.input(input)).to_vec();
     executed(&mut graph, Session::of_picture(), (file, picture), pixel)?;
-    let mut scene = head(file, include);
+    let mut scene = uniforms(file);
     let _ = write!(
         scene,
         "\nsky {{ color = srgb({}(pixel).rgb) }}\n\npicture {{ tone_map = none  bloom = 0  grain = 0 }}\n",
         picture.name
     );
-    Ok(Around { text: scene, is_picture: true })
+    Ok(Around { body: scene, is_picture: true })
 }
 
-fn scene_of_shape(file: &GlslFile, function: &GlslFunction, include: &str) -> Result<Around, Problem> {
+fn scene_of_shape(file: &GlslFile, function: &GlslFunction) -> Result<Around, Problem> {
     let sampled = Sampled::of(file, function)?;
     let (call, name) = (format!("{}(p)", function.name), &function.name);
     let is_vector = function.result != Some(GlslType::Float);
-    let mut scene = head(file, include);
+    let mut scene = uniforms(file);
     let _ = writeln!(scene, "\nmaterial surface {{");
     if sampled.numbers.len() > 1 {
         let _ = writeln!(scene, "  # the number of the material is the second number of {name}");
@@ -129,7 +135,7 @@ fn scene_of_shape(file: &GlslFile, function: &GlslFunction, include: &str) -> Re
         scene,
         "camera {{ position = vec3({x}, {y}, {z})  target = vec3({a}, {b}, {c})  fov = 50 }}"
     );
-    Ok(Around { text: scene, is_picture: false })
+    Ok(Around { body: scene, is_picture: false })
 }
 
 /// A sentence for each part of the file that the scene leaves out.

@@ -32,7 +32,7 @@ mod tests {
 
     const CHILD: &str = "MARIANA_QUIET_CHILD";
 
-    /// Standard error belongs to a process, so the panics happen in a process of their own.
+    /// Standard error belongs to a process, so another process panics here.
     #[test]
     fn only_caught_panics_are_silent() {
         if std::env::var_os(CHILD).is_some() {

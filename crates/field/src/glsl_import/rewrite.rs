@@ -236,7 +236,7 @@ impl<'a> Program<'a> {
         self.image.as_ref().is_some_and(|(_, drawing)| *drawing == index)
     }
 
-    /// The place of the name of the function that draws.
+    /// The span of the name of the function that draws.
     pub(super) fn image_place(&self) -> Range<u32> {
         let drawing = self.image.as_ref().and_then(|(_, drawing)| self.items.get(*drawing));
         match drawing {

@@ -9,8 +9,8 @@ pub(super) enum Kind {
     Sign,
 }
 
-/// One token. The text is a slice of the source or a constant. For a token from a macro, `start` and `end` are those of
-/// the macro's call.
+/// One token. The text is a slice of the source or a constant. For a token from a macro, `start` and `end`
+/// locate the macro's call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Token<'a> {
     pub text: &'a str,
@@ -31,7 +31,7 @@ impl<'a> Token<'a> {
         self.start..self.end
     }
 
-    /// Returns a token that is not in the text. Its location is that of this token.
+    /// Returns a token that is not in the text, with the location of this token.
     pub(super) fn made(self, text: &'a str, kind: Kind) -> Self {
         Self { text, kind, ..self }
     }

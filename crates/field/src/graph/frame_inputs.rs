@@ -71,9 +71,9 @@ const TIME_MAX: f32 = 86_400.0;
 
 impl FrameInputs {
     /// Returns the inputs of all frames at once: any sound, any time, parameters within their ranges. Bounds computed
-    /// with these inputs hold for every frame; values computed with them are those of a silent frame.
+    /// with these inputs hold for every frame. Values computed with them belong to a silent frame.
     ///
-    /// `shapes` are the scene's texts and pictures. Those that change may have any content.
+    /// `shapes` are the scene's texts and pictures. Texts that change may have any content.
     pub fn any(params: impl IntoIterator<Item = (f32, f32)>, shapes: &ShapeAtlas) -> Self {
         Self {
             shapes: shapes.clone(),

@@ -193,7 +193,7 @@ impl Node {
         a.into_iter().chain(b)
     }
 
-    /// The place of an input of the point, which precedes all other nodes in an order of evaluation.
+    /// Returns the index in [`Input::OF_POINT`], or the largest number for all other nodes.
     pub(super) fn place_of_point(self) -> usize {
         match self {
             Node::Input(input) => input.of_point().unwrap_or(usize::MAX),

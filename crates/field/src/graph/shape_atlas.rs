@@ -56,10 +56,13 @@ impl ShapeGrid {
         (fits && is_whole && is_scaled).then_some(Self { columns, points_per_unit, values })
     }
 
-    /// Returns a grid of large distances.
-    pub fn empty(columns: usize, rows: usize, points_per_unit: f32) -> Option<Self> {
-        let far = (columns + rows) as f32 / points_per_unit;
-        Self::new(vec![far; columns * rows], columns, points_per_unit)
+    /// Returns a grid of large distances. Its size is clamped to the sizes that [`ShapeGrid::new`] accepts, and its
+    /// scale to a normal number.
+    pub fn empty(columns: usize, rows: usize, points_per_unit: f32) -> Self {
+        let (columns, rows) = (columns.clamp(2, SHAPE_COLUMNS - 1), rows.clamp(2, SHAPE_ROWS_MAX - 1));
+        let points_per_unit = points_per_unit.clamp(f32::MIN_POSITIVE, f32::MAX);
+        let far = ((columns + rows) as f32 / points_per_unit).min(f32::MAX);
+        Self { columns, points_per_unit, values: vec![far; columns * rows].into() }
     }
 
     /// Numbers of columns and rows.
@@ -511,7 +514,7 @@ mod tests {
         ] {
             assert!(ShapeGrid::new(values, columns, scale).is_none(), "{columns} {scale}");
         }
-        let large = AtlasShape { grid: ShapeGrid::empty(2000, 1100, 1.0).unwrap(), changes: false };
+        let large = AtlasShape { grid: ShapeGrid::empty(2000, 1100, 1.0), changes: false };
         assert!(ShapeAtlas::new(vec![large.clone()]).is_some() && ShapeAtlas::new(vec![large; 2]).is_none());
     }
 

@@ -5,7 +5,7 @@
 //! the random directions of rough mirrors.
 
 use super::shadow_ray::ShadowRay;
-use super::{Hit, Ray, RayProbe, TAP_MIN, TAPS, Traced, add, unit};
+use super::{Hit, Ray, RayProbe, Traced, add, tap_length, unit};
 use crate::graph::Point;
 use crate::lang::{Light, Material};
 use crate::rays;
@@ -152,13 +152,8 @@ impl RayProbe<'_> {
     }
 
     fn slope(&self, ray: &Ray, hit: &Hit) -> f32 {
-        let h = (0.6 * ray.spread * hit.distance).max(TAP_MIN);
-        let mut sum = [0.0; 3];
-        for tap in TAPS {
-            let place = std::array::from_fn(|axis| hit.position[axis] + h * tap[axis]);
-            let [_, estimate] = self.regions.distance(place, 0.0, self.frame);
-            sum = std::array::from_fn(|axis| sum[axis] + estimate * tap[axis]);
-        }
+        let h = tap_length(ray, hit);
+        let sum = self.tapped(hit.position, h);
         (dot(sum, sum).sqrt() / (4.0 * h)).max(1e-6)
     }
 

@@ -97,6 +97,11 @@ pub struct RayProbe<'a> {
     is_plain: StdCell<bool>,
 }
 
+/// The distance along each axis at which the gradient at a hit is sampled.
+fn tap_length(ray: &Ray, hit: &Hit) -> f32 {
+    (0.6 * ray.spread * hit.distance).max(TAP_MIN)
+}
+
 impl<'a> RayProbe<'a> {
     /// Creates a probe for a frame's tree and planes ([`FrameValues::planes`](crate::world::FrameValues)).
     pub fn new(
@@ -141,14 +146,18 @@ impl<'a> RayProbe<'a> {
         if let Some([a, b, c, _]) = hit.plane.and_then(|plane| self.planes.get(plane)) {
             return unit([*a, *b, *c]);
         }
-        let h = (0.6 * ray.spread * hit.distance).max(TAP_MIN);
+        unit(self.tapped(hit.position, tap_length(ray, hit)))
+    }
+
+    /// Returns the gradient at a point times 4 * h, from the distances at four points around it.
+    fn tapped(&self, point: [f32; 3], h: f32) -> [f32; 3] {
         let mut sum = [0.0; 3];
         for tap in TAPS {
-            let place = std::array::from_fn(|axis| hit.position[axis] + h * tap[axis]);
+            let place = std::array::from_fn(|axis| point[axis] + h * tap[axis]);
             let [_, estimate] = self.regions.distance(place, 0.0, self.frame);
             sum = std::array::from_fn(|axis| sum[axis] + estimate * tap[axis]);
         }
-        unit(sum)
+        sum
     }
 
     /// True if the values along rays are distances.
@@ -230,8 +239,12 @@ impl<'a> RayProbe<'a> {
         Some(span)
     }
 
+    fn tape_of(&self, cell: Option<&Cell>) -> u32 {
+        cell.map_or(self.regions.whole_tape, |cell| cell.tape)
+    }
+
     fn value(&self, cell: Option<&Cell>, point: [f32; 3], traced: &mut Traced) -> f32 {
-        let tape = cell.map_or(self.regions.whole_tape, |cell| cell.tape);
+        let tape = self.tape_of(cell);
         traced.evaluations += 1;
         traced.clauses +=
             *self.lengths.borrow_mut().entry(tape).or_insert_with(|| self.regions.clauses_of(tape));

@@ -1,6 +1,6 @@
 //! Faults of a scene's distance that its picture may hide: rays that use up their steps, and steps over surfaces.
 
-use super::{Ray, RayProbe, TAPS, Traced, unit};
+use super::{Ray, RayProbe, Traced, unit};
 use crate::graph::FrameInputs;
 use crate::lang::Diagnostic;
 use crate::rays;
@@ -153,12 +153,7 @@ impl RayProbe<'_> {
     fn slope_at_the_end(&self, ray: &Ray, traced: &Traced) -> Option<f32> {
         let hit = traced.hit.filter(|hit| hit.plane.is_none())?;
         let h = ray.spread * hit.distance;
-        let mut sum = [0.0; 3];
-        for tap in TAPS {
-            let place = std::array::from_fn(|axis| hit.position[axis] + h * tap[axis]);
-            let [_, estimate] = self.regions.distance(place, 0.0, self.frame);
-            sum = std::array::from_fn(|axis| sum[axis] + estimate * tap[axis]);
-        }
+        let sum = self.tapped(hit.position, h);
         let slope = sum.iter().map(|part| part * part).sum::<f32>().sqrt() / (4.0 * h);
         Some(slope).filter(|slope| slope.is_finite())
     }

@@ -154,7 +154,7 @@ impl RayProbe<'_> {
             if t >= end {
                 break;
             }
-            let tape = cell.map_or(self.regions.whole_tape, |cell| cell.tape);
+            let tape = self.tape_of(cell.as_ref());
             let [bound, d] = self.regions.run(tape, ray.at(t), t / sharpness, self.frame);
             let behind = if stride > previous {
                 0.0
@@ -199,7 +199,7 @@ impl RayProbe<'_> {
             if t >= end {
                 break;
             }
-            let tape = cell.map_or(self.regions.whole_tape, |cell| cell.tape);
+            let tape = self.tape_of(cell.as_ref());
             let [bound, d] = self.regions.run(tape, ray.at(t), t / sharpness, self.frame);
             steps.push(ShadowStep { t, nearest: d, behind: 0.0, closest: d, fraction: 1.0 });
             if d.is_nan() || d <= 0.0 {

@@ -65,10 +65,21 @@ pub(super) trait ShapeFiles {
 /// returns the same atlas if nothing has.
 #[derive(Debug, Default)]
 pub(super) struct ShapeCache {
+    kept: Kept,
+    last: Option<(Vec<u64>, ShapeAtlas)>,
+}
+
+/// What one scene uses, by keys of the content.
+#[derive(Debug, Default)]
+struct Kept {
     grids: HashMap<u64, ShapeGrid>,
     fonts: HashMap<u64, Arc<Font>>,
     bakers: HashMap<u64, Arc<SongBaker>>,
-    last: Option<(Vec<u64>, ShapeAtlas)>,
+}
+
+/// Returns an entry of the current scene, or of the scene before.
+fn known<T: Clone>(now: &HashMap<u64, T>, before: &HashMap<u64, T>, key: u64) -> Option<T> {
+    now.get(&key).or_else(|| before.get(&key)).cloned()
 }
 
 /// Bakes texts of the song in one font.
@@ -113,9 +124,9 @@ impl ShapeCache {
     /// Fails with a diagnostic for each text or picture that cannot be baked, with its position in the text.
     pub(super) fn load(&mut self, source: &dyn ShapeFiles, scene: &mut Scene) -> Result<(), Vec<Diagnostic>> {
         let (mut keys, mut shapes, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
-        let mut kept = HashMap::new();
+        let before = std::mem::take(&mut self.kept);
         for shape in &mut scene.shapes {
-            match self.grid(source, shape, &mut kept) {
+            match self.kept.grid(&before, source, shape) {
                 Ok((key, grid)) => {
                     keys.push(key);
                     shapes.push(AtlasShape { grid, changes: changes(&shape.source) });
@@ -123,7 +134,6 @@ impl ShapeCache {
                 Err(diagnostic) => wrong.push(*diagnostic),
             }
         }
-        self.grids = kept;
         if !wrong.is_empty() {
             return Err(wrong);
         }
@@ -142,12 +152,14 @@ impl ShapeCache {
         self.last = Some((keys, atlas));
         Ok(())
     }
+}
 
+impl Kept {
     fn grid(
         &mut self,
+        before: &Self,
         source: &dyn ShapeFiles,
         shape: &mut ShapeRef,
-        kept: &mut HashMap<u64, ShapeGrid>,
     ) -> Result<(u64, ShapeGrid), Box<Diagnostic>> {
         let span = shape.span;
         let refused = |refused: Refused| Box::new(refused.at(span));
@@ -155,7 +167,7 @@ impl ShapeCache {
         shape.source.hash(&mut hasher);
         let (font, bytes) = match &shape.source {
             ShapeSource::Text { font, .. } | ShapeSource::Song { font, .. } => {
-                let (key, font) = self.font(source, font.as_deref()).map_err(refused)?;
+                let (key, font) = self.font(before, source, font.as_deref()).map_err(refused)?;
                 key.hash(&mut hasher);
                 (Some(font), None)
             }
@@ -167,71 +179,68 @@ impl ShapeCache {
         };
         let key = hasher.finish();
         if let (true, Some(font)) = (changes(&shape.source), &font) {
-            let baker = self.bakers.entry(key).or_insert_with(|| Arc::new(SongBaker(font.clone())));
-            shape.baker = Some(baker.clone());
+            let baker = known(&self.bakers, &before.bakers, key);
+            let baker = baker.unwrap_or_else(|| Arc::new(SongBaker(font.clone())));
+            self.bakers.insert(key, baker.clone());
+            shape.baker = Some(baker);
         }
-        let known = kept.get(&key).or_else(|| self.grids.get(&key)).cloned();
-        let grid = match (known, &shape.source, font, bytes) {
+        let grid = match (known(&self.grids, &before.grids, key), &shape.source, font, bytes) {
             (Some(grid), ..) => grid,
             (None, ShapeSource::Text { text, .. }, Some(font), _) => {
                 text_grid(text, &font).map_err(refused)?
             }
             (None, ShapeSource::Image(name), _, Some(bytes)) => image_grid(source, (name, span), &bytes)?,
-            _ => song_grid("", &Arc::new(Font::own())),
+            _ => no_words(),
         };
-        kept.insert(key, grid.clone());
+        self.grids.insert(key, grid.clone());
         Ok((key, grid))
     }
 
     /// Returns a font, and a key of its content.
-    fn font(&mut self, source: &dyn ShapeFiles, name: Option<&str>) -> Result<(u64, Arc<Font>), Refused> {
-        let Some(name) = name else { return Ok((0, Arc::new(Font::own()))) };
+    fn font(
+        &mut self,
+        before: &Self,
+        source: &dyn ShapeFiles,
+        name: Option<&str>,
+    ) -> Result<(u64, Arc<Font>), Refused> {
         let mut hasher = DefaultHasher::new();
-        if is_font_file(name) {
-            let bytes = font_bytes(source, name)?;
-            bytes.hash(&mut hasher);
-            let key = hasher.finish();
-            if let Some(font) = self.fonts.get(&key) {
-                return Ok((key, font.clone()));
-            }
-            let font = Font::of(bytes, 0).ok_or_else(|| {
-                Refused::new(
-                    format!("`{name}` is damaged, or it is no font with outlines"),
-                    "use a TrueType or OpenType font",
-                )
-            })?;
-            let font = Arc::new(font);
-            self.fonts.insert(key, font.clone());
-            return Ok((key, font));
-        }
         name.hash(&mut hasher);
+        let file = name.filter(|name| is_font_file(name));
+        let bytes = file.map(|name| font_bytes(source, name)).transpose()?;
+        bytes.hash(&mut hasher);
         let key = hasher.finish();
-        if let Some(font) = self.fonts.get(&key) {
-            return Ok((key, font.clone()));
-        }
-        let found = system_fonts(|fonts| fonts.named(name).ok_or_else(|| fonts.families()));
-        let font = match found {
-            Ok((data, index)) => Font::of(data, index).ok_or_else(|| {
-                let message = format!("the font `{name}` of this system has no outlines");
-                Refused::new(message, "use another font")
-            })?,
-            Err(families) => {
-                let similar = nearest(name, families.iter().map(String::as_str));
-                let message = format!("this system has no font `{name}`");
-                let hint = match similar {
-                    Some(similar) => format!(
-                        "did you mean `{similar}`? A font's file in the scene's folder works on every system"
-                    ),
-                    None => "put the font's file into the scene's folder, and write its name with its ending"
-                        .to_owned(),
-                };
-                return Err(Refused { message, hint, over_limit: false });
-            }
+        let font = match (known(&self.fonts, &before.fonts, key), name, bytes) {
+            (Some(font), ..) => font,
+            (None, None, _) => Arc::new(Font::own()),
+            (None, Some(name), Some(bytes)) => Arc::new(Font::of(bytes, 0).ok_or_else(|| {
+                let message = format!("`{name}` is damaged, or it is no font with outlines");
+                Refused::new(message, "use a TrueType or OpenType font")
+            })?),
+            (None, Some(name), None) => Arc::new(system_font(name)?),
         };
-        let font = Arc::new(font);
         self.fonts.insert(key, font.clone());
         Ok((key, font))
     }
+}
+
+/// Reads a font of the system.
+fn system_font(name: &str) -> Result<Font, Refused> {
+    let found = system_fonts(|fonts| fonts.named(name).ok_or_else(|| fonts.families()));
+    let (data, index) = found.map_err(|families| {
+        let hint = match nearest(name, families.iter().map(String::as_str)) {
+            Some(similar) => {
+                format!("did you mean `{similar}`? A font's file in the scene's folder works on every system")
+            }
+            None => {
+                "put the font's file into the scene's folder, and write its name with its ending".to_owned()
+            }
+        };
+        Refused { message: format!("this system has no font `{name}`"), hint, over_limit: false }
+    })?;
+    Font::of(data, index).ok_or_else(|| {
+        let message = format!("the font `{name}` of this system has no outlines");
+        Refused::new(message, "use another font")
+    })
 }
 
 /// The file that a shape reads from the scene's folder.
@@ -314,7 +323,6 @@ fn covered(path: &kurbo::BezPath, per_unit: f64, (columns, rows): (usize, usize)
 /// Bakes a text of the song, broken into lines that fit. Letters that no font has are left out.
 fn song_grid(text: &str, font: &Arc<Font>) -> ShapeGrid {
     let (columns, rows) = SONG_GRID;
-    let far = || ShapeGrid::empty(columns, rows, SONG_POINTS as f32);
     let text: String = text.chars().take(LIMITS.song_letters_max).collect();
     let text = text.replace(char::is_control, " ");
     let bake = || {
@@ -339,10 +347,12 @@ fn song_grid(text: &str, font: &Arc<Font>) -> ShapeGrid {
     };
     // A damaged font can make its reader panic; its text is then empty.
     let baked = (!text.trim().is_empty()).then(|| catch_unwind(AssertUnwindSafe(bake)).ok().flatten());
-    let plain = || ShapeGrid::empty(2, 2, 1.0);
-    // The sizes are constants, so there is always a grid.
-    #[expect(clippy::unwrap_used, reason = "a grid of constant size holds finite numbers")]
-    baked.flatten().or_else(far).or_else(plain).unwrap()
+    baked.flatten().unwrap_or_else(no_words)
+}
+
+/// The grid of a song's text without letters.
+fn no_words() -> ShapeGrid {
+    ShapeGrid::empty(SONG_GRID.0, SONG_GRID.1, SONG_POINTS as f32)
 }
 
 /// Breaks a text between words into at most `count` lines of similar lengths.

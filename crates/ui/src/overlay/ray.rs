@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Painter, Pos2, Rect, Stroke, Vec2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, Stroke, vec2};
 
 use super::editor::on_screen;
 use super::style;
@@ -68,7 +68,7 @@ fn draw_mark(painter: &Painter, mark: &Mark, scale: f32, place: &dyn Fn(f32, f32
         Mark::Text { at, size, words, ink } => {
             if let Some(at) = place(at.x, at.y) {
                 let font = style::proportional(size * scale);
-                painter.text(at + Vec2::ZERO, egui::Align2::LEFT_TOP, words, font, color(*ink));
+                painter.text(at, egui::Align2::LEFT_TOP, words, font, color(*ink));
             }
         }
     }

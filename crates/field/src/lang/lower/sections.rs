@@ -277,7 +277,7 @@ impl SceneBuilder<'_> {
         }
     }
 
-    /// Reports a field of the sky beside its colour that depends on the pixel through a `let` of the block.
+    /// Reports the sky's `ambient` or `reach` if it depends on the pixel through a `let` of the block.
     fn refuse_pixels(&mut self, sky: &Sky, values: &Values) {
         for (name, numbers) in [("ambient", &sky.ambient[..]), ("reach", &[sky.reach])] {
             let Some((_, span)) = values.given(name) else { continue };

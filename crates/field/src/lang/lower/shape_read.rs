@@ -25,31 +25,39 @@ pub(super) struct ShapeRead<'l, 'a> {
 
 impl ShapeRead<'_, '_> {
     pub(super) fn value(&mut self) -> Value {
-        let (words, at) = match self.call {
-            ShapeCall::Song(_) => (None, 0),
-            ShapeCall::Text | ShapeCall::Image => (Some(0), 1),
-        };
-        let words = match words.map(|place| self.words(place)) {
-            Some(None) => return Value::Unknown,
-            Some(words) => words,
+        let words = match self.words_place() {
+            Some(place) => match self.words(place) {
+                Some(words) => Some(words),
+                None => return Value::Unknown,
+            },
             None => None,
         };
-        let Some(at) = self.position(at) else { return Value::Unknown };
-        let font = match self.argument(if words.is_some() { 2 } else { 1 }) {
+        let Some(at) = self.position(self.position_place()) else { return Value::Unknown };
+        let font = match self.argument(self.font_place()) {
+            Some(_) => match self.words(self.font_place()) {
+                Some(font) => Some(font),
+                None => return Value::Unknown,
+            },
             None => None,
-            Some(_) => {
-                let place = if words.is_some() { 2 } else { 1 };
-                match self.words(place) {
-                    Some(font) => Some(font),
-                    None => return Value::Unknown,
-                }
-            }
         };
         let Some(source) = self.source(words, font) else { return Value::Unknown };
         match self.number(source) {
             Some(number) => Value::scalar(self.distance(number, at)),
             None => Value::Unknown,
         }
+    }
+
+    /// The number of the argument with the text or file; the song's texts have none.
+    fn words_place(&self) -> Option<usize> {
+        (!matches!(self.call, ShapeCall::Song(_))).then_some(0)
+    }
+
+    fn position_place(&self) -> usize {
+        self.words_place().map_or(0, |words| words + 1)
+    }
+
+    fn font_place(&self) -> usize {
+        self.position_place() + 1
     }
 
     fn argument(&self, place: usize) -> Option<Value> {
@@ -105,12 +113,11 @@ impl ShapeRead<'_, '_> {
 
     /// Returns what to bake. Reports a text, file or font that cannot exist.
     fn source(&mut self, words: Option<String>, font: Option<String>) -> Option<ShapeSource> {
-        let font_place = if words.is_some() { 2 } else { 1 };
         let font = match font.map(|font| path::checked(&font)).transpose() {
             Ok(font) => font,
             Err((message, hint)) => {
                 let message = message.replace("file", "font");
-                self.outer.reports.add(Diagnostic::new(self.place(font_place), message).hint(hint));
+                self.outer.reports.add(Diagnostic::new(self.place(self.font_place()), message).hint(hint));
                 return None;
             }
         };

@@ -123,15 +123,21 @@ fn an_imported_shader_is_a_scene_without_mistakes() {
         vec2 map(vec3 p) { glow += 1.0; vec2 r = near(vec2(p.y + 1.0, 1.0), vec2(length(p) - strength, 2.0));
             return near(r, vec2(length(p - vec3(2.0, 0.0, levels.x)) - 0.5, 3.5)); }
         void mainImage(out vec4 c, in vec2 f) { glow = 0.0; c = texture(iChannel0, f); }";
-    let around = scene_around(glsl, "a.glsl").unwrap();
-    let compiled = with_glsl(&around.text, glsl);
-    let scene =
-        compiled.scene.as_ref().unwrap_or_else(|| panic!("{}\n{}", compiled.render(false), around.text));
-    assert!(around.text.contains("number < 1.5") && around.text.contains("number < 2.75"), "{}", around.text);
+    let around = scene_around(glsl).unwrap();
+    let compiled = with_glsl(&around.text("a.glsl"), glsl);
+    let scene = compiled
+        .scene
+        .as_ref()
+        .unwrap_or_else(|| panic!("{}\n{}", compiled.render(false), around.text("a.glsl")));
+    assert!(
+        around.text("a.glsl").contains("number < 1.5") && around.text("a.glsl").contains("number < 2.75"),
+        "{}",
+        around.text("a.glsl")
+    );
     let [x, y, z] = scene.camera.position.map(|node| scene.graph.as_constant(node).unwrap());
-    assert!(distance(scene, [x, y, z]) > 0.5, "the camera is in a shape: {}", around.text);
+    assert!(distance(scene, [x, y, z]) > 0.5, "the camera is in a shape: {}", around.text("a.glsl"));
     let left_out = around.left_out.join("\n");
     assert!(left_out.contains("mainImage") && left_out.contains("`glow`"), "{left_out}");
-    let none = scene_around("float noise(vec2 p) { return p.x; }", "a.glsl").unwrap_err();
+    let none = scene_around("float noise(vec2 p) { return p.x; }").unwrap_err();
     assert!(none.hint.contains("noise"), "{none:?}");
 }

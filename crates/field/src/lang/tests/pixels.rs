@@ -100,15 +100,19 @@ fn the_pointer_of_a_shader_has_the_signs_of_a_held_button() {
 fn a_shader_that_draws_and_has_no_distance_becomes_a_scene_of_sky() {
     let glsl = "float f(vec3 x) { return fract(sin(x.x) * 9.0); }
         void mainImage(out vec4 c, in vec2 p) { c = vec4(vec3(f(vec3(p, 0.0))), 1.0); }";
-    let around = scene_around(glsl, "a.glsl").unwrap();
-    assert!(around.text.contains("sky { color = srgb(mainImage(pixel).rgb) }"), "{}", around.text);
+    let around = scene_around(glsl).unwrap();
+    assert!(
+        around.text("a.glsl").contains("sky { color = srgb(mainImage(pixel).rgb) }"),
+        "{}",
+        around.text("a.glsl")
+    );
     assert!(around.left_out.is_empty(), "{:?}", around.left_out);
-    assert!(with_glsl(&around.text, glsl).objects.is_empty());
+    assert!(with_glsl(&around.text("a.glsl"), glsl).objects.is_empty());
     let traced = "float map(vec3 p) { return length(p) - 1.0; }
         void mainImage(out vec4 c, in vec2 f) { c = vec4(map(vec3(f, 0.0))); }";
-    assert!(scene_around(traced, "a.glsl").unwrap().text.contains("shape = map(p)"));
+    assert!(scene_around(traced).unwrap().text("a.glsl").contains("shape = map(p)"));
     let Problem { message, .. } =
-        scene_around("void mainImage(out vec4 c, in vec2 f) { c = vec4(a); }", "a.glsl").unwrap_err();
+        scene_around("void mainImage(out vec4 c, in vec2 f) { c = vec4(a); }").unwrap_err();
     assert_eq!(message, "there is no `a` here");
 }
 
