@@ -188,8 +188,10 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
 
 #ifdef MEDIA
 Medium scene_medium(vec3 p) {
-    Place here = Place(p, vec3(0.0));
-    uvec4 head = run_program(program_at(MEDIUM_PROGRAM, p), here, here, here);
+    // Media read no textures.
+    int program = program_at(MEDIUM_PROGRAM, p);
+    uvec4 head = TEXEL(tape, program);
+    run_tape(program + 1, p, vec3(0.0));
     return Medium(READ(head.x, 0), vec3(READ(head.x, 1), READ(head.x, 2), READ(head.x, 3)),
                   vec3(READ(head.y, 0), READ(head.y, 1), READ(head.y, 2)), READ(head.y, 3));
 }

@@ -70,17 +70,6 @@ float scattering(float phase, float cosine) {
     return (1.0 - square) / (4.0 * PI * base * sqrt(base));
 }
 
-// Returns the fraction of light that is left after its way through the medium towards a light, estimated at one place.
-// `random`, 0..1, selects the place; near places are more likely.
-float medium_shade(vec3 p, vec3 to_light, float t, float random) {
-    float far = min(min(box_span(p, to_light, medium_low.xyz, medium_high.xyz).y, t), MEDIUM_SHADE_FAR);
-    if (!(far * medium_grid_scale.w > MEDIUM_SHADE_MIN)) return 1.0;
-    vec3 q = p + far * random * random * to_light;
-    if (densest_at(q) <= 0.0) return 1.0;
-    COUNT(count_medium);
-    return exp(-sound_medium(scene_medium(q)).density * 2.0 * random * far);
-}
-
 // Returns the light that the medium sends along the ray up to `end`, and the fraction of the light behind it that is
 // left. `pattern`, 0..1, moves the steps.
 vec4 medium_along(vec3 origin, vec3 direction, float end, float cone, float pattern) {
@@ -104,24 +93,39 @@ vec4 medium_along(vec3 origin, vec3 direction, float end, float cone, float patt
         COUNT(count_medium_steps);
         if (steps_left(1, MEDIUM_ROUNDS) <= 0) break;
         if (densest_at(p) <= 0.0) continue;
-        COUNT(count_medium);
-        Medium m = sound_medium(scene_medium(p));
-        vec3 source = m.emitted;
+        // The way to the light through the medium, whose length counts as `shade_length` at one place. That place is
+        // random; near places are more likely.
+        vec3 at = p;
+        float shade_length = 0.0;
 #if SCATTERS
         light = light + 1 < light_count ? light + 1 : 0;
         vec4 place = lights[4 * light];
         vec3 way = place.w == LIGHT_SUN ? -place.xyz : place.xyz - p;
         Incoming incoming = light_at(light, p, way * inversesqrt(max(dot(way, way), 1e-12)), direction);
+        float far = box_span(p, incoming.direction, medium_low.xyz, medium_high.xyz).y;
+        far = min(min(far, incoming.t), MEDIUM_SHADE_FAR);
+        float random = fract(0.5 * pattern + 0.618034 * float(i));
+        at += far * random * random * incoming.direction;
+        bool is_shaded = far * medium_grid_scale.w > MEDIUM_SHADE_MIN && densest_at(at) > 0.0;
+        shade_length = is_shaded ? 2.0 * random * far : 0.0;
+#endif
+        // A single call in a loop, because each call is compiled separately: first at the place on the way to the light.
+        Medium m;
+        float shade = 1.0;
+        for (int probe = shade_length > 0.0 ? 0 : 1; probe < 2; probe++) {
+            COUNT(count_medium);
+            m = sound_medium(scene_medium(probe == 0 ? at : p));
+            if (probe == 0) shade = exp(-m.density * shade_length);
+        }
+        vec3 source = m.emitted;
+#if SCATTERS
         vec3 thrown = m.scattered * incoming.light
-                    * (float(light_count) * scattering(m.phase, dot(direction, incoming.direction)));
+                    * (shade * float(light_count) * scattering(m.phase, dot(direction, incoming.direction)));
         if (max(thrown.r, max(thrown.g, thrown.b)) * step_length * sum.a > SCATTERED_MIN) {
             float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
             float shadow = incoming.shadow > 0.0 ? incoming.t : 0.0;
             float visible = light_visibility(p, vec3(0.0), incoming.direction, shadow, sharpness, cone);
-            visible = mix(1.0, visible, incoming.shadow);
-            float random = fract(0.5 * pattern + 0.618034 * float(i));
-            if (visible > 0.0) visible *= medium_shade(p, incoming.direction, incoming.t, random);
-            source += visible * thrown;
+            source += mix(1.0, visible, incoming.shadow) * thrown;
         }
 #endif
         // The light of a step, dimmed by the step's own medium (Hillaire 2015).

@@ -47,7 +47,7 @@ pub struct Interpreter {
 }
 
 impl Interpreter {
-    /// The smallest variant for a scene on this driver.
+    /// The smallest variant for a scene on this driver; for a scene with media on a GPU, a variant for nearly all of them.
     pub fn for_scene(
         features: SceneFeatures,
         buffers: &TapeBuffers,
@@ -55,7 +55,10 @@ impl Interpreter {
         info: &GlInfo,
     ) -> Self {
         let tapes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
-        Self { tapes, regions: plan.variant().clone(), features }
+        let own = Self { tapes, regions: plan.variant().clone(), features };
+        // On a GPU, all scenes with media share an interpreter, as other scenes share the universal one.
+        let shared = Self { features: SceneFeatures::ALL, ..Self::universal(own.is_non_lipschitz()) };
+        if features.media && !info.software && shared.covers(&own) { shared } else { own }
     }
 
     /// The variant that draws almost every scene whose value is a distance or, with `non_lipschitz`, is not a distance.
