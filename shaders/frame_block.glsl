@@ -17,6 +17,8 @@ layout(std140) uniform FrameBlock {
     vec4 frame_screen;      // xy width and height of the picture that the frame is shown as, in pixels; zw the picture's
                             // pixels per pixel of the frame
     vec4 frame_mouse;       // xy the pointer in the picture's pixels, from below; z 1 while its button is held
+    vec4 frame_projection;  // x a PROJECTION_..., y a STEREO_..., z half the distance of the eyes, w 1 / distance of the
+                            // camera's target; only programs with PROJECTED read it
     vec4 block_planes[PLANES_MAX];       // unit normal, and the distance of the origin; normal 0: no plane
     vec4 lights[4 * LIGHTS_MAX];        // position, w its kind (for a sun xyz is the direction of its rays); colour, w
                                         // radius; half the right side, w range or 0; half the upper side, w fraction

@@ -1,13 +1,17 @@
 //! `mariana video`: a part of a song as a video (encoded by ffmpeg), as numbered stills or as a stream of raw frames.
 
+mod drawing;
 mod encoder;
 mod encoder_process;
 mod encoding;
+mod join;
 mod lyric_captions;
+mod part;
 mod place;
 mod report;
 mod seam;
 mod sink;
+mod spherical;
 mod title_card;
 
 use std::path::PathBuf;
@@ -15,22 +19,22 @@ use std::path::PathBuf;
 use super::error::ExportError;
 use super::output::Output;
 use super::painter::SceneChoice;
-use super::show_painter::ShowPainter;
-use super::showing::{Holding, Showing};
-use super::song_features::SongFeatures;
+use super::showing::Showing;
+use super::shutter::Shutter;
 use super::still::refuse_the_song;
 use crate::frame::held_inputs::Setting;
 use mariana_music::Gain;
 use mariana_player::lyrics::Lyrics;
 use mariana_player::song::Song;
 
+use drawing::Drawing;
 pub use encoding::{Codec, EncodingQuality};
-use lyric_captions::LyricCaptions;
+pub use join::join_parts;
+pub use part::Part;
 pub use place::{Preset, VideoPlace};
 pub use report::{CONTINUE, PAUSE, VideoReport};
 use seam::Seam;
 use sink::{FrameWriter, Sink};
-use title_card::TitleCard;
 
 /// Options of a video.
 #[derive(Debug, Clone)]
@@ -75,6 +79,10 @@ pub struct VideoRequest {
     pub lyrics: Option<Lyrics>,
     /// Duration of the fade from a loop's end into its beginning, in seconds. Requires `duration`.
     pub seam: Option<f64>,
+    /// The shutter of each frame.
+    pub shutter: Shutter,
+    /// The part to render; `None` for the whole video.
+    pub part: Option<Part>,
 }
 
 /// A finished video.
@@ -102,70 +110,36 @@ pub fn write_video(
         refuse_the_song(&request.song, path)?;
         encoding::require_fit(request.codec, request.fps, path)?;
     }
-    let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
-    song.require(request.start)?;
+    if let Some(part) = request.part {
+        return part::write_part(request, part, progress);
+    }
     let asked = request.duration.map(|seconds| frames_in(seconds, request.fps));
-    let left = song.duration().map(|seconds| frames_in(seconds - request.start, request.fps));
     let mut seam = match (request.seam, asked) {
         (Some(seconds), Some(frames)) => Some(Seam::new(frames, frames_in(seconds, request.fps))?),
         _ => None,
     };
     let asked = seam.as_ref().map(Seam::needed).or(asked);
-    let expected = asked.into_iter().chain(left).min();
-    let too_long = |left: u64| {
-        let seconds = |frames: u64| frames as f64 / request.fps;
-        let (length, needed) = (request.duration.unwrap_or(0.0), asked.map_or(0.0, seconds));
-        ExportError::LoopTooLong { length, needed, left: seconds(left) }
-    };
-    if seam.is_some() && expected < asked {
-        return Err(too_long(expected.unwrap_or(0)));
-    }
-    let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
-    if let Some(lyrics) = &request.lyrics {
-        song.sing(lyrics.clone());
-    }
-    let mut captions = request.lyrics.clone().map(|lyrics| LyricCaptions::new(lyrics, request.size));
-    let prepared_show = request.showing.prepared_show(&mut song, request.start)?;
-    let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
-    if request.limit_flashes {
-        painter.headless_renderer().add_flash_limiter(&request.scene.shaders)?;
-    }
-    painter.graphs().for_each(|graph| song.know_for(graph));
-    painter.headless_renderer().hear(&song);
-    let writer = FrameWriter::start(Sink::open(request)?)?;
-    let mut holding = Holding::new(request.gain, request.start);
+    let mut drawing = Drawing::open(request, asked, seam.is_some())?;
+    let writer = FrameWriter::start(Sink::open(request, 0)?)?;
     let (mut drawn, mut written) = (0, 0);
     while asked.is_none_or(|asked| drawn < asked) {
-        let time = request.start + drawn as f64 / request.fps;
-        let Some(sound) = song.sound_at(time)? else { break };
-        let held = holding.at(&painter, &mut song, time)?;
-        painter.draw((time, sound), held, request.size)?;
-        painter.headless_renderer().limit_flashes(1.0 / request.fps)?;
+        let Some(picture) = drawing.draw(drawn)? else { break };
         drawn += 1;
-        let picture = painter.headless_renderer().read();
         let next = match &mut seam {
             Some(seam) => seam.pass(picture)?,
             None => Some(picture),
         };
         if let Some(mut picture) = next {
-            let seconds = written as f64 / request.fps;
-            // The title covers the place of the lyrics.
-            let is_titled = card.as_ref().is_some_and(|card| card.draw_over(&mut picture, seconds));
-            if let Some(captions) = captions.as_mut().filter(|_| !is_titled) {
-                captions.draw_over(&mut picture, request.start + seconds);
-            }
+            drawing.letter(&mut picture, written);
             if !writer.take(picture) {
                 break;
             }
             written += 1;
         }
-        progress(drawn, expected);
+        progress(drawn, drawing.expected());
     }
-    if let (Some(_), Some(asked)) = (&seam, asked)
-        && song.is_over(request.start + drawn as f64 / request.fps)
-        && drawn < asked
-    {
-        return Err(too_long(drawn));
+    if seam.is_some() {
+        drawing.require_all(asked, drawn)?;
     }
     Ok(Written { frames: written, file: writer.finish()? })
 }

@@ -26,7 +26,7 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [
 
 /// The renderer's own textures and their units (see `shaders/README.md`). The scene's textures use the first units, by
 /// their number ([`scene_texture`]). No program reads two textures with the same unit.
-pub const TEXTURE_UNITS: [(&str, u32); 46] = [
+pub const TEXTURE_UNITS: [(&str, u32); 47] = [
     ("light_swings", 0),
     ("red_swings", 1),
     ("light_ages", 2),
@@ -49,6 +49,7 @@ pub const TEXTURE_UNITS: [(&str, u32); 46] = [
     ("extra_samples", 13),
     ("bloom", 13),
     ("before", 14),
+    ("mean", 15),
     ("blurred", 13),
     ("regions", 13),
     ("tape", 14),
