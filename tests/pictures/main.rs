@@ -14,6 +14,7 @@ mod light;
 mod light_to_screen;
 mod mips;
 mod placing;
+mod projections;
 mod ray_oracle;
 mod scene_looks;
 mod scene_modes;

@@ -223,6 +223,7 @@ pub(super) fn write_part(
         return Ok(Written { frames, file: Some(path.clone()) });
     }
     let silent = VideoRequest { sound: false, ..request.clone() };
+    let piece_request = VideoRequest { keeps_others: false, ..silent.clone() };
     let folder = pieces_of(path);
     std::fs::create_dir_all(&folder)
         .map_err(|error| ExportError::Unwritable { path: folder.clone(), reason: error.to_string() })?;
@@ -234,7 +235,7 @@ pub(super) fn write_part(
         let file = folder.join(format!("{number:08}")).with_extension(path.extension().unwrap_or_default());
         if PartRecord::read(&file).as_ref() != Some(&piece) {
             let Some(mut picture) = drawing.draw(number)? else { break };
-            let encoder = Encoder::start(&silent, &file, Frames::Drawn, Some(&piece.note()))?;
+            let encoder = Encoder::start(&piece_request, &file, Frames::Drawn, Some(&piece.note()))?;
             let writer = FrameWriter::start(Sink::encoder(encoder, request.alpha))?;
             let mut drawn = number;
             loop {

@@ -132,7 +132,11 @@ impl Projection {
         let Camera { right, up, forward, .. } = *camera;
         match self.kind {
             ProjectionKind::Flat => [right * camera.tan_half.0, up * camera.tan_half.1, forward],
-            ProjectionKind::Sphere | ProjectionKind::Vr180 => [right, up, forward],
+            // Headsets keep the horizon level, so these pictures have the camera's heading, without its pitch and roll.
+            ProjectionKind::Sphere | ProjectionKind::Vr180 => {
+                let right = DVec3::Y.cross(forward).normalize_or(right);
+                [right, DVec3::Y, right.cross(DVec3::Y)]
+            }
             // The zenith is in the middle and the front at the lower edge.
             ProjectionKind::Dome => {
                 let (sin, cos) = self.dome_tilt.to_radians().sin_cos();
