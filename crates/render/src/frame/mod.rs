@@ -97,7 +97,7 @@ impl Frame {
         let values = world.frame_tape.values(&inputs);
         let projection = Projection::default();
         let camera = Camera::of(&values.camera, projection.aspect(size));
-        let picture = Picture::of(&values, &camera, world.features.lens);
+        let picture = Picture::of(&values, &camera, world.features);
         let mut frame = Self {
             size,
             inputs,
@@ -213,7 +213,7 @@ impl Frame {
     }
 
     fn wanted_picture(&self, world: &World) -> Picture {
-        let mut picture = Picture::of(&self.values, &self.camera, world.features.lens);
+        let mut picture = Picture::of(&self.values, &self.camera, world.features);
         if !self.projection.is_plain() {
             // Only a flat picture has dark corners.
             picture.vignette = 0.0;

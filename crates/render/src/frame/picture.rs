@@ -1,7 +1,7 @@
 //! Post-processing settings of a frame: the numbers of the shaders' `PictureBlock` (see `shaders/picture_block.glsl`).
 
 use super::camera::Camera;
-use mariana_field::world::{FrameValues, ToneMap};
+use mariana_field::world::{FrameValues, SceneFeatures, ToneMap};
 
 /// Number of vec4 in the block.
 pub const PICTURE_BLOCK_VECTORS: usize = 2;
@@ -24,6 +24,8 @@ pub struct Picture {
     pub tone_map: ToneMap,
     /// The lens, if the scene's lens can blur at any time.
     pub lens: Option<Lens>,
+    /// True if the scene has media, which a pass of their own draws.
+    pub has_media: bool,
 }
 
 /// A thin lens.
@@ -36,9 +38,8 @@ pub struct Lens {
 }
 
 impl Picture {
-    /// The settings that a scene requests in a frame. `has_lens` is [`mariana_field::world::SceneFeatures::lens`].
-    /// Replaces NaN by the setting's default.
-    pub fn of(values: &FrameValues, camera: &Camera, has_lens: bool) -> Self {
+    /// The settings that a scene requests in a frame. Replaces NaN by the setting's default.
+    pub fn of(values: &FrameValues, camera: &Camera, features: SceneFeatures) -> Self {
         let picture = &values.picture;
         let lens = || {
             let asked = f64::from(values.camera.focus);
@@ -52,7 +53,8 @@ impl Picture {
             vignette: within(picture.vignette, 0.0, 1.0, 0.0),
             grain: within(picture.grain, 0.0, GRAIN_MAX, 1.0),
             tone_map: ToneMap::numbered(picture.tone_map),
-            lens: has_lens.then(lens),
+            lens: features.lens.then(lens),
+            has_media: features.media,
         }
     }
 

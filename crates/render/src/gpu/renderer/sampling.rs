@@ -33,6 +33,8 @@ pub(super) enum Sample {
     /// A further sample: its offset from the pixel's centre in pixels, and its number.
     Further([f32; 2], usize),
     Listed,
+    /// The media along a ray through two by two pixels.
+    Media,
 }
 
 pub(super) struct Sampling {
@@ -136,6 +138,7 @@ impl Sampling {
             Sample::Only => ([0.0; 2], 0, 0.0, 0.0),
             Sample::Further(place, number) => (place, number, 1.0, 0.0),
             Sample::Listed => ([0.0; 2], 0, 2.0, 0.0),
+            Sample::Media => ([0.0; 2], 0, 3.0, 0.0),
         };
         let (across, down) = self.edge_samples.block();
         let head = [place[0], place[1], kind, number as f32, across as f32, down as f32, beam, 0.0];

@@ -8,10 +8,21 @@ use crate::gpu::error::GpuError;
 use crate::gpu::evaluations::{Counting, Evaluations};
 use crate::gpu::gl::Gl;
 use crate::gpu::post::PostTargets;
+use crate::gpu::program::unit_of;
 use crate::gpu::target::{Stencil, Target, Texel};
 
+/// The properties of a scene's frames that decide about their targets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TargetsKind {
+    pub(super) size: (u32, u32),
+    pub(super) has_lens: bool,
+    pub(super) has_media: bool,
+}
+
 pub(super) struct Targets {
-    has_lens: bool,
+    kind: TargetsKind,
+    /// The light of media and the ends of their rays, in half of the width and height (`shaders/media.glsl`).
+    pub(super) media: Option<Target>,
     pub(super) first: Target,
     pub(super) edges: Edges,
     pub(super) post: PostTargets,
@@ -36,11 +47,11 @@ impl Edges {
 impl Targets {
     pub(super) fn new(
         gl: &Gl,
-        size: (u32, u32),
-        has_lens: bool,
+        kind: TargetsKind,
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<Self, GpuError> {
+        let TargetsKind { size, has_lens, has_media } = kind;
         // Counts replace the shader outputs of the lens: images with counts are never shown, so they need no blur.
         let texels: &[Texel] = match (counting, has_lens) {
             (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
@@ -53,6 +64,15 @@ impl Targets {
             texels.push(Texel::R32F);
         }
         Target::check_size(gl, size)?;
+        let media = has_media.then(|| {
+            let mut texels = texels.clone();
+            // On software renderers, the target of beams holds the ends of rays, because their drivers compile a
+            // program once for each combination of formats.
+            if !gl.info().software {
+                texels.push(Texel::R32F);
+            }
+            Target::new(gl, (size.0.div_ceil(2), size.1.div_ceil(2)), &texels, None)
+        });
         let (stencil, edges) = if gl.info().software {
             (None, Edges::List(EdgeList::new(gl, size, &texels, samples)?))
         } else {
@@ -60,20 +80,31 @@ impl Targets {
             (Some(stencil.clone()), Edges::Stencil(Target::new(gl, size, &texels, Some(stencil))?))
         };
         Ok(Self {
-            has_lens,
+            kind,
+            media: media.transpose()?,
             first: Target::new(gl, size, &texels, stencil)?,
             edges,
             post: PostTargets::new(gl, size, has_lens && counting == Counting::Off, size)?,
         })
     }
 
-    pub(super) fn fit(&self, size: (u32, u32), has_lens: bool) -> bool {
-        self.first.size() == size && self.has_lens == has_lens
+    pub(super) fn fit(&self, kind: TargetsKind) -> bool {
+        self.kind == kind
+    }
+
+    /// Binds the results of the pass of media. During that pass, binds textures of the same formats in their place,
+    /// because a texture must not be read while it is drawn.
+    pub(super) fn bind_media(&self, is_drawn: bool) {
+        if let Some(media) = &self.media {
+            let read = if is_drawn { &self.first } else { media };
+            read.bind_color(0, unit_of("medium_light"));
+            read.bind_color(read.colors().saturating_sub(1), unit_of("medium_end"));
+        }
     }
 
     pub(super) fn evaluations(&self, samples: EdgeSamples) -> Evaluations {
         let mut sum = Evaluations::default();
-        for target in [&self.first, self.edges.samples()] {
+        for target in [&self.first, self.edges.samples()].into_iter().chain(&self.media) {
             let (kinds, more) = (target.read_rgba32f(1), target.read_rgba32f(2));
             for texel in kinds.as_chunks::<4>().0 {
                 let [primary, reflection, normal, shadow] = texel.map(f64::from);
@@ -90,6 +121,8 @@ impl Targets {
             }
             for texel in target.read_rgba32f(3).as_chunks::<4>().0 {
                 sum.surface_clauses += f64::from(texel[0]);
+                sum.media += f64::from(texel[1]);
+                sum.media_steps += f64::from(texel[2]);
             }
         }
         sum.edge_pixels = self.edge_pixels(samples);
