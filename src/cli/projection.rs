@@ -1,4 +1,4 @@
-//! Flags for projections and motion blur, of stills and videos.
+//! Flags for projections and, in stills and videos, motion blur.
 
 use clap::Args;
 
@@ -21,6 +21,17 @@ pub(super) struct ProjectionArguments {
     /// Height of the camera's target in a dome, in degrees above the front rim; 90 is the zenith
     #[arg(long, value_name = "DEGREES", default_value_t = Projection::DOME_TILT, value_parser = parse_degrees, allow_negative_numbers = true)]
     dome_tilt: f64,
+}
+
+impl ProjectionArguments {
+    pub(super) fn projection(&self) -> Projection {
+        let Self { projection: kind, stereo, eye_distance, dome_tilt, .. } = *self;
+        Projection { kind, stereo, eye_distance, dome_tilt }
+    }
+}
+
+#[derive(Args)]
+pub(super) struct ShutterArguments {
     /// Motion blur: the part of a frame's time during which the shutter is open, in degrees, such as 180; 0 for none
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = parse_shutter, conflicts_with_all = ["view", "alpha"], allow_negative_numbers = true)]
     shutter: f64,
@@ -29,12 +40,7 @@ pub(super) struct ProjectionArguments {
     shutter_frames: u32,
 }
 
-impl ProjectionArguments {
-    pub(super) fn projection(&self) -> Projection {
-        let Self { projection: kind, stereo, eye_distance, dome_tilt, .. } = *self;
-        Projection { kind, stereo, eye_distance, dome_tilt }
-    }
-
+impl ShutterArguments {
     pub(super) fn shutter(&self) -> Shutter {
         Shutter { degrees: self.shutter, exposures: self.shutter_frames }
     }

@@ -8,7 +8,7 @@ use clap::Args;
 use super::common::{CommonArguments, OneScene, SetArguments, end_by_signals, refuse_a_terminal};
 use super::files::{Files, scene_of};
 use super::parse::{blend_help, parse_blend, parse_pixel, parse_seconds, parse_size};
-use super::projection::ProjectionArguments;
+use super::projection::{ProjectionArguments, ShutterArguments};
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
@@ -30,6 +30,8 @@ pub(super) struct StillArguments {
     size: Option<(u32, u32)>,
     #[command(flatten)]
     projection: ProjectionArguments,
+    #[command(flatten)]
+    shutter: ShutterArguments,
     /// The PNG, JPEG or WebP file to write, or '-' for a PNG on standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -85,6 +87,6 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
         blend: into.map(|into| Blend { into, kind, fraction }),
         set: arguments.set.set,
         ray: arguments.ray,
-        shutter: arguments.projection.shutter(),
+        shutter: arguments.shutter.shutter(),
     })?)
 }

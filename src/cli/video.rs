@@ -12,7 +12,7 @@ use super::controlled::Controlled;
 use super::files::{Files, scene_of};
 use super::parse::{parse_duration, parse_fps, parse_part, parse_seconds, parse_size};
 use super::progress::Progress;
-use super::projection::ProjectionArguments;
+use super::projection::{ProjectionArguments, ShutterArguments};
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
@@ -46,6 +46,8 @@ pub(super) struct VideoArguments {
     size: Option<(u32, u32)>,
     #[command(flatten)]
     projection: ProjectionArguments,
+    #[command(flatten)]
+    shutter: ShutterArguments,
     /// Video codec [default: chosen by the extension of the file's name]
     #[arg(long, value_name = "CODEC")]
     codec: Option<CodecChoice>,
@@ -154,7 +156,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         title_card: arguments.title_card,
         lyrics,
         seam: preset.seam,
-        shutter: arguments.projection.shutter(),
+        shutter: arguments.shutter.shutter(),
         part: arguments.part,
     };
     if let Some(controlled) = controlled {

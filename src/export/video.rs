@@ -9,90 +9,25 @@ mod lyric_captions;
 mod part;
 mod place;
 mod report;
+mod request;
 mod seam;
 mod sink;
 mod spherical;
 mod title_card;
 
-use std::path::PathBuf;
-
 use super::error::ExportError;
 use super::output::Output;
-use super::painter::SceneChoice;
-use super::showing::Showing;
-use super::shutter::Shutter;
 use super::still::refuse_the_song;
-use crate::frame::held_inputs::Setting;
-use mariana_music::Gain;
-use mariana_player::lyrics::Lyrics;
-use mariana_player::song::Song;
 
 use drawing::Drawing;
 pub use encoding::{Codec, EncodingQuality};
 pub use join::join_parts;
-pub use part::Part;
 pub use place::{Preset, VideoPlace};
 pub use report::{CONTINUE, PAUSE, VideoReport};
+use request::frames_in;
+pub use request::{Part, VideoRequest, Written};
 use seam::Seam;
 use sink::{FrameWriter, Sink};
-
-/// Options of a video.
-#[derive(Debug, Clone)]
-pub struct VideoRequest {
-    /// The song.
-    pub song: Song,
-    /// First moment, in seconds.
-    pub start: f64,
-    /// Length in seconds; `None` for the rest of the song.
-    pub duration: Option<f64>,
-    /// Frames per second.
-    pub fps: f64,
-    /// Width and height in pixels.
-    pub size: (u32, u32),
-    /// Automatic gain.
-    pub gain: Gain,
-    /// True to dim flashes if there are more than three a second.
-    pub limit_flashes: bool,
-    /// The video file, or a folder (or path with a final slash) for stills. Standard output gets y4m without sound.
-    pub output: Output,
-    /// True to choose another name if a file of this name exists; false to replace the file.
-    pub keeps_others: bool,
-    /// True to leave the sky transparent.
-    pub alpha: bool,
-    /// The scenes or the show.
-    pub showing: Showing,
-    /// Options of drawing; the field `source` is ignored.
-    pub scene: SceneChoice,
-    /// Inputs that are held at a value.
-    pub set: Vec<Setting>,
-    /// Video codec; `None` selects it by the file's extension.
-    pub codec: Option<Codec>,
-    /// Quality of the encoding.
-    pub quality: EncodingQuality,
-    /// True if the video has sound.
-    pub sound: bool,
-    /// Sample rate of the sound, in hertz; `None` uses the song's rate or the format's default.
-    pub sound_rate: Option<u32>,
-    /// True to show title and artist during the first seconds.
-    pub title_card: bool,
-    /// Lyrics to show while they are sung.
-    pub lyrics: Option<Lyrics>,
-    /// Duration of the fade from a loop's end into its beginning, in seconds. Requires `duration`.
-    pub seam: Option<f64>,
-    /// The shutter of each frame.
-    pub shutter: Shutter,
-    /// The part to render; `None` for the whole video.
-    pub part: Option<Part>,
-}
-
-/// A finished video.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Written {
-    /// The number of frames.
-    pub frames: u64,
-    /// The video's file; `None` for stills and standard output.
-    pub file: Option<PathBuf>,
-}
 
 /// Writes the video or stills. `progress` gets the number so far and the known total.
 ///
@@ -142,11 +77,4 @@ pub fn write_video(
         drawing.require_all(asked, drawn)?;
     }
     Ok(Written { frames: written, file: writer.finish()? })
-}
-
-fn frames_in(seconds: f64, fps: f64) -> u64 {
-    let frames = (seconds * fps).ceil() as u64;
-    // 1.1 · 10 is slightly more than 11 in floating point.
-    let last_begins = frames.saturating_sub(1) as f64 / fps;
-    if last_begins < seconds { frames } else { frames.saturating_sub(1) }
 }

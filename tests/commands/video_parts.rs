@@ -219,7 +219,7 @@ fn players_are_told_the_projection() {
         .refused_arguments("--projection", &["--ray"]);
     place
         .run(&["still", "mover.scene", "--projection", "globe", "-o", "r.png"])
-        .refused_arguments("--projection", &["360", "dome"]);
+        .refused_arguments("--projection", &["globe"]);
 }
 
 #[test]
@@ -235,15 +235,15 @@ fn motion_blur_is_the_mean_of_the_light_and_leaves_still_scenes_as_they_are() {
     );
     let still = |scene: &str, output: &str, flags: &[&str]| {
         let look = ["--at", "1", "--size", "32x18", "-o", output];
-        place.run(&[&["still", scene], &look[..], flags].concat()).done();
+        place.run(&[&["still", "--scene", scene], &look[..], flags].concat()).done();
         place.read(output)
     };
     let blurred = still("switch.scene", "blurred.png", &["--shutter", "180"]);
     let picture = image::load_from_memory(&blurred).unwrap().to_rgb8();
-    assert_eq!(picture.get_pixel(16, 9).0, [188; 3], "half of the light");
+    let [red, ..] = picture.get_pixel(16, 9).0;
+    assert!((187..=189).contains(&red), "{red} is not half of the light");
     for scene in ["length(p) - 1", "orb"] {
-        let flags = ["--set", "volume.x=0.5"];
-        let plain = still(scene, "plain.png", &flags[..0]);
+        let plain = still(scene, "plain.png", &[]);
         let blurred = still(scene, "blurred.png", &["--shutter", "360", "--shutter-frames", "3"]);
         assert_eq!(plain == blurred, scene != "orb", "{scene}");
     }

@@ -1,8 +1,8 @@
 //! The frames of a video, by their numbers.
 
 use super::lyric_captions::LyricCaptions;
+use super::request::{VideoRequest, frames_in};
 use super::title_card::TitleCard;
-use super::{VideoRequest, frames_in};
 use crate::export::error::ExportError;
 use crate::export::show_painter::ShowPainter;
 use crate::export::showing::Holding;

@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::VideoRequest;
 use super::encoder_process::EncoderProcess;
 use super::encoding::{
     arguments_of, copying_arguments, default_codec, has_sound, is_matroska, is_mp4, is_quicktime,
 };
+use super::request::VideoRequest;
 use super::spherical::{self, is_marked};
 use crate::atomic_file::{AtomicFile, Unfinished, without_path};
 use crate::export::error::ExportError;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::VideoRequest;
+use super::request::VideoRequest;
 use super::sink::is_folder;
 use super::spherical::is_marked;
 use crate::export::error::ExportError;

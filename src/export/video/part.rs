@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 use super::drawing::Drawing;
 use super::encoder::{Encoder, Frames};
 use super::encoding::can_be_joined;
+use super::request::{Part, VideoRequest, Written, frames_in};
 use super::sink::{FrameWriter, Sink, is_folder};
-use super::{VideoRequest, Written};
 use crate::export::error::ExportError;
 use crate::export::output::Output;
 use crate::export::showing::Showing;
@@ -26,23 +26,6 @@ use mariana_player::song::Song;
 const PIECE_FRAMES: u64 = 300;
 /// Begins the record in a file's metadata.
 const MARK: &str = "mariana part ";
-
-/// A part of a video: its number, from 1, and the number of parts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Part {
-    /// The number of the part, from 1.
-    pub number: u64,
-    /// The number of parts.
-    pub of: u64,
-}
-
-impl Part {
-    /// The first frame of the part, and the first frame after it, of a video of `total` frames.
-    fn range(self, total: u64) -> (u64, u64) {
-        let at = |number: u64| (u128::from(total) * u128::from(number) / u128::from(self.of)) as u64;
-        (at(self.number - 1), at(self.number))
-    }
-}
 
 /// The description of a part in its file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -191,67 +174,58 @@ pub(super) fn write_part(
     if request.seam.is_some() {
         return refused("a loop, whose end fades into its beginning,", "leave out --for loop");
     }
-    let asked = request.duration.map(|seconds| super::frames_in(seconds, request.fps));
+    let asked = request.duration.map(|seconds| frames_in(seconds, request.fps));
     let mut drawing = Drawing::open(request, asked, false)?;
     let Some(total) = drawing.expected() else {
         return refused("a song of unknown length", "add --duration");
     };
     let (first, end) = part.range(total);
-    if first == end {
+    let frames = end - first;
+    if frames == 0 {
         return Err(ExportError::EmptyPart { total, parts: part.of });
     }
     // The length in the song's header may be too short.
     let is_open = part.number == part.of && asked.is_none_or(|asked| asked > total);
-    let end = if is_open { u64::MAX } else { end };
-    let frames = part.range(total).1 - first;
+    let range = (first, if is_open { u64::MAX } else { end });
+    let mut progress = |number: u64| progress(number - first, Some(frames));
     if is_folder(path) {
-        let writer = FrameWriter::start(Sink::open(request, first)?)?;
-        let mut number = first;
-        while number < end {
-            let Some(mut picture) = drawing.draw(number)? else { break };
-            drawing.letter(&mut picture, number);
-            if !writer.take(picture) {
-                break;
-            }
-            number += 1;
-            progress(number - first, Some(frames));
-        }
-        return Ok(Written { frames: number - first, file: writer.finish()? });
+        let end = write_frames(&mut drawing, Sink::open(request, first)?, None, range, &mut progress)?;
+        return Ok(Written { frames: end - first, file: None });
     }
     let record = PartRecord { part, first, frames, total, video: WholeRecord::of(request)? };
-    if PartRecord::read(path).as_ref() == Some(&record) {
-        return Ok(Written { frames, file: Some(path.clone()) });
-    }
+    let is_complete = PartRecord::read(path).as_ref() == Some(&record);
+    let file = if is_complete {
+        path.clone()
+    } else {
+        write_pieces(request, (path, &record), &mut drawing, range, &mut progress)?
+    };
+    Ok(Written { frames, file: Some(file) })
+}
+
+/// Writes a part in pieces, and joins the pieces. `range` has its first frame and the first frame after it.
+fn write_pieces(
+    request: &VideoRequest,
+    (path, record): (&Path, &PartRecord),
+    drawing: &mut Drawing<'_>,
+    range: (u64, u64),
+    progress: &mut dyn FnMut(u64),
+) -> Result<PathBuf, ExportError> {
     let silent = VideoRequest { sound: false, ..request.clone() };
     let piece_request = VideoRequest { keeps_others: false, ..silent.clone() };
     let folder = pieces_of(path);
     std::fs::create_dir_all(&folder)
         .map_err(|error| ExportError::Unwritable { path: folder.clone(), reason: error.to_string() })?;
     let mut pieces = Vec::new();
-    let mut number = first;
+    let (mut number, end) = range;
     while number < end {
         let last = number.saturating_add(PIECE_FRAMES).min(end);
         let piece = PartRecord { first: number, frames: last - number, ..record.clone() };
         let file = folder.join(format!("{number:08}")).with_extension(path.extension().unwrap_or_default());
         if PartRecord::read(&file).as_ref() != Some(&piece) {
-            let Some(mut picture) = drawing.draw(number)? else { break };
+            let Some(picture) = drawing.draw(number)? else { break };
             let encoder = Encoder::start(&piece_request, &file, Frames::Drawn, Some(&piece.note()))?;
-            let writer = FrameWriter::start(Sink::encoder(encoder, request.alpha))?;
-            let mut drawn = number;
-            loop {
-                drawing.letter(&mut picture, drawn);
-                if !writer.take(picture) {
-                    break;
-                }
-                drawn += 1;
-                progress(drawn - first, Some(frames));
-                if drawn == last {
-                    break;
-                }
-                let Some(next) = drawing.draw(drawn)? else { break };
-                picture = next;
-            }
-            writer.finish()?;
+            let sink = Sink::encoder(encoder, request.alpha);
+            write_frames(drawing, sink, Some(picture), (number, last), progress)?;
         }
         pieces.push((file, piece.seconds()));
         number = last;
@@ -259,7 +233,34 @@ pub(super) fn write_part(
     let file = Encoder::start(&silent, path, Frames::Files(&pieces), Some(&record.note()))?.finish()?;
     // Pieces that cannot be removed only take room.
     let _ = std::fs::remove_dir_all(&folder);
-    Ok(Written { frames, file: Some(file) })
+    Ok(file)
+}
+
+/// Draws and writes frames up to `end` or the song's end. `picture` is the first frame, if it is drawn already. Returns
+/// the number after the last frame.
+fn write_frames(
+    drawing: &mut Drawing<'_>,
+    sink: Sink,
+    mut picture: Option<Vec<u8>>,
+    (mut number, end): (u64, u64),
+    progress: &mut dyn FnMut(u64),
+) -> Result<u64, ExportError> {
+    let writer = FrameWriter::start(sink)?;
+    while number < end {
+        let next = match picture.take() {
+            Some(picture) => Some(picture),
+            None => drawing.draw(number)?,
+        };
+        let Some(mut picture) = next else { break };
+        drawing.letter(&mut picture, number);
+        if !writer.take(picture) {
+            break;
+        }
+        number += 1;
+        progress(number);
+    }
+    writer.finish()?;
+    Ok(number)
 }
 
 /// The folder of a part's pieces.
@@ -267,18 +268,4 @@ fn pieces_of(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".pieces");
     path.with_file_name(name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parts_cover_each_frame_once() {
-        for (total, of) in [(10, 3), (7, 7), (3, 8), (100_000, 64)] {
-            let ranges: Vec<_> = (1..=of).map(|number| Part { number, of }.range(total)).collect();
-            assert_eq!((ranges[0].0, ranges[ranges.len() - 1].1), (0, total));
-            assert!(ranges.windows(2).all(|pair| pair[0].1 == pair[1].0));
-        }
-    }
 }

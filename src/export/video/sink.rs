@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
-use super::VideoRequest;
 use super::encoder::{Encoder, Frames};
+use super::request::VideoRequest;
 use crate::export::alpha::straight;
 use crate::export::error::ExportError;
 use crate::export::output::{Output, write_standard};
