@@ -41,7 +41,7 @@ layout(std140) uniform PassBlock {
                             // centre, w its number from 0; 2 for packed samples of the pixels in edge_pixels;
                             // 3 for the media, in texels of 2 x 2 pixels
     vec4 pass_list;         // xy size of a block in texels, one texel for each sample of a pixel; z radius of the beam
-                            // around each sample's ray, in half widths of a pixel
+                            // around each sample's ray, in half widths of a pixel; w number of steps through media
     vec4 pass_places[8];    // xy and zw: positions of samples from their pixel's centre
 };
 

@@ -2,10 +2,12 @@
 // behind them that is left.
 //
 // A pass of its own, with half of the frame's width and height, computes both for each ray of the eye and for the ray
-// that its first mirror reflects. Nine neighbouring rays take their steps at different places. Every
-// sample of the picture then mixes the neighbouring rays that end at about the same distance.
+// that its first mirror reflects. Nine neighbouring rays take their steps at different places, and media_filter.frag
+// computes their mean. Every sample of the picture then mixes the neighbouring rays that end at about the same distance.
 //
 // `crates/field/src/world/media.rs` sums the media of a scene, `crates/field/src/region/medium.rs` bounds their density.
+
+#include "media_texels.glsl"
 
 #ifdef COVERAGE
 #define SCATTERS 0
@@ -13,9 +15,8 @@
 #define SCATTERS 1
 #endif
 
-// Maximum number of steps along a ray, and the number at the lowest quality.
+// Maximum number of steps along a ray; `pass_list.w` is the number.
 const int MEDIUM_STEPS_MAX = 24;
-const float MEDIUM_STEPS_LEAST = 12.0;
 // Rays leave an endless medium at this distance.
 const float MEDIUM_FAR = 400.0;
 // Beyond this length, steps become longer and longer.
@@ -29,14 +30,6 @@ const float SCATTERED_MIN = 2e-4;
 // A ray that has less than this fraction of its light left ends.
 const float LEFT_MIN = 0.004;
 const int GRID_WALK_MAX = 3 * MEDIUM_SIDE;
-
-// Numbers of the texels of the pass: the frame's own samples read them.
-uniform sampler2D medium_light;     // light, and the fraction of the light behind the medium that is left
-uniform sampler2D medium_end;       // the distance at which the ray ends; the last bits: what is left of mirrored light
-
-const uint LEFT_BITS = 255u;
-// Rays count as ending at the same distance if their relative difference is well below the square root of this number.
-const float DEPTH_BLUR = 2e-3;
 
 Medium sound_medium(Medium m) {
     float density = m.density > 0.0 ? min(m.density, 1e6) : 0.0;
@@ -100,7 +93,7 @@ vec4 medium_along(vec3 origin, vec3 direction, float end, float cone, float patt
     last = last - first_medium(origin + last * direction, -direction, 0.0, last - start);
     float reach = max(last - start, 1e-6);
     float growth = clamp(1.0 - EVEN_LENGTH / reach, 0.0, 0.98);
-    int steps = int(mix(MEDIUM_STEPS_LEAST, float(MEDIUM_STEPS_MAX), frame_quality));
+    int steps = int(pass_list.w);
     int light_count = clamp(int(frame_clock.y), 1, LIGHTS_MAX);
     int light = int(pattern * 9.0);
     for (int i = 0; i < MEDIUM_STEPS_MAX; i++) {
@@ -140,43 +133,39 @@ vec4 medium_along(vec3 origin, vec3 direction, float end, float cone, float patt
     return sum;
 }
 
-// Returns a different number in 0..1 for each of 3 x 3 neighbouring texels.
+// Returns a number in a different ninth of 0..1 for each of 3 x 3 neighbouring texels. Its place in that ninth is random,
+// because equal steps in all rays would show as stripes; it is the same in each frame.
 float medium_pattern() {
-    ivec2 cell = ivec2(gl_FragCoord.xy) % 3;
+    uvec2 texel = uvec2(gl_FragCoord.xy);
+    uint random = texel.x * 1664525u + texel.y * 22695477u + 1013904223u;
+    random = (random ^ (random >> 15u)) * 2246822519u;
+    random = (random ^ (random >> 13u)) * 3266489917u;
+    ivec2 cell = ivec2(texel) % 3;
     // A magic square, so that rows and columns have the same mean.
     int number = (cell.x + 2 * cell.y + 1) % 3 * 3 + (cell.x + cell.y) % 3;
-    return (float(number) + 0.5) / 9.0;
+    return (float(number) + float(random >> 8u) / 16777216.0) / 9.0;
 }
 
-struct SeenMedium {
-    vec3 light;
-    float left;             // fraction of the light behind the medium
-    float left_of_mirrored; // fraction of light behind the medium that the first mirror shows
-};
-
-// Returns the medium before the end of the ray through a place in the frame, in pixels. The weights of a tent of four
-// texels have the same sum for each of the three columns and rows of the pattern.
+// Returns the medium before the end of the ray through a place in the frame, in pixels.
 SeenMedium medium_seen(vec2 place, float end) {
     vec2 at = 0.5 * place - 0.5;
     ivec2 first = ivec2(floor(at));
     vec2 part = at - floor(at);
-    ivec2 most = textureSize(medium_light, 0) - 1;
-    vec4 sum = vec4(0.0);
-    float mirrored = 0.0;
-    float weights = 0.0;
-    for (int i = 0; i < 16; i++) {
-        ivec2 offset = ivec2(i & 3, i >> 2) - 1;
-        ivec2 texel = clamp(first + offset, ivec2(0), most);
-        vec2 tent = clamp(2.0 - abs(vec2(offset) - part), 0.0, 1.0);
-        uint bits = floatBitsToUint(texelFetch(medium_end, texel, 0).r);
-        float far = uintBitsToFloat(bits & ~LEFT_BITS);
-        // Prefer rays that end at the same distance.
-        float off = (far - end) / max(min(far, end), 1e-3);
-        float weight = tent.x * tent.y / (DEPTH_BLUR + off * off);
-        sum += weight * texelFetch(medium_light, texel, 0);
-        mirrored += weight * float(bits & LEFT_BITS);
-        weights += weight;
+    SeenMedium sum = SeenMedium(vec3(0.0), 0.0, 0.0, 0.0);
+    // The neighbour whose end is nearest has about as much light left as this ray.
+    SeenMedium own = SeenMedium(vec3(0.0), 1.0, 1.0, end);
+    float least = 1e9;
+    for (int i = 0; i < 4; i++) {
+        SeenMedium other = medium_texel(first + ivec2(i & 1, i >> 1));
+        float off = abs(other.end - end);
+        if (off < least) own.left = other.left;
+        least = min(least, off);
     }
-    sum /= weights;
-    return SeenMedium(sum.rgb, clamp(sum.a, 0.0, 1.0), mirrored / (weights * float(LEFT_BITS)));
+    float weights = 0.0;
+    for (int i = 0; i < 4; i++) {
+        ivec2 offset = ivec2(i & 1, i >> 1);
+        vec2 near = mix(1.0 - part, part, vec2(offset)) + 1e-3;
+        weights += add_medium(sum, medium_texel(first + offset), own, near.x * near.y);
+    }
+    return mean_medium(sum, weights, end);
 }

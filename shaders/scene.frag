@@ -153,20 +153,23 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     vec3 throughput = vec3(1.0);
     vec3 color = vec3(0.0);
 #ifdef DRAWS_MEDIA
-    SeenMedium medium = SeenMedium(vec3(0.0), 1.0, 1.0);
-    float seen_end = 1e9;
+    SeenMedium medium = SeenMedium(vec3(0.0), 1.0, 1.0, FAR);
 #endif
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
 #ifdef DRAWS_MEDIA
-        float end = hit.met ? hit.t : 1e9;
-        if (surface == 0) seen_end = end;
+        float end = hit.met ? hit.t : FAR;
         if (is_medium_pass()) {
             vec4 along = medium_along(origin, direction, end, cone, medium_pattern());
             color += throughput * along.rgb;
             throughput *= along.a;
-            if (surface == 0) { medium.left = along.a; } else { medium.left_of_mirrored = along.a; }
+            if (surface == 0) {
+                medium.left = along.a;
+                medium.end = end;
+            } else {
+                medium.left_of_mirrored = along.a;
+            }
         } else if (surface == 0) {
             medium = medium_seen(sample_place(), end);
         } else if (surface == 1) {
@@ -242,8 +245,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     }
 #ifdef DRAWS_MEDIA
     if (is_medium_pass()) {
-        uint left = uint(255.0 * medium.left_of_mirrored + 0.5);
-        medium_ray = uintBitsToFloat((floatBitsToUint(seen_end) & ~LEFT_BITS) | left);
+        medium_ray = packed_end(medium);
         medium_left = medium.left;
     } else {
 #ifdef COVERAGE

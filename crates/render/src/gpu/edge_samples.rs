@@ -36,6 +36,16 @@ impl EdgeSamples {
         self.places().len()
     }
 
+    /// Maximum number of steps of a ray through media. With fewer steps, fog is grainy.
+    pub fn medium_steps(self) -> f32 {
+        match self {
+            EdgeSamples::Two => 6.0,
+            EdgeSamples::Four => 8.0,
+            EdgeSamples::Eight => 12.0,
+            EdgeSamples::Sixteen => 24.0,
+        }
+    }
+
     /// Offsets from the pixel's centre, in sixteenths of a pixel: Direct3D 11's standard patterns (four samples form a
     /// rotated grid). The pattern of two samples is a line through the centre. Edges parallel to this line stay jagged,
     /// so the line is neither an axis nor a diagonal.

@@ -13,9 +13,9 @@ use super::sampling::{Sample, Sampling};
 use super::targets::{Edges, Targets};
 use crate::frame::picture::Picture;
 use crate::gpu::error::GpuError;
+use crate::gpu::media::MediaTargets;
 use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
-use crate::gpu::target::Target;
 use crate::gpu::tiles::{PART_SECONDS, Part, Parts, PixelCost};
 
 /// The progress of a frame.
@@ -92,7 +92,7 @@ impl Making {
         if media.is_some() {
             self.pass = Pass::Media;
         }
-        let size = media.unwrap_or(&targets.first).size();
+        let size = media.map_or(&targets.first, MediaTargets::rays).size();
         self.parts = Parts::of(vec![Part::whole(size)], size, cost);
         self.parts.are_one(cost)
     }
@@ -167,7 +167,12 @@ impl Making {
         }
         let (sampling, size) = (tools.sampling, targets.first.size());
         (self.pass, self.parts) = match (self.pass, &mut targets.edges) {
-            (Pass::Media, _) => (Pass::First, Parts::of(vec![Part::whole(size)], size, cost)),
+            (Pass::Media, _) => {
+                if let Some(media) = &targets.media {
+                    sampling.media_filter.draw(tools.post.passes(), media)?;
+                }
+                (Pass::First, Parts::of(vec![Part::whole(size)], size, cost))
+            }
             (Pass::First, Edges::Stencil(sum)) => {
                 sampling.mark_in_stencil(&targets.first, sum)?;
                 (Pass::Further(0), Parts::of(vec![Part::whole(size)], size, cost))
@@ -193,7 +198,7 @@ impl Making {
         let is_view = self.product == Product::View;
         match (&targets.edges, self.pass) {
             _ if is_view => targets.post.finished().bind(),
-            (_, Pass::Media) => targets.media.iter().for_each(Target::bind),
+            (_, Pass::Media) => targets.media.iter().for_each(|media| media.rays().bind()),
             (Edges::List(list), Pass::Listed) => list.samples().bind(),
             (Edges::Stencil(sum), Pass::Further(_)) => sum.bind(),
             _ => targets.first.bind(),
@@ -209,7 +214,7 @@ impl Making {
                 program.bind();
             }
         }
-        targets.bind_media(self.pass == Pass::Media);
+        targets.media.iter().for_each(MediaTargets::bind_mean);
         let has_stencil = matches!(targets.edges, Edges::Stencil(_)) && !is_view && self.pass != Pass::Media;
         let gl = sampling.gl();
         // SAFETY: sets state and clears the target bound above, in the current context.

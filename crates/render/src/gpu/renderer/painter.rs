@@ -14,6 +14,7 @@ use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::evaluations::Counting;
 use crate::gpu::gl::Gl;
+use crate::gpu::media::MediaTargets;
 use crate::gpu::passes::Passes;
 use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
@@ -184,7 +185,7 @@ impl Painter {
         scene.bind(&self.gl);
         let sum = Target::new(&self.gl, targets.first.size(), &[Texel::Rgba32F], None)?;
         sum.bind();
-        targets.bind_media(false);
+        targets.media.iter().for_each(MediaTargets::bind_mean);
         self.sampling.draw_grid(program, REFERENCE_SIDE);
         sum.bind_color(0, unit_of("extra_samples"));
         self.post.resolve_all(&targets.post)?;

@@ -8,6 +8,7 @@ use crate::frame::block::FrameBlock;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
+use crate::gpu::media::MediaFilter;
 use crate::gpu::passes::Block;
 use crate::gpu::program::{LazyProgram, Program, unit_of};
 use crate::gpu::samplers::Samplers;
@@ -44,6 +45,7 @@ pub(super) struct Sampling {
     frame_block: Block,
     pass_block: Block,
     view_block: Block,
+    pub(super) media_filter: MediaFilter,
     pub(super) edge_samples: EdgeSamples,
 }
 
@@ -56,6 +58,7 @@ impl Sampling {
             frame_block: Block::new(gl, "FrameBlock")?,
             pass_block: Block::new(gl, "PassBlock")?,
             view_block: Block::new(gl, "ViewBlock")?,
+            media_filter: MediaFilter::new(gl, library)?,
             edge_samples: EdgeSamples::Four,
         })
     }
@@ -141,7 +144,8 @@ impl Sampling {
             Sample::Media => ([0.0; 2], 0, 3.0, 0.0),
         };
         let (across, down) = self.edge_samples.block();
-        let head = [place[0], place[1], kind, number as f32, across as f32, down as f32, beam, 0.0];
+        let steps = self.edge_samples.medium_steps();
+        let head = [place[0], place[1], kind, number as f32, across as f32, down as f32, beam, steps];
         let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
         block.resize(PASS_BLOCK_NUMBERS, 0.0);
         self.pass_block.set(&block);

@@ -7,8 +7,8 @@ use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::evaluations::{Counting, Evaluations};
 use crate::gpu::gl::Gl;
+use crate::gpu::media::MediaTargets;
 use crate::gpu::post::PostTargets;
-use crate::gpu::program::unit_of;
 use crate::gpu::target::{Stencil, Target, Texel};
 
 /// The properties of a scene's frames that decide about their targets.
@@ -21,8 +21,7 @@ pub(super) struct TargetsKind {
 
 pub(super) struct Targets {
     kind: TargetsKind,
-    /// The light of media and the ends of their rays, in half of the width and height (`shaders/media.glsl`).
-    pub(super) media: Option<Target>,
+    pub(super) media: Option<MediaTargets>,
     pub(super) first: Target,
     pub(super) edges: Edges,
     pub(super) post: PostTargets,
@@ -64,15 +63,7 @@ impl Targets {
             texels.push(Texel::R32F);
         }
         Target::check_size(gl, size)?;
-        let media = has_media.then(|| {
-            let mut texels = texels.clone();
-            // On software renderers, the target of beams holds the ends of rays, because their drivers compile a
-            // program once for each combination of formats.
-            if !gl.info().software {
-                texels.push(Texel::R32F);
-            }
-            Target::new(gl, (size.0.div_ceil(2), size.1.div_ceil(2)), &texels, None)
-        });
+        let media = has_media.then(|| MediaTargets::new(gl, size, &texels)).transpose()?;
         let (stencil, edges) = if gl.info().software {
             (None, Edges::List(EdgeList::new(gl, size, &texels, samples)?))
         } else {
@@ -81,7 +72,7 @@ impl Targets {
         };
         Ok(Self {
             kind,
-            media: media.transpose()?,
+            media,
             first: Target::new(gl, size, &texels, stencil)?,
             edges,
             post: PostTargets::new(gl, size, has_lens && counting == Counting::Off, size)?,
@@ -92,19 +83,10 @@ impl Targets {
         self.kind == kind
     }
 
-    /// Binds the results of the pass of media. During that pass, binds textures of the same formats in their place,
-    /// because a texture must not be read while it is drawn.
-    pub(super) fn bind_media(&self, is_drawn: bool) {
-        if let Some(media) = &self.media {
-            let read = if is_drawn { &self.first } else { media };
-            read.bind_color(0, unit_of("medium_light"));
-            read.bind_color(read.colors().saturating_sub(1), unit_of("medium_end"));
-        }
-    }
-
     pub(super) fn evaluations(&self, samples: EdgeSamples) -> Evaluations {
         let mut sum = Evaluations::default();
-        for target in [&self.first, self.edges.samples()].into_iter().chain(&self.media) {
+        let media = self.media.as_ref().map(MediaTargets::rays);
+        for target in [&self.first, self.edges.samples()].into_iter().chain(media) {
             let (kinds, more) = (target.read_rgba32f(1), target.read_rgba32f(2));
             for texel in kinds.as_chunks::<4>().0 {
                 let [primary, reflection, normal, shadow] = texel.map(f64::from);
