@@ -1,5 +1,5 @@
 // A job type of Flamenco: renders a video in parts on the farm's workers, then joins the parts.
-// Copy this file into the folder `scripts` beside the program flamenco-manager.
+// Copy this file into the folder `scripts` in the folder of flamenco-manager.
 
 const JOB_TYPE = {
     label: "Mariana Video",
@@ -8,7 +8,7 @@ const JOB_TYPE = {
         { key: "song", type: "string", subtype: "file_path", required: true,
           description: "The song, at a path that all workers share" },
         { key: "output", type: "string", subtype: "file_path", required: true,
-          description: "The video, at a path that all workers share; the parts are beside it" },
+          description: "The video, at a path that all workers share; the parts are in the same folder" },
         { key: "flags", type: "string", default: "--show auto",
           description: "Flags of 'mariana video', without quotes, such as: --show auto --size 3840x2160 --fps 60" },
         { key: "parts", type: "int32", default: 32,

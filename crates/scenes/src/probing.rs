@@ -248,7 +248,7 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
 fn ray_at(frame: &Frame, [x, y]: [f64; 2], width: f64) -> Ray {
     let Frame { camera, projection, size, .. } = frame;
     let at = (x * f64::from(size.0), y * f64::from(size.1));
-    // Around a dome there is nothing to see: take its axis.
+    // Outside of a dome's circle, take the camera's axis.
     let axis = EyeRay { origin: camera.position, direction: camera.forward };
     let EyeRay { origin, direction } = projection.ray(camera, *size, at).unwrap_or(axis);
     let spread = projection.pixel_radius(camera, *size) * width;

@@ -68,8 +68,10 @@ impl Encoder {
         let mut output = AtomicFile::create(path)?;
         let projection = request.scene.projection;
         let needs_mark = is_marked(&projection) && note.is_none() && !is_copy;
-        // ffmpeg copies the metadata of a projection to Matroska, but has no option for them.
-        let next = (needs_mark && is_matroska(path)).then(|| Box::new((request.clone(), path.to_owned())));
+        // ffmpeg copies the metadata of a projection from MP4 to Matroska, but has no option for them. MP4 has no codec
+        // for transparent videos, which are parts of other videos.
+        let goes_on = needs_mark && is_matroska(path) && !request.alpha;
+        let next = goes_on.then(|| Box::new((request.clone(), path.to_owned())));
         let silent;
         let (mut made, mut request) = (path.to_owned(), request);
         if next.is_some() {

@@ -113,7 +113,7 @@ impl Frame {
         frame
     }
 
-    /// Projects the frame in another way. Each eye sees a picture of its own.
+    /// Changes the projection. For two eyes, the frame contains two pictures.
     pub fn projected(mut self, world: &World, projection: Projection) -> Self {
         if self.projection == projection {
             return self;
@@ -230,7 +230,7 @@ impl Frame {
     fn see_from(&mut self, world: &World, aspect: f64, orbit: OrbitControls) {
         let mut asked = self.values.camera.clone();
         if self.projection.kind != ProjectionKind::Flat {
-            // Nothing is out of view at the sides.
+            // The whole scene is in view anyway.
             asked.keep = 0.0;
         }
         (self.orbit, self.camera) = (orbit, Camera::by_hand(&asked, aspect, &orbit));

@@ -220,7 +220,10 @@ impl Projection {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Frame;
+    use crate::frame::testing::world_of;
     use mariana_field::lang;
+    use mariana_music::Features;
 
     fn camera() -> Camera {
         let asked = lang::Camera { target: [0.0, 0.0, 4.0], fov: 60.0, ..lang::Camera::of([]) };
@@ -277,6 +280,18 @@ mod tests {
             let met = origin + direction * (4.0 / direction.z);
             assert!((met - DVec3::new(0.0, 0.0, 4.0)).length() < 1e-9, "both eyes look at the target");
         }
+    }
+
+    #[test]
+    fn a_camera_that_sees_everything_does_not_step_back() {
+        let world =
+            world_of("length(p) - 1\ncamera { position = vec3(0, 0, -4)  target = vec3(0)  keep = 50 }");
+        let flat = Frame::new(&world, 0.0, Features::default(), (64, 32));
+        assert!(flat.camera.position.z < -10.0);
+        let sphere = Projection { kind: ProjectionKind::Sphere, ..Projection::default() };
+        let frame = flat.projected(&world, sphere);
+        assert_eq!(frame.camera.position.z, -4.0);
+        assert_eq!(frame.inputs.eye[2], -4.0);
     }
 
     #[test]
