@@ -39,9 +39,10 @@ layout(std140) uniform FrameBlock {
 layout(std140) uniform PassBlock {
     vec4 pass_sample;       // z 0 for each pixel's first sample, at its centre; 1 for a further one, xy from the
                             // centre, w its number from 0; 2 for packed samples of the pixels in edge_pixels;
-                            // 3 for the media, in texels of 2 x 2 pixels
+                            // 3 for the media, in texels of 2 x 2 pixels, w the number of layers
     vec4 pass_list;         // xy size of a block in texels, one texel for each sample of a pixel; z radius of the beam
-                            // around each sample's ray, in half widths of a pixel; w number of steps through media
+                            // around each sample's ray, in half widths of a pixel; w height of a layer of media in
+                            // texels
     vec4 pass_places[8];    // xy and zw: positions of samples from their pixel's centre
 };
 

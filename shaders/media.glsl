@@ -2,8 +2,8 @@
 // behind them that is left.
 //
 // A pass of its own, with half of the frame's width and height, computes both for each ray of the eye and for the ray
-// that its first mirror reflects. Nine neighbouring rays take their steps at different places, and media_filter.frag
-// computes their mean. Every sample of the picture then mixes the neighbouring rays that end at about the same distance.
+// that its first mirror reflects. Stills and videos draw several layers of it, one above the other. Nine neighbouring rays
+// and all layers take their steps at different places, and media_filter.frag computes their mean. Every sample of the picture then mixes the neighbouring rays that end at about the same distance.
 //
 // `crates/field/src/world/media.rs` sums the media of a scene, `crates/field/src/region/medium.rs` bounds their density.
 
@@ -15,8 +15,8 @@
 #define SCATTERS 1
 #endif
 
-// Maximum number of steps along a ray; `pass_list.w` is the number.
-const int MEDIUM_STEPS_MAX = 24;
+// Number of steps along a ray.
+const int MEDIUM_STEPS = 8;
 // Rays leave an endless medium at this distance.
 const float MEDIUM_FAR = 400.0;
 // Beyond this length, steps become longer and longer.
@@ -93,16 +93,16 @@ vec4 medium_along(vec3 origin, vec3 direction, float end, float cone, float patt
     last = last - first_medium(origin + last * direction, -direction, 0.0, last - start);
     float reach = max(last - start, 1e-6);
     float growth = clamp(1.0 - EVEN_LENGTH / reach, 0.0, 0.98);
-    int steps = int(pass_list.w);
     int light_count = clamp(int(frame_clock.y), 1, LIGHTS_MAX);
     int light = int(pattern * 9.0);
-    for (int i = 0; i < MEDIUM_STEPS_MAX; i++) {
-        if (i >= steps || sum.a < LEFT_MIN) break;
-        float along = (float(i) + pattern) / float(steps);
+    for (int i = 0; i < MEDIUM_STEPS; i++) {
+        if (sum.a < LEFT_MIN) break;
+        float along = (float(i) + pattern) / float(MEDIUM_STEPS);
         float t = start + reach * along * mix(1.0, along, growth);
-        float step_length = reach * (1.0 - growth + 2.0 * growth * along) / float(steps);
+        float step_length = reach * (1.0 - growth + 2.0 * growth * along) / float(MEDIUM_STEPS);
         vec3 p = origin + t * direction;
         COUNT(count_medium_steps);
+        if (steps_left(1, MEDIUM_ROUNDS) <= 0) break;
         if (densest_at(p) <= 0.0) continue;
         COUNT(count_medium);
         Medium m = sound_medium(scene_medium(p));
@@ -133,17 +133,18 @@ vec4 medium_along(vec3 origin, vec3 direction, float end, float cone, float patt
     return sum;
 }
 
-// Returns a number in a different ninth of 0..1 for each of 3 x 3 neighbouring texels. Its place in that ninth is random,
-// because equal steps in all rays would show as stripes; it is the same in each frame.
+// Returns a number in a different part of 0..1 for each layer and each of 3 x 3 neighbouring texels. Its place in that
+// part is random, because equal steps in all rays would show as stripes; it is the same in each frame.
 float medium_pattern() {
     uvec2 texel = uvec2(gl_FragCoord.xy);
+    float layer = floor(gl_FragCoord.y / pass_list.w);
     uint random = texel.x * 1664525u + texel.y * 22695477u + 1013904223u;
     random = (random ^ (random >> 15u)) * 2246822519u;
     random = (random ^ (random >> 13u)) * 3266489917u;
-    ivec2 cell = ivec2(texel) % 3;
+    ivec2 cell = ivec2(medium_texel_place()) % ivec2(3);
     // A magic square, so that rows and columns have the same mean.
     int number = (cell.x + 2 * cell.y + 1) % 3 * 3 + (cell.x + cell.y) % 3;
-    return (float(number) + float(random >> 8u) / 16777216.0) / 9.0;
+    return (layer + (float(number) + float(random >> 8u) / 16777216.0) / 9.0) / pass_sample.w;
 }
 
 // Returns the medium before the end of the ray through a place in the frame, in pixels.

@@ -11,6 +11,11 @@ bool is_medium_pass() {
 #endif
 }
 
+// Returns the place of a texel of the pass of media in its layer.
+vec2 medium_texel_place() {
+    return vec2(gl_FragCoord.x, mod(gl_FragCoord.y, pass_list.w));
+}
+
 // Returns the number of a texel among the further samples of its block.
 int block_sample() {
     ivec2 block = ivec2(pass_list.xy);
@@ -31,7 +36,7 @@ uvec4 listed_pixel() {
 // Returns the position of the sample in pixels from the frame's lower left corner.
 vec2 sample_place() {
     if (pass_sample.z < 0.5) return gl_FragCoord.xy;
-    if (is_medium_pass()) return 2.0 * gl_FragCoord.xy;
+    if (is_medium_pass()) return 2.0 * medium_texel_place();
     if (pass_sample.z < 1.5) return gl_FragCoord.xy + pass_sample.xy;
     int number = block_sample();
     vec4 pair = pass_places[number >> 1];

@@ -196,3 +196,109 @@ fn absence(graph: &mut Graph, roots: &MediumRoots) -> NodeId {
     let there = graph.add(density, light);
     graph.sub(thinnest, there)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::Point;
+    use crate::region::{MEDIUM_SIDE, MediumPlan};
+    use crate::world::testing::world_of;
+    use crate::world::{Alignment, BlendKind, World};
+
+    fn medium_at(world: &World, inputs: &FrameInputs, place: [f32; 3]) -> Vec<f32> {
+        let roots = world.roots.medium.unwrap();
+        let mut inputs = inputs.clone();
+        inputs.hoisted = world.hoisted.values(&inputs);
+        let [x, y, z] = place;
+        world.graph.evaluate(&roots, &Point::at(x, y, z), &inputs).unwrap()
+    }
+
+    #[test]
+    fn overlapping_media_add_up() {
+        let world = world_of(
+            "sphere(p, 1)\nsky { ambient = vec3(1, 2, 0) }\n\
+             medium a { density = 0.5  color = vec3(1, 0.5, 0)  phase = 0.5  shape = x }\n\
+             medium b { density = 1.5  scatter = 0.5  emission = vec3(0, 0, 3)  phase = -0.5 }",
+        );
+        let inputs = FrameInputs::default();
+        let near = |found: Vec<f32>, expected: [f32; 8]| {
+            let is_near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5);
+            assert!(is_near, "{found:?} instead of {expected:?}");
+        };
+        near(medium_at(&world, &inputs, [1.0, 0.0, 0.0]), [1.5, 0.75, 0.75, 0.75, 0.75, 1.5, 3.0, -0.5]);
+        // The phase is the mean, weighted by the scattered green light.
+        near(medium_at(&world, &inputs, [-1.0, 0.0, 0.0]), [2.0, 1.25, 1.0, 0.75, 1.25, 2.0, 3.0, -0.25]);
+    }
+
+    #[test]
+    fn values_beyond_their_ranges_are_clamped() {
+        let world = world_of(
+            "medium a { density = -3  scatter = 7  color = vec3(9)  emission = vec3(-1)  phase = 5 }",
+        );
+        let found = medium_at(&world, &FrameInputs::default(), [0.0; 3]);
+        assert_eq!(found[..7], [0.0; 7]);
+        assert_eq!(found[7], PHASE_MAX);
+    }
+
+    #[test]
+    fn bounds_hold_the_media_and_may_be_endless() {
+        let bounds = |medium: &str| world_of(&format!("medium a {{ {medium} }}")).medium_bounds;
+        let ball = bounds("density = 2 + bass  shape = sphere(p - vec3(3, 0, 0), 1.5)");
+        for (axis, middle) in [3.0, 0.0, 0.0].into_iter().enumerate() {
+            assert!((-0.1..=0.0).contains(&(ball.low[axis] - (middle - 1.5))), "{ball:?}");
+            assert!((0.0..=0.1).contains(&(ball.high[axis] - (middle + 1.5))), "{ball:?}");
+        }
+        let layer = bounds("density = 0.3 * exp(-2 * abs(y))");
+        assert!(layer.low[0] == f32::NEG_INFINITY && layer.high[2] == f32::INFINITY);
+        // 0.3 * exp(-2 * 4) is THINNEST.
+        assert!((3.9..4.2).contains(&layer.high[1]) && (-4.2..-3.9).contains(&layer.low[1]), "{layer:?}");
+        let everywhere = bounds("density = 1");
+        assert!(everywhere.low.iter().chain(&everywhere.high).all(|at| at.is_infinite()));
+        let nowhere = bounds("density = 0");
+        assert!(
+            (0..3).all(|axis| nowhere.high[axis] - nowhere.low[axis] <= 2.0 * FARTHEST_CUT),
+            "{nowhere:?}"
+        );
+    }
+
+    #[test]
+    fn no_cell_of_the_grid_is_less_dense_than_its_points() {
+        let text = "param k = 1 in 0 .. 3\n\
+                    medium a { density = k * (noise(2 * p + vec3(t, 0, 0)) - 0.4)  shape = sphere(p, 2) }\n\
+                    medium b { density = 0  emission = vec3(0, 1, 0)  shape = box(p - vec3(4, 0, 0), 0.5) }";
+        let world = world_of(text);
+        let mut inputs = FrameInputs { time: 3.7, params: vec![2.0], ..FrameInputs::default() };
+        inputs.hoisted = world.hoisted.values(&inputs);
+        let grid = MediumPlan::new(&world).unwrap().unwrap().grid(&inputs, [0.0; 3]);
+        let side = MEDIUM_SIDE as f32;
+        let mut empty = 0;
+        for number in 0..40_000u32 {
+            let part = |step: u32| (number.wrapping_mul(step) % 9973) as f32 / 9973.0;
+            let place: [f32; 3] = std::array::from_fn(|axis| {
+                grid.low[axis] + grid.size[axis] * part([7919, 104_729, 1_299_709][axis])
+            });
+            let cell: [usize; 3] = std::array::from_fn(|axis| {
+                (((place[axis] - grid.low[axis]) / grid.size[axis] * side) as usize).min(MEDIUM_SIDE - 1)
+            });
+            let bound = grid.densities[cell[0] + MEDIUM_SIDE * (cell[1] + MEDIUM_SIDE * cell[2])];
+            let found = medium_at(&world, &inputs, place);
+            assert!(found[0] <= bound * 1.00001, "{} above {bound} at {place:?}", found[0]);
+            assert!(bound > 0.0 || found[5] <= 0.0, "light in an empty cell at {place:?}");
+            empty += u32::from(bound == 0.0);
+        }
+        assert!(empty > 20_000, "only {empty} of 40,000 points are in empty cells");
+    }
+
+    #[test]
+    fn a_blend_mixes_the_media_of_both_scenes() {
+        let fog = world_of("medium a { density = 1  phase = 0.5 }");
+        let clear = world_of("sphere(p, 1)");
+        for (from, to, expected) in [(&fog, &clear, 0.75), (&clear, &fog, 0.25), (&fog, &fog, 1.0)] {
+            let blend = World::blend(from, to, BlendKind::Melt, &Alignment::NONE, 0.25).unwrap();
+            assert!(blend.features.media);
+            let inputs = FrameInputs { params: vec![0.25], ..FrameInputs::default() };
+            let found = medium_at(&blend, &inputs, [0.0, 5.0, 0.0]);
+            assert!((found[0] - expected).abs() < 1e-5, "{found:?} instead of {expected}");
+        }
+    }
+}

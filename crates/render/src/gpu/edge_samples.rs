@@ -36,13 +36,12 @@ impl EdgeSamples {
         self.places().len()
     }
 
-    /// Maximum number of steps of a ray through media. With fewer steps, fog is grainy.
-    pub fn medium_steps(self) -> f32 {
+    /// Number of layers of the pass of media, each with eight steps along a ray. With one layer, fog is slightly grainy.
+    pub fn media_layers(self) -> u32 {
         match self {
-            EdgeSamples::Two => 6.0,
-            EdgeSamples::Four => 8.0,
-            EdgeSamples::Eight => 12.0,
-            EdgeSamples::Sixteen => 24.0,
+            EdgeSamples::Two | EdgeSamples::Four => 1,
+            EdgeSamples::Eight => 2,
+            EdgeSamples::Sixteen => 3,
         }
     }
 

@@ -39,8 +39,9 @@ impl MediaFilter {
 }
 
 impl MediaTargets {
-    /// Creates targets for frames of `size` pixels. `texels` are the outputs of the scene's program.
-    pub(super) fn new(gl: &Gl, size: (u32, u32), texels: &[Texel]) -> Result<Self, GpuError> {
+    /// Creates targets for frames of `size` pixels. `texels` are the outputs of the scene's program, `layers` the
+    /// number of layers.
+    pub(super) fn new(gl: &Gl, size: (u32, u32), texels: &[Texel], layers: u32) -> Result<Self, GpuError> {
         let half = (size.0.div_ceil(2), size.1.div_ceil(2));
         let mut texels = texels.to_vec();
         // On software renderers the target of beams, which is also the last one, holds the ends of rays: their drivers
@@ -49,12 +50,17 @@ impl MediaTargets {
             texels.push(Texel::R32F);
         }
         Ok(Self {
-            rays: Target::new(gl, half, &texels, None)?,
+            rays: Target::new(gl, (half.0, half.1 * layers), &texels, None)?,
             mean: Target::new(gl, half, &[Texel::Rgba16F, Texel::R32F], None)?,
         })
     }
 
-    /// The target of the scene's program.
+    /// Height of a layer in texels.
+    pub(super) fn layer_height(&self) -> u32 {
+        self.mean.size().1
+    }
+
+    /// The target of the scene's program: layers, one above the other.
     pub(super) fn rays(&self) -> &Target {
         &self.rays
     }

@@ -237,7 +237,10 @@ impl Making {
         match self.pass {
             Pass::Further(sample) => sampling.draw_further(sample),
             Pass::Listed => sampling.draw(Sample::Listed),
-            Pass::Media => sampling.draw(Sample::Media),
+            Pass::Media => {
+                let height = targets.media.as_ref().map_or(1, MediaTargets::layer_height);
+                sampling.draw(Sample::Media(height));
+            }
             // A view has no further samples.
             _ if is_view => sampling.draw(Sample::Only),
             _ => sampling.draw(Sample::First),

@@ -63,7 +63,8 @@ impl Targets {
             texels.push(Texel::R32F);
         }
         Target::check_size(gl, size)?;
-        let media = has_media.then(|| MediaTargets::new(gl, size, &texels)).transpose()?;
+        let media =
+            has_media.then(|| MediaTargets::new(gl, size, &texels, samples.media_layers())).transpose()?;
         let (stencil, edges) = if gl.info().software {
             (None, Edges::List(EdgeList::new(gl, size, &texels, samples)?))
         } else {
