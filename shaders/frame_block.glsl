@@ -17,6 +17,8 @@ layout(std140) uniform FrameBlock {
     vec4 frame_screen;      // xy width and height of the picture that the frame is shown as, in pixels; zw the picture's
                             // pixels per pixel of the frame
     vec4 frame_mouse;       // xy the pointer in the picture's pixels, from below; z 1 while its button is held
+    vec4 frame_projection;  // x a PROJECTION_..., y a STEREO_..., z half the distance of the eyes, w 1 / distance of the
+                            // camera's target; only programs with PROJECTED read it
     vec4 medium_low;        // xyz lower corner of the media
     vec4 medium_high;       // xyz upper corner of the media
     vec4 medium_grid_low;   // xyz lower corner of the grid over the media; w its first texel in the sound tables

@@ -8,6 +8,10 @@
 uniform sampler2D picture;          // linear light
 uniform sampler2D bloom;            // scattered light
 
+#ifdef MEAN
+uniform sampler2D mean;             // mean of earlier exposures: exposed light
+#endif
+
 #ifdef FADE
 uniform sampler2D before;           // exposed light of the previous scene
 #endif
@@ -43,11 +47,20 @@ void main() {
     vec3 light = texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb;
     light = mix(light, texture(bloom, place).rgb, picture_look.y);
     light *= picture_look.x * falloff(place);
-#ifdef LIGHT
-    screen = vec4(min(light, EXPOSED_MAX), 1.0);
-#else
 #ifdef FADE
     light = mix(light, texture(before, place).rgb, post_target.z);
+#endif
+#ifdef LIGHT
+    light = min(light, EXPOSED_MAX);
+#ifdef MEAN
+    // With weight 1 there is no earlier exposure. An equal exposure does not change the mean.
+    vec3 earlier = texelFetch(mean, ivec2(gl_FragCoord.xy), 0).rgb;
+    light = post_target.w < 1.0 ? earlier + (light - earlier) * post_target.w : light;
+#endif
+    screen = vec4(light, 1.0);
+#else
+#ifdef MEAN
+    light = texelFetch(mean, ivec2(gl_FragCoord.xy), 0).rgb;
 #endif
     screen = vec4(srgb_from_linear(tone_map(light)) + grain(gl_FragCoord.xy) / 255.0, 1.0);
 #endif

@@ -43,9 +43,30 @@ vec2 sample_place() {
     return vec2(listed_pixel().xy) + 0.5 + ((number & 1) == 0 ? pair.xy : pair.zw);
 }
 
-// Returns the position of the sample in pixels of the picture, whatever the resolution of the frame.
+#ifdef PROJECTED
+// Returns the size of one eye's picture, in pixels of the frame.
+vec2 eye_size() {
+    vec2 halves = vec2(frame_projection.y == STEREO_SIDE_BY_SIDE, frame_projection.y == STEREO_OVER_UNDER);
+    return viewport.xy / (1.0 + halves);
+}
+
+// Returns the lower left corner of the eye's picture at a point of the frame. z is the eye: -1 left, 1 right, 0 alone.
+vec3 eye_corner(vec2 place) {
+    vec2 size = eye_size();
+    if (frame_projection.y == STEREO_SIDE_BY_SIDE) return place.x < size.x ? vec3(0.0, 0.0, -1.0) : vec3(size.x, 0.0, 1.0);
+    if (frame_projection.y == STEREO_OVER_UNDER) return place.y < size.y ? vec3(0.0, 0.0, 1.0) : vec3(0.0, size.y, -1.0);
+    return vec3(0.0);
+}
+#endif
+
+// Returns the position of the sample in pixels of the picture, whatever the resolution of the frame. Each of two eyes
+// has its own picture.
 vec2 picture_pixel() {
+#ifdef PROJECTED
+    return (sample_place() - eye_corner(sample_place()).xy) * frame_screen.zw;
+#else
     return sample_place() * frame_screen.zw;
+#endif
 }
 
 // Returns the bits of the free distance and the steps at which this sample's ray starts (sphere_tracing.glsl).

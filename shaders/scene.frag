@@ -3,6 +3,7 @@
 
 #include "frame_block.glsl"
 #include "sample_place.glsl"
+#include "camera_ray.glsl"
 #include "counters.glsl"
 #include "rounds.glsl"
 #include "material.glsl"
@@ -179,13 +180,13 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         // surface.
         float reached = travelled + (hit.met ? hit.t : 1.0);
         float wide = reached * (1.0 + blurred / spread);
-        vec3 dx = camera_right.xyz * (2.0 * viewport.z * wide);
-        vec3 dy = camera_up.xyz * (2.0 * viewport.w * wide);
+        vec3 dx = ray_dx(wide);
+        vec3 dy = ray_dy(wide);
         vec3 sky_fraction = throughput;
         vec3 mirrored = direction;
         if (hit.met) {
             travelled = reached;
-            if (surface == 0) seen_nearness = 1.0 / max(hit.t * dot(direction, camera_forward.xyz), 1e-6);
+            if (surface == 0) seen_nearness = 1.0 / max(axial(hit.t, direction), 1e-6);
             cone = spread * travelled;
             vec3 p = origin + hit.t * direction;
             // Move the point exactly onto the plane, so that no ray from there hits it again.
@@ -260,17 +261,28 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 void main() {
     load_frame();
     scene_load();
-    vec2 place = 2.0 * sample_place() * viewport.zw - 1.0;
-    vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);
+    vec3 direction = eye_ray();
 #ifdef BEAMS
     beam_spread = pass_list.z * camera_position.w;
     uint start = sample_start();
+#ifdef PROJECTED
+    // The rays of an eye start at different points, so that a beam does not contain them.
+    if (frame_projection.z > 0.0) start = 0u;
+#endif
     ray_start = uintBitsToFloat(start & ~STEPS_BITS);
     ray_steps = int(start & STEPS_BITS);
 #endif
-    vec3 color = scene_color(camera_position.xyz, direction);
+#ifdef PROJECTED
+    // Around a dome's circle is black.
+    bool is_seen = direction != vec3(0.0);
+    vec3 color = vec3(0.0);
+    if (is_seen) color = scene_color(ray_origin, direction);
+#else
+    const bool is_seen = true;
+    vec3 color = scene_color(ray_origin, direction);
+#endif
 #ifdef VIEWS
-    sample_color = vec4(light_of(view_color(direction)), 1.0);
+    sample_color = vec4(is_seen ? light_of(view_color(direction)) : vec3(0.0), 1.0);
 #else
     sample_color = stored_sample(color, surface_key + seen_rough, pass_sample.z > 0.5);
 #ifdef DRAWS_MEDIA

@@ -32,10 +32,10 @@ float line_cover(float away, float half_width) {
 // Lines of equal distance (Abt 2022, figure 1).
 vec3 view_slice(vec3 direction) {
     float along = dot(view_plane.xyz, direction);
-    float t = -(dot(view_plane.xyz, camera_position.xyz) + view_plane.w) / max(along, 1e-6);
+    float t = -(dot(view_plane.xyz, ray_origin) + view_plane.w) / max(along, 1e-6);
     // The plane may contain the camera.
     t = clamp(t, 1e-3, 1e6);
-    float d = value_at(camera_position.xyz + t * direction);
+    float d = value_at(ray_origin + t * direction);
     float pixel = 2.0 * camera_position.w * t;
     // The change of the value from pixel to pixel. For a signed distance, it is at most the pixel's width.
     float slope = max(fwidth(d), 0.05 * pixel);

@@ -15,6 +15,7 @@ mod lsp;
 mod parse;
 mod play;
 mod progress;
+mod projection;
 mod scene;
 mod scenes;
 mod setting_flags;

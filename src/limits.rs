@@ -15,6 +15,10 @@ pub struct Limits {
     pub fps_min: f64,
     /// Highest frame rate of `analyze`, `video` and the frame cap, in frames per second.
     pub fps_max: f64,
+    /// Largest number of parts of a video.
+    pub parts_of_video_max: u16,
+    /// Largest number of exposures of a frame with motion blur.
+    pub exposures_max: u16,
     /// Longest time that `--at`, `--start` and `--duration` accept, in seconds (a day).
     pub seconds_max: f64,
     /// Maximum size of a song from standard input, in bytes (1 GiB).
@@ -67,6 +71,8 @@ pub const LIMITS: Limits = Limits {
     picture_pixels_max: 1 << 26,
     fps_min: 1.0,
     fps_max: 1_000.0,
+    parts_of_video_max: 10_000,
+    exposures_max: 256,
     seconds_max: 86_400.0,
     standard_input_bytes_max: 1 << 30,
     programs_kept_max: 4,

@@ -50,6 +50,7 @@ test    cmd:dbus-daemon           dbus               dbus-daemon          dbus  
 test    cmd:dbus-send             dbus               dbus-tools           dbus              dbus-1               dbus
 test    libexec:at-spi-bus-launcher at-spi2-core    at-spi2-core         at-spi2-core      at-spi2-core         -
 test    cmd:ffmpeg                ffmpeg             ffmpeg-free          ffmpeg            ffmpeg               ffmpeg
+test    cmd:parallel              parallel           parallel             parallel          gnu_parallel         parallel
 test    cmd:desktop-file-validate desktop-file-utils desktop-file-utils   desktop-file-utils desktop-file-utils  desktop-file-utils
 test    cmd:appstreamcli          appstream          appstream            appstream         AppStream            appstream
 test    cmd:update-mime-database  shared-mime-info   shared-mime-info     shared-mime-info  shared-mime-info     shared-mime-info

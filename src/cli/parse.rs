@@ -5,6 +5,7 @@ use mariana_field::world::BlendKind;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 
 use crate::config::SETTING_LIMITS;
+use crate::export::video::Part;
 use crate::limits::LIMITS;
 use crate::placement::{Corners, Crop};
 
@@ -62,6 +63,33 @@ pub(super) fn parse_osc_rate(text: &str) -> Result<f64, String> {
 
 pub(super) fn parse_percent(text: &str) -> Result<u8, String> {
     Ok(parse_whole(text, 0, 100, "percent")? as u8)
+}
+
+/// Parses an angle above the rim of a dome.
+pub(super) fn parse_degrees(text: &str) -> Result<f64, String> {
+    parse_within(text, 0.0, 90.0, "degrees")
+}
+
+pub(super) fn parse_shutter(text: &str) -> Result<f64, String> {
+    parse_within(text, 0.0, 360.0, "degrees")
+}
+
+pub(super) fn parse_exposures(text: &str) -> Result<u32, String> {
+    parse_whole(text, 2, LIMITS.exposures_max, "exposures").map(u32::from)
+}
+
+pub(super) fn parse_eye_distance(text: &str) -> Result<f64, String> {
+    parse_within(text, 0.0, 1000.0, "units")
+}
+
+/// Parses a part of a video: `3/8`.
+pub(super) fn parse_part(text: &str) -> Result<Part, String> {
+    let (number, of) = text.split_once('/').ok_or("write the part as NUMBER/PARTS, such as 3/8")?;
+    let of = u64::from(parse_whole(of, 1, LIMITS.parts_of_video_max, "parts")?);
+    match number.trim().parse() {
+        Ok(number) if (1..=of).contains(&number) => Ok(Part { number, of }),
+        _ => Err(format!("'{}' is none of the parts 1 to {of}", number.trim())),
+    }
 }
 
 /// Parses a kind of blend and the fraction of the second scene: `melt:0.5`.

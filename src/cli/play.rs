@@ -9,6 +9,7 @@ use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
 use super::frame_options::StagingArguments;
 use super::parse::{parse_fade, parse_fps, parse_latency, parse_osc_rate, parse_percent, parse_size};
+use super::projection::ProjectionArguments;
 use super::setting_flags::SettingFlags;
 use super::show::ShowChoice;
 use super::view::ViewArguments;
@@ -120,6 +121,8 @@ pub(super) struct PlayArguments {
     #[command(flatten)]
     view: ViewArguments,
     #[command(flatten)]
+    projection: ProjectionArguments,
+    #[command(flatten)]
     common: CommonArguments,
 }
 
@@ -207,7 +210,8 @@ pub(super) fn prepare(arguments: PlayArguments, folders: Folders) -> anyhow::Res
         Some(name) => last_scene(name, &common)?,
         None => arguments.scene.choose(scene, &common)?,
     };
-    let scene = SceneChoice { view: arguments.view.view, ..chosen };
+    let projection = arguments.projection.projection();
+    let scene = SceneChoice { view: arguments.view.view, projection, ..chosen };
     if !arguments.new {
         settings.moved = file.settings().moved(&scene.source.title());
     }

@@ -8,6 +8,7 @@ use clap::Args;
 use super::common::{CommonArguments, OneScene, SetArguments, end_by_signals, refuse_a_terminal};
 use super::files::{Files, scene_of};
 use super::parse::{blend_help, parse_blend, parse_pixel, parse_seconds, parse_size};
+use super::projection::{ProjectionArguments, ShutterArguments};
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
@@ -24,9 +25,13 @@ pub(super) struct StillArguments {
     /// The moment, as 80 or 1:20.5
     #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     at: f64,
-    /// Size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
-    size: (u32, u32),
+    /// Size in pixels [default: 1280x720, or set by --projection and --stereo]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
+    size: Option<(u32, u32)>,
+    #[command(flatten)]
+    projection: ProjectionArguments,
+    #[command(flatten)]
+    shutter: ShutterArguments,
     /// The PNG, JPEG or WebP file to write, or '-' for a PNG on standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -46,7 +51,7 @@ pub(super) struct StillArguments {
     blend: (BlendKind, f32),
     /// Draw the path of the ray through this pixel over the image, with sections that show its steps, its shadow ray
     /// and its occlusion; 0,0 is the upper left pixel
-    #[arg(long, value_name = "X,Y", value_parser = parse_pixel, conflicts_with_all = ["show", "into", "alpha"], allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y", value_parser = parse_pixel, conflicts_with_all = ["show", "into", "alpha", "projection", "stereo"], allow_hyphen_values = true)]
     ray: Option<(u32, u32)>,
     #[command(flatten)]
     set: SetArguments,
@@ -65,20 +70,23 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
     let (kind, fraction) = arguments.blend;
     let into = arguments.into.as_deref().map(scene_of).transpose()?;
     let (song, scene) = Files::of(arguments.files)?.song_and_scene()?;
+    let projection = arguments.projection.projection();
     Ok(write_still(&StillRequest {
         song,
         at: arguments.at,
-        size: arguments.size,
+        size: arguments.size.unwrap_or(projection.default_size()),
         gain: common.gain.unwrap_or_default(),
         output,
         scene: SceneChoice {
             view: arguments.view.view,
             alpha: arguments.alpha,
+            projection,
             ..arguments.scene.choose(scene, &common)?
         },
         show: arguments.show.and_then(|show| show.showing(Vec::new())),
         blend: into.map(|into| Blend { into, kind, fraction }),
         set: arguments.set.set,
         ray: arguments.ray,
+        shutter: arguments.shutter.shutter(),
     })?)
 }

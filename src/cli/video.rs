@@ -10,15 +10,16 @@ use super::choices::{CodecChoice, EncodingChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, refuse_a_terminal};
 use super::controlled::Controlled;
 use super::files::{Files, scene_of};
-use super::parse::{parse_duration, parse_fps, parse_seconds, parse_size};
+use super::parse::{parse_duration, parse_fps, parse_part, parse_seconds, parse_size};
 use super::progress::Progress;
+use super::projection::{ProjectionArguments, ShutterArguments};
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
 use crate::export::showing::Showing;
-use crate::export::video::{Preset, VideoPlace, VideoRequest, Written, write_video};
+use crate::export::video::{Part, Preset, VideoPlace, VideoRequest, Written, join_parts, write_video};
 use crate::gpu::edge_samples::EdgeSamples;
 use mariana_player::lyrics::Lyrics;
 
@@ -40,9 +41,13 @@ pub(super) struct VideoArguments {
     /// Frames per second [default: 30, or set by --for]
     #[arg(long, value_parser = parse_fps, allow_negative_numbers = true)]
     fps: Option<f64>,
-    /// Size in pixels [default: 1280x720, or set by --for]
+    /// Size in pixels [default: 1280x720, or set by --for, --projection and --stereo]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
+    #[command(flatten)]
+    projection: ProjectionArguments,
+    #[command(flatten)]
+    shutter: ShutterArguments,
     /// Video codec [default: chosen by the extension of the file's name]
     #[arg(long, value_name = "CODEC")]
     codec: Option<CodecChoice>,
@@ -53,10 +58,10 @@ pub(super) struct VideoArguments {
     #[arg(long)]
     draft: bool,
     /// Show the song's title and artist during the first five seconds
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["projection", "stereo"])]
     title_card: bool,
     /// Show the lyrics while they are sung: from FILE, or from song.lrc or the tags of the song
-    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, conflicts_with_all = ["projection", "stereo"])]
     lyrics: Option<Option<PathBuf>>,
     /// Dim flashes if there are more than three a second, as WCAG 2.3.1 requires
     #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
@@ -79,6 +84,12 @@ pub(super) struct VideoArguments {
     /// PNGs, or '-' for y4m without sound on standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Render one part of the video, such as 3/8, without sound: for several machines. Continues an interrupted part
+    #[arg(long, value_name = "NUMBER/PARTS", value_parser = parse_part)]
+    part: Option<Part>,
+    /// Join parts into the video without encoding again, and add the sound of FILE
+    #[arg(long, value_name = "PART", num_args = 1.., conflicts_with = "part")]
+    join: Vec<PathBuf>,
     /// Print only errors
     #[arg(short, long)]
     quiet: bool,
@@ -116,12 +127,14 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         None => Lyrics::of_song(&song),
     });
     let lyrics = lyrics.transpose()?;
+    let projection = arguments.projection.projection();
+    let size = if projection.is_plain() { preset.size } else { projection.default_size() };
     let request = VideoRequest {
         song,
         start: arguments.start,
         duration: arguments.duration.or(preset.duration),
         fps: arguments.fps.unwrap_or(preset.fps),
-        size: arguments.size.unwrap_or(preset.size),
+        size: arguments.size.unwrap_or(size),
         gain: common.gain.unwrap_or_default(),
         limit_flashes: arguments.flash_limiter,
         output,
@@ -131,6 +144,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         scene: SceneChoice {
             view: arguments.view.view,
             alpha: arguments.alpha,
+            projection,
             edges: if arguments.draft { EdgeSamples::Two } else { scene.edges },
             ..scene
         },
@@ -142,13 +156,18 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         title_card: arguments.title_card,
         lyrics,
         seam: preset.seam,
+        shutter: arguments.shutter.shutter(),
+        part: arguments.part,
     };
     if let Some(controlled) = controlled {
         let written = write_video(&request, &mut |done, of| controlled.reach(done, of))?;
         return controlled.finish(&written);
     }
     let mut progress = Progress::begin(arguments.quiet);
-    let written = write_video(&request, &mut |done, of| progress.reach(done, of));
+    let written = match &arguments.join[..] {
+        [] => write_video(&request, &mut |done, of| progress.reach(done, of)),
+        parts => join_parts(&request, parts),
+    };
     progress.end();
     let Written { frames, .. } = written?;
     if arguments.quiet || request.output == Output::Standard {

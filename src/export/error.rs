@@ -63,6 +63,74 @@ pub enum ExportError {
         /// The output.
         path: PathBuf,
     },
+    /// The song cannot be read.
+    #[error("the song cannot be read ({reason}): check its path and permissions")]
+    UnreadableSong {
+        /// The system's error.
+        reason: String,
+    },
+    /// A video that cannot be rendered in parts.
+    #[error("{reason} cannot be rendered in parts: {instead}")]
+    NotInParts {
+        /// The obstacle.
+        reason: &'static str,
+        /// The remedy.
+        instead: &'static str,
+    },
+    /// A part without frames.
+    #[error("the video has only {total} frames, too few for {parts} parts: choose fewer parts with --part")]
+    EmptyPart {
+        /// Frames of the video.
+        total: u64,
+        /// The number of parts.
+        parts: u64,
+    },
+    /// Parts cannot be joined into this output.
+    #[error("parts cannot be joined into {output}: give -o a name that ends in .mp4, .mkv, .mov or .webm")]
+    JoinFormat {
+        /// The output.
+        output: String,
+    },
+    /// No parts were given.
+    #[error("there are no parts to join: name their files after --join")]
+    NoParts,
+    /// A file that is no part.
+    #[error("{} is no finished part of a video: name files that 'mariana video --part' has written", .path.display())]
+    NoPart {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Parts of different videos.
+    #[error(
+        "{} has {difference} than {}: render it again with the flags of the other parts",
+        .path.display(),
+        .other.display()
+    )]
+    OtherPart {
+        /// A part.
+        path: PathBuf,
+        /// The first part.
+        other: PathBuf,
+        /// What differs.
+        difference: &'static str,
+    },
+    /// A part is missing.
+    #[error("part {number} of {of} is missing: render it with --part {number}/{of}, or name its file")]
+    MissingPart {
+        /// The number of the part.
+        number: u64,
+        /// The number of parts.
+        of: u64,
+    },
+    /// A part was named twice.
+    #[error("two files are part {number}: name each part once")]
+    TwicePart {
+        /// The number of the part.
+        number: u64,
+    },
+    /// The song is not the song of the parts.
+    #[error("the parts were made for another song: name the song from which they were rendered")]
+    OtherSong,
     /// A still in an unsupported format.
     #[error(
         "{} cannot be written: stills are PNGs, JPEGs or WebPs, so give -o a name that ends in .png or .jpg or .webp",

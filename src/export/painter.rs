@@ -3,9 +3,11 @@
 use super::alpha::{Coverage, require_no_sky};
 use super::error::ExportError;
 use super::exact_textures::ExactTextures;
+use super::show_painter::Heard;
 use super::song_features::SongFeatures;
 use crate::config::SdfChoice;
 use crate::frame::held_inputs::{HeldInputs, InputNames, Setting};
+use crate::frame::projection::Projection;
 use crate::frame::{Frame, FrameOptions};
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
@@ -15,7 +17,7 @@ use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{
     COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_coverage, as_views, drawing_variant_of, link_scene,
-    variant_of, without_sky,
+    projected, variant_of, without_sky,
 };
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
@@ -47,6 +49,8 @@ pub struct SceneChoice {
     pub edges: EdgeSamples,
     /// Tone map; `None` uses the scene's own.
     pub tone_map: Option<ToneMap>,
+    /// The projection.
+    pub projection: Projection,
     /// True to log the driver's debug messages.
     pub verbose: bool,
 }
@@ -62,6 +66,7 @@ impl From<SceneSource> for SceneChoice {
             alpha: false,
             edges: EdgeSamples::Sixteen,
             tone_map: None,
+            projection: Projection::default(),
             verbose: false,
         }
     }
@@ -72,6 +77,7 @@ pub(super) struct HeadlessRenderer {
     view: Option<(ViewChoice, LegendPainter)>,
     coverage: Option<Coverage>,
     textures: ExactTextures,
+    projection: Projection,
     // The last field, so that the context is dropped after the objects that use it.
     context: Headless,
 }
@@ -92,7 +98,8 @@ impl HeadlessRenderer {
         renderer.time_pictures()?;
         let view = choice.view.map(|view| (view, LegendPainter::default()));
         let coverage = choice.alpha.then(Coverage::default);
-        Ok(Self { renderer, view, coverage, textures: ExactTextures::default(), context })
+        let (textures, projection) = (ExactTextures::default(), choice.projection);
+        Ok(Self { renderer, view, coverage, textures, projection, context })
     }
 
     /// Uploads a scene and links its program. With `auto`, the scene is compiled unless it is very large; the image is
@@ -111,6 +118,7 @@ impl HeadlessRenderer {
             Some(_) => as_views(variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::On)?),
             None => drawing_variant_of(&world, &buffers, &plan, (mode, choice.cells), gl.info())?,
         };
+        variant = projected(variant, &choice.projection);
         let mut coverage = None;
         if choice.alpha {
             coverage = Some(link_scene(gl, &choice.shaders, &as_coverage(variant.clone()))?);
@@ -135,8 +143,9 @@ impl HeadlessRenderer {
         }
     }
 
-    pub(super) fn draw(&mut self, model: &Model, mut frame: Frame) -> Result<(), ExportError> {
+    pub(super) fn draw(&mut self, model: &Model, frame: Frame) -> Result<(), ExportError> {
         let Model { program, resources, mode, .. } = model;
+        let mut frame = frame.projected(resources.world(), self.projection);
         self.textures.put_into(&mut frame, resources.world());
         if let Some((coverage, program)) = self.coverage.as_mut().zip(model.coverage.as_ref()) {
             coverage.draw(&mut self.renderer, &mut frame, (resources, program))?;
@@ -177,6 +186,18 @@ impl HeadlessRenderer {
         let drawn = self.draw(model, frame);
         self.renderer.set_fade(None);
         drawn
+    }
+
+    /// Adds the last frame, which is exposure `number` of `count`, to the mean of the exposures. After the last one, the
+    /// last frame is the mean. Views have no mean.
+    pub(super) fn expose(&mut self, number: usize, count: usize) -> Result<(), ExportError> {
+        if count > 1 && self.view.is_none() {
+            self.renderer.add_exposure(number)?;
+            if number + 1 == count {
+                self.renderer.finish_exposures()?;
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn add_dimming(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
@@ -263,6 +284,23 @@ impl Painter {
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
         let frame = self.frame(time, sound, size);
         self.headless_renderer.draw(&self.model, frame)
+    }
+
+    /// Draws the mean of several exposures.
+    ///
+    /// # Errors
+    /// Fails if the driver reports an error.
+    pub(super) fn draw_exposures(
+        &mut self,
+        exposures: Vec<Heard>,
+        size: (u32, u32),
+    ) -> Result<(), ExportError> {
+        let count = exposures.len();
+        for (number, (time, sound)) in exposures.into_iter().enumerate() {
+            self.draw(time, sound, size)?;
+            self.headless_renderer.expose(number, count)?;
+        }
+        Ok(())
     }
 
     /// Returns the inputs of the frame that [`Self::draw`] draws.

@@ -110,16 +110,23 @@ impl ShowPainter {
         self.timeline.held_at(time)
     }
 
+    /// Draws the frame at `time`: the mean of its exposures.
     pub(super) fn draw(
         &mut self,
-        (time, sound): Heard,
+        time: f64,
+        exposures: Vec<Heard>,
         held: Vec<(Held, Sound)>,
         size: (u32, u32),
     ) -> Result<(), ExportError> {
         // Draw a frozen frame only once, unless another frame is mixed with it.
         let alone = held.first().filter(|(held, _)| held.fraction >= 1.0).map(|(held, _)| (held.since, size));
         if alone.is_none() || self.held != alone {
-            self.draw_anew((time, sound), held, size)?;
+            // A frozen frame does not move.
+            let count = if alone.is_some() { 1 } else { exposures.len() };
+            for (number, heard) in exposures.into_iter().take(count).enumerate() {
+                self.draw_anew(heard, held.clone(), size)?;
+                self.headless_renderer.expose(number, count)?;
+            }
         }
         self.held = alone;
         self.headless_renderer.dim(self.timeline.picture_at(time).brightness)

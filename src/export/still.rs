@@ -11,8 +11,10 @@ use super::alpha::straight;
 use super::error::ExportError;
 use super::output::{Output, write_standard};
 use super::painter::{Painter, SceneChoice, require_inputs};
+use super::panorama;
 use super::show_painter::ShowPainter;
 use super::showing::{Holding, Showing};
+use super::shutter::Shutter;
 use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
 use crate::frame::Frame;
@@ -46,7 +48,12 @@ pub struct StillRequest {
     pub set: Vec<Setting>,
     /// The pixel whose ray is drawn as a diagram over the image, from the upper left corner.
     pub ray: Option<(u32, u32)>,
+    /// The shutter, for an image that is shown for [`STILL_SECONDS`].
+    pub shutter: Shutter,
 }
+
+/// The time for which a still's shutter is open at 360 degrees: a frame of a video with 60 frames a second.
+pub const STILL_SECONDS: f64 = 1.0 / 60.0;
 
 /// A second scene, and its fraction in the blend with the first scene.
 #[derive(Debug, Clone)]
@@ -102,7 +109,8 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
             painter.headless_renderer().hear(&song);
             let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
-            painter.draw((request.at, sound), held, request.size)?;
+            let exposures = request.shutter.exposures(&mut song, (request.at, sound), STILL_SECONDS)?;
+            painter.draw(request.at, exposures, held, request.size)?;
             painter.headless_renderer().read()
         }
         None => drawn(request, &mut song, sound)?,
@@ -113,6 +121,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
         StillFormat::Jpeg => pixels.jpeg(request.size)?,
         StillFormat::WebP => pixels.webp(request.size)?,
     };
+    let bytes = panorama::marked(bytes, &request.scene.projection, request.size);
     match file {
         Some(file) => Ok(file.write(&bytes)?),
         None => write_standard(&bytes).map(|_| ()),
@@ -136,7 +145,8 @@ fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> R
         return Err(ExportError::RayOutside { x, y, width, height });
     }
     let frame = request.ray.map(|_| painter.frame(request.at, sound.clone(), request.size));
-    painter.draw(request.at, sound, request.size)?;
+    let exposures = request.shutter.exposures(song, (request.at, sound), STILL_SECONDS)?;
+    painter.draw_exposures(exposures, request.size)?;
     let mut rgba = painter.read();
     if let Some(((x, y), frame)) = request.ray.zip(frame) {
         let middle = |pixel: u32, side: u32| (f64::from(pixel) + 0.5) / f64::from(side);

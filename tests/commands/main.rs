@@ -17,6 +17,7 @@ mod shows;
 mod song_numbers;
 mod standard_streams;
 mod stems;
+mod video_parts;
 mod videos;
 
 #[path = "../support/mod.rs"]

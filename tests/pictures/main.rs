@@ -15,6 +15,7 @@ mod light_to_screen;
 mod media;
 mod mips;
 mod placing;
+mod projections;
 mod ray_oracle;
 mod scene_looks;
 mod scene_modes;

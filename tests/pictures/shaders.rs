@@ -10,6 +10,7 @@ use crate::support::drawing::Context;
 use crate::support::glsl::{Stage, check_with_glslang, check_with_naga};
 use crate::support::shader_folder::{changed_shaders, shader_folder, shader_text};
 use crate::support::test_renderer::{driver, driver_of, ready, speakers};
+use mariana::frame::projection::{Projection, ProjectionKind};
 use mariana::gpu::api::Api;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
@@ -19,7 +20,7 @@ use mariana::gpu::program::{Program, VERTEX_SHADER};
 use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
 use mariana::gpu::samplers::SAMPLERS_SHADER;
 use mariana::gpu::scene_program::{
-    Mode, SCENE_SHADER, as_coverage, as_views, variant_of, without_cells, without_sky,
+    Mode, SCENE_SHADER, as_coverage, as_views, projected, variant_of, without_cells, without_sky,
 };
 use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
 use mariana::scenes::{ReadyScene, SceneSource, shipped_names};
@@ -37,7 +38,7 @@ const EVERYTHING: &str = "material m { color = 0.5  reflect = 0.5  blur = 0.3  e
                           camera { aperture = 0.05 }";
 
 /// Defines of the scene shader's variants. At least one case must use each define.
-const DEFINES: [&str; 11] = [
+const DEFINES: [&str; 12] = [
     "MEDIA",
     "NON_LIPSCHITZ",
     "BLUR",
@@ -49,6 +50,7 @@ const DEFINES: [&str; 11] = [
     "COUNT_EVALUATIONS",
     "NO_SKY",
     "COVERAGE",
+    "PROJECTED",
 ];
 
 struct Case {
@@ -75,6 +77,10 @@ fn changed_case(mut case: Case, change: fn(Variant) -> Variant) -> Case {
     case.variant = change(case.variant);
     case.name.push_str(&format!(", {:?}", case.variant.defines.last()));
     case
+}
+
+fn of_a_dome(variant: Variant) -> Variant {
+    projected(variant, &Projection { kind: ProjectionKind::Dome, ..Projection::default() })
 }
 
 fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Counting) -> Case {
@@ -116,12 +122,14 @@ fn cases() -> Vec<Case> {
             let scene = SceneSource::Formula(text.into());
             cases.push(scene_case(&scene, mode, false, Counting::Off));
             cases.push(scene_case(&scene, mode, true, Counting::On));
+            let views = changed_case(scene_case(&scene, mode, true, Counting::On), as_views);
+            cases.push(changed_case(views, of_a_dome));
             cases.push(changed_case(scene_case(&scene, mode, true, Counting::On), as_views));
             if mode == Mode::Compiled && text != NON_LIPSCHITZ {
                 cases.push(changed_case(scene_case(&scene, mode, false, Counting::Off), without_cells));
                 cases.push(changed_case(scene_case(&scene, mode, true, Counting::On), without_cells));
             }
-            for change in [without_sky, as_coverage] {
+            for change in [without_sky, as_coverage, of_a_dome] {
                 cases.push(changed_case(scene_case(&scene, mode, true, Counting::Off), change));
             }
         }

@@ -197,3 +197,20 @@ fn the_preview_of_the_next_scene_uses_spare_time_only() {
     let reported = app.quit();
     assert!(reported.contains("the next scene in "), "{reported}");
 }
+
+#[test]
+fn a_window_shows_a_dome() {
+    apart!();
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    for how in ["interpreted", "compiled"] {
+        let flags = ["--projection", "dome", "--dome-tilt", "90", "--sdf", how];
+        let app = place.open("two.scene", &flags);
+        let picture = app
+            .wait_for("the disc", |picture| is_red(at(picture, 0.4, 0.5)) && is_blue(at(picture, 0.6, 0.5)));
+        for x in [0.05, 0.95] {
+            let around = at(&picture, x, 0.5);
+            assert!(around.iter().all(|value| *value < 24), "no disc: {around:?} at {x}");
+        }
+        app.quit();
+    }
+}

@@ -119,6 +119,8 @@ pub enum ReadBy {
     AnySongDemuxer,
     /// The video demuxer that recognises the content.
     AnyVideoDemuxer,
+    /// The demuxer of lists of videos. The list must come from this program: it names files to open.
+    List,
 }
 
 /// The origin of an input.
@@ -182,6 +184,10 @@ impl CommandLine {
         let line = match read_by {
             ReadBy::Demuxer(Demuxer(name)) => line.options(["-format_whitelist", name, "-f", name]),
             ReadBy::AnySongDemuxer => line.options(["-format_whitelist", &SONG_DEMUXERS.join(",")]),
+            ReadBy::List => {
+                let demuxers = format!("concat,{}", VIDEO_DEMUXERS.join(","));
+                line.options(["-format_whitelist", &demuxers, "-f", "concat"])
+            }
             ReadBy::AnyVideoDemuxer => line.options(["-format_whitelist", &VIDEO_DEMUXERS.join(",")]),
         };
         line.options(options).options([OsStr::new("-i"), &address])

@@ -13,6 +13,7 @@ use mariana_field::ray_probe::{Deciding, Ray, RayProbe, RayStatistics, RayStatis
 use mariana_field::region::RegionOptions;
 use mariana_field::world::World;
 use mariana_render::frame::Frame;
+use mariana_render::frame::projection::EyeRay;
 use mariana_render::gpu::scene_resources::{RegionMaker, RegionRequest};
 use mariana_render::ray_diagram::RayDiagram;
 
@@ -245,12 +246,14 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
 /// Returns the ray through a point, given as fractions of the frame's width and height. `width` is the ray's width as
 /// a fraction of a pixel.
 fn ray_at(frame: &Frame, [x, y]: [f64; 2], width: f64) -> Ray {
-    let camera = &frame.camera;
-    let (right, up) = ((2.0 * x - 1.0) * camera.tan_half.0, (1.0 - 2.0 * y) * camera.tan_half.1);
-    let direction = (camera.forward + right * camera.right + up * camera.up).normalize();
-    let spread = camera.tan_half.1 / f64::from(frame.size.1) * width;
+    let Frame { camera, projection, size, .. } = frame;
+    let at = (x * f64::from(size.0), y * f64::from(size.1));
+    // Outside of a dome's circle, take the camera's axis.
+    let axis = EyeRay { origin: camera.position, direction: camera.forward };
+    let EyeRay { origin, direction } = projection.ray(camera, *size, at).unwrap_or(axis);
+    let spread = projection.pixel_radius(camera, *size) * width;
     Ray {
-        origin: camera.position.as_vec3().to_array(),
+        origin: origin.as_vec3().to_array(),
         direction: direction.as_vec3().to_array(),
         spread: spread.max(1e-6) as f32,
     }

@@ -10,6 +10,7 @@ use super::setting_rows::{SettingGroup, SettingRow, Shown};
 use super::{FollowChoice, QualityChoice};
 use crate::limits::LIMITS;
 use crate::with_settings;
+use mariana_render::frame::projection::{ProjectionKind, Stereo};
 use mariana_render::placement::{Corners, Crop, Flip, Placement};
 
 /// A value with a fixed set of named options.
@@ -91,6 +92,23 @@ impl Choice for Gain {
             Self::Off => "off",
         }
     }
+}
+
+impl Choice for ProjectionKind {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Flat, "flat", ""),
+        (Self::Sphere, "360", "The whole sphere, twice as wide as high"),
+        (Self::Dome, "dome", "A square dome master: a disc of 180 degrees"),
+        (Self::Vr180, "vr180", "The half in front of the camera, square"),
+    ];
+}
+
+impl Choice for Stereo {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::None, "none", ""),
+        (Self::SideBySide, "side-by-side", "The left eye on the left"),
+        (Self::OverUnder, "over-under", "The left eye above"),
+    ];
 }
 
 /// `None` uses the scene's tone map.

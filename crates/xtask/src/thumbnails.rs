@@ -9,6 +9,7 @@ use std::process::Command;
 use anyhow::{Context as _, ensure};
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::output::Output;
+use mariana::export::shutter::Shutter;
 use mariana::export::still::{StillRequest, write_still};
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana::thumbnails::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, MOMENT, SIZE, jpeg_of};
@@ -50,6 +51,7 @@ fn draw(name: &str, folder: &Path) -> anyhow::Result<Vec<u8>> {
         blend: None,
         set: Vec::new(),
         ray: None,
+        shutter: Shutter::MOMENT,
     })?;
     let picture = image::open(&path);
     fs::remove_file(&path)?;
@@ -74,6 +76,7 @@ fn draw_loop(name: &str, file: &Path) -> anyhow::Result<()> {
             blend: None,
             set: Vec::new(),
             ray: None,
+            shutter: Shutter::MOMENT,
         })?;
     }
     let mut encode = Command::new("ffmpeg");

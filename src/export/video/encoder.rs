@@ -7,11 +7,15 @@ use std::time::Duration;
 
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::VideoRequest;
 use super::encoder_process::EncoderProcess;
-use super::encoding::{arguments_of, has_sound, is_mp4};
+use super::encoding::{
+    arguments_of, copying_arguments, default_codec, has_sound, is_matroska, is_mp4, is_quicktime,
+};
+use super::request::VideoRequest;
+use super::spherical::{self, is_marked};
 use crate::atomic_file::{AtomicFile, Unfinished, without_path};
 use crate::export::error::ExportError;
+use crate::frame::projection::Projection;
 use crate::limits::LIMITS;
 use mariana_player::decode::{Cover, CoverKind, Decoder};
 use mariana_player::ffmpeg::{CommandLine, Demuxer, ReadBy, Source, file_address};
@@ -23,31 +27,74 @@ const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
 /// Largest side of a cover, in pixels. A cover of 1 MB can have 100 megapixels, which take many seconds to decode.
 const COVER_SIDE_MAX: u32 = 4096;
 
+/// The origin of a video's frames.
+#[derive(Clone, Copy)]
+pub(super) enum Frames<'a> {
+    /// Drawn frames, for [`Encoder::take`].
+    Drawn,
+    /// The frames of a video, which are copied.
+    File(&'a Path),
+    /// The frames of several videos, which are copied one after the other. Each has its length in seconds.
+    Files(&'a [(PathBuf, f64)]),
+}
+
 pub(super) struct Encoder {
     process: EncoderProcess,
     /// `None` once the finished video has replaced the output.
     output: Option<AtomicFile>,
     path: PathBuf,
     keeps_others: bool,
+    /// The projection that the file's metadata must name.
+    marked: Option<Projection>,
+    /// The video that is made of the output; `None` if the output is the video.
+    next: Option<Box<(VideoRequest, PathBuf)>>,
     _inputs: Vec<Unfinished>,
 }
 
 impl Encoder {
-    pub(super) fn start(request: &VideoRequest, path: &Path) -> Result<Self, ExportError> {
+    /// Starts ffmpeg. `note` is a comment in the file's metadata.
+    pub(super) fn start(
+        request: &VideoRequest,
+        path: &Path,
+        frames: Frames<'_>,
+        note: Option<&str>,
+    ) -> Result<Self, ExportError> {
         if SEVERAL_FILES.iter().any(|end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end))) {
             let message =
                 "the format consists of several files, which cannot be replaced in one step".to_owned();
             return Err(ExportError::Encoder { path: path.to_owned(), message });
         }
-        let output = AtomicFile::create(path)?;
+        let is_copy = matches!(frames, Frames::File(_));
+        let mut output = AtomicFile::create(path)?;
+        let projection = request.scene.projection;
+        let needs_mark = is_marked(&projection) && note.is_none() && !is_copy;
+        // ffmpeg copies the metadata of a projection from MP4 to Matroska, but has no option for them. MP4 has no codec
+        // for transparent videos, which are parts of other videos.
+        let goes_on = needs_mark && is_matroska(path) && !request.alpha;
+        let next = goes_on.then(|| Box::new((request.clone(), path.to_owned())));
+        let silent;
+        let (mut made, mut request) = (path.to_owned(), request);
+        if next.is_some() {
+            made.set_extension("mp4");
+            output = AtomicFile::create(&made)?;
+            let codec = request.codec.or(Some(default_codec(path)));
+            silent = VideoRequest { sound: false, codec, ..request.clone() };
+            request = &silent;
+        }
         let mut inputs = Vec::new();
-        let line = command_line(request, path, &mut inputs)?.options([file_address(output.temporary())]);
+        let mut line = command_line(request, &made, frames, &mut inputs)?;
+        if let Some(note) = note {
+            line = line.options(["-metadata".to_owned(), format!("comment={note}")]);
+        }
+        let line = line.options([file_address(output.temporary())]);
         let reported_problems = tempfile::tempfile().map_err(no_room)?;
         let patience = Duration::from_secs_f64(LIMITS.encoder_wait_seconds);
         let process = EncoderProcess::start(line.command(), output.temporary(), reported_problems, patience)
             .map_err(ExportError::NoEncoder)?;
         let keeps_others = request.keeps_others;
-        Ok(Self { process, output: Some(output), path: path.to_owned(), keeps_others, _inputs: inputs })
+        let marked = (needs_mark && is_quicktime(&made)).then_some(projection);
+        let (output, path) = (Some(output), path.to_owned());
+        Ok(Self { process, output, path, keeps_others, marked, next, _inputs: inputs })
     }
 
     pub(super) fn take(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
@@ -59,7 +106,17 @@ impl Encoder {
         if !self.process.wait().is_ok_and(|status| status.success()) {
             return Err(self.last_words());
         }
-        Ok(match self.output.take() {
+        if let Some((projection, output)) = self.marked.as_ref().zip(self.output.as_ref()) {
+            spherical::mark(output.temporary(), projection).map_err(|error| ExportError::Encoder {
+                path: self.path.clone(),
+                message: format!("the projection cannot be noted in the file: {}", without_path(error)),
+            })?;
+        }
+        let output = self.output.take();
+        if let Some(((request, path), output)) = self.next.take().map(|next| *next).zip(output.as_ref()) {
+            return Self::start(&request, &path, Frames::File(output.temporary()), None)?.finish();
+        }
+        Ok(match output {
             Some(output) if self.keeps_others => output.commit_beside()?,
             Some(output) => output.commit().map(|()| self.path.clone())?,
             None => self.path.clone(),
@@ -87,16 +144,30 @@ impl Encoder {
 fn command_line(
     request: &VideoRequest,
     path: &Path,
+    frames: Frames<'_>,
     inputs: &mut Vec<Unfinished>,
 ) -> Result<CommandLine, ExportError> {
     let (width, height) = request.size;
-    let raw = ["-pix_fmt", "rgba", "-s", &format!("{width}x{height}"), "-r", &request.fps.to_string()]
-        .map(str::to_owned);
     let mut line = CommandLine::ffmpeg().options(["-y"]);
-    line = line.input(Source::StandardInput, ReadBy::Demuxer(Demuxer::RAW_VIDEO), raw);
+    line = match frames {
+        Frames::Drawn => {
+            let raw =
+                ["-pix_fmt", "rgba", "-s", &format!("{width}x{height}"), "-r", &request.fps.to_string()];
+            line.input(Source::StandardInput, ReadBy::Demuxer(Demuxer::RAW_VIDEO), raw.map(str::to_owned))
+        }
+        Frames::File(file) => line.input(Source::File(file), ReadBy::AnyVideoDemuxer, [""; 0]),
+        Frames::Files(files) => {
+            let list = keep(&list_of(files), ".txt", inputs)?;
+            line.input(Source::File(&list), ReadBy::List, ["-safe", "0"])
+        }
+    };
+    let encoding = match frames {
+        Frames::Drawn => arguments_of(request, path),
+        Frames::File(_) | Frames::Files(_) => copying_arguments(request, path),
+    };
     let decoder = has_sound(request, path).then(|| request.song.open()).transpose()?;
     let Some(decoder) = decoder else {
-        return Ok(line.options(["-map", "0:v"]).options(arguments_of(request, path)));
+        return Ok(line.options(["-map", "0:v"]).options(encoding));
     };
     let demuxer = decoder.info().demuxer;
     let song = song_file(&request.song, inputs)?;
@@ -135,7 +206,24 @@ fn command_line(
         (Some(_), None) => {}
         (None, _) => line = line.options(["-shortest"]),
     }
-    Ok(line.options(arguments_of(request, path)))
+    Ok(line.options(encoding))
+}
+
+/// Returns the list by which ffmpeg joins videos: the beginning of each is the end of the previous one.
+fn list_of(files: &[(PathBuf, f64)]) -> Vec<u8> {
+    let mut list = Vec::new();
+    for (file, seconds) in files {
+        let file = std::path::absolute(file).unwrap_or_else(|_| file.clone());
+        list.extend(b"file '");
+        for byte in file_address(&file).as_encoded_bytes() {
+            match byte {
+                b'\'' => list.extend(b"'\\''"),
+                byte => list.push(*byte),
+            }
+        }
+        list.extend(format!("'\nduration {seconds:.6}\n").bytes());
+    }
+    list
 }
 
 /// Returns the path of the song. Writes an embedded song to a temporary file.

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::VideoRequest;
+use super::request::VideoRequest;
 use super::sink::is_folder;
+use super::spherical::is_marked;
 use crate::export::error::ExportError;
 use crate::export::output::Output;
 
@@ -49,6 +50,26 @@ const COLORS: [[&str; 2]; 4] = [
 
 pub(super) fn is_mp4(path: &Path) -> bool {
     ends_in(path, &["mp4", "m4v"])
+}
+
+/// True for formats of boxes: MP4 and QuickTime.
+pub(super) fn is_quicktime(path: &Path) -> bool {
+    is_mp4(path) || ends_in(path, &["mov"])
+}
+
+/// The codec of a Matroska or WebM file for which none was asked for.
+pub(super) fn default_codec(path: &Path) -> Codec {
+    if ends_in(path, &["webm"]) { Codec::Vp9 } else { Codec::H264 }
+}
+
+/// True for Matroska and WebM.
+pub(super) fn is_matroska(path: &Path) -> bool {
+    ends_in(path, &["mkv", "webm"])
+}
+
+/// True for formats whose videos [`super::join`] can join: they have one set of codec parameters for all frames.
+pub(super) fn can_be_joined(path: &Path) -> bool {
+    is_quicktime(path) || is_matroska(path)
 }
 
 fn ends_in(path: &Path, endings: &[&str]) -> bool {
@@ -162,8 +183,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
         say(&animation.arguments(request));
         return arguments;
     }
-    let webm = ends_in(path, &["webm"]);
-    let codec = request.codec.or(webm.then_some(Codec::Vp9));
+    let codec = request.codec.or(ends_in(path, &["webm"]).then_some(Codec::Vp9));
     if request.alpha {
         say(&encode_alpha(path, request.quality));
     } else {
@@ -172,7 +192,7 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
             // Apple's players require this tag.
             Some(Codec::H265) => {
                 say(&["-c:v:0", "libx265", "-x265-params", "log-level=error"]);
-                if ends_in(path, &["mp4", "m4v", "mov"]) {
+                if is_quicktime(path) {
                     say(&["-tag:v:0", "hvc1"]);
                 }
             }
@@ -193,9 +213,24 @@ pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
         ]);
     }
     say(COLORS.as_flattened());
-    if ends_in(path, &["mp4", "m4v", "mov"]) {
-        // Players can start before the download ends.
-        say(&["-movflags", "+faststart"]);
+    arguments.extend(container_arguments(request, path));
+    arguments
+}
+
+/// Returns the arguments for frames that are encoded already.
+pub(super) fn copying_arguments(request: &VideoRequest, path: &Path) -> Vec<String> {
+    let copied = ["-c:v:0", "copy"].map(str::to_owned);
+    copied.into_iter().chain(container_arguments(request, path)).collect()
+}
+
+fn container_arguments(request: &VideoRequest, path: &Path) -> Vec<String> {
+    let mut arguments: Vec<String> = Vec::new();
+    let mut say = |words: &[&str]| arguments.extend(words.iter().map(|word| (*word).to_owned()));
+    if is_quicktime(path) {
+        // Players can start before the download ends. The metadata of a projection need the index at the end.
+        if !is_marked(&request.scene.projection) {
+            say(&["-movflags", "+faststart"]);
+        }
         if request.sound {
             say(&["-c:a", "aac", "-b:a", "256k"]);
         }

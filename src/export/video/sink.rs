@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
-use super::VideoRequest;
-use super::encoder::Encoder;
+use super::encoder::{Encoder, Frames};
+use super::request::VideoRequest;
 use crate::export::alpha::straight;
 use crate::export::error::ExportError;
 use crate::export::output::{Output, write_standard};
@@ -24,7 +24,8 @@ pub(super) fn is_folder(path: &Path) -> bool {
 }
 
 impl Sink {
-    pub(super) fn open(request: &VideoRequest) -> Result<Self, ExportError> {
+    /// Opens the output of a request. `first` is the number of the first frame, by which stills are named.
+    pub(super) fn open(request: &VideoRequest, first: u64) -> Result<Self, ExportError> {
         let path = match &request.output {
             Output::Standard => {
                 write_standard(&y4m::header(request.size, request.fps, Chroma::Whole))?;
@@ -39,11 +40,14 @@ impl Sink {
                 folder: path.clone(),
                 size: request.size,
                 has_alpha: request.alpha,
-                written: 0,
+                written: first,
             });
         }
-        let ffmpeg = Box::new(Encoder::start(request, path)?);
-        Ok(Self::Encoder { ffmpeg, has_alpha: request.alpha })
+        Ok(Self::encoder(Encoder::start(request, path, Frames::Drawn, None)?, request.alpha))
+    }
+
+    pub(super) fn encoder(ffmpeg: Encoder, has_alpha: bool) -> Self {
+        Self::Encoder { ffmpeg: Box::new(ffmpeg), has_alpha }
     }
 
     /// Writes a frame of RGBA bytes. Returns false if the reader has closed the output.

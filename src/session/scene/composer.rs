@@ -7,6 +7,7 @@ use std::time::Duration;
 use image::RgbaImage;
 
 use super::camera::SceneCamera;
+use super::context_change::DrawingWays;
 use super::edits::Edits;
 use super::fading::{Begun, Fading};
 use super::parameters::Parameters;
@@ -21,6 +22,7 @@ use super::views::Views;
 use crate::clock;
 use crate::frame::Frame;
 use crate::frame::orbit_controls::OrbitControls;
+use crate::frame::projection::Projection;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
@@ -83,6 +85,7 @@ pub(crate) struct SceneComposer {
     /// True if the last frame was abandoned for a new version of its scene, as when keys are faster than frames.
     has_interrupted: bool,
     pub(super) pictures: SeenPictures,
+    projection: Projection,
     textures: LiveTextures,
     song_shapes: LiveSongShapes,
     pub(super) regions: SceneRegions,
@@ -109,14 +112,14 @@ impl SceneComposer {
     pub(super) fn new(
         mut regions: SceneRegions,
         (textures, song_shapes): (LiveTextures, LiveSongShapes),
-        view: Option<ViewChoice>,
-        fade: f64,
+        DrawingWays { view, projection, fade, .. }: DrawingWays,
     ) -> Self {
         regions.insist(view.is_some());
         Self {
             making: None,
             has_interrupted: false,
             pictures: SeenPictures::default(),
+            projection,
             textures,
             song_shapes,
             regions,
@@ -310,10 +313,15 @@ impl SceneComposer {
         Ok(begun)
     }
 
+    pub(super) fn projection(&self) -> Projection {
+        self.projection
+    }
+
     /// Adapts a frame to the window, and adds the moving pictures of its moment.
     fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture) -> Frame {
         let world = scene.resources.world();
-        let frame = frame.in_window(world, picture.aspect, picture.quality).on_screen(world, picture.screen);
+        let frame = frame.in_window(world, picture.aspect, picture.quality).projected(world, self.projection);
+        let frame = frame.on_screen(world, picture.screen);
         self.song_shapes.in_frame(self.textures.in_frame(frame, world), world)
     }
 

@@ -6,6 +6,7 @@ use super::decks::Decks;
 use super::library::SceneLoader;
 use super::show_follower::ShowFollower;
 use crate::config::SdfChoice;
+use crate::frame::projection::Projection;
 use crate::gpu::cell_use::CellUse;
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
@@ -27,6 +28,7 @@ pub(crate) struct DrawingWays {
     pub sdf: SdfChoice,
     pub cells: CellUse,
     pub view: Option<ViewChoice>,
+    pub projection: Projection,
     /// Duration of a fade between scenes in seconds.
     pub fade: f64,
 }

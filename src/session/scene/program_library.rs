@@ -13,17 +13,22 @@ use super::program_task::{Task, ViewsOf};
 use super::universal::UniversalInterpreters;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
+use crate::frame::projection::Projection;
 use crate::gpu::background::{BackgroundCompiler, ProgramJob, Sources, WorkerContext};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::Counting;
-use crate::gpu::scene_program::{Interpreter, Mode, as_views, compiled_drawing_variant, compiled_variant_of};
+use crate::gpu::scene_program::{
+    Interpreter, Mode, as_views, compiled_drawing_variant, compiled_variant_of, projected,
+};
 use crate::gpu::shader_source::Variant;
 use crate::gpu::stand_ins::SceneShape;
 
 pub(super) struct ProgramLibrary {
     gl: Gl,
+    /// The projection that all programs draw.
+    projection: Projection,
     universal: UniversalInterpreters,
     /// Interpreters made for particular scenes.
     interpreters: KeptPrograms<Interpreter>,
@@ -41,11 +46,13 @@ impl ProgramLibrary {
         gl: &Gl,
         contexts: Vec<WorkerContext>,
         sources: Sources,
+        projection: Projection,
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Self {
         let compiler = BackgroundCompiler::start(contexts, sources, gl.info(), wake);
         Self {
             gl: gl.clone(),
+            projection,
             // Without threads, the universal interpreter would be compiled between frames and delay them.
             universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
             interpreters: KeptPrograms::default(),
@@ -232,9 +239,11 @@ impl ProgramLibrary {
     ) -> ProgramJob {
         let world = scene.resources.world();
         let frame = Frame::new(world, 0.0, mariana_music::Features::SILENCE, (16, 16));
+        let projection = self.projection;
+        let frame = frame.projected(world, projection);
         ProgramJob {
             id: self.next_task,
-            variant: Box::new(variant),
+            variant: Box::new(move || Ok(projected(variant()?, &projection))),
             block: frame.block(world, &RegionTree::default()),
             picture: frame.picture,
             scene: SceneShape::of(world),
@@ -267,7 +276,7 @@ mod tests {
 
     fn library(gl: &Gl) -> ProgramLibrary {
         let sources = Sources { library: ShaderLibrary::embedded(), cache: Arc::new(()) };
-        ProgramLibrary::start(gl, Vec::new(), sources, || {})
+        ProgramLibrary::start(gl, Vec::new(), sources, Projection::default(), || {})
     }
 
     fn made(programs: &mut ProgramLibrary) -> (Task, Result<Program, GpuError>) {

@@ -71,7 +71,8 @@ impl SeenPictures {
 
     pub(crate) fn camera(&self) -> Option<Camera> {
         let picture = self.seen.as_ref()?;
-        picture.world.blended.is_none().then_some(picture.frame.camera)
+        let is_flat = picture.frame.projection.is_plain();
+        (is_flat && picture.world.blended.is_none()).then_some(picture.frame.camera)
     }
 
     pub(crate) fn count(&self) -> u64 {

@@ -71,14 +71,14 @@ impl SceneSession {
         let library = SceneLibrary::new(loaders.shown, source.clone());
         let trials = TreeTrials::start(wake.clone()).map_err(no_worker)?;
         let textures = SceneComposer::changing(&wake);
-        let programs = ProgramLibrary::start(gl, contexts, sources, wake);
+        let programs = ProgramLibrary::start(gl, contexts, sources, ways.projection, wake);
         let preparation = ScenePreparation::new(gl, choice, library, trials, programs);
         let mut session = Self {
             scenes: PreparedScenes::with(PreparedAhead::with(loaders.ahead)),
             show: ShowFollower::default(),
             parameters: Parameters::new(Model::default(), clock::now()),
             messages: Messages::default(),
-            composer: SceneComposer::new(regions, textures, ways.view, ways.fade),
+            composer: SceneComposer::new(regions, textures, ways),
             next_picture,
             decks: None,
             announced: None,
@@ -96,11 +96,12 @@ impl SceneSession {
         let shown = shown.or(coming).map(PreparedScene::into_ready);
         let shown = shown.map(|(source, scene)| LoadedScene { source, scene });
         let (view, fade) = (self.composer.view(), self.composer.fading().seconds());
+        let projection = self.composer.projection();
         let (loader, wanted) = self.preparation.library.into_loader();
         KeptScenes {
             loaders: SceneLoaders { shown: loader, ahead: ahead.into_loaders() },
             shown,
-            ways: DrawingWays { sdf, cells, view, fade },
+            ways: DrawingWays { sdf, cells, view, projection, fade },
             taken_over: TakenOver {
                 controllers: self.parameters.kept(),
                 wanted,

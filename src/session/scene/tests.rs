@@ -13,6 +13,7 @@ use mariana_testing::process::wait_until;
 use super::testing::loader;
 use super::{DrawingWays, LoadedScene, SceneLoader, SceneLoaders, SceneSession, WantedPicture};
 use crate::config::SdfChoice;
+use crate::frame::projection::Projection;
 use crate::gpu::background::Sources;
 use crate::gpu::cell_use::CellUse;
 use crate::gpu::edge_samples::EdgeSamples;
@@ -79,7 +80,8 @@ impl Staged {
         let loaded = loaded.unwrap();
         let first = LoadedScene { source: loaded.source, scene: loaded.value.unwrap() };
         let sources = Sources { library: ShaderLibrary::embedded(), cache: Arc::new(()) };
-        let ways = DrawingWays { sdf: SdfChoice::Compiled, cells: CellUse::Never, view: None, fade };
+        let (sdf, cells, projection) = (SdfChoice::Compiled, CellUse::Never, Projection::default());
+        let ways = DrawingWays { sdf, cells, view: None, projection, fade };
         let loaders = SceneLoaders { shown, ahead };
         let session =
             SceneSession::new(context.gl(), Vec::new(), sources, ways, loaders, first, || {}).unwrap();

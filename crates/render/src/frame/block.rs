@@ -17,7 +17,7 @@ use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
 /// Number of vec4 before the block's arrays.
-const HEAD: usize = 18;
+const HEAD: usize = 19;
 const LIGHT: usize = 4;
 const LIGHTS_MAX: usize = FIELD_LIMITS.scene_lights_max;
 const HEARD_QUADS: usize = SoundInput::ALL.len().div_ceil(4);
@@ -74,9 +74,10 @@ impl Frame {
     pub fn block(&self, world: &World, tree: &RegionTree) -> FrameBlock {
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
         let camera = &self.camera;
-        let (right, up) = (camera.right * camera.tan_half.0, camera.up * camera.tan_half.1);
+        let ([right, up, forward], projection) = self.projection.packed(camera);
+        let (eye_width, eye_height) = self.projection.eye_size(self.size);
         // The radius of a pixel's cone at distance 1.
-        let pixel_radius = camera.tan_half.1 / height;
+        let pixel_radius = self.projection.pixel_radius(camera, self.size);
         let inputs = &self.inputs;
         let [screen_width, screen_height] = inputs.screen.size;
         let pointer = |input| inputs.screen.value(input);
@@ -100,7 +101,7 @@ impl Frame {
             xyz(camera.position, pixel_radius),
             xyz(right, sound_tables::first_shape(inputs, medium) as f64),
             xyz(up, inputs.shapes.rows() as f64),
-            xyz(camera.forward, 0.0),
+            xyz(forward, 0.0),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
             // The last component of each line is a flag: the world has something to trace; the bounds are known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
@@ -109,8 +110,9 @@ impl Frame {
             [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
             [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, world.shadow_step_growth],
-            [screen_width, screen_height, screen_width / width as f32, screen_height / height as f32],
+            [screen_width, screen_height, screen_width / eye_width as f32, screen_height / eye_height as f32],
             [pointer(MouseX), pointer(MouseY), pointer(MousePressed), 0.0],
+            projection.map(|value| value as f32),
             media[0],
             media[1],
             media[2],

@@ -6,6 +6,7 @@ pub mod camera;
 pub mod held_inputs;
 pub mod orbit_controls;
 pub mod picture;
+pub mod projection;
 pub mod sound_tables;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -22,6 +23,7 @@ pub use mariana_music::Sound;
 use mariana_music::{Features, HISTORY_POINTS, SongMoment};
 use orbit_controls::OrbitControls;
 use picture::Picture;
+use projection::{Projection, ProjectionKind};
 
 /// The inputs of one image.
 #[derive(Debug, Clone)]
@@ -32,6 +34,8 @@ pub struct Frame {
     pub inputs: FrameInputs,
     /// The camera.
     pub camera: Camera,
+    /// The projection of the camera's rays.
+    pub projection: Projection,
     /// Level of detail, 0..1: the shaders' `frame_quality`. The number of pixels does not depend on it.
     pub quality: f32,
     /// Lights and planes.
@@ -91,20 +95,32 @@ impl Frame {
         let size = (size.0.max(1), size.1.max(1));
         inputs.screen = Screen::of_size(size);
         let values = world.frame_tape.values(&inputs);
-        let camera = Camera::of(&values.camera, aspect(size));
+        let projection = Projection::default();
+        let camera = Camera::of(&values.camera, projection.aspect(size));
         let picture = Picture::of(&values, &camera, world.features);
         let mut frame = Self {
             size,
             inputs,
             camera,
+            projection,
             values,
             quality: 1.0,
             picture,
             pictures: Vec::new(),
             orbit: OrbitControls::OFF,
         };
-        frame.see_from(world, aspect(size), OrbitControls::OFF);
+        frame.see_from(world, projection.aspect(size), OrbitControls::OFF);
         frame
+    }
+
+    /// Changes the projection. For two eyes, the frame contains two pictures.
+    pub fn projected(mut self, world: &World, projection: Projection) -> Self {
+        if self.projection == projection {
+            return self;
+        }
+        self.projection = projection;
+        let size = self.size;
+        self.resized(world, size)
     }
 }
 
@@ -157,7 +173,7 @@ impl Frame {
     pub fn seen_by(&mut self, world: &World, camera: Option<usize>) {
         if let Some(camera) = camera.and_then(|camera| self.values.cameras.get(camera)) {
             self.values.camera = camera.clone();
-            self.see_from(world, aspect(self.size), self.orbit);
+            self.see_from(world, self.projection.aspect(self.size), self.orbit);
         }
     }
 
@@ -176,9 +192,10 @@ impl Frame {
     /// Changes the size of the image.
     pub fn resized(mut self, world: &World, size: (u32, u32)) -> Self {
         self.size = (size.0.max(1), size.1.max(1));
-        self.see_from(world, aspect(self.size), self.orbit);
+        self.see_from(world, self.projection.aspect(self.size), self.orbit);
         let Screen { pointer, pressed, .. } = self.inputs.screen;
-        self.on_screen(world, Screen { pointer, pressed, ..Screen::of_size(size) })
+        let (width, height) = self.projection.eye_size(self.size);
+        self.on_screen(world, Screen { pointer, pressed, size: [width, height].map(|side| side as f32) })
     }
 
     /// Sets the picture that the frame is shown as, without changing the frame's size: a window may draw fewer pixels
@@ -189,21 +206,35 @@ impl Frame {
             if !world.frame_tape.screen_inputs.is_empty() {
                 self.inputs.hoisted = world.hoisted.values(&self.inputs);
                 self.values.picture = world.frame_tape.values(&self.inputs).picture;
-                self.picture = Picture::of(&self.values, &self.camera, world.features);
+                self.picture = self.wanted_picture(world);
             }
         }
         self
     }
 
+    fn wanted_picture(&self, world: &World) -> Picture {
+        let mut picture = Picture::of(&self.values, &self.camera, world.features);
+        if !self.projection.is_plain() {
+            // Only a flat picture has dark corners.
+            picture.vignette = 0.0;
+        }
+        picture
+    }
+
     /// Moves the camera by the user's controls.
     pub fn by_hand(mut self, world: &World, orbit: OrbitControls) -> Self {
-        self.see_from(world, aspect(self.size), orbit);
+        self.see_from(world, self.projection.aspect(self.size), orbit);
         self
     }
 
     fn see_from(&mut self, world: &World, aspect: f64, orbit: OrbitControls) {
-        (self.orbit, self.camera) = (orbit, Camera::by_hand(&self.values.camera, aspect, &orbit));
-        self.picture = Picture::of(&self.values, &self.camera, world.features);
+        let mut asked = self.values.camera.clone();
+        if self.projection.kind != ProjectionKind::Flat {
+            // The whole scene is in view anyway.
+            asked.keep = 0.0;
+        }
+        (self.orbit, self.camera) = (orbit, Camera::by_hand(&asked, aspect, &orbit));
+        self.picture = self.wanted_picture(world);
         let eye = self.camera.position.as_vec3().to_array();
         // Hoisted values depend on the eye. Their remaining inputs do not change here.
         if self.inputs.eye != eye || self.inputs.hoisted.is_empty() {
@@ -216,10 +247,6 @@ impl Frame {
     pub fn own_pitch(&self) -> f64 {
         OrbitControls::pitch_of(camera::place(self.values.camera.position), self.target())
     }
-}
-
-fn aspect(size: (u32, u32)) -> f64 {
-    f64::from(size.0) / f64::from(size.1)
 }
 
 /// Replaces values that are not finite by 0. All inputs of a scene pass through here.

@@ -27,7 +27,7 @@ use crate::frame::picture::Picture;
 use mariana_field::world::ToneMap;
 
 /// The shaders of these passes and their defines. Tests compile all of them.
-pub const POST_SHADERS: [(&str, &[&str]); 18] = [
+pub const POST_SHADERS: [(&str, &[&str]); 24] = [
     ("resolve.frag", &[]),
     ("resolve.frag", &["EDGE_LIST"]),
     ("resolve.frag", &["ALL_SAMPLES"]),
@@ -46,6 +46,12 @@ pub const POST_SHADERS: [(&str, &[&str]); 18] = [
     ("present.frag", &["TONE_MAP 2", "FADE"]),
     ("present.frag", &["TONE_MAP 3", "FADE"]),
     ("present.frag", &["TONE_MAP 3", "LIGHT"]),
+    ("present.frag", &["TONE_MAP 3", "LIGHT", "MEAN"]),
+    ("present.frag", &["TONE_MAP 3", "LIGHT", "MEAN", "FADE"]),
+    ("present.frag", &["TONE_MAP 0", "MEAN"]),
+    ("present.frag", &["TONE_MAP 1", "MEAN"]),
+    ("present.frag", &["TONE_MAP 2", "MEAN"]),
+    ("present.frag", &["TONE_MAP 3", "MEAN"]),
 ];
 
 pub(super) struct Post {
@@ -59,6 +65,10 @@ pub(super) struct Post {
     /// The same programs, for images that fade into another image.
     present_faded: [LazyProgram; 4],
     expose: LazyProgram,
+    add_exposure: LazyProgram,
+    add_faded_exposure: LazyProgram,
+    /// The same programs as `present`, for the mean of exposures.
+    present_mean: [LazyProgram; 4],
     tone_map: Option<ToneMap>,
 }
 
@@ -75,7 +85,9 @@ impl Post {
         let programs = POST_SHADERS
             .map(|(name, defines)| move || LazyProgram::new(gl, library, name, &Variant::of(defines)));
         let [of_stencil, of_list, of_all, halve, blur, mix, first, down, up, presents @ ..] = programs;
-        let [agx, aces, reinhard, none, agx_faded, aces_faded, reinhard_faded, none_faded, expose] = presents;
+        let [agx, aces, reinhard, none, agx_faded, aces_faded, reinhard_faded, none_faded, lights @ ..] =
+            presents;
+        let [expose, add, add_faded, agx_mean, aces_mean, reinhard_mean, none_mean] = lights;
         Ok(Self {
             passes: Passes::new(gl)?,
             resolve: if gl.info().software { of_list() } else { of_stencil() }?,
@@ -85,6 +97,9 @@ impl Post {
             present: [agx()?, aces()?, reinhard()?, none()?],
             present_faded: [agx_faded()?, aces_faded()?, reinhard_faded()?, none_faded()?],
             expose: expose()?,
+            add_exposure: add()?,
+            add_faded_exposure: add_faded()?,
+            present_mean: [agx_mean()?, aces_mean()?, reinhard_mean()?, none_mean()?],
             tone_map: None,
         })
     }
@@ -118,22 +133,49 @@ impl Post {
         targets: &PostTargets,
         picture: &Picture,
         samples: &Target,
-        fade: Option<(&Target, f32)>,
+        fade: Weighted<'_>,
     ) -> Result<(), GpuError> {
         self.bind_light(targets, picture, samples)?;
-        let tone_map = self.tone_map.unwrap_or(picture.tone_map);
-        let [agx, aces, reinhard, none] = if fade.is_some() { &self.present_faded } else { &self.present };
-        let present = match tone_map {
+        let programs = if fade.is_some() { &self.present_faded } else { &self.present };
+        let present = self.with_tone_map(picture, programs);
+        self.passes.draw_with(present, &targets.finished, [bound_fade(fade), 0.0])
+    }
+
+    /// Writes the exposed light of the last finished image, mixed with the mean of earlier exposures, to `output`.
+    /// `earlier` is this mean and the weight of the new exposure.
+    pub(super) fn add_exposure(
+        &self,
+        targets: &PostTargets,
+        (picture, samples): (&Picture, &Target),
+        (fade, earlier): (Weighted<'_>, Weighted<'_>),
+        output: &Target,
+    ) -> Result<(), GpuError> {
+        self.bind_light(targets, picture, samples)?;
+        let program = if fade.is_some() { &self.add_faded_exposure } else { &self.add_exposure };
+        let (mean, weight) = earlier.unwrap_or((&targets.light, 1.0));
+        mean.bind_color(0, unit_of("mean"));
+        self.passes.draw_with(program, output, [bound_fade(fade), weight])
+    }
+
+    /// Finishes an image from the mean of its exposures.
+    pub(super) fn finish_mean(
+        &self,
+        targets: &PostTargets,
+        picture: &Picture,
+        mean: &Target,
+    ) -> Result<(), GpuError> {
+        mean.bind_color(0, unit_of("mean"));
+        self.passes.draw(self.with_tone_map(picture, &self.present_mean), &targets.finished)
+    }
+
+    fn with_tone_map<'a>(&self, picture: &Picture, programs: &'a [LazyProgram; 4]) -> &'a LazyProgram {
+        let [agx, aces, reinhard, none] = programs;
+        match self.tone_map.unwrap_or(picture.tone_map) {
             ToneMap::Agx => agx,
             ToneMap::Aces => aces,
             ToneMap::Reinhard => reinhard,
             ToneMap::None => none,
-        };
-        let fraction = fade.map_or(0.0, |(before, fraction)| {
-            before.bind_color(0, unit_of("before"));
-            fraction
-        });
-        self.passes.draw_with(present, &targets.finished, [fraction, 0.0])
+        }
     }
 
     /// Writes the exposed linear light of the last finished image to a target of the same size, without a tone map.
@@ -163,6 +205,17 @@ impl Post {
         scattered.bind_color(0, unit_of("bloom"));
         Ok(())
     }
+}
+
+/// Light with its weight, 0..1.
+type Weighted<'a> = Option<(&'a Target, f32)>;
+
+/// Binds the light that an image fades into, and returns its fraction.
+fn bound_fade(fade: Weighted<'_>) -> f32 {
+    fade.map_or(0.0, |(before, fraction)| {
+        before.bind_color(0, unit_of("before"));
+        fraction
+    })
 }
 
 impl PostTargets {

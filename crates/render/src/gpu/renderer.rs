@@ -346,6 +346,23 @@ impl Renderer {
         Ok(self.painter.exposed(None)?.map_or_else(Vec::new, |light| light.read_rgba32f(0)))
     }
 
+    /// Adds the finished image, after `number` earlier ones, to the mean of several exposures of one frame. Does
+    /// nothing for a view.
+    ///
+    /// # Errors
+    /// Fails if there is no memory for the light.
+    pub fn add_exposure(&mut self, number: usize) -> Result<(), GpuError> {
+        self.painter.add_exposure(number)
+    }
+
+    /// Replaces the finished image by the mean of the exposures' light.
+    ///
+    /// # Errors
+    /// Fails if the driver reports an error.
+    pub fn finish_exposures(&mut self) -> Result<(), GpuError> {
+        self.painter.finish_exposures()
+    }
+
     /// Sets the fraction, 0..1, of the kept light in the following images. `None` discards the light.
     pub fn set_fade(&mut self, fraction: Option<f32>) {
         self.painter.set_fade(fraction);

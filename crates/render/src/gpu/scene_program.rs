@@ -22,6 +22,7 @@ pub use super::mode::Mode;
 use super::program::Program;
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::{block_defines, light_defines};
+use crate::frame::projection::{Projection, projection_defines};
 use crate::view::scale;
 use mariana_field::graph::{CELL_HASH_GLSL, levels_glsl};
 use mariana_field::region::{RegionPlan, RegionVariant};
@@ -227,6 +228,14 @@ pub fn drawing_variant_of(
 pub fn as_views(mut counting: Variant) -> Variant {
     counting.defines.push("VIEWS 1".to_owned());
     counting
+}
+
+/// Makes a variant draw a projection. A variant without this draws only flat pictures for one eye, which costs less.
+pub fn projected(mut variant: Variant, projection: &Projection) -> Variant {
+    if !projection.is_plain() {
+        variant.defines.extend(projection_defines());
+    }
+    variant
 }
 
 /// Makes the sky of a variant invisible, for images that are laid over other images.

@@ -39,6 +39,8 @@ pub(super) struct Painter {
     pub(super) canvas: Canvas,
     pub(super) clock: PictureClock,
     fade: Option<Fade>,
+    /// The mean of the exposures so far.
+    mean: Option<Target>,
 }
 
 impl Painter {
@@ -51,6 +53,7 @@ impl Painter {
             canvas: Canvas::default(),
             clock: PictureClock::default(),
             fade: None,
+            mean: None,
         })
     }
 
@@ -253,6 +256,33 @@ impl Painter {
         self.post.bind_picture(picture, self.sampling.edge_samples);
         self.post.expose(&targets.post, picture, &targets.first, &light)?;
         self.gl.check("keeping an image's light").map(|()| Some(light))
+    }
+
+    /// Mixes the finished image's light, with its fade, into the mean of `number` earlier exposures.
+    pub(super) fn add_exposure(&mut self, number: usize) -> Result<(), GpuError> {
+        let Some((picture, targets)) = self.canvas.finished_light() else { return Ok(()) };
+        let size = targets.first.size();
+        let earlier = self.mean.take().filter(|mean| number > 0 && mean.size() == size);
+        // Whole floats keep the light of still parts exactly.
+        let mean = Target::new(&self.gl, size, &[Texel::Rgba32F], None)?;
+        self.post.passes().prepare();
+        self.post.bind_picture(picture, self.sampling.edge_samples);
+        let fade = self.fade.as_ref().map(Fade::mixed_in);
+        let earlier = earlier.as_ref().map(|mean| (mean, 1.0 / (number as f32 + 1.0)));
+        self.post.add_exposure(&targets.post, (picture, &targets.first), (fade, earlier), &mean)?;
+        self.mean = Some(mean);
+        self.gl.check("adding an exposure")
+    }
+
+    /// Finishes the image of the exposures' mean.
+    pub(super) fn finish_exposures(&mut self) -> Result<(), GpuError> {
+        let (Some((picture, targets)), Some(mean)) = (self.canvas.finished_light(), self.mean.take()) else {
+            return Ok(());
+        };
+        self.post.passes().prepare();
+        self.post.bind_picture(picture, self.sampling.edge_samples);
+        self.post.finish_mean(&targets.post, picture, &mean)?;
+        self.gl.check("finishing the exposures")
     }
 
     pub(super) fn set_fade(&mut self, fraction: Option<f32>) {

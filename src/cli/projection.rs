@@ -1,0 +1,47 @@
+//! Flags for projections and, in stills and videos, motion blur.
+
+use clap::Args;
+
+use super::choices::choice;
+use super::parse::{parse_degrees, parse_exposures, parse_eye_distance, parse_shutter};
+use crate::export::shutter::Shutter;
+use crate::frame::projection::{Projection, ProjectionKind, Stereo};
+
+#[derive(Args)]
+pub(super) struct ProjectionArguments {
+    /// Projection: for players of 360-degree videos, planetariums and headsets
+    #[arg(long, value_name = "SURFACE", default_value = "flat", value_parser = choice::<ProjectionKind>())]
+    projection: ProjectionKind,
+    /// Pictures for two eyes
+    #[arg(long, value_name = "HOW", default_value = "none", value_parser = choice::<Stereo>())]
+    stereo: Stereo,
+    /// Distance of the eyes in the scene's units; larger distances make the scene look smaller
+    #[arg(long, value_name = "UNITS", default_value_t = Projection::EYE_DISTANCE, value_parser = parse_eye_distance, requires = "stereo", allow_negative_numbers = true)]
+    eye_distance: f64,
+    /// Height of the camera's target in a dome, in degrees above the front rim; 90 is the zenith
+    #[arg(long, value_name = "DEGREES", default_value_t = Projection::DOME_TILT, value_parser = parse_degrees, allow_negative_numbers = true)]
+    dome_tilt: f64,
+}
+
+impl ProjectionArguments {
+    pub(super) fn projection(&self) -> Projection {
+        let Self { projection: kind, stereo, eye_distance, dome_tilt, .. } = *self;
+        Projection { kind, stereo, eye_distance, dome_tilt }
+    }
+}
+
+#[derive(Args)]
+pub(super) struct ShutterArguments {
+    /// Motion blur: the part of a frame's time during which the shutter is open, in degrees, such as 180; 0 for none
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = parse_shutter, conflicts_with_all = ["view", "alpha"], allow_negative_numbers = true)]
+    shutter: f64,
+    /// Exposures of each frame with --shutter; drawing takes this many times as long
+    #[arg(long, value_name = "COUNT", default_value_t = Shutter::EXPOSURES, value_parser = parse_exposures, requires = "shutter")]
+    shutter_frames: u32,
+}
+
+impl ShutterArguments {
+    pub(super) fn shutter(&self) -> Shutter {
+        Shutter { degrees: self.shutter, exposures: self.shutter_frames }
+    }
+}

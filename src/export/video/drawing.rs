@@ -1,0 +1,93 @@
+//! The frames of a video, by their numbers.
+
+use super::lyric_captions::LyricCaptions;
+use super::request::{VideoRequest, frames_in};
+use super::title_card::TitleCard;
+use crate::export::error::ExportError;
+use crate::export::show_painter::ShowPainter;
+use crate::export::showing::Holding;
+use crate::export::song_features::SongFeatures;
+
+pub(super) struct Drawing<'a> {
+    request: &'a VideoRequest,
+    song: SongFeatures,
+    painter: ShowPainter,
+    holding: Holding,
+    card: Option<TitleCard>,
+    captions: Option<LyricCaptions>,
+    expected: Option<u64>,
+}
+
+impl<'a> Drawing<'a> {
+    /// Opens the song and the scenes. `asked` is the number of frames to draw; `None` draws to the song's end. With
+    /// `needs_all`, the song must have this many frames.
+    pub(super) fn open(
+        request: &'a VideoRequest,
+        asked: Option<u64>,
+        needs_all: bool,
+    ) -> Result<Self, ExportError> {
+        let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
+        song.require(request.start)?;
+        let left = song.duration().map(|seconds| frames_in(seconds - request.start, request.fps));
+        let expected = asked.into_iter().chain(left).min();
+        if needs_all && expected < asked {
+            return Err(too_long(request, asked, expected.unwrap_or(0)));
+        }
+        let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
+        if let Some(lyrics) = &request.lyrics {
+            song.sing(lyrics.clone());
+        }
+        let captions = request.lyrics.clone().map(|lyrics| LyricCaptions::new(lyrics, request.size));
+        let prepared_show = request.showing.prepared_show(&mut song, request.start)?;
+        let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
+        if request.limit_flashes {
+            painter.headless_renderer().add_flash_limiter(&request.scene.shaders)?;
+        }
+        painter.graphs().for_each(|graph| song.know_for(graph));
+        painter.headless_renderer().hear(&song);
+        let holding = Holding::new(request.gain, request.start);
+        Ok(Self { request, song, painter, holding, card, captions, expected })
+    }
+
+    /// The number of frames, as far as it is known.
+    pub(super) fn expected(&self) -> Option<u64> {
+        self.expected
+    }
+
+    /// Draws a frame; `None` after the song's end. Numbers must not decrease.
+    pub(super) fn draw(&mut self, number: u64) -> Result<Option<Vec<u8>>, ExportError> {
+        let Self { request, song, painter, holding, .. } = self;
+        let time = request.start + number as f64 / request.fps;
+        let Some(sound) = song.sound_at(time)? else { return Ok(None) };
+        let held = holding.at(painter, song, time)?;
+        let exposures = request.shutter.exposures(song, (time, sound), 1.0 / request.fps)?;
+        painter.draw(time, exposures, held, request.size)?;
+        painter.headless_renderer().limit_flashes(1.0 / request.fps)?;
+        Ok(Some(painter.headless_renderer().read()))
+    }
+
+    /// Writes title and lyrics over the frame with this number in the video.
+    pub(super) fn letter(&mut self, picture: &mut [u8], number: u64) {
+        let seconds = number as f64 / self.request.fps;
+        // The title covers the place of the lyrics.
+        let is_titled = self.card.as_ref().is_some_and(|card| card.draw_over(picture, seconds));
+        if let Some(captions) = self.captions.as_mut().filter(|_| !is_titled) {
+            captions.draw_over(picture, self.request.start + seconds);
+        }
+    }
+
+    /// Checks that the song has `asked` frames, of which `drawn` are drawn.
+    pub(super) fn require_all(&self, asked: Option<u64>, drawn: u64) -> Result<(), ExportError> {
+        let is_over = self.song.is_over(self.request.start + drawn as f64 / self.request.fps);
+        match asked {
+            Some(frames) if is_over && drawn < frames => Err(too_long(self.request, asked, drawn)),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn too_long(request: &VideoRequest, asked: Option<u64>, left: u64) -> ExportError {
+    let seconds = |frames: u64| frames as f64 / request.fps;
+    let (length, needed) = (request.duration.unwrap_or(0.0), asked.map_or(0.0, seconds));
+    ExportError::LoopTooLong { length, needed, left: seconds(left) }
+}

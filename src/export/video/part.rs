@@ -1,0 +1,271 @@
+//! Parts of a video, which several machines render.
+//!
+//! A frame depends on its time alone, so that a part has the frames of the whole video. A part is written in pieces,
+//! each complete on the disk before the next one begins: a run that follows an interrupted one continues with the
+//! first missing piece. Each file has a record in its metadata, by which [`super::join`] and later runs know it.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::drawing::Drawing;
+use super::encoder::{Encoder, Frames};
+use super::encoding::can_be_joined;
+use super::request::{Part, VideoRequest, Written, frames_in};
+use super::sink::{FrameWriter, Sink, is_folder};
+use crate::export::error::ExportError;
+use crate::export::output::Output;
+use crate::export::showing::Showing;
+use crate::frame::projection::Projection;
+use crate::show::ShowSource;
+use mariana_player::ffmpeg::{CommandLine, ReadBy, Source};
+use mariana_player::song::Song;
+
+/// Frames of a piece. An interruption loses less than these.
+const PIECE_FRAMES: u64 = 300;
+/// Begins the record in a file's metadata.
+const MARK: &str = "mariana part ";
+
+/// The description of a part in its file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct PartRecord {
+    pub(super) part: Part,
+    /// The first frame in the file, the number of frames in the file, and the number of the video's frames.
+    pub(super) first: u64,
+    pub(super) frames: u64,
+    pub(super) total: u64,
+    pub(super) video: WholeRecord,
+}
+
+/// The description of the video to which a part belongs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct WholeRecord {
+    pub(super) program: String,
+    /// Hash of the song's bytes.
+    pub(super) song: u64,
+    /// Hash of the scenes' texts and files, and of the settings that change the frames.
+    pub(super) look: u64,
+    pub(super) start: f64,
+    pub(super) duration: Option<f64>,
+    pub(super) fps: f64,
+    pub(super) size: (u32, u32),
+    pub(super) sound: bool,
+    pub(super) sound_rate: Option<u32>,
+    pub(super) projection: Projection,
+}
+
+impl PartRecord {
+    /// Reads the record of a video file; `None` if the file has none.
+    pub(super) fn read(path: &Path) -> Option<Self> {
+        let line = CommandLine::ffprobe().options(["-of", "json", "-show_entries", "format_tags"]);
+        let line = line.input(Source::File(path), ReadBy::AnyVideoDemuxer, [""; 0]);
+        let output = line.command().output().ok()?;
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).ok()?;
+        // Matroska writes names of tags in capitals.
+        let tags = report.get("format")?.get("tags")?.as_object()?;
+        let (_, note) = tags.iter().find(|(name, _)| name.eq_ignore_ascii_case("comment"))?;
+        serde_json::from_str(note.as_str()?.strip_prefix(MARK)?).ok()
+    }
+
+    pub(super) fn note(&self) -> String {
+        // A record of numbers and names can always be written.
+        format!("{MARK}{}", serde_json::to_string(self).unwrap_or_default())
+    }
+
+    pub(super) fn seconds(&self) -> f64 {
+        self.frames as f64 / self.video.fps
+    }
+}
+
+impl WholeRecord {
+    fn of(request: &VideoRequest) -> Result<Self, ExportError> {
+        Ok(Self {
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            song: song_hash(&request.song)?,
+            look: look_hash(request)?,
+            start: request.start,
+            duration: request.duration,
+            fps: request.fps,
+            size: request.size,
+            sound: request.sound,
+            sound_rate: request.sound_rate,
+            projection: request.scene.projection,
+        })
+    }
+
+    /// What two videos differ in, in words; `None` if they are the same video.
+    pub(super) fn difference(&self, other: &Self) -> Option<&'static str> {
+        let differences = [
+            (self.program != other.program, "another version of Mariana"),
+            (self.song != other.song, "another song"),
+            (self.size != other.size, "another size"),
+            (self.fps != other.fps, "another frame rate"),
+            ((self.start, self.duration) != (other.start, other.duration), "another start or length"),
+            (self != other, "another scene or other settings"),
+        ];
+        differences.into_iter().find_map(|(is_other, words)| is_other.then_some(words))
+    }
+}
+
+pub(super) fn song_hash(song: &Song) -> Result<u64, ExportError> {
+    let mut hasher = DefaultHasher::new();
+    let read = song.read(|piece| {
+        hasher.write(piece);
+        true
+    });
+    read.map_err(|error| ExportError::UnreadableSong { reason: error.to_string() })?;
+    Ok(hasher.finish())
+}
+
+/// Hashes what decides about the frames, besides the song and what [`WholeRecord`] names. Paths do not count, because
+/// machines may have different ones.
+fn look_hash(request: &VideoRequest) -> Result<u64, ExportError> {
+    let mut hasher = DefaultHasher::new();
+    let scene = &request.scene;
+    let settings = [
+        format!("{:?} {:?} {:?}", request.gain, request.set, request.lyrics),
+        format!("{:?} {:?} {:?}", request.alpha, request.codec, request.quality),
+        format!("{:?} {:?} {:?}", request.title_card, request.shutter, request.limit_flashes),
+        format!("{:?} {:?} {:?} {:?} {:?}", scene.sdf, scene.cells, scene.view, scene.edges, scene.tone_map),
+    ];
+    settings.hash(&mut hasher);
+    let mut files = Vec::new();
+    let scenes: Vec<_> = match &request.showing {
+        Showing::Scenes(scenes) => scenes.iter().map(|(from, scene)| (Some(from.to_bits()), scene)).collect(),
+        Showing::Show(source, scenes) => {
+            match source {
+                ShowSource::File(file) => files.push(file.clone()),
+                other => format!("{other:?}").hash(&mut hasher),
+            }
+            scenes.iter().map(|scene| (None, scene)).collect()
+        }
+    };
+    for (from, scene) in scenes {
+        let compiled = scene.compile()?;
+        (from, scene.text()?).hash(&mut hasher);
+        files.extend(scene.files(Some(&compiled)));
+    }
+    for file in files {
+        std::fs::read(file).ok().hash(&mut hasher);
+    }
+    Ok(hasher.finish())
+}
+
+/// Draws and writes a part, and calls `progress` with the frames of the part.
+pub(super) fn write_part(
+    request: &VideoRequest,
+    part: Part,
+    progress: &mut dyn FnMut(u64, Option<u64>),
+) -> Result<Written, ExportError> {
+    let refused = |reason, instead| Err(ExportError::NotInParts { reason, instead });
+    let path = match &request.output {
+        Output::Path(path) if is_folder(path) || can_be_joined(path) => path,
+        _ => {
+            return refused(
+                "this output",
+                "give -o a folder, or a name that ends in .mp4, .mkv, .mov or .webm",
+            );
+        }
+    };
+    if request.limit_flashes {
+        return refused("the flash limiter, which remembers earlier frames,", "add --flash-limiter off");
+    }
+    if request.seam.is_some() {
+        return refused("a loop, whose end fades into its beginning,", "leave out --for loop");
+    }
+    let asked = request.duration.map(|seconds| frames_in(seconds, request.fps));
+    let mut drawing = Drawing::open(request, asked, false)?;
+    let Some(total) = drawing.expected() else {
+        return refused("a song of unknown length", "add --duration");
+    };
+    let (first, end) = part.range(total);
+    let frames = end - first;
+    if frames == 0 {
+        return Err(ExportError::EmptyPart { total, parts: part.of });
+    }
+    // The length in the song's header may be too short.
+    let is_open = part.number == part.of && asked.is_none_or(|asked| asked > total);
+    let range = (first, if is_open { u64::MAX } else { end });
+    let mut progress = |number: u64| progress(number - first, Some(frames));
+    if is_folder(path) {
+        let end = write_frames(&mut drawing, Sink::open(request, first)?, None, range, &mut progress)?;
+        return Ok(Written { frames: end - first, file: None });
+    }
+    let record = PartRecord { part, first, frames, total, video: WholeRecord::of(request)? };
+    let is_complete = PartRecord::read(path).as_ref() == Some(&record);
+    let file = if is_complete {
+        path.clone()
+    } else {
+        write_pieces(request, (path, &record), &mut drawing, range, &mut progress)?
+    };
+    Ok(Written { frames, file: Some(file) })
+}
+
+/// Writes a part in pieces, and joins the pieces. `range` has its first frame and the first frame after it.
+fn write_pieces(
+    request: &VideoRequest,
+    (path, record): (&Path, &PartRecord),
+    drawing: &mut Drawing<'_>,
+    range: (u64, u64),
+    progress: &mut dyn FnMut(u64),
+) -> Result<PathBuf, ExportError> {
+    let silent = VideoRequest { sound: false, ..request.clone() };
+    let piece_request = VideoRequest { keeps_others: false, ..silent.clone() };
+    let folder = pieces_of(path);
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| ExportError::Unwritable { path: folder.clone(), reason: error.to_string() })?;
+    let mut pieces = Vec::new();
+    let (mut number, end) = range;
+    while number < end {
+        let last = number.saturating_add(PIECE_FRAMES).min(end);
+        let piece = PartRecord { first: number, frames: last - number, ..record.clone() };
+        let file = folder.join(format!("{number:08}")).with_extension(path.extension().unwrap_or_default());
+        if PartRecord::read(&file).as_ref() != Some(&piece) {
+            let Some(picture) = drawing.draw(number)? else { break };
+            let encoder = Encoder::start(&piece_request, &file, Frames::Drawn, Some(&piece.note()))?;
+            let sink = Sink::encoder(encoder, request.alpha);
+            write_frames(drawing, sink, Some(picture), (number, last), progress)?;
+        }
+        pieces.push((file, piece.seconds()));
+        number = last;
+    }
+    let file = Encoder::start(&silent, path, Frames::Files(&pieces), Some(&record.note()))?.finish()?;
+    // Pieces that cannot be removed only take room.
+    let _ = std::fs::remove_dir_all(&folder);
+    Ok(file)
+}
+
+/// Draws and writes frames up to `end` or the song's end. `picture` is the first frame, if it is drawn already. Returns
+/// the number after the last frame.
+fn write_frames(
+    drawing: &mut Drawing<'_>,
+    sink: Sink,
+    mut picture: Option<Vec<u8>>,
+    (mut number, end): (u64, u64),
+    progress: &mut dyn FnMut(u64),
+) -> Result<u64, ExportError> {
+    let writer = FrameWriter::start(sink)?;
+    while number < end {
+        let next = match picture.take() {
+            Some(picture) => Some(picture),
+            None => drawing.draw(number)?,
+        };
+        let Some(mut picture) = next else { break };
+        drawing.letter(&mut picture, number);
+        if !writer.take(picture) {
+            break;
+        }
+        number += 1;
+        progress(number);
+    }
+    writer.finish()?;
+    Ok(number)
+}
+
+/// The folder of a part's pieces.
+fn pieces_of(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".pieces");
+    path.with_file_name(name)
+}
