@@ -171,7 +171,7 @@ impl RayProbe<'_> {
                 return 0.0;
             }
             previous = d;
-            let growth = self.world.shadow_step_growth * step as f32;
+            let growth = self.world.shadow_step_growth() * step as f32;
             stride = bound.min(rays::SHADOW_STEP_MAX.max(0.5 * bound)).max(rays::SHADOW_STEP_MIN + growth);
             t += stride;
             if t >= end {
@@ -210,7 +210,7 @@ impl RayProbe<'_> {
             if let Some(cell) = &cell {
                 stride = stride.min(rays::past(t).max(walk.exit_of(cell, t)) - t);
             }
-            let growth = STEP_GROWTH + self.world.shadow_step_growth;
+            let growth = STEP_GROWTH + self.world.shadow_step_growth();
             t += stride.max(rays::SHADOW_STEP_MIN + growth * step as f32);
             if t >= end {
                 break;

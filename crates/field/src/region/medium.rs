@@ -5,8 +5,7 @@ use super::lanes::{CELLS, Lanes, bound};
 use super::program::Arg;
 use super::surface::{Over, SurfacePlan, place_of};
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, GraphError, Interval};
-use crate::world::World;
+use crate::graph::{FrameInputs, Graph, GraphError, Interval, NodeId};
 
 /// Number of cells of the grid along each axis.
 pub const MEDIUM_SIDE: usize = 16;
@@ -45,14 +44,13 @@ impl MediumGrid {
 }
 
 impl MediumPlan {
-    /// Creates the plan of a world; `None` without media.
+    /// Creates the plan of media: `roots` are their density and the emitted light in red, green and blue, and `bounds` is a
+    /// box around them, whose sides may be infinite.
     ///
     /// # Errors
     /// Fails if the graph has too many nodes.
-    pub fn new(world: &World) -> Result<Option<Self>, GraphError> {
-        let Some([density, _, _, _, r, g, b, _]) = world.roots.medium else { return Ok(None) };
-        let plan = SurfacePlan::new(&world.graph, &[density, r, g, b], 0, Over::Points)?;
-        Ok(Some(Self { plan, bounds: world.medium_bounds }))
+    pub fn new(graph: &Graph, roots: [NodeId; 4], bounds: Bounds) -> Result<Self, GraphError> {
+        Ok(Self { plan: SurfacePlan::new(graph, &roots, 0, Over::Points)?, bounds })
     }
 
     /// Returns the inputs that determine a frame's grid.

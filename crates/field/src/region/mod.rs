@@ -195,7 +195,9 @@ impl RegionPlan {
         let bounds = world.bounds.map(|bounds| (bounds.low, bounds.high));
         let steepest = world.non_lipschitz.then_some(world.slopes.steepest);
         // Cannot fail: a world's graph is already checked.
-        let medium = MediumPlan::new(world).unwrap_or_default();
+        let medium = world.roots.medium.and_then(|[density, _, _, _, r, g, b, _]| {
+            MediumPlan::new(&world.graph, [density, r, g, b], world.medium_bounds).ok()
+        });
         Self { medium, ..Self::of(&world.graph, roots, bounds, world.has_rest, steepest) }
     }
 

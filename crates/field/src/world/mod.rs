@@ -154,10 +154,6 @@ pub struct World {
     pub non_lipschitz: bool,
     /// The slopes of a value that is not a distance.
     pub slopes: Slopes,
-    /// Growth of a shadow ray's shortest step with each step. It is 0 in a single scene, where shadow rays move away
-    /// from surfaces. In a blend, a lamp of one scene may be inside a surface of the other scene, and shadow rays creep
-    /// along that surface.
-    pub shadow_step_growth: f32,
     /// The parts of the shaders that the scene needs.
     pub features: SceneFeatures,
     /// The expressions that the shader evaluates.
@@ -217,6 +213,13 @@ impl World {
         Ok(world)
     }
 
+    /// Growth of a shadow ray's shortest step with each step. It is 0 in a single scene, where shadow rays move away from
+    /// surfaces. In a blend, a lamp of one scene may be inside a surface of the other scene, and shadow rays creep along
+    /// that surface.
+    pub fn shadow_step_growth(&self) -> f32 {
+        if self.features.blend { blend::SHADOW_STEP_GROWTH } else { 0.0 }
+    }
+
     /// True if the pointer over the picture changes it.
     pub fn follows_pointer(&self) -> bool {
         use ScreenInput::{MousePressed, MouseX, MouseY};
@@ -242,8 +245,8 @@ impl World {
         let lit = (glow.is_some(), medium.is_some());
         let roots = roots(&mut scene, rest.as_ref(), (glow, medium));
         scene.graph.check().map_err(graph_error)?;
-        let Traced { bounds, non_lipschitz, slopes, shadow_step_growth } = traced;
-        let features = SceneFeatures::of(&scene, lit, shadow_step_growth > 0.0);
+        let Traced { bounds, non_lipschitz, slopes, is_blend } = traced;
+        let features = SceneFeatures::of(&scene, lit, is_blend);
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
             name: name.to_owned(),
@@ -252,7 +255,6 @@ impl World {
             non_lipschitz,
             slopes,
             medium_bounds,
-            shadow_step_growth,
             features,
             roots,
             graph,
@@ -287,7 +289,7 @@ struct Traced {
     bounds: Option<Bounds>,
     non_lipschitz: bool,
     slopes: Slopes,
-    shadow_step_growth: f32,
+    is_blend: bool,
 }
 
 impl Traced {

@@ -109,7 +109,7 @@ impl Frame {
             plane_objects,
             [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
-            [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, world.shadow_step_growth],
+            [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, world.shadow_step_growth()],
             [screen_width, screen_height, screen_width / eye_width as f32, screen_height / eye_height as f32],
             [pointer(MouseX), pointer(MouseY), pointer(MousePressed), 0.0],
             projection.map(|value| value as f32),

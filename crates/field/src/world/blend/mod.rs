@@ -158,8 +158,7 @@ impl World {
         let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, (&a, &b))).transpose();
         let rest = rest.map_err(graph_error)?;
 
-        let rest_of = a.sky.reach;
-        let reach = graph.mix(rest_of, b.sky.reach, s);
+        let reach = graph.mix(a.sky.reach, b.sky.reach, s);
         let sky = Sky { reach, ..Sky::of(mixed_all(&mut graph, &a.sky.numbers(), &b.sky.numbers(), s)) };
         let glow = glow(&mut graph, (&a, &b), reach, s);
         let medium = medium(&mut graph, (&a, &b), s);
@@ -201,8 +200,7 @@ impl World {
             medium,
         };
         let non_lipschitz = a.non_lipschitz || b.non_lipschitz;
-        let traced =
-            Traced { bounds, non_lipschitz, shadow_step_growth: SHADOW_STEP_GROWTH, ..Traced::default() };
+        let traced = Traced { bounds, non_lipschitz, is_blend: true, ..Traced::default() };
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
         let frame_tape = FrameTape::build(&scene, &surfaces.planes)
             .map_err(|source| WorldError::Tape { scene: name.clone(), source })?;
@@ -229,7 +227,7 @@ fn whole(name: String, shape: NodeId) -> Object {
 /// The value of [`World::shadow_step_growth`] in blends. A shadow ray that creeps along a surface then travels about 20
 /// units. Tried: the same growth for the distance at which a ray hits, so that rays along the last rock of a tunnel
 /// end. With twice this growth a speck appeared in the sky where there was no surface.
-const SHADOW_STEP_GROWTH: f32 = 0.004;
+pub(super) const SHADOW_STEP_GROWTH: f32 = 0.004;
 
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     let counts = |of: fn(&World) -> usize| of(from) + of(to);
