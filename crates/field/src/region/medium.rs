@@ -19,7 +19,7 @@ const GLOWING: f32 = 1e-9;
 const DENSEST: f32 = 1e6;
 
 /// The parts of a world's grids that all frames share.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MediumPlan {
     plan: SurfacePlan,
     bounds: Bounds,

@@ -184,7 +184,6 @@ pub struct RegionPlan {
     steepest: Option<f32>,
     runs: bool,
     whole_texels: usize,
-    medium: Option<MediumPlan>,
 }
 
 impl RegionPlan {
@@ -194,16 +193,7 @@ impl RegionPlan {
         let roots = [bound, estimate, world.roots.object];
         let bounds = world.bounds.map(|bounds| (bounds.low, bounds.high));
         let steepest = world.non_lipschitz.then_some(world.slopes.steepest);
-        // Cannot fail: a world's graph is already checked.
-        let medium = world.roots.medium.and_then(|[density, _, _, _, r, g, b, _]| {
-            MediumPlan::new(&world.graph, [density, r, g, b], world.medium_bounds).ok()
-        });
-        Self { medium, ..Self::of(&world.graph, roots, bounds, world.has_rest, steepest) }
-    }
-
-    /// Returns the plan of the grid over the media; `None` without media.
-    pub fn medium(&self) -> Option<&MediumPlan> {
-        self.medium.as_ref()
+        Self::of(&world.graph, roots, bounds, world.has_rest, steepest)
     }
 
     /// `steepest` is [`Slopes::steepest`](crate::world::Slopes::steepest) if the bound is not a distance.
@@ -229,7 +219,6 @@ impl RegionPlan {
             steepest,
             runs: true,
             whole_texels: 0,
-            medium: None,
         };
         // With unknown numbers nothing is folded, so this program has all operators and registers of every frame's
         // program.

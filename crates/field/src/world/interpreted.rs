@@ -22,6 +22,7 @@
 
 use super::{Bounds, ShortPrograms, World, WorldError, WorthShortening};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Node, NodeId};
+use crate::region::MediumPlan;
 use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, SurfacePlan};
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
@@ -35,6 +36,7 @@ pub struct TapeBuffers {
     /// The programs of sky, ambient light, glow, media and the materials, in this order.
     programs: Vec<Program>,
     of_objects: Vec<usize>,
+    medium: Option<MediumPlan>,
     bounds: Option<Bounds>,
     /// The interpreter that runs all programs, on a GPU.
     pub variant: Variant,
@@ -201,6 +203,11 @@ impl TapeBuffers {
         WorthShortening::of(self.plans().map(SurfacePlan::may_become_shorter))
     }
 
+    /// Returns the plan of the grid over the media; `None` without media.
+    pub fn medium(&self) -> Option<&MediumPlan> {
+        self.medium.as_ref()
+    }
+
     pub(super) fn plans(&self) -> impl Iterator<Item = &SurfacePlan> {
         self.programs.iter().map(|program| &program.plan)
     }
@@ -267,6 +274,10 @@ impl World {
         for roots in &self.roots.materials {
             programs.push(program((roots, Over::Points))?);
         }
+        let medium = self.roots.medium.map(|[density, _, _, _, r, g, b, _]| {
+            MediumPlan::new(&self.graph, [density, r, g, b], self.medium_bounds)
+        });
+        let medium = medium.transpose().map_err(|source| failed(source.into()))?;
         let of_objects =
             self.scene.objects.iter().map(|object| PROGRAMS_OF_LIGHT + object.material).collect();
         let clauses = |programs: &[Program]| programs.iter().map(Program::clauses).sum::<usize>();
@@ -288,6 +299,7 @@ impl World {
             software_variant: on_processor,
             programs,
             of_objects,
+            medium,
             bounds: self.bounds,
             cost,
         })

@@ -201,7 +201,7 @@ fn absence(graph: &mut Graph, roots: &MediumRoots) -> NodeId {
 mod tests {
     use super::*;
     use crate::graph::Point;
-    use crate::region::{MEDIUM_SIDE, RegionPlan};
+    use crate::region::MEDIUM_SIDE;
     use crate::world::testing::world_of;
     use crate::world::{Alignment, BlendKind, World};
 
@@ -269,7 +269,7 @@ mod tests {
         let world = world_of(text);
         let mut inputs = FrameInputs { time: 3.7, params: vec![2.0], ..FrameInputs::default() };
         inputs.hoisted = world.hoisted.values(&inputs);
-        let grid = RegionPlan::new(&world).medium().unwrap().grid(&inputs, [0.0; 3]);
+        let grid = world.tape_buffers().unwrap().medium().unwrap().grid(&inputs, [0.0; 3]);
         let side = MEDIUM_SIDE as f32;
         let mut empty = 0;
         for number in 0..40_000u32 {

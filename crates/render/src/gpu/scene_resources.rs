@@ -97,8 +97,8 @@ pub struct RegionMaker {
 
 impl RegionRequest {
     /// The request for a frame's tree, without shortened tapes.
-    pub fn of(plan: &RegionPlan, frame: &Frame, options: RegionOptions) -> Self {
-        let medium = plan.medium().map(|medium| medium.key(&frame.inputs));
+    pub fn of((plan, buffers): (&RegionPlan, &TapeBuffers), frame: &Frame, options: RegionOptions) -> Self {
+        let medium = buffers.medium().map(|medium| medium.key(&frame.inputs));
         Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default(), medium }
     }
 
@@ -145,9 +145,10 @@ impl RegionMaker {
         let known = self.last.as_ref().filter(|last| last.request.has_medium_of(&request));
         let medium = match known {
             Some(last) => last.medium.clone(),
-            None => {
-                self.plan.medium().map(|medium| Arc::new(medium.grid(&frame.inputs, request.options.center)))
-            }
+            None => self
+                .buffers
+                .medium()
+                .map(|medium| Arc::new(medium.grid(&frame.inputs, request.options.center))),
         };
         let surfaces = Surfaces {
             regions: &regions,
@@ -322,7 +323,7 @@ impl SceneResources {
         } else {
             ShortenRequest::default()
         };
-        RegionRequest { programs, ..RegionRequest::of(&self.plan, frame, options) }
+        RegionRequest { programs, ..RegionRequest::of((&self.plan, &self.buffers), frame, options) }
     }
 
     /// The builder of the next frame's regions.

@@ -164,12 +164,10 @@ impl World {
         let medium = medium(&mut graph, (&a, &b), s);
         let picture = picture(&mut graph, &a.picture, &b.picture, s);
         let lights = lights(&mut graph, (&a, &b), s);
-
         let all: Vec<NodeId> = planes.iter().copied().chain(rest.iter().map(|rest| rest[0])).collect();
         let nothing = graph.constant(0.0);
         let distance = all.into_iter().reduce(|a, b| graph.min(a, b)).unwrap_or(nothing);
         graph.check().map_err(graph_error)?;
-        let params = from.scene.params.iter().chain(&to.scene.params).cloned();
         let scene = Scene {
             graph,
             objects: vec![whole(name.clone(), distance)],
@@ -183,7 +181,7 @@ impl World {
             has_own_sky: from.scene.has_own_sky || to.scene.has_own_sky,
             picture,
             about: About::default(),
-            params: params.chain([fraction_param(fraction)]).collect(),
+            params: params(from, to, fraction),
             textures: from.scene.textures.iter().chain(&to.scene.textures).cloned().collect(),
             shapes: from.scene.shapes.iter().chain(&to.scene.shapes).cloned().collect(),
             atlas: from.scene.atlas.joined(&to.scene.atlas).unwrap_or_default(),
@@ -209,6 +207,11 @@ impl World {
     }
 }
 
+fn params(from: &World, to: &World, fraction: f32) -> Vec<Param> {
+    let of_both = from.scene.params.iter().chain(&to.scene.params).cloned();
+    of_both.chain([fraction_param(fraction)]).collect()
+}
+
 fn fraction_param(fraction: f32) -> Param {
     Param {
         name: String::new(),
@@ -223,11 +226,6 @@ fn fraction_param(fraction: f32) -> Param {
 fn whole(name: String, shape: NodeId) -> Object {
     Object { name, span: Default::default(), shape, bound: None, material: 0, trusted: false }
 }
-
-/// The value of [`World::shadow_step_growth`] in blends. A shadow ray that creeps along a surface then travels about 20
-/// units. Tried: the same growth for the distance at which a ray hits, so that rays along the last rock of a tunnel
-/// end. With twice this growth a speck appeared in the sky where there was no surface.
-pub(super) const SHADOW_STEP_GROWTH: f32 = 0.004;
 
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
     let counts = |of: fn(&World) -> usize| of(from) + of(to);
