@@ -131,7 +131,8 @@ pub fn write_video(
         painter.headless_renderer().add_flash_limiter(&request.scene.shaders)?;
     }
     painter.graphs().for_each(|graph| song.know_for(graph));
-    painter.headless_renderer().hear(&song);
+    painter.headless_renderer().hear(&song)?;
+    painter.headless_renderer().expect_video();
     let writer = FrameWriter::start(Sink::open(request)?)?;
     let mut holding = Holding::new(request.gain, request.start);
     let (mut drawn, mut written) = (0, 0);

@@ -9,6 +9,7 @@ use image::RgbaImage;
 use super::camera::SceneCamera;
 use super::edits::Edits;
 use super::fading::{Begun, Fading};
+use super::feedback::FeedbackPace;
 use super::parameters::Parameters;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::{Place, PreparedScenes};
@@ -38,9 +39,11 @@ use mariana_player::Moment;
 /// If a fade is entered after this fraction of its length, the last frame fades out instead of the outgoing scene.
 const LATE_FRACTION: f32 = 0.35;
 
-pub(crate) struct WantedPicture {
+pub(crate) struct WantedPicture<'a> {
     pub moment: Moment,
     pub sound: Sound,
+    /// Returns the sound of an earlier moment, in seconds of the song.
+    pub earlier: &'a dyn Fn(f64) -> Sound,
     pub size: (u32, u32),
     /// Aspect ratio of the window: width divided by height.
     pub aspect: f64,
@@ -91,6 +94,7 @@ pub(crate) struct SceneComposer {
     pub(super) views: Views,
     pub(super) camera: SceneCamera,
     pub(super) edits: Edits,
+    feedback: FeedbackPace,
     /// The pointer over the picture: fractions of the width from the left and of the height from below, and true while
     /// its button is held.
     pointer: ([f32; 2], bool),
@@ -125,6 +129,7 @@ impl SceneComposer {
             views: Views::starting_with(view),
             camera: SceneCamera::default(),
             edits: Edits::default(),
+            feedback: FeedbackPace::default(),
             pointer: ([0.5; 2], false),
             revision: 0,
         }
@@ -138,7 +143,7 @@ impl SceneComposer {
         scenes: &mut PreparedScenes,
         (show, parameters, choice): (&ShowFollower, &Parameters, DrawingChoice),
         renderer: &mut Renderer,
-        picture: &WantedPicture,
+        picture: &WantedPicture<'_>,
         way: (Duration, u64),
     ) -> Result<Option<Drawn>, GpuError> {
         let of = Ingredients { scenes, show, parameters, choice };
@@ -170,7 +175,7 @@ impl SceneComposer {
         &mut self,
         of: Ingredients<'_>,
         renderer: &mut Renderer,
-        picture: &WantedPicture,
+        picture: &WantedPicture<'_>,
         (go, revision): (Duration, u64),
     ) -> Result<Option<Drawn>, GpuError> {
         let Some((id, mode)) = shown(of) else { return Ok(None) };
@@ -206,14 +211,14 @@ impl SceneComposer {
             renderer.put_legend(legend.as_deref())?;
         }
         self.pictures.finish(Some(id), drawn.spent);
-        if self.fading.goes_on_by_itself() {
+        if self.fading.goes_on_by_itself() || self.feedback.take_incomplete() {
             self.revision += 1;
         }
         Ok(Some(drawn))
     }
 
     /// Abandons a frame in progress that is not the wanted one. Returns `true` if no frame is in progress now.
-    fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture) -> bool {
+    fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture<'_>) -> bool {
         let Some((id, mode)) = shown(of) else { return false };
         let now = (id, mode, self.views.choice());
         let is_of_use = |making: &Making| {
@@ -234,7 +239,7 @@ impl SceneComposer {
         of: Ingredients<'_>,
         renderer: &mut Renderer,
         drawn: (u64, Mode, Option<ViewChoice>),
-        picture: &WantedPicture,
+        picture: &WantedPicture<'_>,
         revision: u64,
     ) -> Result<Option<Making>, GpuError> {
         let WantedPicture { moment, size, edges, .. } = *picture;
@@ -272,6 +277,14 @@ impl SceneComposer {
             return Ok(None);
         }
         let frame = self.in_window(frame, scene, picture);
+        if let Some(program) = scene.program(mode).filter(|_| self.views.choice().is_none()) {
+            let mut feedback = std::mem::take(&mut self.feedback);
+            let frame_at = |time: f64| self.earlier_frame(of, (scene, below), (time, &frame), picture);
+            let world = (scene.id, &scene.resources, &**program);
+            let fed = feedback.go_on(renderer, world, (shown.moment.song_time, picture), &frame_at);
+            self.feedback = feedback;
+            fed?;
+        }
         let making = |program| Making {
             of: drawn,
             below: below.map(|below| below.place),
@@ -310,8 +323,33 @@ impl SceneComposer {
         Ok(begun)
     }
 
+    /// Returns the frame at an earlier `time` of the scene of `frame`, with the pictures and texts of `frame`. `below` is
+    /// set for the outgoing scene.
+    fn earlier_frame(
+        &self,
+        of: Ingredients<'_>,
+        (scene, below): (&PreparedScene, Option<&Outgoing>),
+        (time, frame): (f64, &Frame),
+        picture: &WantedPicture<'_>,
+    ) -> Frame {
+        let ((params, camera), orbit) = match below {
+            Some(below) => (
+                self.change.numbers(scene, below, time, of.parameters),
+                self.change.camera(below, time, self.camera.orbit()),
+            ),
+            None => (numbers_of(of, scene, time), self.camera_at(of, time)),
+        };
+        let world = scene.resources.world();
+        let sound = (picture.earlier)(time);
+        let mut earlier = Frame::with_params(world, time, sound, picture.size, &params);
+        earlier.seen_by(world, camera);
+        earlier.pictures.clone_from(&frame.pictures);
+        earlier.inputs.shapes = frame.inputs.shapes.clone();
+        earlier.by_hand(world, orbit).in_window(world, picture.aspect, 1.0).on_screen(world, picture.screen)
+    }
+
     /// Adapts a frame to the window, and adds the moving pictures of its moment.
-    fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture) -> Frame {
+    fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture<'_>) -> Frame {
         let world = scene.resources.world();
         let frame = frame.in_window(world, picture.aspect, picture.quality).on_screen(world, picture.screen);
         self.song_shapes.in_frame(self.textures.in_frame(frame, world), world)

@@ -26,7 +26,7 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [
 
 /// The renderer's own textures and their units (see `shaders/README.md`). The scene's textures use the first units, by
 /// their number ([`scene_texture`]). No program reads two textures with the same unit.
-pub const TEXTURE_UNITS: [(&str, u32); 46] = [
+pub const TEXTURE_UNITS: [(&str, u32); 48] = [
     ("light_swings", 0),
     ("red_swings", 1),
     ("light_ages", 2),
@@ -50,6 +50,8 @@ pub const TEXTURE_UNITS: [(&str, u32); 46] = [
     ("bloom", 13),
     ("before", 14),
     ("blurred", 13),
+    ("last_frame", 13),
+    ("warp_grid", 14),
     ("regions", 13),
     ("tape", 14),
     ("edge_squares", 14),

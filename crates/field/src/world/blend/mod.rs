@@ -97,6 +97,12 @@ pub enum BlendError {
         /// The limit.
         max: usize,
     },
+    /// A scene depends on its earlier frames, which a blend does not have.
+    #[error("the scene {scene} shows its last frame, so it cannot melt or open a portal: fade instead")]
+    Feedback {
+        /// The scene.
+        scene: String,
+    },
     /// The blended scene exceeds the limits of expressions.
     #[error(transparent)]
     World(#[from] WorldError),
@@ -124,7 +130,7 @@ impl World {
     /// the default `fraction`.
     ///
     /// # Errors
-    /// Returns a [`BlendError`] if the two worlds together exceed a limit.
+    /// Returns a [`BlendError`] if the two worlds together exceed a limit, or one of them depends on earlier frames.
     pub fn blend(
         from: &World,
         to: &World,
@@ -132,6 +138,9 @@ impl World {
         alignment: &Alignment,
         fraction: f32,
     ) -> Result<World, BlendError> {
+        if let Some(world) = [from, to].into_iter().find(|world| world.frame_tape.feedback.is_some()) {
+            return Err(BlendError::Feedback { scene: world.name.clone() });
+        }
         within_limits(from, to)?;
         let name = format!("{} into {}", from.name, to.name);
         let mut graph = Graph::new();
