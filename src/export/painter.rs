@@ -171,7 +171,7 @@ impl HeadlessRenderer {
         if self.view.is_some() {
             return Ok(());
         }
-        while let Some(request) = self.renderer.feedback_before(resources, (time, size), self.is_video) {
+        while let Some(request) = self.renderer.feedback_before(resources, (0, time), size, self.is_video) {
             let sound = match &mut self.earlier {
                 Some(earlier) => earlier.at(request.time)?,
                 None => sound.clone(),

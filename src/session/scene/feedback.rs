@@ -38,7 +38,8 @@ impl FeedbackPace {
         let size = picture.screen.size.map(|side| side as u32);
         let begun = clock::now();
         for _ in 0..FRAMES_MAX {
-            let Some(request) = renderer.feedback_before(scene, (time, (size[0], size[1])), true) else {
+            let moment = (picture.moment.track, time);
+            let Some(request) = renderer.feedback_before(scene, moment, (size[0], size[1]), true) else {
                 break;
             };
             let mut frame = frame_at(request.time);
@@ -49,8 +50,9 @@ impl FeedbackPace {
             }
         }
         let missing = scene.missing_feedback(time);
-        let falls_behind = self.last.is_some_and(|(last, before)| last == id && before <= missing);
-        if falls_behind && missing > MISSING_MAX {
+        // The first image after a seek may lack many frames.
+        let lacked = self.last.filter(|(last, _)| *last == id).map_or(0, |(_, lacked)| lacked);
+        if lacked > MISSING_MAX && missing >= lacked {
             scene.skip_feedback(time);
         }
         self.last = Some((id, missing));

@@ -4,9 +4,12 @@
 //! The CPU computes `warp` on a coarse grid, as MilkDrop does, so that no shader depends on the scene, and both modes
 //! warp alike.
 
-use crate::graph::{FrameInputs, Graph, ScreenInput};
-use crate::lang::{Picture, Scene};
-use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE};
+use std::sync::Arc;
+
+use super::World;
+use crate::graph::{FrameInputs, Graph, NodeId, Point, Screen, ScreenInput, SoundInputs, TextureReader};
+use crate::lang::{Diagnostic, Picture, Scene};
+use crate::limits::{FEEDBACK_DECAY_MAX, FEEDBACK_FRAMES_MAX, FEEDBACK_RATE, LAST_LIGHT_MAX};
 use crate::tape::{Batch, Points, Tape, TapeError, TapeOptions};
 
 /// Columns and rows of the cells of the grid.
@@ -70,6 +73,60 @@ impl Feedback {
     }
 }
 
+/// Any last frame with the same light everywhere, as a fraction of the brightest light.
+#[derive(Debug)]
+struct EvenLight(f32);
+
+impl TextureReader for EvenLight {
+    fn read(&self, _texture: u16, _channel: u8, _u: f32, _v: f32) -> f32 {
+        self.0
+    }
+}
+
+/// A scene keeps the light of its last frame if it reads it at least this bright.
+const GAIN: f32 = 1.001;
+/// Columns and rows of the pixels that are tried.
+const TRIED: (u16, u16) = (7, 5);
+
+impl World {
+    /// Returns a warning if the sky or a shining material is brighter than the last frame that it reads, so that light
+    /// grows up to its limit: tried at some pixels, in silence and in the loudest sound.
+    pub fn feedback_warning(&self) -> Option<Diagnostic> {
+        let texture = self.scene.textures.iter().find(|texture| texture.is_last_frame())?;
+        let emissions = self.scene.materials.iter().flat_map(|material| material.emission);
+        let roots: Vec<NodeId> = self.scene.sky.color.into_iter().chain(emissions).collect();
+        let screen = Screen::of_size((160, 90));
+        let (fractions, silence) = ([0.25, 0.5], SoundInputs::SILENCE);
+        let loud = SoundInputs::each(|input| input.range().1.min(1.0));
+        let mut gain: f32 = 0.0;
+        for sound in [silence, loud] {
+            let of = |fraction| FrameInputs {
+                textures: Some(Arc::new(EvenLight(fraction))),
+                params: self.scene.params.iter().map(|param| param.default).collect(),
+                shapes: self.scene.atlas.clone(),
+                sound,
+                screen,
+                time: 1.0,
+                ..FrameInputs::default()
+            };
+            let frames = fractions.map(of);
+            for at in 0..TRIED.0 * TRIED.1 {
+                let [column, row] = [at % TRIED.0, at / TRIED.0].map(|at| f32::from(at) + 0.5);
+                let position = [column / f32::from(TRIED.0) * 160.0, row / f32::from(TRIED.1) * 90.0, 0.0];
+                let point = Point { position, normal: [0.0, 0.6, 0.8] };
+                let light = |frame: &FrameInputs| self.scene.graph.evaluate(&roots, &point, frame).ok();
+                let (dim, bright) = (light(&frames[0])?, light(&frames[1])?);
+                let more = (fractions[1] - fractions[0]) * LAST_LIGHT_MAX;
+                let gains = dim.iter().zip(bright).map(|(dim, bright)| (bright - dim) / more);
+                gain = gains.fold(gain, f32::max);
+            }
+        }
+        let message = format!("the last frame gains light: it is shown {gain:.2} times as bright as it was");
+        let hint = format!("multiply `previous` by less than 1; light is limited to {LAST_LIGHT_MAX}");
+        (gain > GAIN).then(|| Diagnostic::warning(texture.span, message).hint(hint))
+    }
+}
+
 /// A place far outside the frame.
 const OUTSIDE: f32 = -1e6;
 
@@ -87,8 +144,6 @@ fn frames_of(picture: &Picture, graph: &Graph, decay: f32, is_read: bool) -> u32
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::Screen;
-    use crate::world::World;
     use crate::world::testing::world_of;
 
     fn of(text: &str) -> Option<Feedback> {
@@ -136,6 +191,30 @@ mod tests {
         assert_eq!(corners("warp = pixel / resolution + vec2(0, t)"), [[0.0, 1.0], [1.0, 1.0], [1.0, 2.0]]);
         assert_eq!(corners("warp = exp(pixel * 100)")[1], [OUTSIDE, 1.0]);
         assert_eq!(corners("warp = exp(pixel * 100) - exp(pixel * 200)")[2], [OUTSIDE; 2]);
+    }
+
+    #[test]
+    fn feedback_that_gains_light_is_warned_of() {
+        let gain = |color: &str| {
+            let world =
+                world_of(&format!("param more = 1 in 0 .. 2\nsky {{ color = {color} }}\nsphere(p, more)"));
+            world.feedback_warning().map(|warning| warning.message)
+        };
+        for color in [
+            "vec3(0.5)",
+            "0.99 * previous(vec2(0.5))",
+            "bass + (0.9 - 0.2 * bass) * previous(vec2(pixel.x, 0))",
+        ] {
+            assert_eq!(gain(color), None, "{color}");
+        }
+        for color in [
+            "1.1 * previous(vec2(0.5))",
+            "(0.9 + 0.2 * bass) * previous(vec2(0))",
+            "more * 1.1 * previous(vec2(t))",
+        ] {
+            let shown = "the last frame gains light: it is shown 1.10 times as bright as it was";
+            assert_eq!(gain(color).as_deref(), Some(shown), "{color}");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! ([`crate::frame::feedback`] explains their order).
 //!
 //! They do not depend on the size of the window, its quality or its samples at edges. They are drawn without cells,
-//! because a tree would have to be built for each of them; only formulas that are not distances need one.
+//! because a tree would have to be built for each of them; only the interpreter and formulas that are not distances need one.
 
 use std::rc::Rc;
 
@@ -38,6 +38,8 @@ pub struct FeedbackRequest {
 pub(super) struct SceneFeedback {
     rules: world::Feedback,
     order: FeedbackOrder,
+    /// The song and the size of the histories.
+    of: Option<(u64, (u32, u32))>,
     histories: [Option<Kept>; 2],
     /// The canvas on which frames are drawn.
     pub(super) canvas: Canvas,
@@ -63,6 +65,7 @@ impl SceneFeedback {
         Ok(Some(Self {
             order: FeedbackOrder::new(rules.frames),
             rules,
+            of: None,
             histories: [None, None],
             canvas: Canvas::default(),
             grid: Rc::new(empty_grid(gl)?),
@@ -77,10 +80,14 @@ impl SceneFeedback {
         &self.last
     }
 
-    pub(super) fn request(&mut self, time: f64, size: (u32, u32), ahead: bool) -> Option<FeedbackRequest> {
+    pub(super) fn request(
+        &mut self,
+        (song, time): (u64, f64),
+        size: (u32, u32),
+        ahead: bool,
+    ) -> Option<FeedbackRequest> {
         let size = size_for(size);
-        let known = self.histories.iter().flatten().next().map(|kept| kept.last.size());
-        if known.is_some_and(|known| known != size) {
+        if self.of.replace((song, size)) != Some((song, size)) {
             (self.histories, self.mixed) = ([None, None], None);
             (self.order, self.canvas) = (FeedbackOrder::new(self.rules.frames), Canvas::default());
         }

@@ -221,16 +221,18 @@ impl Renderer {
         Ok(progress)
     }
 
-    /// Returns the next frame of feedback to draw ([`Renderer::draw_feedback`]) before an image at `time` seconds of the
-    /// song, which is shown with `size` pixels; `None` if all are drawn, or the scene needs none. `ahead` is true if
-    /// images of later moments follow.
+    /// Returns the next frame of feedback to draw ([`Renderer::draw_feedback`]) before an image at a moment: the number
+    /// of the song, and the time in seconds. The image is shown with `size` pixels. Returns `None` if all frames are
+    /// drawn, or the scene needs none. Frames of another song or size are forgotten. `ahead` is true if images of later
+    /// moments follow.
     pub fn feedback_before(
         &self,
         scene: &SceneResources,
-        (time, size): (f64, (u32, u32)),
+        (song, time): (u64, f64),
+        size: (u32, u32),
         ahead: bool,
     ) -> Option<FeedbackRequest> {
-        scene.feedback()?.request(time, size, ahead)
+        scene.feedback()?.request((song, time), size, ahead)
     }
 
     /// Draws a frame of feedback. `frame` is the frame at its moment and of its size. A frame in progress is lost.

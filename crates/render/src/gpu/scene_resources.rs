@@ -395,16 +395,15 @@ impl SceneResources {
         self.feedback().iter_mut().for_each(|feedback| feedback.skip_to(time));
     }
 
-    /// Draws without cells, unless the scene needs them. The regions of the last frame stay.
+    /// Draws without cells, unless the scene or the interpreter needs them. The regions of the last frame stay.
     pub(super) fn without_cells<R>(&self, draw: impl FnOnce() -> R) -> R {
-        let (cells, shortens, regions) = (self.with_cells.get(), self.shortens.get(), self.regions());
-        if !self.world.non_lipschitz {
+        let (cells, regions) = (self.with_cells.get(), self.regions());
+        // The interpreter would run whole tapes at every point, which takes longer than to build a tree.
+        if !self.world.non_lipschitz && !self.shortens.get() {
             self.with_cells.set(false);
-            self.shortens.set(false);
         }
         let drawn = draw();
         self.with_cells.set(cells);
-        self.shortens.set(shortens);
         regions.into_iter().for_each(|regions| self.take_regions(regions));
         drawn
     }
