@@ -17,6 +17,10 @@ layout(std140) uniform FrameBlock {
     vec4 frame_screen;      // xy width and height of the picture that the frame is shown as, in pixels; zw the picture's
                             // pixels per pixel of the frame
     vec4 frame_mouse;       // xy the pointer in the picture's pixels, from below; z 1 while its button is held
+    vec4 medium_low;        // xyz lower corner of the media
+    vec4 medium_high;       // xyz upper corner of the media
+    vec4 medium_grid_low;   // xyz lower corner of the grid over the media; w its first texel in the sound tables
+    vec4 medium_grid_scale; // xyz cells of the grid per unit; w upper bound of the density
     vec4 block_planes[PLANES_MAX];       // unit normal, and the distance of the origin; normal 0: no plane
     vec4 lights[4 * LIGHTS_MAX];        // position, w its kind (for a sun xyz is the direction of its rays); colour, w
                                         // radius; half the right side, w range or 0; half the upper side, w fraction
@@ -32,9 +36,11 @@ layout(std140) uniform FrameBlock {
 
 layout(std140) uniform PassBlock {
     vec4 pass_sample;       // z 0 for each pixel's first sample, at its centre; 1 for a further one, xy from the
-                            // centre, w its number from 0; 2 for packed samples of the pixels in edge_pixels
+                            // centre, w its number from 0; 2 for packed samples of the pixels in edge_pixels;
+                            // 3 for the media, in texels of 2 x 2 pixels, w the number of layers
     vec4 pass_list;         // xy size of a block in texels, one texel for each sample of a pixel; z radius of the beam
-                            // around each sample's ray, in half widths of a pixel
+                            // around each sample's ray, in half widths of a pixel; w height of a layer of media in
+                            // texels
     vec4 pass_places[8];    // xy and zw: positions of samples from their pixel's centre
 };
 

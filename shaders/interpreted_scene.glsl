@@ -6,6 +6,7 @@
 const int SKY_PROGRAM = 0;
 const int AMBIENT_PROGRAM = 1;
 const int GLOW_PROGRAM = 2;
+const int MEDIUM_PROGRAM = 3;
 const int MATERIAL_PROGRAMS = 4;
 
 void scene_load() {}
@@ -184,6 +185,15 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     s.material = READ_MATERIAL(head);
     return s;
 }
+
+#ifdef MEDIA
+Medium scene_medium(vec3 p) {
+    Place here = Place(p, vec3(0.0));
+    uvec4 head = run_program(program_at(MEDIUM_PROGRAM, p), here, here, here);
+    return Medium(READ(head.x, 0), vec3(READ(head.x, 1), READ(head.x, 2), READ(head.x, 3)),
+                  vec3(READ(head.y, 0), READ(head.y, 1), READ(head.y, 2)), READ(head.y, 3));
+}
+#endif
 
 // Tried: one call of run_program for materials, light and sky. It saves 9 to 14 % of the code. But the sky must then be
 // computed before the lights, which costs every compiled scene a wave on Vega.

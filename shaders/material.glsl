@@ -11,3 +11,11 @@ struct Surface {
     float open;         // fraction of the ambient light that arrives
     vec3 glow;          // light from shining objects that block ambient light
 };
+
+// The sum of all media at a point (media.glsl).
+struct Medium {
+    float density;      // fraction of light that is lost per unit of length
+    vec3 scattered;     // fraction that is scattered per unit of length
+    vec3 emitted;       // light per unit of length: emission and scattered ambient light
+    float phase;        // direction of scattering, -1 backward .. 1 forward
+};

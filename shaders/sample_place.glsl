@@ -2,6 +2,20 @@
 
 uniform usampler2D edge_pixels;     // the pixel of each block of samples, and the bits of its beam's free distance
 
+// True for the pass of media, whose texels are 2 x 2 pixels of the frame.
+bool is_medium_pass() {
+#ifdef MEDIA
+    return pass_sample.z > 2.5;
+#else
+    return false;
+#endif
+}
+
+// Returns the place of a texel of the pass of media in its layer.
+vec2 medium_texel_place() {
+    return vec2(gl_FragCoord.x, mod(gl_FragCoord.y, pass_list.w));
+}
+
 // Returns the number of a texel among the further samples of its block.
 int block_sample() {
     ivec2 block = ivec2(pass_list.xy);
@@ -11,7 +25,7 @@ int block_sample() {
 
 // Returns the number of this sample within its pixel, starting at 0.
 float sample_number() {
-    if (pass_sample.z < 0.5) return 0.0;
+    if (pass_sample.z < 0.5 || is_medium_pass()) return 0.0;
     return 1.0 + (pass_sample.z > 1.5 ? float(block_sample()) : pass_sample.w);
 }
 
@@ -22,6 +36,7 @@ uvec4 listed_pixel() {
 // Returns the position of the sample in pixels from the frame's lower left corner.
 vec2 sample_place() {
     if (pass_sample.z < 0.5) return gl_FragCoord.xy;
+    if (is_medium_pass()) return 2.0 * medium_texel_place();
     if (pass_sample.z < 1.5) return gl_FragCoord.xy + pass_sample.xy;
     int number = block_sample();
     vec4 pair = pass_places[number >> 1];
@@ -35,7 +50,7 @@ vec2 picture_pixel() {
 
 // Returns the bits of the free distance and the steps at which this sample's ray starts (sphere_tracing.glsl).
 uint sample_start() {
-    if (pass_sample.z < 1.5) return 0u;
+    if (pass_sample.z < 1.5 || is_medium_pass()) return 0u;
     uvec2 halves = listed_pixel().zw;
     return (halves.x << 16) | halves.y;
 }

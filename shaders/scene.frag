@@ -17,6 +17,10 @@
 #include "shadow.glsl"
 #include "light.glsl"
 #include "sample_light.glsl"
+#if defined(MEDIA) && !defined(VIEWS)
+#define DRAWS_MEDIA
+#include "media.glsl"
+#endif
 #ifdef VIEWS
 #include "view.glsl"
 #endif
@@ -25,7 +29,7 @@ layout(location = 0) out vec4 sample_color;         // see sample_light.glsl; th
 #if defined(COUNT_EVALUATIONS) && !defined(VIEWS)
 layout(location = 1) out vec4 evaluations;          // primary, reflection, normal, shadow
 layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, clauses, lookups of cells
-layout(location = 3) out vec4 more_clauses;         // of materials and light, 0, 0, 0
+layout(location = 3) out vec4 more_clauses;         // of materials and light; evaluations of media, steps through media, 0
 #endif
 
 #if defined(LENS) && !defined(COUNT_EVALUATIONS)
@@ -38,8 +42,8 @@ float spread_at(float nearness) {
     return clamp(picture_lens.x * (picture_lens.y - nearness) / (2.0 * camera_position.w), -limit, limit);
 }
 #endif
-#if defined(BEAMS) && !defined(VIEWS)
-// The free distance of the pixel's beam. It must be the last output (crates/render/src/gpu/renderer.rs).
+#if (defined(BEAMS) || defined(MEDIA)) && !defined(VIEWS)
+// The free distance of the pixel's beam or, in the pass of media, the distance at which the ray ends. It must be the last output (crates/render/src/gpu/renderer.rs).
 #if defined(COUNT_EVALUATIONS)
 layout(location = 4) out float sample_beam;
 #elif defined(LENS)
@@ -130,6 +134,13 @@ vec3 facet(vec3 normal, float alpha, vec2 random) {
 }
 #endif
 
+#ifdef DRAWS_MEDIA
+// Results of the pass of media: the distance at which the ray ends, with the fraction that is left of mirrored light in
+// the last bits, and the fraction that is left of the light behind the medium.
+float medium_ray = 0.0;
+float medium_left = 1.0;
+#endif
+
 // Returns the light along a ray from the eye. There is a single loop over the path's surfaces, so that a driver
 // compiles tracing and shading once.
 vec3 scene_color(vec3 origin, vec3 direction) {
@@ -140,9 +151,30 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     float blurred = 0.0;
     vec3 throughput = vec3(1.0);
     vec3 color = vec3(0.0);
+#ifdef DRAWS_MEDIA
+    SeenMedium medium = SeenMedium(vec3(0.0), 1.0, 1.0, FAR);
+#endif
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
+#ifdef DRAWS_MEDIA
+        float end = hit.met ? hit.t : FAR;
+        if (is_medium_pass()) {
+            vec4 along = medium_along(origin, direction, end, cone, medium_pattern());
+            color += throughput * along.rgb;
+            throughput *= along.a;
+            if (surface == 0) {
+                medium.left = along.a;
+                medium.end = end;
+            } else {
+                medium.left_of_mirrored = along.a;
+            }
+        } else if (surface == 0) {
+            medium = medium_seen(sample_place(), end);
+        } else if (surface == 1) {
+            throughput *= medium.left_of_mirrored;
+        }
+#endif
         // The offsets from the ray's end to the rays of the pixels to the right and above, not yet projected onto the
         // surface.
         float reached = travelled + (hit.met ? hit.t : 1.0);
@@ -177,7 +209,8 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             grazing *= min(m.reflect * (1.0 / FAINT), 1.0);
 #endif
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
-            if (max(kept.r, max(kept.g, kept.b)) > fraction_min) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
+            bool is_lit = !is_medium_pass() && max(kept.r, max(kept.g, kept.b)) > fraction_min;
+            if (is_lit) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
             // Metals tint their mirror images.
             throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);
             origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
@@ -199,14 +232,28 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         // Only the background is transparent: mirrors still show the sky.
         if (surface == 0) sky_fraction = vec3(0.0);
 #endif
+        if (is_medium_pass()) sky_fraction = vec3(0.0);
         if (max(sky_fraction.r, max(sky_fraction.g, sky_fraction.b)) > 0.0) {
             // `reached` is 0 if the camera is inside an object.
             float scale = 1.0 / max(reached, 1e-6);
             color += sky_fraction * light_of(sky_color(direction, dx * scale, dy * scale));
         }
         if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < fraction_min) break;
+        if (is_medium_pass() && surface == 1) break;
         direction = mirrored;
     }
+#ifdef DRAWS_MEDIA
+    if (is_medium_pass()) {
+        medium_ray = packed_end(medium);
+        medium_left = medium.left;
+    } else {
+#ifdef COVERAGE
+        color = 1.0 - medium.left * (1.0 - color);
+#else
+        color = medium.left * color + medium.light;
+#endif
+    }
+#endif
     return color;
 }
 
@@ -226,9 +273,13 @@ void main() {
     sample_color = vec4(light_of(view_color(direction)), 1.0);
 #else
     sample_color = stored_sample(color, surface_key + seen_rough, pass_sample.z > 0.5);
+#ifdef DRAWS_MEDIA
+    sample_beam = medium_ray;
+    if (is_medium_pass()) sample_color = vec4(storable(color), medium_left);
+#endif
 #ifdef BEAMS
     // The last bits hold the number of steps.
-    sample_beam = uintBitsToFloat((floatBitsToUint(beam_free) & ~STEPS_BITS) | uint(min(beam_steps, int(STEPS_BITS))));
+    if (!is_medium_pass()) sample_beam = uintBitsToFloat((floatBitsToUint(beam_free) & ~STEPS_BITS) | uint(min(beam_steps, int(STEPS_BITS))));
 #endif
 #endif
 #if defined(LENS) && !defined(COUNT_EVALUATIONS)
@@ -241,6 +292,6 @@ void main() {
 #endif
     evaluations = vec4(count_primary, count_reflection, count_normal, count_shadow);
     more_evaluations = vec4(count_occlusion, count_capped, CLAUSES_RUN, count_lookups);
-    more_clauses = vec4(SURFACE_CLAUSES_RUN, 0.0, 0.0, 0.0);
+    more_clauses = vec4(SURFACE_CLAUSES_RUN, count_medium, count_medium_steps, 0.0);
 #endif
 }

@@ -13,6 +13,7 @@ use crate::support::test_renderer::{driver, driver_of, ready, speakers};
 use mariana::gpu::api::Api;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
+use mariana::gpu::media::{MEDIA_FILTER_SHADER, media_filter_variant};
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
 use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
@@ -31,11 +32,13 @@ const NON_LIPSCHITZ: &str = "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
 
 const EVERYTHING: &str = "material m { color = 0.5  reflect = 0.5  blur = 0.3  emission = vec3(0.1) }\n\
                           object ball { shape = sphere(p, 1)  material = m }\n\
+                          medium fog { density = 0.1 + 0.05 * noise(p)  shape = abs(y) - 2 }\n\
                           light panel { position = vec3(0, 3, 0)  right = vec3(1, 0, 0)  up = vec3(0, 0, 1) }\n\
                           camera { aperture = 0.05 }";
 
 /// Defines of the scene shader's variants. At least one case must use each define.
-const DEFINES: [&str; 10] = [
+const DEFINES: [&str; 11] = [
+    "MEDIA",
     "NON_LIPSCHITZ",
     "BLUR",
     "LENS",
@@ -92,6 +95,13 @@ fn cases() -> Vec<Case> {
             Case { name, file, variant: Variant::of(defines), interpreted: false, software: true }
         })
         .collect();
+    cases.push(Case {
+        name: MEDIA_FILTER_SHADER.into(),
+        file: MEDIA_FILTER_SHADER,
+        variant: media_filter_variant(),
+        interpreted: false,
+        software: true,
+    });
     for counting in [Counting::Off, Counting::On] {
         for scene in [speakers(), SceneSource::Formula(FORMULA.into())] {
             cases.push(scene_case(&scene, Mode::Compiled, false, counting));

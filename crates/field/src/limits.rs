@@ -33,6 +33,8 @@ pub struct Limits {
     pub scene_params_max: usize,
     /// Maximum number of textures of a scene. OpenGL 3.3 guarantees that a fragment shader can use 16.
     pub scene_textures_max: usize,
+    /// Maximum number of textures of a scene with media, which need two texture units of their own.
+    pub scene_textures_beside_media_max: usize,
     /// Maximum number of different texts and pictures that the shapes of a scene read.
     pub scene_shapes_max: usize,
     /// Maximum number of letters in a text that is a shape.
@@ -43,6 +45,8 @@ pub struct Limits {
     pub scene_materials_max: usize,
     /// Maximum number of lights of a scene.
     pub scene_lights_max: usize,
+    /// Maximum number of media of a scene, such as fog and clouds.
+    pub scene_media_max: usize,
     /// Maximum number of named cameras of a scene.
     pub scene_cameras_max: usize,
     /// Maximum number of values that are computed once per frame. Further values are computed at every point.
@@ -75,11 +79,13 @@ pub const LIMITS: Limits = Limits {
     scene_includes_max: 64,
     scene_params_max: 64,
     scene_textures_max: 12,
+    scene_textures_beside_media_max: 10,
     scene_shapes_max: 16,
     shape_letters_max: 200,
     scene_objects_max: 256,
     scene_materials_max: 64,
     scene_lights_max: 16,
+    scene_media_max: 8,
     scene_cameras_max: 16,
     hoisted_max: 256,
 };

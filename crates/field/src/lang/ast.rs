@@ -262,6 +262,7 @@ pub(super) enum Section {
     Object,
     Material,
     Light,
+    Medium,
     Camera,
     Sky,
     Picture,
@@ -325,6 +326,8 @@ pub enum NameKind {
     Material,
     /// A light.
     Light,
+    /// A medium.
+    Medium,
     /// A camera.
     Camera,
 }

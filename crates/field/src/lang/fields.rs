@@ -49,7 +49,7 @@ impl Field {
     /// True if the field's three numbers are the colour of light or of a surface.
     pub fn is_color(&self) -> bool {
         let of_material = matches!(self.range, Some(MaterialRange::Reflectance | MaterialRange::Light));
-        self.holds == Holds::Vector && (of_material || matches!(self.name, "color" | "ambient"))
+        self.holds == Holds::Vector && (of_material || matches!(self.name, "color" | "ambient" | "emission"))
     }
 }
 

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::about::About;
-use super::builtin::uses::{DIRECTION, EYE, FRAME, NOTHING, PIXEL, SCREEN, TEXTURE};
+use super::builtin::uses::{DIRECTION, EYE, FRAME, NOTHING, PIXEL, POINT, SCREEN, TEXTURE};
 use super::fields::DefaultValue::{Each, Library, Parts};
 use super::fields::section;
 use super::material::Material;
@@ -33,6 +33,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// The lights; at least one.
     pub lights: Vec<Light>,
+    /// The media that fill space, such as fog and clouds.
+    pub media: Vec<Medium>,
     /// The default camera.
     pub camera: Camera,
     /// The named cameras.
@@ -71,6 +73,7 @@ impl Scene {
             && self.distance == other.distance
             && self.materials.iter().map(nameless).eq(other.materials.iter().map(nameless))
             && self.lights == other.lights
+            && self.media == other.media
             && self.camera == other.camera
             && self.cameras.iter().map(|one| &one.1).eq(other.cameras.iter().map(|one| &one.1))
             && (&self.sky, self.has_own_sky, &self.picture) == (&other.sky, other.has_own_sky, &other.picture)
@@ -150,6 +153,24 @@ section! {
     shadow: Number = Each(1.0), FRAME, "Fraction of the light that shadows remove, 0..1.";
     right: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its right side; else 0.";
     up: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its upper side; else 0.";
+}
+
+section! {
+    /// A medium: fog, smoke, a cloud, an aurora. Light is absorbed and scattered on its way through the medium.
+    Medium {}
+    density: Number = Each(0.1), POINT | FRAME | EYE,
+        "Fraction of the light that is lost per unit of length, in thin fog: light falls to 1/e over a length of \
+         1 / density.";
+    color: Vector = Each(1.0), POINT | FRAME | EYE, "The colour of the scattered light, 0..1.";
+    scatter: Number = Each(1.0), POINT | FRAME | EYE,
+        "Fraction of the lost light that is scattered, 0 dark smoke .. 1 fog; the rest is absorbed.";
+    emission: Vector = Each(0.0), POINT | FRAME | EYE,
+        "Light that the medium emits per unit of length, whatever its density is.";
+    phase: Number = Each(0.0), POINT | FRAME | EYE,
+        "The direction in which light is scattered: 0 all directions alike, towards 1 forward, so that fog is bright \
+         around a light, towards -1 backward.";
+    shape: Number = Each(-1.0), POINT | FRAME | EYE,
+        "Distance to the space that the medium fills. Outside of that space there is no medium.";
 }
 
 section! {

@@ -51,6 +51,7 @@ mod lanes;
 mod linear;
 mod listing;
 mod lives;
+mod medium;
 mod part;
 mod program;
 mod prune;
@@ -60,6 +61,7 @@ pub(crate) mod surface;
 mod tree;
 
 pub use listing::ListedClause;
+pub use medium::{MEDIUM_SIDE, MediumGrid, MediumPlan};
 pub use part::Part;
 pub use read::Cell;
 #[cfg(test)]
@@ -182,6 +184,7 @@ pub struct RegionPlan {
     steepest: Option<f32>,
     runs: bool,
     whole_texels: usize,
+    medium: Option<MediumPlan>,
 }
 
 impl RegionPlan {
@@ -190,13 +193,15 @@ impl RegionPlan {
         let [bound, estimate] = world.roots.distance;
         let roots = [bound, estimate, world.roots.object];
         let bounds = world.bounds.map(|bounds| (bounds.low, bounds.high));
-        Self::of(
-            &world.graph,
-            roots,
-            bounds,
-            world.has_rest,
-            world.non_lipschitz.then_some(world.slopes.steepest),
-        )
+        let steepest = world.non_lipschitz.then_some(world.slopes.steepest);
+        // Cannot fail: a world's graph is already checked.
+        let medium = MediumPlan::new(world).unwrap_or_default();
+        Self { medium, ..Self::of(&world.graph, roots, bounds, world.has_rest, steepest) }
+    }
+
+    /// Returns the plan of the grid over the media; `None` without media.
+    pub fn medium(&self) -> Option<&MediumPlan> {
+        self.medium.as_ref()
     }
 
     /// `steepest` is [`Slopes::steepest`](crate::world::Slopes::steepest) if the bound is not a distance.
@@ -222,6 +227,7 @@ impl RegionPlan {
             steepest,
             runs: true,
             whole_texels: 0,
+            medium: None,
         };
         // With unknown numbers nothing is folded, so this program has all operators and registers of every frame's
         // program.

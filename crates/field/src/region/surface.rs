@@ -203,7 +203,7 @@ impl SurfacePlan {
         self.reads.key(frame)
     }
 
-    fn folded(&self, frame: &FrameInputs) -> Program {
+    pub(super) fn folded(&self, frame: &FrameInputs) -> Program {
         let mut program = Program {
             inputs: OF_POINT + 4 * self.textures,
             in_registers: OF_POINT,
@@ -250,7 +250,7 @@ impl<'a> Shortener<'a> {
         room: usize,
     ) -> Self {
         let may_meet = |cell: usize| {
-            let place = [cell % SIDE, cell / SIDE % SIDE, cell / (SIDE * SIDE)];
+            let place = place_of(cell, SIDE);
             let sides = std::array::from_fn(|axis| grid.span(axis, place[axis], place[axis] + 1, FARTHEST));
             surfaces.is_none_or(|surfaces| surfaces.may_meet(sides))
         };
@@ -415,6 +415,11 @@ impl<'a> Shortener<'a> {
 /// Number of texels in addition to a tape's clauses: the header, and one texel for each texture.
 fn beside(program: &Program) -> usize {
     1 + (program.inputs - program.in_registers) / 4
+}
+
+/// Returns the place of a cell of a grid with `side` cells along each axis.
+pub(super) fn place_of(cell: usize, side: usize) -> [usize; 3] {
+    [cell % side, cell / side % side, cell / (side * side)]
 }
 
 fn number_of([x, y, z]: [usize; 3]) -> usize {

@@ -45,6 +45,7 @@ impl World {
             glsl::function(graph, &roots.glow, "glow", Sampling::AlongPosition),
         ]
         .into_iter()
+        .chain(roots.medium.iter().map(|medium| glsl::function(graph, medium, "medium", Sampling::None)))
         .chain(materials.map(|(index, material)| {
             glsl::function(graph, material, &format!("material_{index}"), Sampling::AlongPosition)
         }));
@@ -83,6 +84,13 @@ impl World {
             "vec4 scene_glow(vec3 p, vec3 dx, vec3 dy) {\n    vec4 light;\n    glow(p, vec3(0.0), dx, dy, light.r, light.g, \
              light.b, light.a);\n    return light;\n}\n",
         );
+        if self.roots.medium.is_some() {
+            text.push_str(
+                "Medium scene_medium(vec3 p) {\n    Medium m;\n    medium(p, vec3(0.0), m.density, m.scattered.r, \
+                 m.scattered.g, m.scattered.b, m.emitted.r, m.emitted.g, m.emitted.b, m.phase);\n    \
+                 return m;\n}\n",
+            );
+        }
         text.push_str(
             "Material scene_material(int object, vec3 p, vec3 n, vec3 dx, vec3 dy) {\n    Material m;\n    ",
         );

@@ -2,7 +2,7 @@
 //!
 //! | texel | holds |
 //! |---|---|
-//! | 0 | the addresses of the grids of the sky, the ambient light and the glow |
+//! | 0 | the addresses of the grids of the sky, the ambient light, the glow and the media |
 //! | 1.. | for each object, the address of the grid of its material; four objects in a texel |
 //! | a grid | its lower corner; the number of the last cell along each axis (7, or 0 for a single cell) |
 //! | | cells per unit of length along each axis, 0 |
@@ -26,13 +26,13 @@ use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, SurfacePla
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
 
-/// Number of programs before the programs of materials: sky, ambient light and glow.
-const PROGRAMS_OF_LIGHT: usize = 3;
+/// Number of programs before the programs of materials: sky, ambient light, glow and media.
+const PROGRAMS_OF_LIGHT: usize = 4;
 
 /// The programs that the interpreter shader runs at a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TapeBuffers {
-    /// The programs of sky, ambient light, glow and the materials, in this order.
+    /// The programs of sky, ambient light, glow, media and the materials, in this order.
     programs: Vec<Program>,
     of_objects: Vec<usize>,
     bounds: Option<Bounds>,
@@ -187,8 +187,9 @@ impl TapeBuffers {
             })
             .collect();
         let start = |program: usize| starts.get(program).copied().unwrap_or(0);
-        let directory =
-            [start(0), start(1), start(2), 0].into_iter().chain(self.of_objects.iter().map(|&p| start(p)));
+        let directory = [start(0), start(1), start(2), start(3)]
+            .into_iter()
+            .chain(self.of_objects.iter().map(|&p| start(p)));
         for (to, from) in texels.as_flattened_mut().iter_mut().zip(directory) {
             *to = from;
         }
@@ -260,6 +261,7 @@ impl World {
             (&self.roots.sky[..], Over::Directions),
             (&self.roots.ambient, Over::Directions),
             (&self.roots.glow, Over::Points),
+            (self.roots.medium.as_ref().map_or(&[][..], |medium| &medium[..]), Over::Points),
         ];
         let mut programs = of_light.into_iter().map(program).collect::<Result<Vec<_>, _>>()?;
         for roots in &self.roots.materials {

@@ -17,6 +17,7 @@ mod distance_check;
 mod feedback;
 mod hoist;
 mod interpreted;
+mod media;
 mod nearby_light;
 mod outermost;
 mod planes;
@@ -45,6 +46,7 @@ use image::RgbaImage;
 use crate::graph::{FrameInputs, Graph, GraphError, NodeId, ScreenInput};
 use crate::lang::{Material, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
+use media::MEDIUM_NUMBERS;
 
 /// A reason for which a scene cannot be prepared.
 #[derive(Debug, thiserror::Error)]
@@ -100,6 +102,8 @@ pub struct Roots {
     pub ambient: [NodeId; 3],
     /// The emission near a point, and the distance to the nearest shining object; black if no object shines.
     pub glow: [NodeId; 4],
+    /// The sum of the media at a point (`media`); `None` without media.
+    pub medium: Option<[NodeId; MEDIUM_NUMBERS]>,
 }
 
 impl Roots {
@@ -107,6 +111,7 @@ impl Roots {
     pub fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
         let materials = self.materials.iter().flatten();
         let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient).chain(self.glow);
+        let rest = rest.chain(self.medium.into_iter().flatten());
         self.distance.into_iter().chain(rest).chain(materials.copied())
     }
 
@@ -122,6 +127,7 @@ impl Roots {
             sky: self.sky.map(&new),
             ambient: self.ambient.map(&new),
             glow: self.glow.map(&new),
+            medium: self.medium.map(|numbers| numbers.map(&new)),
         }
     }
 }
@@ -143,6 +149,8 @@ pub struct World {
     pub has_rest: bool,
     /// Bounds of the surfaces that are not planes, for all sounds and times; `None` if unknown.
     pub bounds: Option<Bounds>,
+    /// A box around all media, for all sounds and times. A side without a bound is infinite.
+    pub medium_bounds: Bounds,
     /// True if the value of the surfaces that are not planes is not a distance: its slope is above 1, or far below 1 at
     /// surfaces. Rays then need bounds of the value's slopes.
     pub non_lipschitz: bool,
@@ -191,7 +199,8 @@ impl World {
             None => Traced::default(),
         };
         let glow = nearby_light::nearby_light(&mut scene, traced.non_lipschitz).map_err(graph_error)?;
-        Self::prepared(name, scene, Surfaces { planes, rest, glow }, (traced, frame_tape), pictures)
+        let medium = media::sum(&mut scene).map_err(graph_error)?;
+        Self::prepared(name, scene, Surfaces { planes, rest, glow, medium }, (traced, frame_tape), pictures)
     }
 
     /// Returns this world, seen by the camera with the given index in [`Scene::cameras`]; unchanged if there is no such
@@ -220,15 +229,23 @@ impl World {
     fn prepared(
         name: &str,
         mut scene: Scene,
-        Surfaces { planes, rest, glow }: Surfaces,
+        Surfaces { planes, rest, glow, medium }: Surfaces,
         (traced, frame_tape): (Traced, FrameTape),
         pictures: Vec<Arc<RgbaImage>>,
     ) -> Result<Self, WorldError> {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
-        let (glow, roots) = (glow.is_some(), roots(&mut scene, rest.as_ref(), glow));
+        let medium_bounds = match &medium {
+            Some(medium) => {
+                let any = any_frame(&scene);
+                media::bounds(&mut scene.graph, medium, &any).map_err(graph_error)?
+            }
+            None => Bounds::around([0.0; 3], 0.0),
+        };
+        let lit = (glow.is_some(), medium.is_some());
+        let roots = roots(&mut scene, rest.as_ref(), (glow, medium));
         scene.graph.check().map_err(graph_error)?;
         let Traced { bounds, non_lipschitz, slopes, shadow_step_growth } = traced;
-        let features = SceneFeatures::of(&scene, glow, shadow_step_growth > 0.0);
+        let features = SceneFeatures::of(&scene, lit, shadow_step_growth > 0.0);
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
             name: name.to_owned(),
@@ -236,6 +253,7 @@ impl World {
             bounds,
             non_lipschitz,
             slopes,
+            medium_bounds,
             shadow_step_growth,
             features,
             roots,
@@ -254,6 +272,12 @@ struct Surfaces {
     planes: Vec<Plane>,
     rest: Option<Rest>,
     glow: Option<[NodeId; 4]>,
+    medium: Option<media::MediumRoots>,
+}
+
+/// The inputs of all frames of a scene.
+fn any_frame(scene: &Scene) -> FrameInputs {
+    FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)), &scene.atlas)
 }
 
 /// A normalized value stops growing at this distance from surfaces, as a fraction of half the size of the bounds.
@@ -270,7 +294,7 @@ struct Traced {
 
 impl Traced {
     fn of(scene: &mut Scene, distance: NodeId, frame_tape: &FrameTape) -> Result<Self, TapeError> {
-        let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)), &scene.atlas);
+        let any = any_frame(scene);
         let bounds = bounds::find(&scene.graph, distance, &any)?;
         let Some(checked) = untrusted(scene, distance) else { return Ok(Self { bounds, ..Self::default() }) };
         let tape = Tape::build(&scene.graph, &[checked], &TapeOptions::default())?;
@@ -298,7 +322,11 @@ fn untrusted(scene: &mut Scene, distance: NodeId) -> Option<NodeId> {
     shapes.into_iter().reduce(|a, b| scene.graph.min(a, b))
 }
 
-fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 4]>) -> Roots {
+fn roots(
+    scene: &mut Scene,
+    rest: Option<&Rest>,
+    (glow, medium): (Option<[NodeId; 4]>, Option<media::MediumRoots>),
+) -> Roots {
     let materials = scene.materials.iter().map(Material::numbers).collect();
     let nothing = scene.graph.constant(0.0);
     Roots {
@@ -308,6 +336,7 @@ fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 4]>) -> R
         sky: scene.sky.color,
         ambient: scene.sky.ambient,
         glow: glow.unwrap_or([nothing; 4]),
+        medium,
     }
 }
 

@@ -24,14 +24,26 @@ pub struct SceneFeatures {
     pub blend: bool,
     /// A sky that depends on the picture's pixel.
     pub pixel: bool,
+    /// Fog and other media.
+    pub media: bool,
 }
 
 impl SceneFeatures {
     /// All features.
-    pub const ALL: Self =
-        Self { panels: true, mirrors: true, blur: true, glow: true, lens: true, blend: true, pixel: true };
+    pub const ALL: Self = Self {
+        panels: true,
+        mirrors: true,
+        blur: true,
+        glow: true,
+        lens: true,
+        blend: true,
+        pixel: true,
+        media: true,
+    };
+    /// All features except media, whose code few scenes need.
+    pub const USUAL: Self = Self { media: false, ..Self::ALL };
 
-    pub(super) fn of(scene: &Scene, glow: bool, blend: bool) -> Self {
+    pub(super) fn of(scene: &Scene, (glow, media): (bool, bool), blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
         // The pixel is the position of the sky's program.
         let used = scene.graph.inputs_used(&scene.sky.color);
@@ -43,6 +55,7 @@ impl SceneFeatures {
             glow,
             lens: some(scene.camera.aperture),
             blend,
+            media,
             pixel: used.is_ok_and(|used| used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y)),
         }
     }
@@ -57,6 +70,7 @@ impl SceneFeatures {
             (self.lens, "LENS"),
             (self.blend, "BLEND"),
             (self.pixel, "PIXEL"),
+            (self.media, "MEDIA"),
         ];
         all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }

@@ -1,5 +1,7 @@
 //! Packs a frame into the shaders' `FrameBlock` (std140: all members are vec4, see `shaders/frame_block.glsl`).
 
+use std::sync::Arc;
+
 use super::{Frame, sound_tables};
 use mariana_field::graph::ScreenInput::{MousePressed, MouseX, MouseY};
 use mariana_field::graph::{
@@ -8,13 +10,14 @@ use mariana_field::graph::{
 use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
+use mariana_field::region::{MEDIUM_SIDE, MediumGrid};
 use mariana_field::world::{LightKind, PLANES_MAX, World};
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
 /// Number of vec4 before the block's arrays.
-const HEAD: usize = 14;
+const HEAD: usize = 18;
 const LIGHT: usize = 4;
 const LIGHTS_MAX: usize = FIELD_LIMITS.scene_lights_max;
 const HEARD_QUADS: usize = SoundInput::ALL.len().div_ceil(4);
@@ -29,7 +32,7 @@ pub const FRAME_BLOCK_VECTORS: usize =
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
 /// The defines of `shaders/frame_block.glsl`: the lengths of the block's arrays and of the sound tables.
-pub fn block_defines() -> [String; 13] {
+pub fn block_defines() -> [String; 14] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
@@ -41,6 +44,7 @@ pub fn block_defines() -> [String; 13] {
         format!("WAVEFORM_POINTS {WAVEFORM_POINTS}"),
         format!("HISTORY_POINTS {HISTORY_POINTS}"),
         format!("PART_NUMBERS {}", PartInput::COUNT),
+        format!("MEDIUM_SIDE {MEDIUM_SIDE}"),
         format!("SHAPE_COLUMNS {SHAPE_COLUMNS}"),
         format!("SHAPE_STEP {SHAPE_STEP:?}"),
         format!("SHAPE_NUMBER_COUNT {}", SHAPE_NUMBERS * FRAME_SHAPES_MAX),
@@ -48,7 +52,7 @@ pub fn block_defines() -> [String; 13] {
 }
 
 /// The box of a frame's region tree, a box around all surfaces, and the tape that is valid everywhere.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct RegionTree {
     /// Lower corner of the tree's box.
     pub low: [f32; 3],
@@ -58,6 +62,8 @@ pub struct RegionTree {
     pub bounds: Option<([f32; 3], [f32; 3])>,
     /// First texel of the tape that is valid everywhere. It is below 2^24, so that a float holds it exactly.
     pub whole_tape: u32,
+    /// The grid over the media; `None` without media.
+    pub medium: Option<Arc<MediumGrid>>,
 }
 
 /// The shader divides by the reach of ambient light, so it must not be 0.
@@ -84,13 +90,15 @@ impl Frame {
         for (to, plane) in plane_objects.iter_mut().zip(&world.planes) {
             *to = plane.object as f32;
         }
+        let medium = tree.medium.as_deref();
         let has_cells = tree.size.iter().all(|side| *side > 0.0);
         let per_unit = tree.size.map(|side| if has_cells { ROOT_SIDE / side } else { 1.0 });
+        let media = media(world, medium, sound_tables::texel_count(inputs));
         let mut block = [[0.0; 4]; FRAME_BLOCK_VECTORS];
         let head: [[f32; 4]; HEAD] = [
             [width, height, 1.0 / width, 1.0 / height].map(|value| value as f32),
             xyz(camera.position, pixel_radius),
-            xyz(right, sound_tables::texel_count(inputs) as f64),
+            xyz(right, sound_tables::first_shape(inputs, medium) as f64),
             xyz(up, inputs.shapes.rows() as f64),
             xyz(camera.forward, 0.0),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
@@ -103,6 +111,10 @@ impl Frame {
             [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, world.shadow_step_growth],
             [screen_width, screen_height, screen_width / width as f32, screen_height / height as f32],
             [pointer(MouseX), pointer(MouseY), pointer(MousePressed), 0.0],
+            media[0],
+            media[1],
+            media[2],
+            media[3],
         ];
         let mut rest = &mut block[..];
         put(&mut rest, HEAD, head);
@@ -127,6 +139,23 @@ impl Frame {
             if is_plane { [a, b, c, d].map(|value| (value / slope) as f32) } else { [0.0; 4] }
         })
     }
+}
+
+/// Endless sides of media end at this coordinate, which is finite as all numbers of the block.
+const ENDLESS: f32 = 1e9;
+
+/// The box of the media, and the grid over them, which begins at the texel `first`.
+fn media(world: &World, medium: Option<&MediumGrid>, first: usize) -> [[f32; 4]; 4] {
+    let Some(grid) = medium else { return [[0.0; 4]; 4] };
+    let [low, high] = [world.medium_bounds.low, world.medium_bounds.high]
+        .map(|corner| corner.map(|at| at.clamp(-ENDLESS, ENDLESS)));
+    let scale = grid.size.map(|side| MEDIUM_SIDE as f32 / side);
+    [
+        [low[0], low[1], low[2], 0.0],
+        [high[0], high[1], high[2], 0.0],
+        [grid.low[0], grid.low[1], grid.low[2], first as f32],
+        [scale[0], scale[1], scale[2], grid.densest()],
+    ]
 }
 
 /// The numbers of the kinds of lights, as defines for `shaders/light.glsl`.
@@ -177,7 +206,8 @@ mod tests {
         features.bands[7] = f32::NAN;
         features.volume = [0.25, f32::INFINITY];
         let block = Frame::with_params(&world, f64::NAN, features, (0, 7), &[f32::NAN, 9.0]);
-        let tree = RegionTree { low: [1.0; 3], size: [2.0, 4.0, 8.0], bounds: None, whole_tape: 9 };
+        let tree =
+            RegionTree { low: [1.0; 3], size: [2.0, 4.0, 8.0], bounds: None, whole_tape: 9, medium: None };
         let block = block.block(&world, &tree);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);

@@ -93,7 +93,7 @@ impl Frame {
         inputs.screen = Screen::of_size(size);
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values.camera, aspect(size));
-        let picture = Picture::of(&values, &camera, world.features.lens);
+        let picture = Picture::of(&values, &camera, world.features);
         let mut frame = Self {
             size,
             inputs,
@@ -190,7 +190,7 @@ impl Frame {
             if !world.frame_tape.screen_inputs.is_empty() {
                 self.inputs.hoisted = world.hoisted.values(&self.inputs);
                 self.values.picture = world.frame_tape.values(&self.inputs).picture;
-                self.picture = Picture::of(&self.values, &self.camera, world.features.lens);
+                self.picture = Picture::of(&self.values, &self.camera, world.features);
             }
         }
         self
@@ -204,7 +204,7 @@ impl Frame {
 
     fn see_from(&mut self, world: &World, aspect: f64, orbit: OrbitControls) {
         (self.orbit, self.camera) = (orbit, Camera::by_hand(&self.values.camera, aspect, &orbit));
-        self.picture = Picture::of(&self.values, &self.camera, world.features.lens);
+        self.picture = Picture::of(&self.values, &self.camera, world.features);
         let eye = self.camera.position.as_vec3().to_array();
         // Hoisted values depend on the eye. Their remaining inputs do not change here.
         if self.inputs.eye != eye || self.inputs.hoisted.is_empty() {

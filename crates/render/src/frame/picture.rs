@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use mariana_field::limits::FEEDBACK_DECAY_MAX;
-use mariana_field::world::{FrameValues, ToneMap};
+use mariana_field::world::{FrameValues, SceneFeatures, ToneMap};
 
 /// Number of vec4 in the block.
 pub const PICTURE_BLOCK_VECTORS: usize = 2;
@@ -29,6 +29,8 @@ pub struct Picture {
     pub blur: f32,
     /// The lens, if the scene's lens can blur at any time.
     pub lens: Option<Lens>,
+    /// True if the scene has media, which a pass of their own draws.
+    pub has_media: bool,
 }
 
 /// A thin lens.
@@ -41,9 +43,8 @@ pub struct Lens {
 }
 
 impl Picture {
-    /// The settings that a scene requests in a frame. `has_lens` is [`mariana_field::world::SceneFeatures::lens`].
-    /// Replaces NaN by the setting's default.
-    pub fn of(values: &FrameValues, camera: &Camera, has_lens: bool) -> Self {
+    /// The settings that a scene requests in a frame. Replaces NaN by the setting's default.
+    pub fn of(values: &FrameValues, camera: &Camera, features: SceneFeatures) -> Self {
         let picture = &values.picture;
         let lens = || {
             let asked = f64::from(values.camera.focus);
@@ -59,7 +60,8 @@ impl Picture {
             tone_map: ToneMap::numbered(picture.tone_map),
             decay: within(picture.decay, 0.0, FEEDBACK_DECAY_MAX, 0.0),
             blur: within(picture.blur, 0.0, TRAIL_BLUR_MAX, 0.0),
-            lens: has_lens.then(lens),
+            lens: features.lens.then(lens),
+            has_media: features.media,
         }
     }
 

@@ -1,7 +1,8 @@
-//! Packs the tables for the shaders: spectrum, waveform, numbers of the song's parts, rows of the history, then texts and
-//! pictures as shapes (`shaders/scene_inputs.glsl`). The sound comes first, so that scenes find it at constant places.
+//! Packs the tables for the shaders: spectrum, waveform, numbers of the song's parts, rows of the history, then the grid
+//! over the media, then texts and pictures as shapes (`shaders/scene_inputs.glsl`). The sound comes first, so that scenes find it at constant places.
 
 use mariana_field::graph::{FrameInputs, Op, PartInput, TableData};
+use mariana_field::region::MediumGrid;
 use mariana_field::world::World;
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
@@ -19,8 +20,13 @@ const HISTORY: usize = SPECTRUM_POINTS - 1 + WAVEFORM_POINTS - 1 + PartInput::CO
 /// Shaders always read this number of rows of the history.
 const HISTORY_ROWS_MIN: usize = 4;
 
-/// Number of texels of the sound, after which texts and pictures as shapes begin. These fill rows of
+/// Returns the first texel of texts and pictures as shapes. These fill rows of
 /// [`SHAPE_COLUMNS`](mariana_field::graph::SHAPE_COLUMNS) texels: one with the shapes' numbers, then the patches.
+pub fn first_shape(inputs: &FrameInputs, medium: Option<&MediumGrid>) -> usize {
+    texel_count(inputs) + medium.map_or(0, |grid| grid.densities.len() / 4)
+}
+
+/// Number of texels of the sound, after which the grid over the media begins, four cells in a texel.
 pub fn texel_count(inputs: &FrameInputs) -> usize {
     HISTORY + history_rows(inputs).count().max(HISTORY_ROWS_MIN) * HISTORY_PIECES
 }

@@ -36,6 +36,15 @@ impl EdgeSamples {
         self.places().len()
     }
 
+    /// Number of layers of the pass of media, each with eight steps along a ray. With one layer, fog is slightly grainy.
+    pub fn media_layers(self) -> u32 {
+        match self {
+            EdgeSamples::Two | EdgeSamples::Four => 1,
+            EdgeSamples::Eight => 2,
+            EdgeSamples::Sixteen => 3,
+        }
+    }
+
     /// Offsets from the pixel's centre, in sixteenths of a pixel: Direct3D 11's standard patterns (four samples form a
     /// rotated grid). The pattern of two samples is a line through the centre. Edges parallel to this line stay jagged,
     /// so the line is neither an axis nor a diagonal.

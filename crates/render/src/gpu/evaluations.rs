@@ -30,6 +30,10 @@ pub struct Evaluations {
     pub surface_clauses: f64,
     /// Lookups of the cell that contains a point.
     pub lookups: f64,
+    /// Evaluations of media.
+    pub media: f64,
+    /// Steps through media, including steps through empty space, which need no evaluation.
+    pub media_steps: f64,
     /// Pixels with further samples at edges.
     pub edge_pixels: f64,
 }
@@ -52,6 +56,8 @@ impl Evaluations {
             clauses: self.clauses / pixels,
             surface_clauses: self.surface_clauses / pixels,
             lookups: self.lookups / pixels,
+            media: self.media / pixels,
+            media_steps: self.media_steps / pixels,
             edge_pixels: self.edge_pixels / pixels,
         }
     }

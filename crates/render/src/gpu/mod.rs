@@ -18,6 +18,7 @@ pub mod headless;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub mod heaps;
 mod lens;
+pub mod media;
 mod mode;
 pub mod object;
 mod passes;

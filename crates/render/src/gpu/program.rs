@@ -26,7 +26,9 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [
 
 /// The renderer's own textures and their units (see `shaders/README.md`). The scene's textures use the first units, by
 /// their number ([`scene_texture`]). No program reads two textures with the same unit.
-pub const TEXTURE_UNITS: [(&str, u32); 48] = [
+pub const TEXTURE_UNITS: [(&str, u32); 50] = [
+    ("medium_end", 10),
+    ("medium_light", 11),
     ("light_swings", 0),
     ("red_swings", 1),
     ("light_ages", 2),

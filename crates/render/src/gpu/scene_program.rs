@@ -64,7 +64,7 @@ impl Interpreter {
         Self {
             tapes: interpreter::Variant::universal(),
             regions: RegionVariant::universal(non_lipschitz),
-            features: SceneFeatures::ALL,
+            features: SceneFeatures::USUAL,
         }
     }
 

@@ -27,7 +27,7 @@ use crate::limits::LIMITS;
 use crate::view::setup::Drawn;
 use mariana_field::graph::{FrameInputs, ShapeAtlas};
 use mariana_field::lang::TextureRef;
-use mariana_field::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions, Surfaces};
+use mariana_field::region::{MediumGrid, Part, RegionKey, RegionOptions, RegionPlan, Regions, Surfaces};
 use mariana_field::world::{
     ShortPrograms, ShortenOptions, ShortenRequest, TapeBuffers, World, WorthShortening,
 };
@@ -66,6 +66,8 @@ pub struct RegionRequest {
     pub options: RegionOptions,
     /// The tapes of materials and light to shorten, and the inputs that they read.
     pub programs: ShortenRequest,
+    /// The inputs that the media read; `None` without media.
+    pub medium: Option<RegionKey>,
 }
 
 /// Built regions with their request.
@@ -77,6 +79,8 @@ pub struct BuiltRegions {
     pub regions: Arc<Regions>,
     /// The shortened tapes of materials and light.
     pub programs: ShortPrograms,
+    /// The grid over the media; `None` without media.
+    pub medium: Option<Arc<MediumGrid>>,
     /// The build time.
     pub time: Duration,
     /// The tree's build time multiplied by the number of threads. A reused tree keeps its build time.
@@ -97,7 +101,8 @@ pub struct RegionMaker {
 impl RegionRequest {
     /// The request for a frame's tree, without shortened tapes.
     pub fn of(plan: &RegionPlan, frame: &Frame, options: RegionOptions) -> Self {
-        Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default() }
+        let medium = plan.medium().map(|medium| medium.key(&frame.inputs));
+        Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default(), medium }
     }
 
     fn has_tree_of(&self, other: &Self) -> bool {
@@ -105,7 +110,11 @@ impl RegionRequest {
     }
 
     fn is_served_by(&self, other: &Self) -> bool {
-        self.has_tree_of(other) && self.programs.is_served_by(&other.programs)
+        self.has_tree_of(other) && self.medium == other.medium && self.programs.is_served_by(&other.programs)
+    }
+
+    fn has_medium_of(&self, other: &Self) -> bool {
+        self.medium == other.medium && self.options.center == other.options.center
     }
 }
 
@@ -136,6 +145,13 @@ impl RegionMaker {
             },
             |last| (last.regions.clone(), last.work),
         );
+        let known = self.last.as_ref().filter(|last| last.request.has_medium_of(&request));
+        let medium = match known {
+            Some(last) => last.medium.clone(),
+            None => {
+                self.plan.medium().map(|medium| Arc::new(medium.grid(&frame.inputs, request.options.center)))
+            }
+        };
         let surfaces = Surfaces {
             regions: &regions,
             planes: &frame.values.planes,
@@ -149,7 +165,7 @@ impl RegionMaker {
         } else {
             ShortPrograms::default()
         };
-        BuiltRegions { regions, programs, time: start.elapsed(), work, request }
+        BuiltRegions { regions, programs, medium, time: start.elapsed(), work, request }
     }
 }
 
@@ -347,7 +363,7 @@ impl SceneResources {
             built
         });
         let Regions { low, size, bounds, whole_tape, .. } = *built.regions;
-        RegionTree { low, size, bounds, whole_tape }
+        RegionTree { low, size, bounds, whole_tape, medium: built.medium.clone() }
     }
 
     /// Uploads the tapes, sound tables and moving pictures of a frame whose regions are uploaded already.
@@ -366,7 +382,8 @@ impl SceneResources {
             self.on_gpu.tape.replace(&bytes_of(&texels));
             self.worth.borrow_mut().pass_frame();
         }
-        self.on_gpu.upload_tables(inputs, self.hears_tables);
+        let medium = self.regions().and_then(|built| built.medium.clone());
+        self.on_gpu.upload_tables(inputs, medium, self.hears_tables);
         Ok(())
     }
 
@@ -443,6 +460,8 @@ pub(super) struct SceneLists {
     sound_tables: TexelList,
     /// The uploaded texts and pictures, and their first texel.
     shapes: RefCell<(usize, ShapeAtlas)>,
+    /// The uploaded grid over the media.
+    medium: RefCell<Option<Arc<MediumGrid>>>,
 }
 
 impl SceneLists {
@@ -452,20 +471,27 @@ impl SceneLists {
             regions: TexelList::new(gl, ListTexel::Rgba32U, &[0; 16])?,
             sound_tables: TexelList::new(gl, ListTexel::Rgba32F, &floats_as_bytes(sound))?,
             shapes: RefCell::new((0, ShapeAtlas::NONE)),
+            medium: RefCell::new(None),
         })
     }
 
-    /// Uploads the texts and pictures if they have changed, and the tables of the sound if the scene reads them.
-    fn upload_tables(&self, inputs: &FrameInputs, hears_tables: bool) {
-        let first = sound_tables::texel_count(inputs);
+    /// Uploads the texts and pictures and the grid over the media if they have changed, and the tables of the sound if
+    /// the scene reads them.
+    fn upload_tables(&self, inputs: &FrameInputs, medium: Option<Arc<MediumGrid>>, hears_tables: bool) {
+        let first = sound_tables::first_shape(inputs, medium.as_deref());
         let are_known = {
             let (place, shapes) = &*self.shapes.borrow();
             *shapes == inputs.shapes && (shapes.rows() == 0 || *place == first)
         };
-        if are_known && !hears_tables {
+        let is_same = *self.medium.borrow() == medium;
+        if are_known && is_same && !hears_tables {
             return;
         }
         let mut bytes = floats_as_bytes(&sound_tables::texels(inputs));
+        bytes.extend(
+            medium.iter().flat_map(|grid| grid.densities.iter().flat_map(|value| value.to_ne_bytes())),
+        );
+        *self.medium.borrow_mut() = medium;
         if are_known && inputs.shapes.rows() > 0 {
             self.sound_tables.replace_start(&bytes);
             return;

@@ -8,6 +8,7 @@ use mariana::ending::begin_to_leave;
 use mariana::gpu::cell_use::CellUse;
 use mariana::gpu::flash_pass::FLASH_SHADERS;
 use mariana::gpu::headless::Headless;
+use mariana::gpu::media::{MEDIA_FILTER_SHADER, media_filter_variant};
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
@@ -55,6 +56,10 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
         if is_wanted(&name) {
             found.push(Wanted { name, file, variant: Variant::of(defines) });
         }
+    }
+    if is_wanted(MEDIA_FILTER_SHADER) {
+        let variant = media_filter_variant();
+        found.push(Wanted { name: MEDIA_FILTER_SHADER.to_owned(), file: MEDIA_FILTER_SHADER, variant });
     }
     let shipped = shipped_names().into_iter().map(|name| (name.clone(), SceneSource::Shipped(name)));
     let formula = ("a plane and a ball".to_owned(), SceneSource::Formula(FORMULA.into()));

@@ -18,6 +18,7 @@ impl<'a> SceneBuilder<'a> {
         let named_max = limits.scene_objects_max
             + limits.scene_materials_max
             + limits.scene_lights_max
+            + limits.scene_media_max
             + limits.scene_cameras_max;
         for item in items {
             match item {

@@ -8,7 +8,7 @@ use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
 use super::super::material::Material;
 use super::super::origins::Stretch;
-use super::super::scene::{Camera, Light, LightKind, Object, Param, Picture, Scene, Sky};
+use super::super::scene::{Camera, Light, LightKind, Medium, Object, Param, Picture, Scene, Sky};
 use super::super::source::{Sources, Span};
 use super::lowering::Lowering;
 use super::sections::Values;
@@ -19,6 +19,7 @@ pub(super) struct Parts {
     pub objects: Vec<Object>,
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
+    pub media: Vec<Medium>,
     pub camera: Option<Camera>,
     pub cameras: Vec<(String, Camera)>,
     pub sky: Option<Sky>,
@@ -74,6 +75,7 @@ impl<'a> SceneBuilder<'a> {
                 }
             }
         }
+        self.check_textures_beside_media();
         self.check_the_unused();
         self.check_the_graph();
         let distance = self.distance(sources)?;
@@ -93,6 +95,7 @@ impl<'a> SceneBuilder<'a> {
             distance,
             materials: self.parts.materials,
             lights: self.parts.lights,
+            media: self.parts.media,
             camera,
             cameras: self.parts.cameras,
             sky,
@@ -120,6 +123,18 @@ impl<'a> SceneBuilder<'a> {
         });
     }
 
+    /// Reports textures beyond the limit for scenes with media.
+    fn check_textures_beside_media(&mut self) {
+        let max = self.lowering.limits.scene_textures_beside_media_max;
+        if let Some(texture) = self.lowering.declared.textures.get(max)
+            && !self.parts.media.is_empty()
+        {
+            let message = format!("a scene with a medium can read at most {max} images");
+            let beyond = Diagnostic::over_limit(texture.span, message);
+            self.lowering.reports.add(beyond.hint("combine several images into one file"));
+        }
+    }
+
     fn check_the_graph(&mut self) {
         if let Err(error) = self.lowering.graph.check()
             && !self.lowering.reports.stopped
@@ -135,7 +150,7 @@ impl<'a> SceneBuilder<'a> {
     fn distance(&mut self, sources: &Sources) -> Option<NodeId> {
         let shapes: Vec<NodeId> = self.parts.objects.iter().map(|object| object.shape).collect();
         let distance = shapes.into_iter().reduce(|a, b| self.lowering.graph.min(a, b));
-        if distance.is_none() && self.parts.sky.is_some() {
+        if distance.is_none() && (self.parts.sky.is_some() || !self.parts.media.is_empty()) {
             // Shaders need a material, even if no ray meets a surface.
             self.default_material();
             return Some(self.lowering.constant(NOWHERE));

@@ -10,7 +10,7 @@ use super::super::diagnostic::Diagnostic;
 use super::super::fields::{DefaultValue, Field, Holds};
 use super::super::material::Material;
 use super::super::origins::Stretch;
-use super::super::scene::{Camera, Light, Picture, Sky, ToneMap};
+use super::super::scene::{Camera, Light, Medium, Picture, Sky, ToneMap};
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
@@ -53,6 +53,7 @@ fn fields(section: Section) -> &'static [Field] {
         Section::Object => OBJECT,
         Section::Material => Material::FIELDS,
         Section::Light => Light::FIELDS,
+        Section::Medium => Medium::FIELDS,
         Section::Camera => Camera::FIELDS,
         Section::Sky => Sky::FIELDS,
         Section::Picture => Picture::FIELDS,
@@ -60,10 +61,11 @@ fn fields(section: Section) -> &'static [Field] {
     }
 }
 
-const SECTIONS: [Section; 7] = [
+const SECTIONS: [Section; 8] = [
     Section::Object,
     Section::Material,
     Section::Light,
+    Section::Medium,
     Section::Camera,
     Section::Sky,
     Section::Picture,
@@ -84,6 +86,7 @@ pub(in crate::lang) fn word(section: Section) -> &'static str {
         Section::Object => "object",
         Section::Material => "material",
         Section::Light => "light",
+        Section::Medium => "medium",
         Section::Camera => "camera",
         Section::Sky => "sky",
         Section::Picture => "picture",
@@ -96,6 +99,7 @@ fn place(section: Section) -> &'static str {
         Section::Object => "a shape",
         Section::Material => "a material",
         Section::Light => "a light",
+        Section::Medium => "a medium",
         Section::Camera => "the camera",
         Section::Sky => "the sky",
         Section::Picture => "the picture",
@@ -150,6 +154,17 @@ impl SceneBuilder<'_> {
                 } else if let Some(kind) = self.light_kind(&title, span, values) {
                     let light = Light::of(kind, self.lowering.numbers(Light::FIELDS, values));
                     self.parts.lights.push(light);
+                }
+            }
+            Section::Medium => {
+                let max = self.lowering.limits.scene_media_max;
+                if self.parts.media.len() >= max {
+                    let message = format!("the scene has more than {max} media");
+                    let hint = "add the densities of several media in one, and mix their colours by `p`";
+                    self.lowering.reports.stop(span, message, hint);
+                } else {
+                    let medium = self.lowering.numbers(Medium::FIELDS, values);
+                    self.parts.media.push(Medium::of(medium));
                 }
             }
             Section::Camera => {

@@ -22,6 +22,7 @@ const KEYWORDS: &[(&str, Keyword)] = &[
     ("object", Keyword::Section(Section::Object)),
     ("material", Keyword::Section(Section::Material)),
     ("light", Keyword::Section(Section::Light)),
+    ("medium", Keyword::Section(Section::Medium)),
     ("camera", Keyword::Section(Section::Camera)),
     ("sky", Keyword::Section(Section::Sky)),
     ("picture", Keyword::Section(Section::Picture)),
@@ -41,6 +42,7 @@ fn named(section: Section) -> Option<NameKind> {
         Section::Object => Some(NameKind::Object),
         Section::Material => Some(NameKind::Material),
         Section::Light => Some(NameKind::Light),
+        Section::Medium => Some(NameKind::Medium),
         Section::Camera => Some(NameKind::Camera),
         Section::Sky | Section::Picture | Section::About => None,
     }
@@ -387,7 +389,7 @@ impl Parser<'_> {
     fn section(&mut self, section: Section) -> Option<Item> {
         let head = self.advance().span;
         let mut name = None;
-        if matches!(section, Section::Object | Section::Material | Section::Light) {
+        if matches!(section, Section::Object | Section::Material | Section::Light | Section::Medium) {
             name = Some(self.name("a name")?);
         } else if section == Section::Camera {
             name = if self.token().is_name() { self.name("a name") } else { None };

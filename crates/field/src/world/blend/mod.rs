@@ -25,6 +25,7 @@ mod tests;
 pub use alignment::Alignment;
 pub use portal::PortalShape;
 
+use super::media::MediumRoots;
 use super::{Bounds, FrameTape, Plane, Rest, Surfaces, Traced, World, WorldError};
 use crate::graph::{Graph, Input, NodeId, Op};
 use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky, TransitionStyle};
@@ -138,9 +139,6 @@ impl World {
         alignment: &Alignment,
         fraction: f32,
     ) -> Result<World, BlendError> {
-        if let Some(world) = [from, to].into_iter().find(|world| world.frame_tape.feedback.is_some()) {
-            return Err(BlendError::Feedback { scene: world.name.clone() });
-        }
         within_limits(from, to)?;
         let name = format!("{} into {}", from.name, to.name);
         let mut graph = Graph::new();
@@ -170,6 +168,7 @@ impl World {
         let reach = graph.mix(rest_of, b.sky.reach, s);
         let sky = Sky { reach, ..Sky::of(mixed_all(&mut graph, &a.sky.numbers(), &b.sky.numbers(), s)) };
         let glow = glow(&mut graph, (&a, &b), reach, s);
+        let medium = medium(&mut graph, (&a, &b), s);
         let picture = picture(&mut graph, &a.picture, &b.picture, s);
         let lights = lights(&mut graph, (&a, &b), s);
 
@@ -184,6 +183,7 @@ impl World {
             distance,
             materials: vec![Material::of(String::new(), material)],
             lights,
+            media: Vec::new(),
             camera,
             cameras: Vec::new(),
             sky,
@@ -204,6 +204,7 @@ impl World {
             planes: planes.into_iter().map(|shape| Plane { shape, object: 0 }).collect(),
             rest: rest.map(|[bound, estimate]| Rest { bound, estimate, object: nothing }),
             glow,
+            medium,
         };
         let non_lipschitz = a.non_lipschitz || b.non_lipschitz;
         let traced =
@@ -237,11 +238,17 @@ fn whole(name: String, shape: NodeId) -> Object {
 const SHADOW_STEP_GROWTH: f32 = 0.004;
 
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
+    if let Some(world) = [from, to].into_iter().find(|world| world.frame_tape.feedback.is_some()) {
+        return Err(BlendError::Feedback { scene: world.name.clone() });
+    }
     let counts = |of: fn(&World) -> usize| of(from) + of(to);
     let fraction = 1;
+    let has_media = [from, to].iter().any(|world| world.features.media);
+    let textures_max =
+        if has_media { LIMITS.scene_textures_beside_media_max } else { LIMITS.scene_textures_max };
     for (what, count, max) in [
         ("lights", counts(|world| world.scene.lights.len()), LIMITS.scene_lights_max),
-        ("pictures", counts(|world| world.pictures.len()), LIMITS.scene_textures_max),
+        ("pictures", counts(|world| world.pictures.len()), textures_max),
         ("texts and pictures as shapes", counts(|world| world.scene.shapes.len()), LIMITS.scene_shapes_max),
         ("parameters", counts(|world| world.scene.params.len()) + fraction, LIMITS.scene_params_max),
     ] {
@@ -332,6 +339,30 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
     }
     let [r, g, b] = light?;
     Some([r, g, b, zero])
+}
+
+/// Returns the media of both sides, weighted by the fractions. The direction of scattering is that of the side with the
+/// larger fraction.
+fn medium(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Option<MediumRoots> {
+    let (one, half) = (graph.constant(1.0), graph.constant(0.5));
+    let rest = graph.sub(one, s);
+    let weighted = |graph: &mut Graph, numbers: MediumRoots, fraction: NodeId| -> MediumRoots {
+        let [.., phase] = numbers;
+        let mut own = numbers.map(|number| graph.mul(number, fraction));
+        if let Some(last) = own.last_mut() {
+            *last = phase;
+        }
+        own
+    };
+    let a = a.medium.map(|numbers| weighted(graph, numbers, rest));
+    let b = b.medium.map(|numbers| weighted(graph, numbers, s));
+    let (Some(a), Some(b)) = (a, b) else { return a.or(b) };
+    let is_second = graph.binary(Op::Less, half, s);
+    let mut sum: MediumRoots = std::array::from_fn(|number| graph.add(a[number], b[number]));
+    if let ([.., own], [.., other], Some(last)) = (a, b, sum.last_mut()) {
+        *last = graph.select(is_second, other, own);
+    }
+    Some(sum)
 }
 
 /// Returns the lights of both sides, weighted by the fractions. Lights change in the middle half of the transition,

@@ -1,6 +1,7 @@
 //! One of the two worlds of a blend, in the common graph.
 
 use super::super::distance_check::{Growth, NormalizedValue};
+use super::super::media::{self, MediumRoots};
 use super::super::{Bounds, nearby_light, planes};
 use super::alignment::{Alignment, Vector};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op, SHAPE_NUMBERS};
@@ -33,6 +34,7 @@ pub(super) struct Side {
     pub(super) material: Vec<NodeId>,
     /// The emission near a point, and the distance to the shining object.
     pub(super) glow: Option<[NodeId; 4]>,
+    pub(super) medium: Option<MediumRoots>,
     pub(super) lights: Vec<Light>,
     pub(super) camera: Camera,
     /// Parameters in the blend's order: 0 for those before this side's own, then this scene's defaults.
@@ -52,6 +54,7 @@ impl Side {
         let mut scene = world.scene.clone();
         let (planes, rest) = planes::split(&mut scene)?;
         let glow = nearby_light::nearby_light(&mut scene, world.non_lipschitz)?;
+        let medium = media::sum(&mut scene)?;
         let own = Own::of(graph, alignment);
         // In distances, the input for the normal's x holds the penumbra (see `Roots`).
         let [moved, turned] =
@@ -85,6 +88,7 @@ impl Side {
             rest,
             material: material_of_the_nearest(graph, &scene, on_surface),
             glow: glow.map(|glow| glow.map(at)),
+            medium: medium.map(|numbers| numbers.map(at)),
             lights: scene
                 .lights
                 .iter()

@@ -1,7 +1,7 @@
 //! The targets of a series of frames, the frame in progress, and the finished image.
 
 use super::making::{Making, Product};
-use super::targets::Targets;
+use super::targets::{Targets, TargetsKind};
 use crate::frame::picture::Picture;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
@@ -20,19 +20,19 @@ pub(in crate::gpu) struct Canvas {
 }
 
 impl Canvas {
-    /// Makes targets of `size` pixels, unless the current targets fit. If the driver refuses the size, the last image
+    /// Makes targets of a kind, unless the current targets fit. If the driver refuses the size, the last image
     /// stays visible.
     pub(super) fn need_targets(
         &mut self,
         gl: &Gl,
-        (size, has_lens): ((u32, u32), bool),
+        kind: TargetsKind,
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<(), GpuError> {
-        if !self.targets.as_ref().is_some_and(|targets| targets.fit(size, has_lens)) {
-            Target::check_size(gl, size)?;
+        if !self.targets.as_ref().is_some_and(|targets| targets.fit(kind)) {
+            Target::check_size(gl, kind.size)?;
             self.put_targets_away();
-            self.targets = Some(Targets::new(gl, size, has_lens, samples, counting)?);
+            self.targets = Some(Targets::new(gl, kind, samples, counting)?);
         }
         Ok(())
     }

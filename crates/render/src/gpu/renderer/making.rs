@@ -13,6 +13,7 @@ use super::sampling::{Sample, Sampling};
 use super::targets::{Edges, Targets};
 use crate::frame::picture::Picture;
 use crate::gpu::error::GpuError;
+use crate::gpu::media::MediaTargets;
 use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
 use crate::gpu::tiles::{PART_SECONDS, Part, Parts, PixelCost};
@@ -43,6 +44,8 @@ pub(super) enum Product {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pass {
+    /// The media, in half of the width and height.
+    Media,
     First,
     /// One of the further samples, drawn where the stencil is set.
     Further(usize),
@@ -89,7 +92,11 @@ impl Making {
 
     /// Plans the first pass over `targets`. Returns true if it is a single draw.
     pub(super) fn plan(&mut self, targets: &Targets, cost: PixelCost) -> bool {
-        let size = targets.first.size();
+        let media = targets.media.as_ref().filter(|_| self.product != Product::View);
+        if media.is_some() {
+            self.pass = Pass::Media;
+        }
+        let size = media.map_or(&targets.first, MediaTargets::rays).size();
         self.parts = Parts::of(vec![Part::whole(size)], size, cost);
         self.parts.are_one(cost)
     }
@@ -164,6 +171,12 @@ impl Making {
         }
         let (sampling, size) = (tools.sampling, targets.first.size());
         (self.pass, self.parts) = match (self.pass, &mut targets.edges) {
+            (Pass::Media, _) => {
+                if let Some(media) = &targets.media {
+                    sampling.media_filter.draw(tools.post.passes(), media)?;
+                }
+                (Pass::First, Parts::of(vec![Part::whole(size)], size, cost))
+            }
             (Pass::First, Edges::Stencil(sum)) => {
                 sampling.mark_in_stencil(&targets.first, sum)?;
                 (Pass::Further(0), Parts::of(vec![Part::whole(size)], size, cost))
@@ -189,6 +202,7 @@ impl Making {
         let is_view = self.product == Product::View;
         match (&targets.edges, self.pass) {
             _ if is_view => targets.post.finished().bind(),
+            (_, Pass::Media) => targets.media.iter().for_each(|media| media.rays().bind()),
             (Edges::List(list), Pass::Listed) => list.samples().bind(),
             (Edges::Stencil(sum), Pass::Further(_)) => sum.bind(),
             _ => targets.first.bind(),
@@ -204,7 +218,8 @@ impl Making {
                 program.bind();
             }
         }
-        let has_stencil = matches!(targets.edges, Edges::Stencil(_)) && !is_view;
+        targets.media.iter().for_each(MediaTargets::bind_mean);
+        let has_stencil = matches!(targets.edges, Edges::Stencil(_)) && !is_view && self.pass != Pass::Media;
         let gl = sampling.gl();
         // SAFETY: sets state and clears the target bound above, in the current context.
         unsafe {
@@ -214,6 +229,10 @@ impl Making {
             gl.enable(glow::SCISSOR_TEST);
             let [x, y, width, height] = [part.x, part.y, part.width, part.height].map(u32::cast_signed);
             gl.scissor(x, y, width, height);
+            if self.pass == Pass::Media {
+                // OpenGL ES cannot blend 32-bit floats.
+                gl.disable(glow::BLEND);
+            }
             if has_stencil && self.pass == Pass::First {
                 gl.clear_stencil(1);
                 gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
@@ -222,6 +241,10 @@ impl Making {
         match self.pass {
             Pass::Further(sample) => sampling.draw_further(sample),
             Pass::Listed => sampling.draw(Sample::Listed),
+            Pass::Media => {
+                let height = targets.media.as_ref().map_or(1, MediaTargets::layer_height);
+                sampling.draw(Sample::Media(height));
+            }
             // A view has no further samples.
             _ if is_view => sampling.draw(Sample::Only),
             _ => sampling.draw(Sample::First),

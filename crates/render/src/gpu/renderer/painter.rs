@@ -6,7 +6,7 @@ use super::canvas::Canvas;
 use super::fade::Fade;
 use super::making::{Making, Product, Progress, Tools, rehearse_passes};
 use super::sampling::Sampling;
-use super::targets::Targets;
+use super::targets::{Targets, TargetsKind};
 use crate::frame::Frame;
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
@@ -15,6 +15,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::evaluations::Counting;
 use crate::gpu::feedback::{self, FeedbackRequest};
 use crate::gpu::gl::Gl;
+use crate::gpu::media::MediaTargets;
 use crate::gpu::passes::Passes;
 use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
@@ -86,7 +87,7 @@ impl Painter {
     }
 
     fn need_targets(&mut self, size: (u32, u32), picture: &Picture) -> Result<(), GpuError> {
-        let kind = (size, picture.lens.is_some());
+        let kind = TargetsKind { size, has_lens: picture.lens.is_some(), has_media: picture.has_media };
         self.canvas.need_targets(&self.gl, kind, self.sampling.edge_samples, self.counting)
     }
 
@@ -236,6 +237,7 @@ impl Painter {
         scene.bind(&self.gl);
         let sum = Target::new(&self.gl, targets.first.size(), &[Texel::Rgba32F], None)?;
         sum.bind();
+        targets.media.iter().for_each(MediaTargets::bind_mean);
         self.sampling.draw_grid(program, REFERENCE_SIDE);
         sum.bind_color(0, unit_of("extra_samples"));
         self.post.resolve_all(&targets.post)?;

@@ -8,6 +8,7 @@ use crate::frame::block::FrameBlock;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
+use crate::gpu::media::MediaFilter;
 use crate::gpu::passes::Block;
 use crate::gpu::program::{LazyProgram, Program, unit_of};
 use crate::gpu::samplers::Samplers;
@@ -33,6 +34,8 @@ pub(super) enum Sample {
     /// A further sample: its offset from the pixel's centre in pixels, and its number.
     Further([f32; 2], usize),
     Listed,
+    /// The media along a ray through two by two pixels, in layers of this height in texels.
+    Media(u32),
 }
 
 pub(super) struct Sampling {
@@ -42,6 +45,7 @@ pub(super) struct Sampling {
     frame_block: Block,
     pass_block: Block,
     view_block: Block,
+    pub(super) media_filter: MediaFilter,
     pub(super) edge_samples: EdgeSamples,
 }
 
@@ -54,6 +58,7 @@ impl Sampling {
             frame_block: Block::new(gl, "FrameBlock")?,
             pass_block: Block::new(gl, "PassBlock")?,
             view_block: Block::new(gl, "ViewBlock")?,
+            media_filter: MediaFilter::new(gl, library)?,
             edge_samples: EdgeSamples::Four,
         })
     }
@@ -131,14 +136,16 @@ impl Sampling {
     }
 
     pub(super) fn draw(&self, sample: Sample) {
-        let (place, number, kind, beam) = match sample {
-            Sample::First => ([0.0; 2], 0, 0.0, BEAM),
-            Sample::Only => ([0.0; 2], 0, 0.0, 0.0),
-            Sample::Further(place, number) => (place, number, 1.0, 0.0),
-            Sample::Listed => ([0.0; 2], 0, 2.0, 0.0),
+        let media_layers = self.edge_samples.media_layers() as usize;
+        let (place, number, kind, beam, layer) = match sample {
+            Sample::First => ([0.0; 2], 0, 0.0, BEAM, 0.0),
+            Sample::Only => ([0.0; 2], 0, 0.0, 0.0, 0.0),
+            Sample::Further(place, number) => (place, number, 1.0, 0.0, 0.0),
+            Sample::Listed => ([0.0; 2], 0, 2.0, 0.0, 0.0),
+            Sample::Media(height) => ([0.0; 2], media_layers, 3.0, 0.0, height as f32),
         };
         let (across, down) = self.edge_samples.block();
-        let head = [place[0], place[1], kind, number as f32, across as f32, down as f32, beam, 0.0];
+        let head = [place[0], place[1], kind, number as f32, across as f32, down as f32, beam, layer];
         let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
         block.resize(PASS_BLOCK_NUMBERS, 0.0);
         self.pass_block.set(&block);

@@ -7,11 +7,21 @@ use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::evaluations::{Counting, Evaluations};
 use crate::gpu::gl::Gl;
+use crate::gpu::media::MediaTargets;
 use crate::gpu::post::PostTargets;
 use crate::gpu::target::{Stencil, Target, Texel};
 
+/// The properties of a scene's frames that decide about their targets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TargetsKind {
+    pub(super) size: (u32, u32),
+    pub(super) has_lens: bool,
+    pub(super) has_media: bool,
+}
+
 pub(super) struct Targets {
-    has_lens: bool,
+    kind: TargetsKind,
+    pub(super) media: Option<MediaTargets>,
     pub(super) first: Target,
     pub(super) edges: Edges,
     pub(super) post: PostTargets,
@@ -36,11 +46,11 @@ impl Edges {
 impl Targets {
     pub(super) fn new(
         gl: &Gl,
-        size: (u32, u32),
-        has_lens: bool,
+        kind: TargetsKind,
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<Self, GpuError> {
+        let TargetsKind { size, has_lens, has_media } = kind;
         // Counts replace the shader outputs of the lens: images with counts are never shown, so they need no blur.
         let texels: &[Texel] = match (counting, has_lens) {
             (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
@@ -53,6 +63,8 @@ impl Targets {
             texels.push(Texel::R32F);
         }
         Target::check_size(gl, size)?;
+        let media =
+            has_media.then(|| MediaTargets::new(gl, size, &texels, samples.media_layers())).transpose()?;
         let (stencil, edges) = if gl.info().software {
             (None, Edges::List(EdgeList::new(gl, size, &texels, samples)?))
         } else {
@@ -60,20 +72,22 @@ impl Targets {
             (Some(stencil.clone()), Edges::Stencil(Target::new(gl, size, &texels, Some(stencil))?))
         };
         Ok(Self {
-            has_lens,
+            kind,
+            media,
             first: Target::new(gl, size, &texels, stencil)?,
             edges,
             post: PostTargets::new(gl, size, has_lens && counting == Counting::Off, size)?,
         })
     }
 
-    pub(super) fn fit(&self, size: (u32, u32), has_lens: bool) -> bool {
-        self.first.size() == size && self.has_lens == has_lens
+    pub(super) fn fit(&self, kind: TargetsKind) -> bool {
+        self.kind == kind
     }
 
     pub(super) fn evaluations(&self, samples: EdgeSamples) -> Evaluations {
         let mut sum = Evaluations::default();
-        for target in [&self.first, self.edges.samples()] {
+        let media = self.media.as_ref().map(MediaTargets::rays);
+        for target in [&self.first, self.edges.samples()].into_iter().chain(media) {
             let (kinds, more) = (target.read_rgba32f(1), target.read_rgba32f(2));
             for texel in kinds.as_chunks::<4>().0 {
                 let [primary, reflection, normal, shadow] = texel.map(f64::from);
@@ -90,6 +104,8 @@ impl Targets {
             }
             for texel in target.read_rgba32f(3).as_chunks::<4>().0 {
                 sum.surface_clauses += f64::from(texel[0]);
+                sum.media += f64::from(texel[1]);
+                sum.media_steps += f64::from(texel[2]);
             }
         }
         sum.edge_pixels = self.edge_pixels(samples);

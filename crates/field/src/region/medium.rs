@@ -1,0 +1,103 @@
+//! A grid over a frame's media: for each cell, an upper bound of the density, so that rays skip empty space.
+
+use super::RegionKey;
+use super::lanes::{CELLS, Lanes, bound};
+use super::program::Arg;
+use super::surface::{Over, SurfacePlan, place_of};
+use crate::bounds::Bounds;
+use crate::graph::{FrameInputs, GraphError, Interval};
+use crate::world::World;
+
+/// Number of cells of the grid along each axis.
+pub const MEDIUM_SIDE: usize = 16;
+/// Where the media have no bound, the grid ends at this distance from its centre.
+const REACH: f32 = 32.0;
+/// Overlap of cells, as a fraction of the grid's size, because shaders round differently.
+const OVERLAP: f32 = 1e-5;
+/// The bound of a cell that emits light without dimming any.
+const GLOWING: f32 = 1e-9;
+/// The bound of a cell whose density has no bound, which is also the largest density that shaders use.
+const DENSEST: f32 = 1e6;
+
+/// The parts of a world's grids that all frames share.
+#[derive(Debug, Clone)]
+pub struct MediumPlan {
+    plan: SurfacePlan,
+    bounds: Bounds,
+}
+
+/// The grid of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MediumGrid {
+    /// Lower corner.
+    pub low: [f32; 3],
+    /// Extent; never 0.
+    pub size: [f32; 3],
+    /// Upper bounds of the density, `x + MEDIUM_SIDE * (y + MEDIUM_SIDE * z)`; 0 in cells without a medium.
+    pub densities: Vec<f32>,
+}
+
+impl MediumGrid {
+    /// The largest bound of the density in any cell.
+    pub fn densest(&self) -> f32 {
+        self.densities.iter().copied().fold(0.0, f32::max)
+    }
+}
+
+impl MediumPlan {
+    /// Creates the plan of a world; `None` without media.
+    ///
+    /// # Errors
+    /// Fails if the graph has too many nodes.
+    pub fn new(world: &World) -> Result<Option<Self>, GraphError> {
+        let Some([density, _, _, _, r, g, b, _]) = world.roots.medium else { return Ok(None) };
+        let plan = SurfacePlan::new(&world.graph, &[density, r, g, b], 0, Over::Points)?;
+        Ok(Some(Self { plan, bounds: world.medium_bounds }))
+    }
+
+    /// Returns the inputs that determine a frame's grid.
+    pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
+        self.plan.key(inputs)
+    }
+
+    /// Builds the grid of a frame. `center` is its centre along axes on which the media have no bound.
+    pub fn grid(&self, inputs: &FrameInputs, center: [f32; 3]) -> MediumGrid {
+        let mut low = self.bounds.low;
+        let mut size = [0.0; 3];
+        for axis in 0..3 {
+            let high = self.bounds.high[axis].min(center[axis].max(low[axis]) + REACH);
+            low[axis] = low[axis].max(center[axis].min(high) - REACH);
+            size[axis] = (high - low[axis]).max(1e-3);
+        }
+        let program = self.plan.folded(inputs);
+        let mut rows = vec![Lanes::splat(Interval::point(0.0)); program.inputs];
+        let mut densities = Vec::with_capacity(MEDIUM_SIDE.pow(3));
+        for first in (0..MEDIUM_SIDE.pow(3)).step_by(CELLS) {
+            for (axis, row) in rows.iter_mut().take(3).enumerate() {
+                for lane in 0..CELLS {
+                    let place = place_of(first + lane, MEDIUM_SIDE)[axis];
+                    let face = |number: usize| low[axis] + size[axis] * (number as f32 / MEDIUM_SIDE as f32);
+                    let around = OVERLAP * (size[axis] + low[axis].abs());
+                    (row.lo[lane], row.hi[lane]) = (face(place) - around, face(place + 1) + around);
+                }
+            }
+            bound(&program, &mut rows, inputs);
+            let highest = |root: usize, lane: usize| match program.roots.get(root) {
+                Some(Arg::Value(value)) => rows.get(*value as usize).map_or(f32::NAN, |row| row.hi[lane]),
+                Some(Arg::Number(number)) => *number,
+                None => f32::NAN,
+            };
+            densities.extend((0..CELLS).map(|lane| {
+                let [density, light] = [highest(0, lane), (1..4).map(|root| highest(root, lane)).sum()];
+                match (density <= 0.0, light <= 0.0) {
+                    (true, true) => 0.0,
+                    (true, false) => GLOWING,
+                    // An unknown bound may be any density.
+                    _ if density.is_nan() => DENSEST,
+                    _ => density.min(DENSEST),
+                }
+            }));
+        }
+        MediumGrid { low, size, densities }
+    }
+}
