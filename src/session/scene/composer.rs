@@ -277,14 +277,7 @@ impl SceneComposer {
             return Ok(None);
         }
         let frame = self.in_window(frame, scene, picture);
-        if let Some(program) = scene.program(mode).filter(|_| self.views.choice().is_none()) {
-            let mut feedback = std::mem::take(&mut self.feedback);
-            let frame_at = |time: f64| self.earlier_frame(of, (scene, below), (time, &frame), picture);
-            let world = (scene.id, &scene.resources, &**program);
-            let fed = feedback.go_on(renderer, world, (shown.moment.song_time, picture), &frame_at);
-            self.feedback = feedback;
-            fed?;
-        }
+        self.feed_back(of, renderer, (scene, mode, below), (shown.moment.song_time, &frame), picture)?;
         let making = |program| Making {
             of: drawn,
             below: below.map(|below| below.place),
@@ -321,6 +314,25 @@ impl SceneComposer {
         };
         self.pictures.begin(Pictured::of(scene, frame));
         Ok(begun)
+    }
+
+    /// Draws frames of feedback before the image `frame` of a scene at `now` seconds. Views show none.
+    fn feed_back(
+        &mut self,
+        of: Ingredients<'_>,
+        renderer: &mut Renderer,
+        (scene, mode, below): (&PreparedScene, Mode, Option<&Outgoing>),
+        (now, frame): (f64, &Frame),
+        picture: &WantedPicture<'_>,
+    ) -> Result<(), GpuError> {
+        let Some(program) = scene.program(mode).filter(|_| self.views.choice().is_none()) else {
+            return Ok(());
+        };
+        let mut pace = std::mem::take(&mut self.feedback);
+        let frame_at = |time: f64| self.earlier_frame(of, (scene, below), (time, frame), picture);
+        let fed = pace.go_on(renderer, (scene.id, &scene.resources, program), (now, picture), &frame_at);
+        self.feedback = pace;
+        fed
     }
 
     /// Returns the frame at an earlier `time` of the scene of `frame`, with the pictures and texts of `frame`. `below` is
