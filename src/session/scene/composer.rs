@@ -258,24 +258,17 @@ impl SceneComposer {
         let Some((scene, mode)) = scene.and_then(|scene| Some((scene, scene.mode(of.choice.sdf)?))) else {
             return Ok(None);
         };
-        let (params, camera) = match below {
-            Some(below) => self.change.numbers(scene, below, time, of.parameters),
-            None => numbers_of(of, scene, time),
-        };
-        let orbit = match below {
-            Some(below) => self.change.camera(below, time, self.camera.orbit()),
-            None => self.camera_at(of, time),
-        };
+        let ((params, camera), orbit) = self.numbers_and_orbit(of, (scene, below), time);
         self.camera.note_shown(orbit);
-        let is_untried = scene.tree == FirstTree::Untried;
-        let (cells, fades_away) = (of.choice.cells, below.is_some());
-        let draw_options = DrawOptions { params: &params, camera, orbit, cells, is_untried, fades_away };
+        let (is_untried, cells) = (scene.tree == FirstTree::Untried, of.choice.cells);
+        let draw_options =
+            DrawOptions { params: &params, camera, orbit, cells, is_untried, fades_away: below.is_some() };
         let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, draw_options);
-        let Some((frame, shown)) = drawable else { return Ok(None) };
-        if outgoing.is_some() && shown != wanted {
-            // The finished tree is for an older moment, but both scenes of a fade must be drawn at the same moment.
+        // A finished tree may be for an older moment, but both scenes of a fade must be drawn at the same moment.
+        let Some((frame, shown)) = drawable.filter(|(_, shown)| outgoing.is_none() || *shown == wanted)
+        else {
             return Ok(None);
-        }
+        };
         let frame = self.in_window(frame, scene, picture);
         self.feed_back(of, renderer, (scene, mode, below), (shown.moment.song_time, &frame), picture)?;
         let making = |program| Making {
@@ -335,6 +328,23 @@ impl SceneComposer {
         fed
     }
 
+    /// Returns the parameters, the number of the camera and the camera's motion of a scene at `time` seconds. `below` is
+    /// set for the outgoing scene.
+    fn numbers_and_orbit(
+        &self,
+        of: Ingredients<'_>,
+        (scene, below): (&PreparedScene, Option<&Outgoing>),
+        time: f64,
+    ) -> ((Vec<f32>, Option<usize>), OrbitControls) {
+        match below {
+            Some(below) => (
+                self.change.numbers(scene, below, time, of.parameters),
+                self.change.camera(below, time, self.camera.orbit()),
+            ),
+            None => (numbers_of(of, scene, time), self.camera_at(of, time)),
+        }
+    }
+
     /// Returns the frame at an earlier `time` of the scene of `frame`, with the pictures and texts of `frame`. `below` is
     /// set for the outgoing scene.
     fn earlier_frame(
@@ -344,13 +354,7 @@ impl SceneComposer {
         (time, frame): (f64, &Frame),
         picture: &WantedPicture<'_>,
     ) -> Frame {
-        let ((params, camera), orbit) = match below {
-            Some(below) => (
-                self.change.numbers(scene, below, time, of.parameters),
-                self.change.camera(below, time, self.camera.orbit()),
-            ),
-            None => (numbers_of(of, scene, time), self.camera_at(of, time)),
-        };
+        let ((params, camera), orbit) = self.numbers_and_orbit(of, (scene, below), time);
         let world = scene.resources.world();
         let sound = (picture.earlier)(time);
         let mut earlier = Frame::with_params(world, time, sound, picture.size, &params);
