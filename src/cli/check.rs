@@ -47,7 +47,8 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
                     let warnings = render_all(&warnings(texts, &world), &sources, colors(&std::io::stdout()));
                     let warnings = warnings.trim_end();
                     let line = if warnings.is_empty() { "" } else { "\n" };
-                    Ok(format!("{name}: {cost}{}{moving}{line}{warnings}", advice(&world)))
+                    let remembers = remembers(&world);
+                    Ok(format!("{name}: {cost}{}{remembers}{moving}{line}{warnings}", advice(&world)))
                 }
                 Err(mistakes) => Err(mistakes),
             })
@@ -136,6 +137,7 @@ const RAYS: (usize, usize) = (48, 27);
 
 /// Returns the warnings about a text, and about the rays of the scene's camera at its first frame.
 fn warnings(mut texts: Vec<Diagnostic>, world: &World) -> Vec<Diagnostic> {
+    texts.extend(world.feedback_warning());
     if RegionPlan::new(world).runs() {
         texts.extend(ray_faults(world, 0.0, RAYS).warnings(world));
     }
@@ -277,6 +279,18 @@ fn advice(world: &World) -> String {
         }
         (true, None) => format!("\n  {NO_DISTANCE}, and no single factor makes it a distance"),
     }
+}
+
+/// The cost of feedback.
+fn remembers(world: &World) -> String {
+    let Some(feedback) = &world.frame_tape.feedback else { return String::new() };
+    format!(
+        "\n  each frame depends on the last {:.1} s or more, so a still, a jump and the start of a video first draw \
+         {} to {} small frames",
+        feedback.seconds(),
+        feedback.frames,
+        2 * feedback.frames
+    )
 }
 
 const NO_DISTANCE: &str =

@@ -39,7 +39,8 @@ impl Coverage {
     ) -> Result<(), ExportError> {
         frame.picture.grain = 0.0;
         let mut covering = frame.clone();
-        covering.picture = Picture { exposure: EXPOSURE, bloom: 0.0, vignette: 0.0, ..frame.picture };
+        covering.picture =
+            Picture { exposure: EXPOSURE, bloom: 0.0, vignette: 0.0, decay: 0.0, ..frame.picture };
         renderer.draw(&covering, resources, program)?;
         let light = renderer.read_light()?;
         self.fractions = light.as_chunks::<4>().0.iter().map(|[fraction, ..]| fraction / EXPOSURE).collect();

@@ -3,6 +3,7 @@
 mod alpha;
 pub mod analyze;
 pub mod bench;
+mod earlier_sound;
 pub mod error;
 mod exact_textures;
 pub mod output;

@@ -1,6 +1,7 @@
 //! Draws scenes without a window. [`Painter`] draws a single scene; shows use `HeadlessRenderer` directly.
 
 use super::alpha::{Coverage, require_no_sky};
+use super::earlier_sound::EarlierSound;
 use super::error::ExportError;
 use super::exact_textures::ExactTextures;
 use super::show_painter::Heard;
@@ -78,6 +79,9 @@ pub(super) struct HeadlessRenderer {
     coverage: Option<Coverage>,
     textures: ExactTextures,
     projection: Projection,
+    earlier: Option<EarlierSound>,
+    /// True if images of later moments follow.
+    is_video: bool,
     // The last field, so that the context is dropped after the objects that use it.
     context: Headless,
 }
@@ -98,8 +102,16 @@ impl HeadlessRenderer {
         renderer.time_pictures()?;
         let view = choice.view.map(|view| (view, LegendPainter::default()));
         let coverage = choice.alpha.then(Coverage::default);
-        let (textures, projection) = (ExactTextures::default(), choice.projection);
-        Ok(Self { renderer, view, coverage, textures, projection, context })
+        Ok(Self {
+            renderer,
+            view,
+            coverage,
+            textures: ExactTextures::default(),
+            earlier: None,
+            projection: choice.projection,
+            is_video: false,
+            context,
+        })
     }
 
     /// Uploads a scene and links its program. With `auto`, the scene is compiled unless it is very large; the image is
@@ -135,12 +147,50 @@ impl HeadlessRenderer {
         Ok(Model { program, coverage, resources, mode })
     }
 
-    /// Sets the song whose cover the scenes show.
-    pub(super) fn hear(&mut self, song: &SongFeatures) {
+    /// Sets the song whose cover the scenes show, and whose earlier sound they remember. Call
+    /// [`SongFeatures::know_for`] before this.
+    ///
+    /// # Errors
+    /// Fails if the song cannot be decoded.
+    pub(super) fn hear(&mut self, song: &SongFeatures) -> Result<(), ExportError> {
         self.textures.hear(song.song().clone(), song.name().to_owned());
         if let Some(lyrics) = song.lyrics() {
             self.textures.sing(lyrics.clone());
         }
+        self.earlier = Some(EarlierSound::of(song)?);
+        Ok(())
+    }
+
+    /// Expects images of later moments, which share frames of feedback.
+    pub(super) fn expect_video(&mut self) {
+        self.is_video = true;
+    }
+
+    /// Draws the frames of feedback that an image at `time` shows. `frame_at` returns the frame at an earlier moment,
+    /// in the image's size; without a song, the earlier sound is `sound`. Views show none, because their colours stand
+    /// for numbers.
+    pub(super) fn feed_back(
+        &mut self,
+        model: &Model,
+        (time, sound, size): (f64, &Sound, (u32, u32)),
+        frame_at: &dyn Fn(f64, Sound) -> Frame,
+    ) -> Result<(), ExportError> {
+        let Model { program, resources, .. } = model;
+        if self.view.is_some() {
+            return Ok(());
+        }
+        while let Some(request) = self.renderer.feedback_before(resources, (0, time), size, self.is_video) {
+            let sound = match &mut self.earlier {
+                Some(earlier) => earlier.at(request.time)?,
+                None => sound.clone(),
+            };
+            let frame = frame_at(request.time, sound);
+            let mut frame = frame.projected(resources.world(), self.projection);
+            frame.size = request.size;
+            self.textures.put_into(&mut frame, resources.world());
+            self.renderer.draw_feedback(&request, &frame, (resources, program))?;
+        }
+        Ok(self.renderer.show_feedback(resources, time)?)
     }
 
     pub(super) fn draw(&mut self, model: &Model, frame: Frame) -> Result<(), ExportError> {
@@ -273,8 +323,8 @@ impl Painter {
     }
 
     /// Sets the song whose cover the scene shows.
-    pub(super) fn hear(&mut self, song: &SongFeatures) {
-        self.headless_renderer.hear(song);
+    pub(super) fn hear(&mut self, song: &SongFeatures) -> Result<(), ExportError> {
+        self.headless_renderer.hear(song)
     }
 
     /// Draws a frame of `size` pixels at `time` seconds, with the `sound` of that moment.
@@ -282,8 +332,11 @@ impl Painter {
     /// # Errors
     /// Fails if the driver reports an error.
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let frame = self.frame(time, sound, size);
-        self.headless_renderer.draw(&self.model, frame)
+        let Self { model, held, headless_renderer } = self;
+        let frame_options = FrameOptions { params: &[], held, camera: None };
+        let frame_at = |time, sound| Frame::staged(model.world(), time, sound, size, &frame_options);
+        headless_renderer.feed_back(model, (time, &sound, size), &frame_at)?;
+        headless_renderer.draw(model, frame_at(time, sound))
     }
 
     /// Draws the mean of several exposures.

@@ -198,12 +198,16 @@ impl ShowPainter {
     ) -> Result<(Rc<Model>, Frame), ExportError> {
         let read = self.read(clip)?;
         let (ready, held) = (read.ready.clone(), read.held.clone());
-        let params = params_of(&ready.world, clip, time);
         let camera = camera_of(&ready.world, clip);
         let model = self.model(Drawn::Scene(clip.scene.clone()), |_| Ok(ready))?;
-        let frame_options = FrameOptions { params: &params, held: &held, camera };
-        let frame = Frame::staged(model.world(), time, sound, size, &frame_options);
-        let frame = frame.by_hand(model.world(), OrbitControls::of_turns(clip.turns_at(time)));
+        let frame_at = |time: f64, sound: Sound| {
+            let params = params_of(model.world(), clip, time);
+            let frame_options = FrameOptions { params: &params, held: &held, camera };
+            let frame = Frame::staged(model.world(), time, sound, size, &frame_options);
+            frame.by_hand(model.world(), OrbitControls::of_turns(clip.turns_at(time)))
+        };
+        self.headless_renderer.feed_back(&model, (time, &sound, size), &frame_at)?;
+        let frame = frame_at(time, sound);
         Ok((model, frame))
     }
 

@@ -35,6 +35,7 @@ pub struct SongFeatures {
     frames: u64,
     ended: bool,
     song: Song,
+    gain: Gain,
     structure: Option<SongStructure>,
     lyrics: Option<Lyrics>,
     parts: Option<Arc<PartTracks>>,
@@ -66,7 +67,20 @@ impl SongFeatures {
         let track = FeatureTrack::new(TRACK_SECONDS);
         let (block, song) = (Vec::new(), song.clone());
         let (ended, structure, lyrics, parts) = (false, None, None, None);
-        Ok(Self { decoder, name, analyzer, track, block, frames, ended, song, structure, lyrics, parts })
+        Ok(Self {
+            decoder,
+            name,
+            analyzer,
+            track,
+            block,
+            frames,
+            ended,
+            song,
+            gain,
+            structure,
+            lyrics,
+            parts,
+        })
     }
 
     /// Opens the same song again for times from `start` seconds on. Keeps the song's structure, lyrics and parts if
@@ -147,6 +161,10 @@ impl SongFeatures {
             features.follow_song(structure, time);
         }
         features
+    }
+
+    pub(super) fn gain(&self) -> Gain {
+        self.gain
     }
 
     pub(super) fn song(&self) -> &Song {

@@ -106,7 +106,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
             let prepared_show = show.prepared_show(&mut song, request.at)?;
             let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
             painter.graphs().for_each(|graph| song.know_for(graph));
-            painter.headless_renderer().hear(&song);
+            painter.headless_renderer().hear(&song)?;
             let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
             let exposures = request.shutter.exposures(&mut song, (request.at, sound), STILL_SECONDS)?;
@@ -139,7 +139,7 @@ fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> R
     require_inputs(&[&ready.world.scene], &request.set)?;
     let mut painter = Painter::of_ready(&request.scene, ready.clone())?;
     painter.hold(&request.set)?;
-    painter.hear(song);
+    painter.hear(song)?;
     let (width, height) = request.size;
     if let Some((x, y)) = request.ray.filter(|(x, y)| *x >= width || *y >= height) {
         return Err(ExportError::RayOutside { x, y, width, height });

@@ -208,7 +208,10 @@ impl Playback {
         let Level { quality, edges, .. } = level;
         let runs = self.scene.composer().fading().is_to_begin() && self.listening.runs();
         let screen = self.scene.composer().screen(whole);
-        let picture = WantedPicture { moment, sound, size, aspect, screen, quality, edges, runs };
+        let listening = &self.listening;
+        let earlier = |time| listening.earlier(&moment, time);
+        let earlier: &dyn Fn(f64) -> mariana_music::Sound = &earlier;
+        let picture = WantedPicture { moment, sound, earlier, size, aspect, screen, quality, edges, runs };
         let drawn = self.scene.draw(&mut self.renderer, picture);
         let new = self.without_room_smaller(drawn)?.flatten();
         if new.is_none() {

@@ -257,6 +257,23 @@ impl Listening {
         Some(now)
     }
 
+    /// The sound of an earlier moment of the track that [`Listening::now`] returned last, as far as it is known. `now`
+    /// is that moment; the numbers of an input's form stay as they are there.
+    pub(crate) fn earlier(&self, now: &Moment, song_time: f64) -> mariana_music::Sound {
+        let mut sound = self.sound.heard_at(song_time);
+        let songs = self.songs.as_ref().filter(|_| self.sound.plays_song());
+        sound.song = match songs.and_then(|songs| songs.get(now.track)) {
+            Some(song) => {
+                sound.features.follow_song(&song.structure, song_time);
+                song.moment(song_time)
+            }
+            None => now.song,
+        };
+        self.taps.apply(song_time, &mut sound.features);
+        sound.parts = self.parts(Moment { song_time, ..*now });
+        sound
+    }
+
     /// Sets whether a scene reads parts of the song.
     pub(crate) fn want_parts(&mut self, wanted: bool) {
         self.parts.want(wanted);

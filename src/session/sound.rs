@@ -123,6 +123,15 @@ impl Sound {
         }
     }
 
+    /// The sound at an earlier moment, as far as it is known.
+    pub(crate) fn heard_at(&self, song_time: f64) -> mariana_music::Sound {
+        match (&self.live, &self.player) {
+            (Some(live), _) => live.sound_at(song_time),
+            (None, Some(player)) => player.sound_at(song_time),
+            (None, None) => mariana_music::Sound::default(),
+        }
+    }
+
     /// The state of the song, if it is the current source. Updates the device in use.
     pub(crate) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.player()?.status();

@@ -4,6 +4,7 @@ mod agreement;
 mod blends;
 mod embedded;
 mod fades;
+mod feedback;
 mod flash_limiter;
 mod flashes;
 mod followed_sounds;

@@ -98,7 +98,8 @@ fn cases() -> Vec<Case> {
     let mut cases: Vec<Case> = own
         .map(|(file, defines)| {
             let name = format!("{file} {defines:?}");
-            Case { name, file, variant: Variant::of(defines), interpreted: false, software: true }
+            let interpreted = file == "trails.frag";
+            Case { name, file, variant: Variant::of(defines), interpreted, software: true }
         })
         .collect();
     cases.push(Case {

@@ -7,6 +7,7 @@ mod changes;
 mod controllers;
 mod decks;
 mod editor;
+mod feedback;
 mod lists;
 mod live;
 mod moving_textures;

@@ -55,6 +55,8 @@ pub(crate) struct TestRenderer {
     pub resources: SceneResources,
     /// Changes the settings of the frame's `picture` block, such as its exposure.
     pub adjust: fn(&mut Picture),
+    /// The number of images so far.
+    drawn: u64,
     pub context: Context,
 }
 
@@ -81,7 +83,7 @@ impl TestRenderer {
             .unwrap_or_else(|error| panic!("{}, {mode}: {error}", world.name));
         let program = link(&context, &ShaderLibrary::embedded(), &variant);
         let resources = SceneResources::upload(gl, world, buffers, plan).unwrap();
-        Self { renderer, program, resources, adjust: |_| {}, context }
+        Self { renderer, program, resources, adjust: |_| {}, drawn: 0, context }
     }
 
     pub(crate) fn program_of(&self, mode: Mode, counting: Counting) -> Program {
@@ -116,8 +118,24 @@ impl TestRenderer {
         sound: impl Into<Sound>,
         size: (u32, u32),
     ) -> Result<RgbaImage, GpuError> {
+        let sound = sound.into();
+        self.feed_back(time, &sound, size)?;
         let frame = self.frame(time, sound, size);
         self.of_frame(&frame)
+    }
+
+    /// Draws the frames of feedback before a moment, as if its sound had lasted for ever.
+    fn feed_back(&mut self, time: f64, sound: &Sound, size: (u32, u32)) -> Result<(), GpuError> {
+        // Another sound is another song.
+        self.drawn += 1;
+        while let Some(request) =
+            self.renderer.feedback_before(&self.resources, (self.drawn, time), size, false)
+        {
+            let mut frame = self.frame(request.time, sound.clone(), size);
+            frame.size = request.size;
+            self.renderer.draw_feedback(&request, &frame, (&self.resources, &self.program))?;
+        }
+        self.renderer.show_feedback(&self.resources, time)
     }
 
     pub(crate) fn of_frame(&mut self, frame: &Frame) -> Result<RgbaImage, GpuError> {

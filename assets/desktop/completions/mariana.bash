@@ -224,7 +224,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --view)
@@ -316,7 +316,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --sdf)
@@ -718,7 +718,7 @@ _mariana() {
             fi
             case "${prev}" in
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --output)
@@ -760,7 +760,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --show)
@@ -876,7 +876,7 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
-                    COMPREPLY=($(compgen -f -W "barth city clockwork first_steps gyroid heart kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
+                    COMPREPLY=($(compgen -f -W "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank" -- "${cur}"))
                     return 0
                     ;;
                 --show)

@@ -53,6 +53,15 @@ pub struct Limits {
     pub hoisted_max: usize,
 }
 
+/// Frames a second at which light is fed back, in the time of the song.
+pub const FEEDBACK_RATE: u32 = 60;
+/// Maximum number of earlier frames on which a frame depends. Stills and seeks draw up to twice as many small frames.
+pub const FEEDBACK_FRAMES_MAX: u32 = 10 * FEEDBACK_RATE;
+/// The largest fraction of the last frame's light that stays: after [`FEEDBACK_FRAMES_MAX`] frames, 1/255 is left.
+pub const FEEDBACK_DECAY_MAX: f32 = 0.9908;
+/// The brightest light that is fed back.
+pub const LAST_LIGHT_MAX: f32 = 16.0;
+
 /// The limits of the program.
 pub const LIMITS: Limits = Limits {
     include_depth_max: 16,

@@ -367,6 +367,12 @@ impl Player {
         self.audible.sound()
     }
 
+    /// Returns the sound at an earlier time of the track that [`Player::now`] returned last, in seconds. Sound of more
+    /// than two seconds ago and sound from before a seek are replaced by the nearest known sound.
+    pub fn sound_at(&self, song_time: f64) -> Sound {
+        self.audible.sound_at(song_time)
+    }
+
     fn find_place(&mut self) {
         if let Some((entry, count)) = self.listing.place(self.track.id)
             && (entry, count) != (self.track.entry, self.track.count)

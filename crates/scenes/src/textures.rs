@@ -105,6 +105,10 @@ impl TextureCache {
         kept: &mut HashMap<u64, Arc<RgbaImage>>,
     ) -> Result<Arc<RgbaImage>, Box<Diagnostic>> {
         let mut hasher = DefaultHasher::new();
+        if texture.is_last_frame() {
+            // The renderer replaces it by its own texture.
+            return Ok(Arc::new(RgbaImage::new(NEUTRAL_SIDE, NEUTRAL_SIDE)));
+        }
         if let Some(of) = TextureSource::of(texture) {
             if of.is_file() {
                 let file = source.file().ok_or(Refusal::Missing);

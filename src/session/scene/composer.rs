@@ -10,6 +10,7 @@ use super::camera::SceneCamera;
 use super::context_change::DrawingWays;
 use super::edits::Edits;
 use super::fading::{Begun, Fading};
+use super::feedback::FeedbackPace;
 use super::parameters::Parameters;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::{Place, PreparedScenes};
@@ -40,9 +41,11 @@ use mariana_player::Moment;
 /// If a fade is entered after this fraction of its length, the last frame fades out instead of the outgoing scene.
 const LATE_FRACTION: f32 = 0.35;
 
-pub(crate) struct WantedPicture {
+pub(crate) struct WantedPicture<'a> {
     pub moment: Moment,
     pub sound: Sound,
+    /// Returns the sound of an earlier moment, in seconds of the song.
+    pub earlier: &'a dyn Fn(f64) -> Sound,
     pub size: (u32, u32),
     /// Aspect ratio of the window: width divided by height.
     pub aspect: f64,
@@ -94,6 +97,7 @@ pub(crate) struct SceneComposer {
     pub(super) views: Views,
     pub(super) camera: SceneCamera,
     pub(super) edits: Edits,
+    feedback: FeedbackPace,
     /// The pointer over the picture: fractions of the width from the left and of the height from below, and true while
     /// its button is held.
     pointer: ([f32; 2], bool),
@@ -128,6 +132,7 @@ impl SceneComposer {
             views: Views::starting_with(view),
             camera: SceneCamera::default(),
             edits: Edits::default(),
+            feedback: FeedbackPace::default(),
             pointer: ([0.5; 2], false),
             revision: 0,
         }
@@ -141,7 +146,7 @@ impl SceneComposer {
         scenes: &mut PreparedScenes,
         (show, parameters, choice): (&ShowFollower, &Parameters, DrawingChoice),
         renderer: &mut Renderer,
-        picture: &WantedPicture,
+        picture: &WantedPicture<'_>,
         way: (Duration, u64),
     ) -> Result<Option<Drawn>, GpuError> {
         let of = Ingredients { scenes, show, parameters, choice };
@@ -173,7 +178,7 @@ impl SceneComposer {
         &mut self,
         of: Ingredients<'_>,
         renderer: &mut Renderer,
-        picture: &WantedPicture,
+        picture: &WantedPicture<'_>,
         (go, revision): (Duration, u64),
     ) -> Result<Option<Drawn>, GpuError> {
         let Some((id, mode)) = shown(of) else { return Ok(None) };
@@ -209,14 +214,14 @@ impl SceneComposer {
             renderer.put_legend(legend.as_deref())?;
         }
         self.pictures.finish(Some(id), drawn.spent);
-        if self.fading.goes_on_by_itself() {
+        if self.fading.goes_on_by_itself() || self.feedback.take_incomplete() {
             self.revision += 1;
         }
         Ok(Some(drawn))
     }
 
     /// Abandons a frame in progress that is not the wanted one. Returns `true` if no frame is in progress now.
-    fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture) -> bool {
+    fn give_up_another(&mut self, of: Ingredients<'_>, wanted: &WantedPicture<'_>) -> bool {
         let Some((id, mode)) = shown(of) else { return false };
         let now = (id, mode, self.views.choice());
         let is_of_use = |making: &Making| {
@@ -237,7 +242,7 @@ impl SceneComposer {
         of: Ingredients<'_>,
         renderer: &mut Renderer,
         drawn: (u64, Mode, Option<ViewChoice>),
-        picture: &WantedPicture,
+        picture: &WantedPicture<'_>,
         revision: u64,
     ) -> Result<Option<Making>, GpuError> {
         let WantedPicture { moment, size, edges, .. } = *picture;
@@ -256,25 +261,19 @@ impl SceneComposer {
         let Some((scene, mode)) = scene.and_then(|scene| Some((scene, scene.mode(of.choice.sdf)?))) else {
             return Ok(None);
         };
-        let (params, camera) = match below {
-            Some(below) => self.change.numbers(scene, below, time, of.parameters),
-            None => numbers_of(of, scene, time),
-        };
-        let orbit = match below {
-            Some(below) => self.change.camera(below, time, self.camera.orbit()),
-            None => self.camera_at(of, time),
-        };
+        let ((params, camera), orbit) = self.numbers_and_orbit(of, (scene, below), time);
         self.camera.note_shown(orbit);
-        let is_untried = scene.tree == FirstTree::Untried;
-        let (cells, fades_away) = (of.choice.cells, below.is_some());
-        let draw_options = DrawOptions { params: &params, camera, orbit, cells, is_untried, fades_away };
+        let (is_untried, cells) = (scene.tree == FirstTree::Untried, of.choice.cells);
+        let draw_options =
+            DrawOptions { params: &params, camera, orbit, cells, is_untried, fades_away: below.is_some() };
         let drawable = self.regions.drawable((scene.id, mode), &scene.resources, wanted, sound, draw_options);
-        let Some((frame, shown)) = drawable else { return Ok(None) };
-        if outgoing.is_some() && shown != wanted {
-            // The finished tree is for an older moment, but both scenes of a fade must be drawn at the same moment.
+        // A finished tree may be for an older moment, but both scenes of a fade must be drawn at the same moment.
+        let Some((frame, shown)) = drawable.filter(|(_, shown)| outgoing.is_none() || *shown == wanted)
+        else {
             return Ok(None);
-        }
+        };
         let frame = self.in_window(frame, scene, picture);
+        self.feed_back(of, renderer, (scene, mode, below), (shown.moment.song_time, &frame), picture)?;
         let making = |program| Making {
             of: drawn,
             below: below.map(|below| below.place),
@@ -317,8 +316,64 @@ impl SceneComposer {
         self.projection
     }
 
+    /// Draws frames of feedback before the image `frame` of a scene at `now` seconds. Views show none.
+    fn feed_back(
+        &mut self,
+        of: Ingredients<'_>,
+        renderer: &mut Renderer,
+        (scene, mode, below): (&PreparedScene, Mode, Option<&Outgoing>),
+        (now, frame): (f64, &Frame),
+        picture: &WantedPicture<'_>,
+    ) -> Result<(), GpuError> {
+        let Some(program) = scene.program(mode).filter(|_| self.views.choice().is_none()) else {
+            return Ok(());
+        };
+        let mut pace = std::mem::take(&mut self.feedback);
+        let frame_at = |time: f64| self.earlier_frame(of, (scene, below), (time, frame), picture);
+        let fed = pace.go_on(renderer, (scene.id, &scene.resources, program), (now, picture), &frame_at);
+        self.feedback = pace;
+        fed
+    }
+
+    /// Returns the parameters, the number of the camera and the camera's motion of a scene at `time` seconds. `below` is
+    /// set for the outgoing scene.
+    fn numbers_and_orbit(
+        &self,
+        of: Ingredients<'_>,
+        (scene, below): (&PreparedScene, Option<&Outgoing>),
+        time: f64,
+    ) -> ((Vec<f32>, Option<usize>), OrbitControls) {
+        match below {
+            Some(below) => (
+                self.change.numbers(scene, below, time, of.parameters),
+                self.change.camera(below, time, self.camera.orbit()),
+            ),
+            None => (numbers_of(of, scene, time), self.camera_at(of, time)),
+        }
+    }
+
+    /// Returns the frame at an earlier `time` of the scene of `frame`, with the pictures and texts of `frame`. `below` is
+    /// set for the outgoing scene.
+    fn earlier_frame(
+        &self,
+        of: Ingredients<'_>,
+        (scene, below): (&PreparedScene, Option<&Outgoing>),
+        (time, frame): (f64, &Frame),
+        picture: &WantedPicture<'_>,
+    ) -> Frame {
+        let ((params, camera), orbit) = self.numbers_and_orbit(of, (scene, below), time);
+        let world = scene.resources.world();
+        let sound = (picture.earlier)(time);
+        let mut earlier = Frame::with_params(world, time, sound, picture.size, &params);
+        earlier.seen_by(world, camera);
+        earlier.pictures.clone_from(&frame.pictures);
+        earlier.inputs.shapes = frame.inputs.shapes.clone();
+        let earlier = earlier.by_hand(world, orbit).in_window(world, picture.aspect, 1.0);
+        earlier.projected(world, self.projection).on_screen(world, picture.screen)
+    }
+
     /// Adapts a frame to the window, and adds the moving pictures of its moment.
-    fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture) -> Frame {
+    fn in_window(&mut self, frame: Frame, scene: &PreparedScene, picture: &WantedPicture<'_>) -> Frame {
         let world = scene.resources.world();
         let frame = frame.in_window(world, picture.aspect, picture.quality).projected(world, self.projection);
         let frame = frame.on_screen(world, picture.screen);

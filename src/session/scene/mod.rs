@@ -21,6 +21,7 @@ mod context_change;
 pub(crate) mod decks;
 pub(crate) mod edits;
 mod fading;
+mod feedback;
 mod kept;
 mod knobs;
 mod library;

@@ -352,7 +352,7 @@ impl SceneSession {
     pub(crate) fn draw(
         &mut self,
         renderer: &mut Renderer,
-        picture: WantedPicture,
+        picture: WantedPicture<'_>,
     ) -> Result<Option<Drawn>, GpuError> {
         let (way, known) = ((self.library().length_of_go(), self.revision()), self.scenes.ids());
         let of = (&self.show, &self.parameters, self.preparation.choice());

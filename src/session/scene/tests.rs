@@ -117,8 +117,17 @@ impl Staged {
             let moment = at(song_time);
             let (sound, size, edges) = (Features::SILENCE.into(), (32, 18), EdgeSamples::Four);
             let (aspect, screen) = (16.0 / 9.0, Screen::of_size(size));
-            let picture =
-                WantedPicture { moment, sound, size, aspect, screen, quality: 1.0, edges, runs: true };
+            let picture = WantedPicture {
+                moment,
+                sound,
+                earlier: &|_| Features::SILENCE.into(),
+                size,
+                aspect,
+                screen,
+                quality: 1.0,
+                edges,
+                runs: true,
+            };
             self.session.update().unwrap();
             drawn = self.session.draw(renderer, picture).unwrap();
             drawn.is_some()

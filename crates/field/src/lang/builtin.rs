@@ -89,7 +89,7 @@ const OTHERS: &[InputRow] = &[
         "pixel",
         Many(&[Input::X, Input::Y]),
         PIXEL,
-        "the place in the picture in pixels, vec2, from the lower left corner; in the sky's colour",
+        "the place in the picture in pixels, vec2, from the lower left corner; in the sky's colour and in `warp`",
     ),
     row(
         "resolution",
@@ -173,6 +173,8 @@ pub(super) enum Builtin {
     Table(Op),
     History,
     Texture,
+    /// The light of the last frame.
+    Previous,
     /// The 2D distance to a text or picture.
     Shape(ShapeCall),
     Matrix(MatrixFunction),
@@ -214,7 +216,7 @@ const fn levels(list: LevelList) -> BuiltinRow {
     function(list.name(), "i", Builtin::Levels(list), (1, 1), list.doc())
 }
 
-use Builtin::{Atan, Construct, Dot, History, Length, Matrix, Pair, Pow, Round, Table, Texture};
+use Builtin::{Atan, Construct, Dot, History, Length, Matrix, Pair, Pow, Previous, Round, Table, Texture};
 
 pub(super) const BUILTINS: &[BuiltinRow] = &[
     each("abs", Op::Abs, "the magnitude"),
@@ -353,6 +355,13 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         Texture,
         (2, 2),
         "colour and alpha of an image, a video, a camera or the cover at uv, repeated beyond 0..1; in materials and the sky",
+    ),
+    function(
+        "previous",
+        "uv",
+        Previous,
+        (1, 1),
+        "the light of the last frame at uv, vec3, 0..16: uv is 0..1 from the lower left corner, `pixel / resolution` is the same place, the edge goes on beyond; black in the first frame; in materials and the sky",
     ),
     function(
         "text",

@@ -29,6 +29,8 @@ pub enum Holds {
     Number,
     /// Three numbers.
     Vector,
+    /// A place in the picture, two numbers.
+    Place,
     /// The name of a tone map, kept as its number.
     ToneMap,
     /// The name of a material.
@@ -62,7 +64,7 @@ impl Holds {
             | Holds::Text
             | Holds::TransitionStyle
             | Holds::Shape => 1,
-            Holds::Range => 2,
+            Holds::Range | Holds::Place => 2,
         }
     }
 }
@@ -71,6 +73,7 @@ impl Holds {
 pub(super) mod of {
     pub(crate) type Number<N> = N;
     pub(crate) type Vector<N> = [N; 3];
+    pub(crate) type Place<N> = [N; 2];
     pub(crate) type ToneMap<N> = N;
 }
 
@@ -121,7 +124,7 @@ impl<N: Default> Parts<N> for N {
     }
 }
 
-impl<N: Default> Parts<N> for [N; 3] {
+impl<N: Default, const COUNT: usize> Parts<N> for [N; COUNT] {
     fn take(numbers: &mut impl Iterator<Item = N>) -> Self {
         std::array::from_fn(|_| N::take(numbers))
     }

@@ -73,8 +73,13 @@ const VALUES: &[(&str, &str)] = &[
     ("u_resolution", PIXEL),
     ("uv", PIXEL),
     ("iMouse", "the pointer is `mouse`, in the sky; in a shape, declare a slider: `param amount = 0.5`"),
+    ("backbuffer", PREVIOUS),
+    ("texPreviousFrame", PREVIOUS),
+    ("prevFrame", PREVIOUS),
     ("iChannel0", "images have names: `texture(\"wood.png\", uv)`"),
 ];
+
+const PREVIOUS: &str = "the last frame is `previous(pixel / resolution)`, in the sky and in materials";
 
 const PIXEL: &str = "formulas depend on the point `p` instead of a pixel; in the sky, on `pixel` and `resolution` or on the \
                      `direction`";

@@ -17,7 +17,7 @@ use super::material::Material;
 use super::origins::Origins;
 use super::shape::ShapeRef;
 use super::source::Span;
-use crate::graph::{Graph, NodeId, ShapeAtlas};
+use crate::graph::{FrameInputs, Graph, NodeId, ShapeAtlas, bounds_of};
 
 /// A scene without mistakes. All [`NodeId`]s refer to [`Scene::graph`].
 #[derive(Debug, Clone)]
@@ -211,6 +211,32 @@ section! {
     grain: Number = Each(1.0), FRAME | SCREEN, "Strength of the grain, in steps of 1/255.";
     tone_map: ToneMap = Each(ToneMap::Agx.number()), NOTHING,
         "The number of the [`ToneMap`], which converts light to a colour of the screen.";
+    decay: Number = Each(0.0), FRAME | SCREEN,
+        "Fraction of the last frame's light that stays, at 60 frames a second: trails. The brighter of the trails and \
+         the scene is visible. 0 for no trails.";
+    warp: Place = Each(f32::INFINITY), FRAME | SCREEN | PIXEL,
+        "The place in the last frame from which the trails at `pixel` come, as in `previous`; beyond 0..1 they are \
+         black. If it is infinite, the trails stay in place.";
+    blur: Number = Each(0.0), FRAME | SCREEN,
+        "Radius of the blur of the trails in each frame, in heights of the picture, 0..0.02.";
+    memory: Number = Each(0.0), NOTHING,
+        "Seconds of earlier frames that a frame may depend on, up to 10. 0 derives them from `decay`; a scene that \
+         calls `previous` has at least 2.";
+}
+
+impl Picture {
+    /// Returns an upper bound of `decay` over all frames; `any` are the inputs of all frames. Not limited to a useful
+    /// range; 0 for a constant NaN.
+    pub(crate) fn largest_decay(&self, graph: &Graph, any: &FrameInputs) -> f32 {
+        match graph.as_constant(self.decay) {
+            Some(constant) if constant.is_nan() => 0.0,
+            Some(constant) => constant,
+            None => bounds_of(graph, self.decay, any)
+                .ok()
+                .filter(|bounds| !bounds.is_any())
+                .map_or(f32::INFINITY, |bounds| bounds.hi),
+        }
+    }
 }
 
 /// The tone map, which converts light to a colour of the screen.
@@ -279,6 +305,18 @@ pub struct TextureRef {
     pub span: Span,
     /// Set by the loader of scenes if the picture changes during the song; `None` for an image.
     pub moves: Option<MovingTexture>,
+}
+
+impl TextureRef {
+    /// Returns the last frame as a texture. No file has its empty name.
+    pub(super) fn last_frame(span: Span) -> Self {
+        Self { name: String::new(), span, moves: None }
+    }
+
+    /// True for the last frame, which scenes read by `previous`.
+    pub fn is_last_frame(&self) -> bool {
+        self.name.is_empty()
+    }
 }
 
 /// A texture whose picture changes during the song. The loader of scenes finds out which source its name means.

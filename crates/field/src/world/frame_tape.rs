@@ -7,6 +7,7 @@ use crate::lang::{Camera, Light, LightKind, Picture, Scene};
 use crate::limits::{LIMITS, Limits};
 use crate::tape::{PointEvaluator, Tape, TapeError, TapeOptions};
 
+use super::feedback::Feedback;
 use super::planes::Plane;
 
 /// The tapes of the cameras, the lights, the picture and the planes.
@@ -18,6 +19,8 @@ pub struct FrameTape {
     reach: Tape,
     picture: Tape,
     planes: Vec<Tape>,
+    /// How frames depend on earlier frames; `None` if they do not.
+    pub feedback: Option<Feedback>,
     /// The numbers of the picture and the pointer that the sky and the picture's settings read.
     pub screen_inputs: BTreeSet<ScreenInput>,
 }
@@ -57,6 +60,7 @@ impl FrameTape {
             reach: tape(&[scene.sky.reach])?,
             picture: tape(&scene.picture.numbers())?,
             planes: planes.iter().map(|plane| tape(&[plane.shape])).collect::<Result<_, _>>()?,
+            feedback: Feedback::of(scene)?,
             screen_inputs: screen_inputs(scene)?,
         })
     }

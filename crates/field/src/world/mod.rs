@@ -14,6 +14,7 @@ mod compiled;
 mod frame_tape;
 
 mod distance_check;
+mod feedback;
 mod hoist;
 mod interpreted;
 mod media;
@@ -28,6 +29,7 @@ mod warning;
 pub use crate::bounds::Bounds;
 pub use blend::{Alignment, BlendError, BlendKind, PortalShape, blended_params};
 pub use distance_check::Slopes;
+pub use feedback::{Feedback, WARP_CELLS};
 pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};

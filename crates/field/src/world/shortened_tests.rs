@@ -269,6 +269,7 @@ proptest! {
         let program = Program::build(&graph, &roots, over).unwrap();
         let variant = Variant::of(program.tapes(), false);
         let buffers = TapeBuffers {
+            medium: None,
             software_variant: variant.clone(),
             variant: Variant { compounds: Compounds::ALL, ..variant },
             programs: vec![program],

@@ -194,6 +194,14 @@ impl Live {
         }
     }
 
+    /// Returns the sound at an earlier moment, given by its song time, or the oldest known sound.
+    pub fn sound_at(&self, song_time: f64) -> Sound {
+        match self.paused {
+            Some(_) => self.paused_at.clone(),
+            None => self.track.sound_at(self.heard_at - (self.moment.song_time - song_time)),
+        }
+    }
+
     /// Returns the current state. If the input has no signal, searches for an input with a signal.
     pub fn status(&mut self) -> LiveStatus {
         let status = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();

@@ -71,6 +71,15 @@ impl AudibleMoment {
         sound.unwrap_or_else(|| self.moment.features.into())
     }
 
+    /// Returns the sound at an earlier time of the track, in seconds; the nearest known sound if it is forgotten or
+    /// comes from before a seek.
+    pub(super) fn sound_at(&self, song_time: f64) -> Sound {
+        let back = self.moment.song_time - song_time;
+        let sound =
+            self.heard.and_then(|(audible, ahead)| self.audible_segments.lock().sound(audible, ahead - back));
+        sound.unwrap_or_else(|| self.moment.features.into())
+    }
+
     /// Returns two values: true if the (possibly delayed) image has shown the last frame; and the next track.
     pub(super) fn end_and_next(
         &mut self,

@@ -3,6 +3,7 @@
 
 pub mod block;
 pub mod camera;
+pub mod feedback;
 pub mod held_inputs;
 pub mod orbit_controls;
 pub mod picture;

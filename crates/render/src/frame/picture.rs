@@ -1,6 +1,7 @@
 //! Post-processing settings of a frame: the numbers of the shaders' `PictureBlock` (see `shaders/picture_block.glsl`).
 
 use super::camera::Camera;
+use mariana_field::limits::FEEDBACK_DECAY_MAX;
 use mariana_field::world::{FrameValues, SceneFeatures, ToneMap};
 
 /// Number of vec4 in the block.
@@ -22,6 +23,10 @@ pub struct Picture {
     pub grain: f32,
     /// Conversion of light to screen colours.
     pub tone_map: ToneMap,
+    /// Fraction of the last frame's light that trails keep, 0..1.
+    pub decay: f32,
+    /// Radius of the blur of trails in heights of the frame, at most [`TRAIL_BLUR_MAX`].
+    pub blur: f32,
     /// The lens, if the scene's lens can blur at any time.
     pub lens: Option<Lens>,
     /// True if the scene has media, which a pass of their own draws.
@@ -53,6 +58,8 @@ impl Picture {
             vignette: within(picture.vignette, 0.0, 1.0, 0.0),
             grain: within(picture.grain, 0.0, GRAIN_MAX, 1.0),
             tone_map: ToneMap::numbered(picture.tone_map),
+            decay: within(picture.decay, 0.0, FEEDBACK_DECAY_MAX, 0.0),
+            blur: within(picture.blur, 0.0, TRAIL_BLUR_MAX, 0.0),
             lens: features.lens.then(lens),
             has_media: features.media,
         }
@@ -67,6 +74,8 @@ impl Picture {
 
 /// Largest radius of a blurred point, in image heights. Larger radii are clamped, to limit the samples needed.
 pub const BLUR_MAX: f32 = 0.04;
+/// Largest radius of the blur of trails in a frame, in image heights: nine taps are not enough for more.
+pub const TRAIL_BLUR_MAX: f32 = 0.02;
 const EXPOSURE_MAX: f32 = 1000.0;
 const GRAIN_MAX: f32 = 16.0;
 const LENS_RADIUS_MAX: f32 = 1e6;

@@ -1,9 +1,10 @@
 //! Post-processing: passes from the scene's samples to the finished image.
 //!
 //! 1. `resolve.frag` turns the samples of each pixel into its light.
-//! 2. `lens_*.frag` blur points that are out of focus (`lens`), in scenes that have a lens.
-//! 3. `bloom_down.frag` and `bloom_up.frag` scatter light (`bloom`).
-//! 4. `present.frag` mixes in scattered light and a fading scene's light. Then it applies exposure and tone map,
+//! 2. `trails.frag` adds the trails of earlier frames (`trails`), in scenes that have trails.
+//! 3. `lens_*.frag` blur points that are out of focus (`lens`), in scenes that have a lens.
+//! 4. `bloom_down.frag` and `bloom_up.frag` scatter light (`bloom`).
+//! 5. `present.frag` mixes in scattered light and a fading scene's light. Then it applies exposure and tone map,
 //!    encodes as sRGB, and adds grain.
 //!
 //! The light has the size of the scene's targets. The finished image has the size of the output.
@@ -23,11 +24,12 @@ use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
+use super::trails::{TrailSource, Trails};
 use crate::frame::picture::Picture;
 use mariana_field::world::ToneMap;
 
 /// The shaders of these passes and their defines. Tests compile all of them.
-pub const POST_SHADERS: [(&str, &[&str]); 24] = [
+pub const POST_SHADERS: [(&str, &[&str]); 27] = [
     ("resolve.frag", &[]),
     ("resolve.frag", &["EDGE_LIST"]),
     ("resolve.frag", &["ALL_SAMPLES"]),
@@ -37,6 +39,9 @@ pub const POST_SHADERS: [(&str, &[&str]); 24] = [
     ("bloom_down.frag", &["FIRST"]),
     ("bloom_down.frag", &[]),
     ("bloom_up.frag", &[]),
+    ("trails.frag", &[]),
+    ("trails.frag", &["KEPT"]),
+    ("trails.frag", &["MIX"]),
     ("present.frag", &["TONE_MAP 0"]),
     ("present.frag", &["TONE_MAP 1"]),
     ("present.frag", &["TONE_MAP 2"]),
@@ -59,6 +64,7 @@ pub(super) struct Post {
     resolve: LazyProgram,
     resolve_all: LazyProgram,
     lens: LensBlur,
+    trails: Trails,
     bloom: Bloom,
     /// One program for each tone map, in the order of [`ToneMap::ALL`].
     present: [LazyProgram; 4],
@@ -74,6 +80,8 @@ pub(super) struct Post {
 
 pub(super) struct PostTargets {
     light: Target,
+    /// The light with trails, which is then swapped with `light`; made at the first use.
+    trailed: Option<Target>,
     lens: Option<LensTargets>,
     bloom: BloomTargets,
     finished: Target,
@@ -84,7 +92,8 @@ impl Post {
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
         let programs = POST_SHADERS
             .map(|(name, defines)| move || LazyProgram::new(gl, library, name, &Variant::of(defines)));
-        let [of_stencil, of_list, of_all, halve, blur, mix, first, down, up, presents @ ..] = programs;
+        let [of_stencil, of_list, of_all, halve, blur, mix, first, down, up, rest @ ..] = programs;
+        let [trails, kept_trails, mixed_frames, presents @ ..] = rest;
         let [agx, aces, reinhard, none, agx_faded, aces_faded, reinhard_faded, none_faded, lights @ ..] =
             presents;
         let [expose, add, add_faded, agx_mean, aces_mean, reinhard_mean, none_mean] = lights;
@@ -93,6 +102,7 @@ impl Post {
             resolve: if gl.info().software { of_list() } else { of_stencil() }?,
             resolve_all: of_all()?,
             lens: LensBlur { down: halve()?, blur: blur()?, mix: mix()? },
+            trails: Trails { add: trails()?, keep: kept_trails()?, mix: mixed_frames()? },
             bloom: Bloom { first: first()?, down: down()?, up: up()? },
             present: [agx()?, aces()?, reinhard()?, none()?],
             present_faded: [agx_faded()?, aces_faded()?, reinhard_faded()?, none_faded()?],
@@ -125,6 +135,21 @@ impl Post {
 
     pub(super) fn resolve_all(&self, targets: &PostTargets) -> Result<(), GpuError> {
         self.passes.draw(&self.resolve_all, &targets.light)
+    }
+
+    /// Adds trails to the resolved light.
+    pub(super) fn add_trails(&self, targets: &mut PostTargets, trails: &TrailSource) -> Result<(), GpuError> {
+        let trailed = match targets.trailed.take() {
+            Some(trailed) => trailed,
+            None => Target::new(&self.passes.gl, targets.light.size(), &[Texel::Rgba16F], None)?.smooth(),
+        };
+        self.trails.add(&self.passes, &targets.light, trails, &trailed)?;
+        targets.trailed = Some(std::mem::replace(&mut targets.light, trailed));
+        Ok(())
+    }
+
+    pub(super) fn programs_of_trails(&self) -> &Trails {
+        &self.trails
     }
 
     /// Finishes the image. `samples` are the first samples; `fade` is the light of another image and its fraction.
@@ -228,9 +253,15 @@ impl PostTargets {
         Ok(Self {
             lens: has_lens.then(|| LensTargets::new(gl, size)).transpose()?,
             light: Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth(),
+            trailed: None,
             bloom: BloomTargets::new(gl, size)?,
             finished: Target::new(gl, output, &[Texel::Rgba8], None)?,
         })
+    }
+
+    /// The resolved light.
+    pub(super) fn light(&self) -> &Target {
+        &self.light
     }
 
     pub(super) fn finished(&self) -> &Target {

@@ -26,7 +26,7 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [
 
 /// The renderer's own textures and their units (see `shaders/README.md`). The scene's textures use the first units, by
 /// their number ([`scene_texture`]). No program reads two textures with the same unit.
-pub const TEXTURE_UNITS: [(&str, u32); 49] = [
+pub const TEXTURE_UNITS: [(&str, u32); 51] = [
     ("medium_end", 10),
     ("medium_light", 11),
     ("light_swings", 0),
@@ -53,6 +53,8 @@ pub const TEXTURE_UNITS: [(&str, u32); 49] = [
     ("before", 14),
     ("mean", 15),
     ("blurred", 13),
+    ("last_frame", 13),
+    ("warp_grid", 14),
     ("regions", 13),
     ("tape", 14),
     ("edge_squares", 14),

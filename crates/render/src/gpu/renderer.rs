@@ -30,6 +30,7 @@ use std::time::Duration;
 use super::edge_samples::EdgeSamples;
 use super::error::GpuError;
 pub use super::evaluations::{Counting, Evaluations};
+pub use super::feedback::FeedbackRequest;
 use super::flash_pass::FlashPass;
 use super::gl::Gl;
 use super::picture_reader::PictureReader;
@@ -45,7 +46,7 @@ use crate::frame::picture::Picture;
 use crate::placement::{Area, Map, Placement, WHOLE};
 use crate::view::legend::LegendPicture;
 use crate::view::setup::ViewBlock;
-use canvas::Canvas;
+pub(super) use canvas::Canvas;
 use making::Product;
 pub use making::Progress;
 use mariana_field::world::ToneMap;
@@ -218,6 +219,41 @@ impl Renderer {
             self.presenter.flashes.expect_another();
         }
         Ok(progress)
+    }
+
+    /// Returns the next frame of feedback to draw ([`Renderer::draw_feedback`]) before an image at a moment: the number
+    /// of the song, and the time in seconds. The image is shown with `size` pixels. Returns `None` if all frames are
+    /// drawn, or the scene needs none. Frames of another song or size are forgotten. `ahead` is true if images of later
+    /// moments follow.
+    pub fn feedback_before(
+        &self,
+        scene: &SceneResources,
+        (song, time): (u64, f64),
+        size: (u32, u32),
+        ahead: bool,
+    ) -> Option<FeedbackRequest> {
+        scene.feedback()?.request((song, time), size, ahead)
+    }
+
+    /// Draws a frame of feedback. `frame` is the frame at its moment and of its size. A frame in progress is lost.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::draw`].
+    pub fn draw_feedback(
+        &mut self,
+        request: &FeedbackRequest,
+        frame: &Frame,
+        (scene, program): (&SceneResources, &Program),
+    ) -> Result<(), GpuError> {
+        self.painter.draw_feedback(request, frame, scene, program)
+    }
+
+    /// Selects the frame of feedback that images at `time` seconds of the song show.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::draw`].
+    pub fn show_feedback(&mut self, scene: &SceneResources, time: f64) -> Result<(), GpuError> {
+        self.painter.show_feedback(scene, time)
     }
 
     /// Draws an image of `size` pixels from a frame's blocks and the bound objects of a scene.

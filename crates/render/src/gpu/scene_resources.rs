@@ -2,7 +2,7 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
-use std::cell::{Cell, RefCell};
+use std::cell::{Cell, RefCell, RefMut};
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -12,6 +12,7 @@ use image::RgbaImage;
 
 use super::cell_use::CellUse;
 use super::error::GpuError;
+use super::feedback::SceneFeedback;
 use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
@@ -25,6 +26,7 @@ use crate::frame::sound_tables;
 use crate::limits::LIMITS;
 use crate::view::setup::Drawn;
 use mariana_field::graph::{FrameInputs, ShapeAtlas};
+use mariana_field::lang::TextureRef;
 use mariana_field::region::{MediumGrid, Part, RegionKey, RegionOptions, RegionPlan, Regions, Surfaces};
 use mariana_field::world::{
     ShortPrograms, ShortenOptions, ShortenRequest, TapeBuffers, World, WorthShortening,
@@ -49,6 +51,7 @@ pub struct SceneResources {
     /// The tapes that are worth shortening.
     worth: RefCell<WorthShortening>,
     uploaded: RefCell<Option<Arc<BuiltRegions>>>,
+    feedback: RefCell<Option<SceneFeedback>>,
 }
 
 /// Grid spacing of the eye positions for which trees are built.
@@ -234,6 +237,7 @@ impl SceneResources {
             }
         });
         let pictures = pictures.collect::<Result<_, _>>()?;
+        let feedback = SceneFeedback::of(gl, &world)?;
         let on_gpu = SceneLists::new(gl, &sound_tables::texels(&FrameInputs::default()))?;
         gl.check("uploading a scene")?;
         Ok(Self {
@@ -249,6 +253,7 @@ impl SceneResources {
             with_cells: Cell::new(true),
             shortens: Cell::new(true),
             uploaded: RefCell::new(None),
+            feedback: RefCell::new(feedback),
             texels_max: LIMITS.region_texels_max.min(gl.info().list_texels_max as usize),
         })
     }
@@ -385,7 +390,40 @@ impl SceneResources {
 
     /// The OpenGL names of the scene's objects.
     pub fn names(&self) -> SceneNames {
-        self.on_gpu.names(self.pictures.iter().map(|picture| picture.texture.native()).collect())
+        let last = self.feedback().and_then(|feedback| feedback.last().texture());
+        let textures = self.pictures.iter().zip(&self.world.scene.textures);
+        let name = |(picture, of): (&Rc<SceneTexture>, &TextureRef)| {
+            last.filter(|_| of.is_last_frame()).unwrap_or_else(|| picture.texture.native())
+        };
+        self.on_gpu.names(textures.map(name).collect())
+    }
+
+    /// The scene's frames of feedback; `None` if it needs none.
+    pub(super) fn feedback(&self) -> Option<RefMut<'_, SceneFeedback>> {
+        RefMut::filter_map(self.feedback.borrow_mut(), Option::as_mut).ok()
+    }
+
+    /// The number of frames of feedback that an image at `time` seconds of the song lacks.
+    pub fn missing_feedback(&self, time: f64) -> u64 {
+        self.feedback().map_or(0, |feedback| feedback.missing(time))
+    }
+
+    /// Leaves out missing frames of feedback except the newest, because there is no time to draw them.
+    pub fn skip_feedback(&self, time: f64) {
+        self.feedback().iter_mut().for_each(|feedback| feedback.skip_to(time));
+    }
+
+    /// Draws without cells, unless the scene or the interpreter needs them. The regions of the last frame stay.
+    pub(super) fn without_cells<R>(&self, draw: impl FnOnce() -> R) -> R {
+        let (cells, regions) = (self.with_cells.get(), self.regions());
+        // The interpreter would run whole tapes at every point, which takes longer than to build a tree.
+        if !self.world.non_lipschitz && !self.shortens.get() {
+            self.with_cells.set(false);
+        }
+        let drawn = draw();
+        self.with_cells.set(cells);
+        regions.into_iter().for_each(|regions| self.take_regions(regions));
+        drawn
     }
 }
 

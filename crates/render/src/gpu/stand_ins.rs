@@ -11,9 +11,11 @@ use std::sync::Arc;
 use image::RgbaImage;
 
 use super::error::GpuError;
+use super::feedback;
 use super::gl::Gl;
 use super::object::Texture;
 use super::scene_resources::{SceneLists, SceneNames};
+use super::target::Target;
 use super::texture;
 use crate::frame::sound_tables;
 use mariana_field::graph::FrameInputs;
@@ -31,7 +33,11 @@ impl SceneShape {
     pub fn of(world: &World) -> Self {
         let stand_in = |(picture, texture): (&Arc<RgbaImage>, &TextureRef)| StandIn {
             size: (stand_in_side(picture.width()), stand_in_side(picture.height())),
-            moves: texture.moves.is_some(),
+            kind: match texture {
+                texture if texture.is_last_frame() => Kind::LastFrame,
+                texture if texture.moves.is_some() => Kind::Moving,
+                _ => Kind::Image,
+            },
         };
         Self { pictures: world.pictures.iter().zip(&world.scene.textures).map(stand_in).collect() }
     }
@@ -40,7 +46,14 @@ impl SceneShape {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct StandIn {
     size: (u32, u32),
-    moves: bool,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Kind {
+    Image,
+    Moving,
+    LastFrame,
 }
 
 fn stand_in_side(side: u32) -> u32 {
@@ -51,10 +64,11 @@ fn stand_in_side(side: u32) -> u32 {
     }
 }
 
-/// The placeholders of a context that warms up scenes. It has at most 18 textures: sides are 1, 4 or 6, and
-/// a texture may move.
+/// The placeholders of a context that warms up scenes. It has at most 19 textures: sides are 1, 4 or 6, and
+/// a texture may move; and the last frame.
 pub(super) struct StandIns {
     gl: Gl,
+    last_frame: Option<Target>,
     pictures: HashMap<StandIn, Texture>,
     lists: SceneLists,
 }
@@ -62,16 +76,30 @@ pub(super) struct StandIns {
 impl StandIns {
     pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
         let silence = sound_tables::texels(&FrameInputs::default());
-        Ok(Self { gl: gl.clone(), pictures: HashMap::new(), lists: SceneLists::new(gl, &silence)? })
+        Ok(Self {
+            gl: gl.clone(),
+            last_frame: None,
+            pictures: HashMap::new(),
+            lists: SceneLists::new(gl, &silence)?,
+        })
     }
 
     pub(super) fn names(&mut self, shape: &SceneShape) -> Result<SceneNames, GpuError> {
         let mut pictures = Vec::with_capacity(shape.pictures.len());
         for stand_in in &shape.pictures {
+            if stand_in.kind == Kind::LastFrame {
+                let target = match self.last_frame.take() {
+                    Some(target) => target,
+                    None => feedback::black(&self.gl)?,
+                };
+                pictures.extend(self.last_frame.insert(target).texture());
+                continue;
+            }
             let texture = match self.pictures.entry(*stand_in) {
                 std::collections::hash_map::Entry::Occupied(known) => known.into_mut(),
                 std::collections::hash_map::Entry::Vacant(place) => {
-                    let upload = if stand_in.moves { texture::upload_moving } else { texture::upload };
+                    let upload =
+                        if stand_in.kind == Kind::Moving { texture::upload_moving } else { texture::upload };
                     place.insert(upload(&self.gl, &RgbaImage::new(stand_in.size.0, stand_in.size.1))?)
                 }
             };

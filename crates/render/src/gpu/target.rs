@@ -220,6 +220,21 @@ impl Target {
         }
     }
 
+    /// Fills all colours with 0.
+    pub(super) fn clear(&self) {
+        self.bind();
+        // SAFETY: clears the target bound above, in the current context.
+        unsafe {
+            self.gl.clear_color(0.0, 0.0, 0.0, 0.0);
+            self.gl.clear(glow::COLOR_BUFFER_BIT);
+        }
+    }
+
+    /// The name of colour texture 0.
+    pub(super) fn texture(&self) -> Option<glow::NativeTexture> {
+        self.colors.first().map(Texture::native)
+    }
+
     pub(super) fn native(&self) -> glow::NativeFramebuffer {
         self.framebuffer.native()
     }

@@ -40,6 +40,9 @@ impl Lowering<'_> {
         if row.builtin == Builtin::Texture {
             return TextureRead { outer: self, mark, first, span }.value();
         }
+        if row.builtin == Builtin::Previous {
+            return TextureRead { outer: self, mark, first, span }.last_frame();
+        }
         if let Builtin::Shape(call) = row.builtin {
             return ShapeRead { outer: self, name: row.name, call, mark, first, span }.value();
         }

@@ -79,7 +79,7 @@ impl Inputs {
             }
             _ if missing & uses::PIXEL != 0 => (
                 format!("{here} cannot depend on `{name}`, which is a place in the picture"),
-                "pixels are available in the sky's colour; shapes and materials have the point `p`",
+                "pixels are available in the sky's colour and in `warp`; shapes and materials have the point `p`",
             ),
             _ if missing & uses::SCREEN != 0 => (
                 format!(

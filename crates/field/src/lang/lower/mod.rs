@@ -17,6 +17,7 @@ mod lights;
 mod lowering;
 mod objects;
 mod parts;
+mod picture;
 mod reports;
 mod scene;
 mod scope;

@@ -18,7 +18,7 @@ use super::super::value::{Value, Vector};
 use super::lowering::Lowering;
 use super::reports::Reports;
 use super::scene::SceneBuilder;
-use crate::graph::{Input, NodeId};
+use crate::graph::NodeId;
 
 /// The fields of objects. Their defaults are unused: `objects.rs` handles missing fields.
 const OBJECT: &[Field] = &[
@@ -182,11 +182,16 @@ impl SceneBuilder<'_> {
             Section::Sky => {
                 let sky = Sky::of(self.lowering.numbers(Sky::FIELDS, values));
                 self.parts.has_own_sky |= values.given("color").is_some();
-                self.refuse_pixels(&sky, values);
+                self.refuse_pixels(
+                    &[("ambient", &sky.ambient[..]), ("reach", &[sky.reach])],
+                    "the sky's colour",
+                    values,
+                );
                 only(&mut self.lowering.reports, &mut self.parts.sky, sky, section, span);
             }
             Section::Picture => {
                 let picture = Picture::of(self.lowering.numbers(Picture::FIELDS, values));
+                self.check_picture(&picture, values);
                 only(&mut self.lowering.reports, &mut self.parts.picture, picture, section, span);
             }
             Section::About => {
@@ -251,7 +256,7 @@ impl SceneBuilder<'_> {
                 }
                 Holds::Text => self.text(field.name, entry.value),
                 Holds::Range => self.range(field.name, entry.value, entry.end),
-                Holds::Number | Holds::Vector | Holds::Shape => {
+                Holds::Number | Holds::Vector | Holds::Place | Holds::Shape => {
                     let value =
                         self.lowering.within(field.uses, place(section), |this| this.expr(entry.value));
                     self.field_value(value, field.holds, text, self.lowering.ast.span(entry.value))
@@ -269,6 +274,17 @@ impl SceneBuilder<'_> {
     }
 
     fn field_value(&mut self, value: Value, holds: Holds, name: &str, span: Span) -> Value {
+        if holds == Holds::Place {
+            return match value {
+                Value::Vector(vector) if vector.len() == 2 => value,
+                Value::Unknown => Value::Unknown,
+                other => {
+                    let message = format!("`{name}` must be a vec2, but this is {}", other.described());
+                    let hint = "write a place in the picture, as in `pixel / resolution + vec2(0, 0.01)`";
+                    self.lowering.reports.add(Diagnostic::new(span, message).hint(hint))
+                }
+            };
+        }
         if holds != Holds::Vector {
             return match self.lowering.one_number(value, &format!("`{name}`"), span) {
                 Some(part) => Value::scalar(part),
@@ -288,19 +304,6 @@ impl SceneBuilder<'_> {
                     _ => wrong.hint("write `vec3(a, b, c)`, or one number for all three"),
                 };
                 self.lowering.reports.add(wrong)
-            }
-        }
-    }
-
-    /// Reports the sky's `ambient` or `reach` if it depends on the pixel through a `let` of the block.
-    fn refuse_pixels(&mut self, sky: &Sky, values: &Values) {
-        for (name, numbers) in [("ambient", &sky.ambient[..]), ("reach", &[sky.reach])] {
-            let Some((_, span)) = values.given(name) else { continue };
-            let Ok(used) = self.lowering.graph.inputs_used(numbers) else { continue };
-            if used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y) {
-                let message = format!("`{name}` cannot depend on `pixel`, which is a place in the picture");
-                let wrong = Diagnostic::unsupported(span, message);
-                self.lowering.reports.add(wrong.hint("use `pixel` in the sky's colour alone"));
             }
         }
     }

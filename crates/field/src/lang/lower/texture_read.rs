@@ -1,4 +1,4 @@
-//! Calls of `texture`: the file's number, and its channels at a position.
+//! Calls of `texture` and `previous`: the texture's number, and its channels at a position.
 
 use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
@@ -8,8 +8,10 @@ use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::lowering::Lowering;
+use crate::graph::NodeId;
+use crate::limits::LAST_LIGHT_MAX;
 
-/// A call of `texture` with the arguments from `mark` on, whose expressions begin at `first` (see `Lowering::apply`).
+/// A call of `texture` or `previous` with the arguments from `mark` on, whose expressions begin at `first` (see `Lowering::apply`).
 pub(super) struct TextureRead<'l, 'a> {
     pub outer: &'l mut Lowering<'a>,
     pub mark: usize,
@@ -20,12 +22,8 @@ pub(super) struct TextureRead<'l, 'a> {
 impl TextureRead<'_, '_> {
     pub(super) fn value(&mut self) -> Value {
         let (mark, first, span) = (self.mark, self.first, self.span);
-        if let Some(symbol) = self.outer.names.get("texture") {
-            self.outer.inputs.take(uses::TEXTURE, symbol, span, &mut self.outer.reports);
-        }
-        let mut arguments = self.outer.arguments.iter().skip(mark).copied();
-        let (file, at) = (arguments.next(), arguments.next());
-        let file = match file {
+        self.use_textures("texture");
+        let file = match self.outer.arguments.get(mark).copied() {
             Some(Value::Text(symbol)) => symbol,
             Some(Value::Unknown) | None => return Value::Unknown,
             Some(other) => {
@@ -37,24 +35,51 @@ impl TextureRead<'_, '_> {
                     .add(Diagnostic::new(place, message).hint("write `texture(\"wood.png\", uv)`"));
             }
         };
-        let at = match at {
-            Some(Value::Vector(vector)) if vector.len() == 2 => vector,
-            Some(Value::Unknown) | None => return Value::Unknown,
-            Some(other) => {
-                let message = format!("`texture` takes a vec2 as its position, not {}", other.described());
-                let place = self.outer.argument_span(first, 1, span);
-                return self
-                    .outer
-                    .reports
-                    .add(Diagnostic::new(place, message).hint("take two components, as in `p.xz`"));
-            }
+        let Some((u, v)) = self.place(1, "texture", "take two components, as in `p.xz`") else {
+            return Value::Unknown;
         };
         let Some(number) = self.number(file, self.outer.argument_span(first, 0, span)) else {
             return Value::Unknown;
         };
-        let (u, v) = (at.part(0), at.part(1));
         let parts = [0, 1, 2, 3].map(|channel| self.outer.graph.texture(number, channel, u, v));
         Vector::of(parts).map_or(Value::Unknown, Value::Vector)
+    }
+
+    /// Returns the light of the last frame. Its texture holds fractions of [`LAST_LIGHT_MAX`], because bounds of
+    /// textures are 0..1.
+    pub(super) fn last_frame(&mut self) -> Value {
+        self.use_textures("previous");
+        let hint = "`pixel / resolution` is the place of the pixel that is drawn";
+        let Some((u, v)) = self.place(0, "previous", hint) else { return Value::Unknown };
+        let place = self.outer.reports.library_call.map_or(self.span, |call| call.1);
+        let Some(number) = self.numbered(TextureRef::last_frame(place)) else { return Value::Unknown };
+        let most = self.outer.constant(LAST_LIGHT_MAX);
+        let graph = &mut self.outer.graph;
+        let parts = [0, 1, 2].map(|channel| {
+            let fraction = graph.texture(number, channel, u, v);
+            graph.mul(fraction, most)
+        });
+        Vector::of(parts).map_or(Value::Unknown, Value::Vector)
+    }
+
+    fn use_textures(&mut self, name: &str) {
+        if let Some(symbol) = self.outer.names.get(name) {
+            self.outer.inputs.take(uses::TEXTURE, symbol, self.span, &mut self.outer.reports);
+        }
+    }
+
+    /// Returns the position in argument `index`. Reports other values with a hint.
+    fn place(&mut self, index: usize, name: &str, hint: &str) -> Option<(NodeId, NodeId)> {
+        match self.outer.arguments.get(self.mark + index).copied()? {
+            Value::Vector(vector) if vector.len() == 2 => Some((vector.part(0), vector.part(1))),
+            Value::Unknown => None,
+            other => {
+                let message = format!("`{name}` takes a vec2 as its position, not {}", other.described());
+                let place = self.outer.argument_span(self.first, index, self.span);
+                self.outer.reports.add(Diagnostic::new(place, message).hint(hint));
+                None
+            }
+        }
     }
 
     fn number(&mut self, file: Symbol, span: Span) -> Option<u16> {
@@ -66,18 +91,22 @@ impl TextureRead<'_, '_> {
                 return None;
             }
         };
-        if let Some(known) = self.outer.declared.textures.iter().position(|one| one.name == name) {
+        self.numbered(TextureRef { name, span: place, moves: None })
+    }
+
+    /// Returns the number of a texture. A new texture takes the next number.
+    fn numbered(&mut self, texture: TextureRef) -> Option<u16> {
+        if let Some(known) = self.outer.declared.textures.iter().position(|one| one.name == texture.name) {
             return Some(known as u16);
         }
         let max = self.outer.limits.scene_textures_max;
         if self.outer.declared.textures.len() >= max {
-            let message = format!("the scene reads more than {max} images");
-            self.outer
-                .reports
-                .add(Diagnostic::over_limit(place, message).hint("combine several images into one file"));
+            let message = format!("the scene reads more than {max} images; the last frame counts as one");
+            let wrong = Diagnostic::over_limit(texture.span, message);
+            self.outer.reports.add(wrong.hint("combine several images into one file"));
             return None;
         }
-        self.outer.declared.textures.push(TextureRef { name, span: place, moves: None });
+        self.outer.declared.textures.push(texture);
         Some((self.outer.declared.textures.len() - 1) as u16)
     }
 }

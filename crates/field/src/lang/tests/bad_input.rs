@@ -96,7 +96,7 @@ fn every_limit_has_its_message() {
     let pictures = names(13, "+ texture(\"#.png\", p.xy).rgb");
     assert_eq!(
         message(&format!("material a {{ color = 0 {pictures} }}\nx"), all),
-        "the scene reads more than 12 images"
+        "the scene reads more than 12 images; the last frame counts as one"
     );
     let many = compile("s", &names(100, "let a# = zz#\n"), &mut no_includes);
     assert_eq!(many.diagnostics.len(), 21);

@@ -44,6 +44,40 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "ambient",
         "the sky's colour alone",
     ),
+    (
+        "picture { let a = pixel.y  decay = a }\nx",
+        "`decay` cannot depend on `pixel`, which is a place in the picture",
+        "decay",
+        "`warp` alone",
+    ),
+    // Feedback.
+    ("sphere(p, previous(p.xy).x)", "a shape cannot read images", "previous(p.xy)", "materials and the sky"),
+    (
+        "picture { warp = previous(vec2(0)).xy }\nx",
+        "the picture cannot read images",
+        "previous(vec2(0))",
+        "materials",
+    ),
+    (
+        "sky { color = previous(direction) }",
+        "`previous` takes a vec2 as its position, not a vec3",
+        "direction",
+        "`pixel / resolution`",
+    ),
+    ("sky { color = previous() }", "`previous` takes 1 argument, but gets 0", "previous()", "`previous(uv)`"),
+    (
+        "sky { color = backbuffer }",
+        "there is no `backbuffer` here",
+        "backbuffer",
+        "`previous(pixel / resolution)`",
+    ),
+    (
+        "picture { warp = 0.5 }\nx",
+        "`warp` must be a vec2, but this is a number",
+        "0.5",
+        "`pixel / resolution",
+    ),
+    ("picture { memory = -1 }\nx", "`memory` is no number of seconds", "memory", "from 0 to 10"),
     // Expressions.
     ("1 +", "expected an expression, found the end of the text", "", ""),
     ("sphere(p 1)", "expected `,` or `)`, found a number", "1", ""),

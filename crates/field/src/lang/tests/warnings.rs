@@ -101,3 +101,44 @@ fn a_scene_of_sky_alone_is_a_scene() {
     world.compiled_glsl().unwrap();
     world.tape_buffers().unwrap();
 }
+
+#[test]
+fn trails_that_last_too_long_or_never_begin_are_warned_of() {
+    let picture = |fields: &str| {
+        warnings(&format!("param held = 0 in -1 .. 2\nsphere(p, held)\npicture {{ {fields} }}"))
+    };
+    let too_long = "`decay` may be above 0.9908, so trails would last too long";
+    for decay in ["1", "9 * held", "t", "0.99 + bass", "1 / volume.x"] {
+        assert_eq!(
+            picture(&format!("decay = {decay}")),
+            [("decay".to_owned(), too_long.to_owned())],
+            "{decay}"
+        );
+    }
+    for decay in ["0.9", "0.9 + 0.05 * bass", "min(9 * held, 0.97)", "clamp(t, 0, 0.9)"] {
+        assert_eq!(
+            picture(&format!("decay = {decay}  blur = 0.001  warp = pixel / resolution")),
+            [],
+            "{decay}"
+        );
+    }
+    for decay in ["0", "-1", "0.5 * held - 2"] {
+        let message = "`decay` is never above 0, so there are no trails";
+        assert_eq!(
+            picture(&format!("decay = {decay}")),
+            [("decay".to_owned(), message.to_owned())],
+            "{decay}"
+        );
+    }
+    assert_eq!(
+        picture("warp = vec2(0.5)  blur = 0.01  memory = 60")
+            .into_iter()
+            .map(|(_, message)| message)
+            .collect::<Vec<_>>(),
+        [
+            "`warp` changes trails, and there are none",
+            "`blur` changes trails, and there are none",
+            "a `memory` of 60 s would delay each still and each jump",
+        ]
+    );
+}

@@ -98,6 +98,12 @@ pub enum BlendError {
         /// The limit.
         max: usize,
     },
+    /// A scene depends on its earlier frames, which a blend does not have.
+    #[error("the scene {scene} shows its last frame, so it cannot melt or open a portal: fade instead")]
+    Feedback {
+        /// The scene.
+        scene: String,
+    },
     /// The blended scene exceeds the limits of expressions.
     #[error(transparent)]
     World(#[from] WorldError),
@@ -125,7 +131,7 @@ impl World {
     /// the default `fraction`.
     ///
     /// # Errors
-    /// Returns a [`BlendError`] if the two worlds together exceed a limit.
+    /// Returns a [`BlendError`] if the two worlds together exceed a limit, or one of them depends on earlier frames.
     pub fn blend(
         from: &World,
         to: &World,
@@ -228,6 +234,9 @@ fn whole(name: String, shape: NodeId) -> Object {
 }
 
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
+    if let Some(world) = [from, to].into_iter().find(|world| world.frame_tape.feedback.is_some()) {
+        return Err(BlendError::Feedback { scene: world.name.clone() });
+    }
     let counts = |of: fn(&World) -> usize| of(from) + of(to);
     let fraction = 1;
     let has_media = [from, to].iter().any(|world| world.features.media);

@@ -10,7 +10,7 @@ use crate::gpu::gl::Gl;
 use crate::gpu::target::Target;
 
 #[derive(Default)]
-pub(super) struct Canvas {
+pub(in crate::gpu) struct Canvas {
     pub(super) targets: Option<Targets>,
     pub(super) making: Option<Making>,
     /// The settings of the image whose light the targets hold; `None` for a view.

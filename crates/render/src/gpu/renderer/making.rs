@@ -17,6 +17,7 @@ use crate::gpu::media::MediaTargets;
 use crate::gpu::post::Post;
 use crate::gpu::program::{Program, unit_of};
 use crate::gpu::tiles::{PART_SECONDS, Part, Parts, PixelCost};
+use crate::gpu::trails::TrailSource;
 
 /// The progress of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +62,8 @@ pub(super) struct Tools<'a> {
 pub(super) struct Making {
     pub(super) picture: Picture,
     pub(super) product: Product,
+    /// The trails to add; `None` if there are none.
+    pub(super) trails: Option<TrailSource>,
     pass: Pass,
     parts: Parts,
     pub(super) spent: Duration,
@@ -78,6 +81,7 @@ impl Making {
         Self {
             picture,
             product,
+            trails: None,
             pass: Pass::First,
             parts: Parts::default(),
             spent: Duration::ZERO,
@@ -253,8 +257,11 @@ impl Making {
         }
     }
 
-    fn finish_light(&self, tools: &Tools<'_>, targets: &Targets) -> Result<(), GpuError> {
+    fn finish_light(&self, tools: &Tools<'_>, targets: &mut Targets) -> Result<(), GpuError> {
         resolve(tools, targets)?;
+        if let Some(trails) = &self.trails {
+            tools.post.add_trails(&mut targets.post, trails)?;
+        }
         if self.product == Product::Light {
             return Ok(());
         }

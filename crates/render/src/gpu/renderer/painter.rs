@@ -13,6 +13,7 @@ use crate::frame::picture::Picture;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::error::GpuError;
 use crate::gpu::evaluations::Counting;
+use crate::gpu::feedback::{self, FeedbackRequest};
 use crate::gpu::gl::Gl;
 use crate::gpu::media::MediaTargets;
 use crate::gpu::passes::Passes;
@@ -99,9 +100,63 @@ impl Painter {
         frame: &Frame,
         scene: &SceneResources,
     ) -> Result<(), GpuError> {
+        self.begin_without_trails(product, frame, scene)?;
+        if let (Some(making), Some(feedback)) = (&mut self.canvas.making, scene.feedback()) {
+            making.trails = feedback.trails(frame);
+        }
+        Ok(())
+    }
+
+    fn begin_without_trails(
+        &mut self,
+        product: Product,
+        frame: &Frame,
+        scene: &SceneResources,
+    ) -> Result<(), GpuError> {
         let tree = scene.tree_of(frame);
         scene.upload_inputs(frame)?;
         self.begin_block(product, frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
+    }
+
+    /// Draws a frame of feedback for each group of histories with its own last frame.
+    pub(super) fn draw_feedback(
+        &mut self,
+        request: &FeedbackRequest,
+        frame: &Frame,
+        scene: &SceneResources,
+        program: &Program,
+    ) -> Result<(), GpuError> {
+        let Some(mut feedback) = scene.feedback() else { return Ok(()) };
+        let (groups, mut canvas) = (feedback.groups(request)?, std::mem::take(&mut feedback.canvas));
+        drop(feedback);
+        let edges = std::mem::replace(&mut self.sampling.edge_samples, feedback::EDGES);
+        let drawn = scene.without_cells(|| {
+            groups.iter().try_for_each(|slots| {
+                let read = slots.first().copied().unwrap_or_default();
+                scene.feedback().iter_mut().for_each(|feedback| feedback.read(read));
+                self.elsewhere(&mut canvas, |painter| {
+                    painter.begin_without_trails(Product::Light, frame, scene)?;
+                    painter.go_on(&scene.names(), (program, scene.costs()), Duration::MAX)?;
+                    let Some(targets) = &painter.canvas.targets else { return Ok(()) };
+                    let Some(mut feedback) = scene.feedback() else { return Ok(()) };
+                    let tools = (painter.post.passes(), painter.post.programs_of_trails());
+                    feedback.keep(tools, (frame, targets.post.light()), slots)
+                })
+            })
+        });
+        self.sampling.edge_samples = edges;
+        if let Some(mut feedback) = scene.feedback() {
+            feedback.canvas = canvas;
+            feedback.note_drawn(request);
+        }
+        drawn
+    }
+
+    pub(super) fn show_feedback(&self, scene: &SceneResources, time: f64) -> Result<(), GpuError> {
+        let Some(mut feedback) = scene.feedback() else { return Ok(()) };
+        self.post.passes().prepare();
+        feedback.show((self.post.passes(), self.post.programs_of_trails()), time)?;
+        self.gl.check("mixing frames of feedback")
     }
 
     pub(super) fn begin_block(

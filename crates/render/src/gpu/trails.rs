@@ -1,0 +1,90 @@
+//! Trails: the last frame, warped, blurred and dimmed, under the light of a scene (`shaders/trails.frag`).
+
+use std::rc::Rc;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::passes::Passes;
+use super::program::{LazyProgram, unit_of};
+use super::target::Target;
+use super::texel_list::{self, ListTexel, TexelList};
+use crate::frame::Frame;
+use mariana_field::limits::LAST_LIGHT_MAX;
+use mariana_field::world::{Feedback, WARP_CELLS};
+
+pub(super) struct Trails {
+    pub(super) add: LazyProgram,
+    pub(super) keep: LazyProgram,
+    pub(super) mix: LazyProgram,
+}
+
+/// The last frame, and how trails come from it.
+#[derive(Clone)]
+pub(super) struct TrailSource {
+    pub(super) last: Rc<Target>,
+    pub(super) grid: Rc<TexelList>,
+}
+
+impl TrailSource {
+    fn bind(&self, gl: &Gl, light: &Target) {
+        light.bind_color(0, unit_of("picture"));
+        self.last.bind_color(0, unit_of("last_frame"));
+        texel_list::bind(gl, unit_of("warp_grid"), self.grid.texture());
+    }
+}
+
+impl Trails {
+    /// Adds trails to `light`.
+    pub(super) fn add(
+        &self,
+        passes: &Passes,
+        light: &Target,
+        source: &TrailSource,
+        output: &Target,
+    ) -> Result<(), GpuError> {
+        source.bind(&passes.gl, light);
+        passes.draw(&self.add, output)
+    }
+
+    /// Adds trails to `light`, as a last frame.
+    pub(super) fn keep(
+        &self,
+        passes: &Passes,
+        light: &Target,
+        source: &TrailSource,
+        output: &Target,
+    ) -> Result<(), GpuError> {
+        source.bind(&passes.gl, light);
+        passes.draw(&self.keep, output)
+    }
+
+    /// Mixes two last frames; `fraction` is the weight of the second one, 0..1.
+    pub(super) fn mix(
+        &self,
+        passes: &Passes,
+        (first, second): (&Target, &Target),
+        fraction: f32,
+        output: &Target,
+    ) -> Result<(), GpuError> {
+        first.bind_color(0, unit_of("picture"));
+        second.bind_color(0, unit_of("last_frame"));
+        passes.draw_with(&self.mix, output, [fraction, 0.0])
+    }
+}
+
+/// Creates the list that [`fill_grid`] fills.
+pub(super) fn empty_grid(gl: &Gl) -> Result<TexelList, GpuError> {
+    TexelList::new(gl, ListTexel::Rgba32F, &[0; 16])
+}
+
+/// Uploads the rules and the grid of a frame's trails, in the order of `trails.frag`.
+pub(super) fn fill_grid(grid: &TexelList, feedback: &Feedback, frame: &Frame) {
+    let aspect = frame.size.0 as f32 / frame.size.1 as f32;
+    let (decay, blur) = (frame.picture.decay, frame.picture.blur);
+    let rules = [decay, blur / aspect, blur, LAST_LIGHT_MAX];
+    let cells = [WARP_CELLS.0 as f32, WARP_CELLS.1 as f32, 0.0, 0.0];
+    let corners = feedback.warped(&frame.inputs).into_iter().map(|[u, v]| [u, v, 0.0, 0.0]);
+    let texels: Vec<[f32; 4]> = [rules, cells].into_iter().chain(corners).collect();
+    let bytes: Vec<u8> = texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect();
+    grid.replace(&bytes);
+}

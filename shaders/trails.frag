@@ -1,0 +1,64 @@
+// Adds trails to the light of a scene: the last frame, warped, blurred and dimmed. The brighter of both is visible, so
+// trails never add up.
+//
+// KEPT: writes the frame that becomes the next last frame, in fractions of the brightest light that is fed back.
+// MIX: mixes two last frames instead.
+
+#include "post_block.glsl"
+#include "texel_lists.glsl"
+
+uniform sampler2D picture;          // linear light; with MIX a last frame
+uniform sampler2D last_frame;       // linear light in fractions of the brightest light
+
+// The rules: decay, the radius of the blur across and up (0..1 is the frame), the brightest light. Then the columns and
+// rows of the grid, then its corners row by row: xy the place in the last frame (crates/render/src/gpu/feedback.rs).
+uniform NUMBER_LIST warp_grid;
+
+layout(location = 0) out vec4 light;
+
+vec2 corner(ivec2 at, int columns) {
+    return TEXEL(warp_grid, 2 + at.y * (columns + 1) + at.x).xy;
+}
+
+// Returns the place in the last frame that is visible at `place`.
+vec2 warped(vec2 place) {
+    ivec2 cells = ivec2(TEXEL(warp_grid, 1).xy);
+    vec2 along = place * vec2(cells);
+    ivec2 at = clamp(ivec2(along), ivec2(0), cells - 1);
+    vec2 part = along - vec2(at);
+    vec2 lower = mix(corner(at, cells.x), corner(at + ivec2(1, 0), cells.x), part.x);
+    vec2 upper = mix(corner(at + ivec2(0, 1), cells.x), corner(at + ivec2(1, 1), cells.x), part.x);
+    return mix(lower, upper, part.y);
+}
+
+vec3 last_light(vec2 place) {
+    vec2 inside = step(abs(place - 0.5), vec2(0.5));
+    return inside.x * inside.y * texture(last_frame, place).rgb;
+}
+
+// A tent of nine taps.
+vec3 blurred(vec2 place, vec2 radius) {
+    if (radius.y <= 0.0) return last_light(place);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 9; i++) {
+        vec2 to = vec2(i % 3 - 1, i / 3 - 1);
+        sum += (2.0 - abs(to.x)) * (2.0 - abs(to.y)) * last_light(place + radius * to);
+    }
+    return sum / 16.0;
+}
+
+void main() {
+    vec2 place = post_place();
+    vec4 own = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
+#ifdef MIX
+    light = mix(own, texture(last_frame, place), post_target.z);
+#else
+    vec4 rules = TEXEL(warp_grid, 0);
+    vec3 trails = rules.x * rules.w * blurred(warped(place), rules.yz);
+    vec3 both = max(own.rgb, trails);
+#ifdef KEPT
+    both = min(both / rules.w, vec3(1.0));
+#endif
+    light = vec4(both, 1.0);
+#endif
+}

@@ -1,0 +1,67 @@
+//! The pace at which the window draws frames of feedback: those of a moving scene at once, those that are missing after
+//! a seek or a change of scenes a few with each image.
+
+use std::time::Duration;
+
+use super::composer::WantedPicture;
+use crate::clock;
+use crate::frame::Frame;
+use crate::gpu::error::GpuError;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::Renderer;
+use crate::gpu::scene_resources::SceneResources;
+
+/// Maximum number of frames of feedback before an image: those of two histories of ten seconds take less than two
+/// seconds at 60 images a second.
+const FRAMES_MAX: usize = 16;
+/// Time after which an image does not wait for further frames of feedback.
+const PATIENCE: Duration = Duration::from_millis(12);
+/// If more frames are missing than this and drawing does not catch up, the missing frames are left out.
+const MISSING_MAX: u64 = 20;
+
+#[derive(Default)]
+pub(super) struct FeedbackPace {
+    /// The scene, and the number of frames that its last image lacked.
+    last: Option<(u64, u64)>,
+    is_incomplete: bool,
+}
+
+impl FeedbackPace {
+    /// Draws frames of feedback for an image at `time`; `frame_at` returns the frames.
+    pub(super) fn go_on(
+        &mut self,
+        renderer: &mut Renderer,
+        (id, scene, program): (u64, &SceneResources, &Program),
+        (time, picture): (f64, &WantedPicture<'_>),
+        frame_at: &dyn Fn(f64) -> Frame,
+    ) -> Result<(), GpuError> {
+        let size = picture.screen.size.map(|side| side as u32);
+        let begun = clock::now();
+        for _ in 0..FRAMES_MAX {
+            let moment = (picture.moment.track, time);
+            let Some(request) = renderer.feedback_before(scene, moment, (size[0], size[1]), true) else {
+                break;
+            };
+            let mut frame = frame_at(request.time);
+            frame.size = request.size;
+            renderer.draw_feedback(&request, &frame, (scene, program))?;
+            if clock::since(begun) > PATIENCE {
+                break;
+            }
+        }
+        let missing = scene.missing_feedback(time);
+        // The first image after a seek may lack many frames.
+        let lacked = self.last.filter(|(last, _)| *last == id).map_or(0, |(_, lacked)| lacked);
+        if lacked > MISSING_MAX && missing >= lacked {
+            scene.skip_feedback(time);
+        }
+        self.last = Some((id, missing));
+        self.is_incomplete |= missing > 0;
+        renderer.show_feedback(scene, time)
+    }
+
+    /// True if an image since the last call lacked frames.
+    pub(super) fn take_incomplete(&mut self) -> bool {
+        std::mem::take(&mut self.is_incomplete)
+    }
+}
