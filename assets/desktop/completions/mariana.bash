@@ -113,7 +113,7 @@ _mariana() {
 
     case "${cmd}" in
         mariana)
-            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check format lsp tape eval import export show scenes devices help"
+            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --osc --osc-send --osc-rate --midi --remote --new --gl-info --quality --flash-limiter --brightness --blackout-fade --flip --crop --corners --output --wallpaper --send --send-size --send-fps --scene --view --projection --stereo --eye-distance --dome-tilt --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check format lsp tape eval import export show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -228,6 +228,22 @@ _mariana() {
                     return 0
                     ;;
                 --view)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --projection)
+                    COMPREPLY=($(compgen -W "flat 360 dome vr180" -- "${cur}"))
+                    return 0
+                    ;;
+                --stereo)
+                    COMPREPLY=($(compgen -W "none side-by-side over-under" -- "${cur}"))
+                    return 0
+                    ;;
+                --eye-distance)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --dome-tilt)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -737,7 +753,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__still)
-            opts="-o -v -h --at --size --output --scene --alpha --show --into --blend --ray --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -v -h --at --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --output --scene --alpha --show --into --blend --ray --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -748,6 +764,30 @@ _mariana() {
                     return 0
                     ;;
                 --size)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --projection)
+                    COMPREPLY=($(compgen -W "flat 360 dome vr180" -- "${cur}"))
+                    return 0
+                    ;;
+                --stereo)
+                    COMPREPLY=($(compgen -W "none side-by-side over-under" -- "${cur}"))
+                    return 0
+                    ;;
+                --eye-distance)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --dome-tilt)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --shutter)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --shutter-frames)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -833,7 +873,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__video)
-            opts="-o -q -v -h --for --start --duration --fps --size --codec --quality --draft --title-card --lyrics --flash-limiter --scene --alpha --show --set --output --quiet --controlled --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -q -v -h --for --start --duration --fps --size --projection --stereo --eye-distance --dome-tilt --shutter --shutter-frames --codec --quality --draft --title-card --lyrics --flash-limiter --scene --alpha --show --set --output --part --join --quiet --controlled --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -856,6 +896,30 @@ _mariana() {
                     return 0
                     ;;
                 --size)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --projection)
+                    COMPREPLY=($(compgen -W "flat 360 dome vr180" -- "${cur}"))
+                    return 0
+                    ;;
+                --stereo)
+                    COMPREPLY=($(compgen -W "none side-by-side over-under" -- "${cur}"))
+                    return 0
+                    ;;
+                --eye-distance)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --dome-tilt)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --shutter)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --shutter-frames)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -892,6 +956,14 @@ _mariana() {
                     return 0
                     ;;
                 -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --part)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --join)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -1,6 +1,6 @@
 # Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
 function __fish_mariana_global_optspecs
-    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= remote= new gl-info quality= flash-limiter= brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
+    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= remote= new gl-info quality= flash-limiter= brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= projection= stereo= eye-distance= dome-tilt= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
 end
 
 function __fish_mariana_needs_command
@@ -65,6 +65,15 @@ complete -c mariana -n "__fish_mariana_needs_command" -l send-size -d 'Size of t
 complete -c mariana -n "__fish_mariana_needs_command" -l send-fps -d 'Frames sent per second' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
 complete -c mariana -n "__fish_mariana_needs_command" -l view -d 'Show a view of the rendering process, with a legend: - steps: steps of the ray from the eye, blue to red; steps:NUMBER sets the count shown in red, 100 by default - slice: the distance on a plane through the camera\'s target, as lines; slice:NUMBER sets the distance between two lines - normals: normals of the surfaces, by finite differences of the distance; normals:NUMBER sets the step of the differences, by default a fraction of a pixel - shadow: the fraction of direct light that arrives - occlusion: the fraction of the ambient light that arrives - clauses: clauses that the interpreter runs; distance evaluations if compiled; clauses:NUMBER sets the count shown in red - cells: the cells of the regions, and the lengths of their tapes - materials: a colour for each object - depth: the distance to the surface; depth:NUMBER sets the distance shown in black ' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l projection -d 'Projection: for players of 360-degree videos, planetariums and headsets' -r -f -a "flat\t''
+360\t'The whole sphere, twice as wide as high'
+dome\t'A square dome master: a disc of 180 degrees'
+vr180\t'The half in front of the camera, square'"
+complete -c mariana -n "__fish_mariana_needs_command" -l stereo -d 'Pictures for two eyes' -r -f -a "none\t''
+side-by-side\t'The left eye on the left'
+over-under\t'The left eye above'"
+complete -c mariana -n "__fish_mariana_needs_command" -l eye-distance -d 'Distance of the eyes in the scene\'s units; larger distances make the scene look smaller' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
 auto\t''"
@@ -107,7 +116,18 @@ complete -c mariana -n "__fish_mariana_needs_command" -a "scenes" -d 'List the s
 complete -c mariana -n "__fish_mariana_needs_command" -a "devices" -d 'List the sound systems with their inputs and outputs, and the formats of these devices'
 complete -c mariana -n "__fish_mariana_needs_command" -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l at -d 'The moment, as 80 or 1:20.5' -r
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l size -d 'Size in pixels' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l size -d 'Size in pixels [default: 1280x720, or set by --projection and --stereo]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l projection -d 'Projection: for players of 360-degree videos, planetariums and headsets' -r -f -a "flat\t''
+360\t'The whole sphere, twice as wide as high'
+dome\t'A square dome master: a disc of 180 degrees'
+vr180\t'The half in front of the camera, square'"
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l stereo -d 'Pictures for two eyes' -r -f -a "none\t''
+side-by-side\t'The left eye on the left'
+over-under\t'The left eye above'"
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l eye-distance -d 'Distance of the eyes in the scene\'s units; larger distances make the scene look smaller' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l shutter -d 'Motion blur: the part of a frame\'s time during which the shutter is open, in degrees, such as 180; 0 for none' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l shutter-frames -d 'Exposures of each frame with --shutter; drawing takes this many times as long' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s o -l output -d 'The PNG, JPEG or WebP file to write, or \'-\' for a PNG on standard output' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r -a "barth cathedral city clockwork cloud_sea first_steps gyroid heart ink kaleidoscope lattice letters mandelbulb metaballs moonrise orb quadric speakers spiral terrain tunnel wave_tank"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l show -d 'Show this moment of a show instead of a scene: \'auto\' for a show that follows the song, or a .show file' -r
@@ -140,7 +160,18 @@ loop\t'Portrait, 1080x1920 at 30 frames a second; 8 seconds without sound whose 
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l start -d 'Start, as 80 or 1:20.5' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l duration -d 'Length, as 80 or 1:20.5 [default: to the end, or set by --for]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l fps -d 'Frames per second [default: 30, or set by --for]' -r
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l size -d 'Size in pixels [default: 1280x720, or set by --for]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l size -d 'Size in pixels [default: 1280x720, or set by --for, --projection and --stereo]' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l projection -d 'Projection: for players of 360-degree videos, planetariums and headsets' -r -f -a "flat\t''
+360\t'The whole sphere, twice as wide as high'
+dome\t'A square dome master: a disc of 180 degrees'
+vr180\t'The half in front of the camera, square'"
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l stereo -d 'Pictures for two eyes' -r -f -a "none\t''
+side-by-side\t'The left eye on the left'
+over-under\t'The left eye above'"
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l eye-distance -d 'Distance of the eyes in the scene\'s units; larger distances make the scene look smaller' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l dome-tilt -d 'Height of the camera\'s target in a dome, in degrees above the front rim; 90 is the zenith' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l shutter -d 'Motion blur: the part of a frame\'s time during which the shutter is open, in degrees, such as 180; 0 for none' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l shutter-frames -d 'Exposures of each frame with --shutter; drawing takes this many times as long' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l codec -d 'Video codec [default: chosen by the extension of the file\'s name]' -r -f -a "h264\t'Plays everywhere'
 h265\t'Half the bytes of h264'
 vp9\t'For webm'
@@ -156,6 +187,8 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l scene -d 'The 
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l show -d 'A show instead of scenes: \'auto\' for a show that follows the song with the scenes of --scene, or with all shipped scenes; \'demo\' for the demo track\'s show; or a .show file' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s o -l output -d 'The video to write (mp4, mkv, mov, webm, or gif and webp without sound), a folder ending in \'/\' for numbered PNGs, or \'-\' for y4m without sound on standard output' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l part -d 'Render one part of the video, such as 3/8, without sound: for several machines. Continues an interrupted part' -r
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l join -d 'Join parts into the video without encoding again, and add the sound of FILE' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l view -d 'Show a view of the rendering process, with a legend: - steps: steps of the ray from the eye, blue to red; steps:NUMBER sets the count shown in red, 100 by default - slice: the distance on a plane through the camera\'s target, as lines; slice:NUMBER sets the distance between two lines - normals: normals of the surfaces, by finite differences of the distance; normals:NUMBER sets the step of the differences, by default a fraction of a pixel - shadow: the fraction of direct light that arrives - occlusion: the fraction of the ambient light that arrives - clauses: clauses that the interpreter runs; distance evaluations if compiled; clauses:NUMBER sets the count shown in red - cells: the cells of the regions, and the lengths of their tapes - materials: a colour for each object - depth: the distance to the surface; depth:NUMBER sets the distance shown in black ' -r
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l sdf -d 'Interpret or compile the scene\'s formulas; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
 compiled\t''
