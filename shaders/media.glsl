@@ -84,14 +84,24 @@ vec4 medium_along(vec3 origin, vec3 direction, float end, float cone, float patt
     float growth = clamp(1.0 - EVEN_LENGTH / reach, 0.0, 0.98);
     int light_count = clamp(int(frame_clock.y), 1, LIGHTS_MAX);
     int light = int(pattern * 9.0);
+    float done = 0.0;
+#ifdef LIMITED_ROUNDS
+    int rounds_before = rounds_run;
+#endif
     for (int i = 0; i < MEDIUM_STEPS; i++) {
-        if (sum.a < LEFT_MIN) break;
-        float along = (float(i) + pattern) / float(MEDIUM_STEPS);
+        if (sum.a < LEFT_MIN || done > 0.99) break;
+        float part = 1.0 / float(MEDIUM_STEPS);
+#ifdef LIMITED_ROUNDS
+        // Take longer steps if the rest of the ray would need too many rounds.
+        int affordable = i * (MEDIUM_ROUNDS - rounds_run) / max(rounds_run - rounds_before, 1);
+        if (i > 0) part = max(part, (1.0 - done) / float(max(affordable, 1)));
+#endif
+        float along = done + part * pattern;
+        done += part;
         float t = start + reach * along * mix(1.0, along, growth);
-        float step_length = reach * (1.0 - growth + 2.0 * growth * along) / float(MEDIUM_STEPS);
+        float step_length = reach * (1.0 - growth + 2.0 * growth * along) * part;
         vec3 p = origin + t * direction;
         COUNT(count_medium_steps);
-        if (steps_left(1, MEDIUM_ROUNDS) <= 0) break;
         if (densest_at(p) <= 0.0) continue;
         // The way to the light through the medium, whose length counts as `shade_length` at one place. That place is
         // random; near places are more likely.

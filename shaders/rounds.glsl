@@ -11,8 +11,8 @@
 const int EYE_ROUNDS = 26000;
 const int MIRROR_ROUNDS = 30000;
 const int SHADOW_ROUNDS = 40000;
-// A ray through media takes its steps while this many rounds are left for one more step.
-const int MEDIUM_ROUNDS = 20000;
+// A ray through media takes fewer, longer steps beyond this.
+const int MEDIUM_ROUNDS = 36000;
 
 #ifdef LIMITED_ROUNDS
 // Rounds of this pixel so far, and rounds of the last evaluation of the distance.

@@ -12,6 +12,7 @@ use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::{Interpreter, Mode};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
+use mariana_field::world::SceneFeatures;
 
 /// A non-Lipschitz formula, mirrors, and a scene with bands. These scenes have no textures, because a CPU needs minutes
 /// to filter textures as GPUs do.
@@ -184,7 +185,17 @@ fn draws(log: &str) -> Vec<(u64, u64)> {
 fn the_universal_interpreter_covers_every_shipped_scene() {
     for name in shipped_names() {
         let scene = ready(&SceneSource::Shipped(name.clone()));
-        let own = Interpreter::for_scene(scene.world.features, &scene.buffers, &scene.plan, &driver(false));
+        let mut own =
+            Interpreter::for_scene(scene.world.features, &scene.buffers, &scene.plan, &driver(false));
+        if scene.world.features.media {
+            // Scenes with media share another interpreter, which differs in the code for media alone.
+            let general = SceneFeatures { media: true, ..SceneFeatures::USUAL };
+            assert!(
+                own == Interpreter::for_scene(general, &scene.buffers, &scene.plan, &driver(false)),
+                "{name}"
+            );
+            own = Interpreter::for_scene(SceneFeatures::USUAL, &scene.buffers, &scene.plan, &driver(false));
+        }
         assert!(Interpreter::universal(own.is_non_lipschitz()).covers(&own), "{name}: {own:?}");
         assert!(!Interpreter::universal(!own.is_non_lipschitz()).covers(&own), "{name}");
     }

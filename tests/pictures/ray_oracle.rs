@@ -431,6 +431,9 @@ fn hits_and_misses_match_the_oracle() {
     for (source, name) in others.into_iter().chain(shipped) {
         let compiled = source.compile().unwrap();
         let world = World::new(&name, compiled.scene.unwrap(), Vec::new()).unwrap();
+        if !world.has_rest && world.planes.is_empty() {
+            continue;
+        }
         let (decided, capped) = check_rays(&name, &world, rays);
         // If space repeats, long parts of a ray have wide intervals, so the oracle decides fewer rays.
         let least = if REPEATING.contains(&name.as_str()) { rays / 4 } else { rays / 2 };
@@ -450,6 +453,8 @@ fn hits_and_misses_in_blends_match_the_oracle() {
             let compiled = SceneSource::Shipped(name.clone()).compile().unwrap();
             World::new(&name, compiled.scene.unwrap(), Vec::new()).unwrap()
         })
+        // Scenes that show their last frame have no blends.
+        .filter(|world| world.frame_tape.feedback.is_none())
         .collect();
     let mut wrong = Vec::new();
     for (i, from) in worlds.iter().enumerate() {
