@@ -33,7 +33,7 @@ pub struct Limits {
     pub scene_params_max: usize,
     /// Maximum number of textures of a scene. OpenGL 3.3 guarantees that a fragment shader can use 16.
     pub scene_textures_max: usize,
-    /// Maximum number of textures of a scene with media, which need two texture units of their own.
+    /// Maximum number of textures of a scene with media, which occupy two texture units.
     pub scene_textures_beside_media_max: usize,
     /// Maximum number of different texts and pictures that the shapes of a scene read.
     pub scene_shapes_max: usize,

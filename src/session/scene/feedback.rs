@@ -1,5 +1,5 @@
-//! The pace at which the window draws frames of feedback: those of a moving scene at once, those that are missing after
-//! a seek or a change of scenes a few with each image.
+//! The pace at which the window draws frames of feedback. In a running scene it draws new frames at once. After a seek or
+//! a change of scenes it draws a few missing frames with each image.
 
 use std::time::Duration;
 

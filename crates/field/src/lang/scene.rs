@@ -165,7 +165,7 @@ section! {
     scatter: Number = Each(1.0), POINT | FRAME | EYE,
         "Fraction of the lost light that is scattered, 0 dark smoke .. 1 fog; the rest is absorbed.";
     emission: Vector = Each(0.0), POINT | FRAME | EYE,
-        "Light that the medium emits per unit of length, whatever its density is.";
+        "Light that the medium emits per unit of length. It does not depend on the density.";
     phase: Number = Each(0.0), POINT | FRAME | EYE,
         "The direction in which light is scattered: 0 all directions alike, towards 1 forward, so that fog is bright \
          around a light, towards -1 backward.";

@@ -417,7 +417,7 @@ fn beside(program: &Program) -> usize {
     1 + (program.inputs - program.in_registers) / 4
 }
 
-/// Returns the place of a cell of a grid with `side` cells along each axis.
+/// Returns the x, y and z of a cell in a grid with `side` cells along each axis.
 pub(super) fn place_of(cell: usize, side: usize) -> [usize; 3] {
     [cell % side, cell / side % side, cell / (side * side)]
 }

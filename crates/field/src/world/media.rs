@@ -149,7 +149,7 @@ pub(super) fn bounds(
                 low: found.low.map(|at| at.max(-FARTHEST)),
                 high: found.high.map(|at| at.min(FARTHEST)),
             };
-            // The numbers of `cuts` grow outwards, whichever face it is.
+            // `cuts` grow outwards at both faces of an axis.
             let mut first_without = |cuts: &[f32; CUTS]| {
                 let beyond = |cut: &f32| {
                     let mut part = searched;

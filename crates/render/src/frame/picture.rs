@@ -29,7 +29,7 @@ pub struct Picture {
     pub blur: f32,
     /// The lens, if the scene's lens can blur at any time.
     pub lens: Option<Lens>,
-    /// True if the scene has media, which a pass of their own draws.
+    /// True if the scene has media, which a separate pass draws.
     pub has_media: bool,
 }
 

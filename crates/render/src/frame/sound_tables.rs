@@ -1,5 +1,6 @@
 //! Packs the tables for the shaders: spectrum, waveform, numbers of the song's parts, rows of the history, then the grid
-//! over the media, then texts and pictures as shapes (`shaders/scene_inputs.glsl`). The sound comes first, so that scenes find it at constant places.
+//! over the media, then texts and pictures as shapes (`shaders/scene_inputs.glsl`). The sound comes first, so that scenes
+//! find it at constant places.
 
 use mariana_field::graph::{FrameInputs, Op, PartInput, TableData};
 use mariana_field::region::MediumGrid;

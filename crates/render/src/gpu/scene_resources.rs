@@ -17,7 +17,7 @@ use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
 use super::scene_program::{Interpreter, Mode};
-use super::texel_list::{self, ListTexel, TexelList};
+use super::texel_list::{self, ListTexel, TexelList, floats_as_bytes};
 use super::texture;
 use super::tiles::Costs;
 use crate::frame::Frame;
@@ -489,9 +489,7 @@ impl SceneLists {
             return;
         }
         let mut bytes = floats_as_bytes(&sound_tables::texels(inputs));
-        bytes.extend(
-            medium.iter().flat_map(|grid| grid.densities.iter().flat_map(|value| value.to_ne_bytes())),
-        );
+        bytes.extend(medium.iter().flat_map(|grid| floats_as_bytes(grid.densities.as_chunks::<4>().0)));
         *self.medium.borrow_mut() = medium;
         if are_known && inputs.shapes.rows() > 0 {
             self.sound_tables.replace_start(&bytes);
@@ -541,8 +539,4 @@ impl SceneNames {
 
 fn bytes_of(texels: &[[u32; 4]]) -> Vec<u8> {
     texels.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect()
-}
-
-fn floats_as_bytes(texels: &[[f32; 4]]) -> Vec<u8> {
-    texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect()
 }

@@ -7,7 +7,7 @@ use super::gl::Gl;
 use super::passes::Passes;
 use super::program::{LazyProgram, unit_of};
 use super::target::Target;
-use super::texel_list::{self, ListTexel, TexelList};
+use super::texel_list::{self, ListTexel, TexelList, floats_as_bytes};
 use crate::frame::Frame;
 use mariana_field::limits::LAST_LIGHT_MAX;
 use mariana_field::world::{Feedback, WARP_CELLS};
@@ -85,6 +85,5 @@ pub(super) fn fill_grid(grid: &TexelList, feedback: &Feedback, frame: &Frame) {
     let cells = [WARP_CELLS.0 as f32, WARP_CELLS.1 as f32, 0.0, 0.0];
     let corners = feedback.warped(&frame.inputs).into_iter().map(|[u, v]| [u, v, 0.0, 0.0]);
     let texels: Vec<[f32; 4]> = [rules, cells].into_iter().chain(corners).collect();
-    let bytes: Vec<u8> = texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect();
-    grid.replace(&bytes);
+    grid.replace(&floats_as_bytes(&texels));
 }

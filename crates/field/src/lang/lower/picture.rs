@@ -59,7 +59,7 @@ impl SceneBuilder<'_> {
             if let Some((_, span)) = values.given(name)
                 && decay <= 0.0
             {
-                warn(span, format!("`{name}` changes trails, and there are none"), "set `decay = 0.95`");
+                warn(span, format!("`{name}` has no effect without trails"), "set `decay = 0.95`");
             }
         }
         let most = FEEDBACK_FRAMES_MAX / FEEDBACK_RATE;

@@ -136,8 +136,8 @@ fn trails_that_last_too_long_or_never_begin_are_warned_of() {
             .map(|(_, message)| message)
             .collect::<Vec<_>>(),
         [
-            "`warp` changes trails, and there are none",
-            "`blur` changes trails, and there are none",
+            "`warp` has no effect without trails",
+            "`blur` has no effect without trails",
             "a `memory` of 60 s would delay each still and each jump",
         ]
     );

@@ -337,8 +337,8 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
     Some([r, g, b, zero])
 }
 
-/// Returns the media of both sides, weighted by the fractions. The direction of scattering is that of the side with the
-/// larger fraction.
+/// Returns the media of both sides, weighted by the fractions. The side with the larger fraction sets the
+/// direction of scattering.
 fn medium(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Option<MediumRoots> {
     let (one, half) = (graph.constant(1.0), graph.constant(0.5));
     let rest = graph.sub(one, s);
