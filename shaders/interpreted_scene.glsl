@@ -136,6 +136,12 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
 }
 
 // The step of the loop over three programs: ambient light, glow, material. Without shining objects it skips glow.
+#ifdef PATHS
+// Paths need only the material.
+const int FIRST_LIGHT_STEP = 2;
+#else
+const int FIRST_LIGHT_STEP = 0;
+#endif
 #ifdef GLOW
 const int LIGHT_STEP = 1;
 #else
@@ -160,7 +166,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     Place above = Place(p + along_surface(dy, s.normal, direction), s.normal);
     // Compute ambient light, glow and material with a single call in a loop.
     uvec4 head = uvec4(0u);
-    for (int i = 0; i < 3; i += LIGHT_STEP) {
+    for (int i = FIRST_LIGHT_STEP; i < 3; i += LIGHT_STEP) {
         int place = i == 0 ? AMBIENT_PROGRAM : MATERIAL_PROGRAMS + s.object;
         Place asked = here;
         Place beside = right;
@@ -199,7 +205,7 @@ Medium scene_medium(vec3 p) {
 
 // Tried: one call of run_program for materials, light and sky. It saves 9 to 14 % of the code. But the sky must then be
 // computed before the lights, which costs every compiled scene a wave on Vega.
-vec3 sky_color(vec3 direction, vec3 dx, vec3 dy) {
+vec3 sky_of(int place, vec3 direction, vec3 dx, vec3 dy) {
 #ifdef PIXEL
     vec3 pixel = vec3(picture_pixel(), 0.0);
     vec3 right = pixel + vec3(frame_screen.z, 0.0, 0.0);
@@ -209,7 +215,18 @@ vec3 sky_color(vec3 direction, vec3 dx, vec3 dy) {
     const vec3 right = vec3(0.0);
     const vec3 above = vec3(0.0);
 #endif
-    uvec4 head = run_program(program_at(SKY_PROGRAM, direction), Place(pixel, direction), Place(right, direction + dx),
+    uvec4 head = run_program(program_at(place, direction), Place(pixel, direction), Place(right, direction + dx),
                              Place(above, direction + dy));
     return vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2));
 }
+
+#ifdef PATHS
+// Returns the sky's colour, or its ambient light from a direction.
+vec3 sky_light(vec3 direction, vec3 dx, vec3 dy, bool is_color) {
+    return sky_of(is_color ? SKY_PROGRAM : AMBIENT_PROGRAM, direction, dx, dy);
+}
+#else
+vec3 sky_color(vec3 direction, vec3 dx, vec3 dy) {
+    return sky_of(SKY_PROGRAM, direction, dx, dy);
+}
+#endif

@@ -7,7 +7,9 @@
 //
 // `crates/field/src/world/media.rs` sums the media of a scene, `crates/field/src/region/medium.rs` bounds their density.
 
+#ifndef PATHS
 #include "media_texels.glsl"
+#endif
 
 #ifdef COVERAGE
 #define SCATTERS 0
@@ -70,6 +72,7 @@ float scattering(float phase, float cosine) {
     return (1.0 - square) / (4.0 * PI * base * sqrt(base));
 }
 
+#ifndef PATHS
 // Returns the light that the medium sends along the ray up to `end`, and the fraction of the light behind it that is
 // left. `pattern`, 0..1, moves the steps.
 vec4 medium_along(vec3 origin, vec3 direction, float end, float cone, float pattern) {
@@ -184,3 +187,4 @@ SeenMedium medium_seen(vec2 place, float end) {
     }
     return mean_medium(sum, weights, end);
 }
+#endif

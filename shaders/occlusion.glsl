@@ -6,6 +6,10 @@
 
 // True if surfaces other than planes can affect a probe. A probe at height h is affected only by distances below h.
 bool occluder_near(vec3 p) {
+#ifdef PATHS
+    // Paths find ambient light themselves.
+    return false;
+#endif
     if (bounds_low.w < 0.5) return false;
     vec3 outside = max(max(bounds_low.xyz - p, p - bounds_high.xyz), 0.0);
     return bounds_high.w < 0.5 || dot(outside, outside) < probes.w * probes.w;

@@ -1,5 +1,13 @@
 // The position of a sample in the frame.
 
+#ifdef PATHS
+// The position of the pixel's path in the frame, in pixels.
+vec2 path_place;
+
+vec2 sample_place() {
+    return path_place;
+}
+#else
 uniform usampler2D edge_pixels;     // the pixel of each block of samples, and the bits of its beam's free distance
 
 // True for the pass of media, whose texels are 2 x 2 pixels of the frame.
@@ -43,6 +51,14 @@ vec2 sample_place() {
     return vec2(listed_pixel().xy) + 0.5 + ((number & 1) == 0 ? pair.xy : pair.zw);
 }
 
+// Returns the bits of the free distance and the steps at which this sample's ray starts (sphere_tracing.glsl).
+uint sample_start() {
+    if (pass_sample.z < 1.5 || is_medium_pass()) return 0u;
+    uvec2 halves = listed_pixel().zw;
+    return (halves.x << 16) | halves.y;
+}
+#endif
+
 #ifdef PROJECTED
 // Returns the size of one eye's picture, in pixels of the frame.
 vec2 eye_size() {
@@ -67,11 +83,4 @@ vec2 picture_pixel() {
 #else
     return sample_place() * frame_screen.zw;
 #endif
-}
-
-// Returns the bits of the free distance and the steps at which this sample's ray starts (sphere_tracing.glsl).
-uint sample_start() {
-    if (pass_sample.z < 1.5 || is_medium_pass()) return 0u;
-    uvec2 halves = listed_pixel().zw;
-    return (halves.x << 16) | halves.y;
 }

@@ -108,8 +108,6 @@ const int SURFACES_MAX = 1;
 // A path ends if less than this fraction of its light would reach the eye; at the lowest quality, FRACTION_MIN_LEAST.
 const float FRACTION_MIN = 0.004;
 const float FRACTION_MIN_LEAST = 0.06;
-// In a blend, mirrors with a lower reflectance at normal incidence also reflect less at grazing angles.
-const float FAINT = 0.02;
 
 #ifdef BLUR
 // Two numbers in 0..1 for a surface of the path. A pixel's numbers come from a hash (pcg3d, Jarzynski and Olano 2020)
@@ -123,15 +121,6 @@ vec2 scatter(int surface) {
     v.x += v.y * v.z;
     v.y += v.z * v.x;
     return fract(vec2(v.xy >> 8u) / 16777216.0 + sample_number() * vec2(0.7548777, 0.5698403));
-}
-
-// Returns the normal of a rough mirror's facet, by GGX (Walter et al. 2007).
-vec3 facet(vec3 normal, float alpha, vec2 random) {
-    float cosine = sqrt((1.0 - random.x) / (1.0 + (alpha * alpha - 1.0) * random.x));
-    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    vec3 side = normalize(abs(normal.y) < 0.9 ? vec3(normal.z, 0.0, -normal.x) : vec3(0.0, -normal.z, normal.y));
-    float turn = 2.0 * PI * random.y;
-    return normalize(normal * cosine + (side * cos(turn) + cross(normal, side) * sin(turn)) * sine);
 }
 #endif
 
@@ -202,14 +191,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             color = vec3(1.0 - m.haze);
 #else
             vec3 kept = throughput * (1.0 - m.haze);
-            // Schlick's approximation of Fresnel's reflectance; a rough mirror reflects less of it at grazing angles.
-            float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
-            float most = max(1.0 - m.blur, m.reflect);
-#ifdef BLEND
-            // Reduce grazing reflections of faint mirrors. Otherwise a fading mirror would leave bright rims.
-            grazing *= min(m.reflect * (1.0 / FAINT), 1.0);
-#endif
-            float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
+            float reflectance = mirrored_part(m, s.normal, direction);
             bool is_lit = !is_medium_pass() && max(kept.r, max(kept.g, kept.b)) > fraction_min;
             if (is_lit) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
             // Metals tint their mirror images.

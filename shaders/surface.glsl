@@ -52,11 +52,23 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     s.material = scene_material(s.object, p, s.normal, along_surface(dx, s.normal, direction),
                                 along_surface(dy, s.normal, direction));
     s.open = openness(p, s.normal, d);
+#ifdef PATHS
+    s.ambient = vec3(0.0);
+#else
 #ifdef GLOW
     // With this width, a texture gives its mean colour around the point.
     vec3 width = vec3(GLOW_PROBE * frame_reach.x, 0.0, 0.0);
     s.glow = glow_from(scene_glow(p + width.x * s.normal, width, width.zyx));
 #endif
     s.ambient = sky_ambient(s.normal, vec3(0.0), vec3(0.0));
+#endif
     return s;
 }
+
+#ifdef PATHS
+// Returns the sky's colour, or its ambient light from a direction.
+vec3 sky_light(vec3 direction, vec3 dx, vec3 dy, bool is_color) {
+    if (is_color) return sky_color(direction, dx, dy);
+    return sky_ambient(direction, vec3(0.0), vec3(0.0));
+}
+#endif

@@ -11,6 +11,7 @@ mod files;
 mod format;
 mod frame_options;
 mod import;
+mod light;
 mod lsp;
 mod parse;
 mod play;

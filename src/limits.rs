@@ -19,6 +19,8 @@ pub struct Limits {
     pub parts_of_video_max: u16,
     /// Largest number of exposures of a frame with motion blur.
     pub exposures_max: u16,
+    /// Largest number of paths of light of a pixel, which the shaders count in 32-bit floats.
+    pub path_samples_max: u16,
     /// Longest time that `--at`, `--start` and `--duration` accept, in seconds (a day).
     pub seconds_max: f64,
     /// Maximum size of a song from standard input, in bytes (1 GiB).
@@ -73,6 +75,7 @@ pub const LIMITS: Limits = Limits {
     fps_max: 1_000.0,
     parts_of_video_max: 10_000,
     exposures_max: 256,
+    path_samples_max: u16::MAX,
     seconds_max: 86_400.0,
     standard_input_bytes_max: 1 << 30,
     programs_kept_max: 4,

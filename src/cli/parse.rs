@@ -78,6 +78,14 @@ pub(super) fn parse_exposures(text: &str) -> Result<u32, String> {
     parse_whole(text, 2, LIMITS.exposures_max, "exposures").map(u32::from)
 }
 
+pub(super) fn parse_samples(text: &str) -> Result<u16, String> {
+    parse_whole(text, 1, LIMITS.path_samples_max, "paths")
+}
+
+pub(super) fn parse_noise(text: &str) -> Result<f32, String> {
+    parse_within(text, 0.0, 1.0, "of the light").map(|noise| noise as f32)
+}
+
 pub(super) fn parse_eye_distance(text: &str) -> Result<f64, String> {
     parse_within(text, 0.0, 1000.0, "units")
 }

@@ -10,13 +10,13 @@ use crate::export::print::tell;
 
 const LINE_PERIOD: Duration = Duration::from_secs(10);
 
-const BAR: &str = "{bar:32} {percent:>3} %  frame {pos} of {len}, {rate} a second, {left} left";
+const BAR: &str = "{bar:32} {percent:>3} %  {msg} {pos} of {len}, {rate} a second, {left} left";
 /// The bar's template while the number of frames is unknown.
-const COUNT: &str = "frame {pos}, {rate} a second";
+const COUNT: &str = "{msg} {pos}, {rate} a second";
 
 pub(super) enum Progress {
     Bar { bar: ProgressBar, has_length: bool },
-    Lines { since: Option<Since> },
+    Lines { noun: &'static str, since: Option<Since> },
     Quiet,
 }
 
@@ -28,13 +28,15 @@ pub(super) struct Since {
 }
 
 impl Progress {
-    pub(super) fn begin(quiet: bool) -> Self {
+    /// `noun` is the name of what is counted.
+    pub(super) fn begin(quiet: bool, noun: &'static str) -> Self {
         let target = ProgressDrawTarget::stderr();
         match (quiet, target.is_hidden()) {
             (true, _) => Self::Quiet,
-            (false, true) => Self::Lines { since: None },
+            (false, true) => Self::Lines { noun, since: None },
             (false, false) => {
-                let bar = ProgressBar::with_draw_target(None, target).with_style(style(COUNT));
+                let bar =
+                    ProgressBar::with_draw_target(None, target).with_style(style(COUNT)).with_message(noun);
                 Self::Bar { bar, has_length: false }
             }
         }
@@ -52,21 +54,21 @@ impl Progress {
                 }
                 bar.set_position(done);
             }
-            Self::Lines { since } => {
+            Self::Lines { noun, since } => {
                 // Start the clock at the first call, because shaders are compiled before that.
                 let now = Instant::now();
                 let since = since.get_or_insert(Since { begun: now, done, reported: now });
                 if since.reported.elapsed() >= LINE_PERIOD {
                     since.reported = now;
                     let rate = (done - since.done) as f64 / since.begun.elapsed().as_secs_f64();
-                    tell(&line(done, of, rate));
+                    tell(&line(noun, done, of, rate));
                 }
             }
         }
     }
 
     /// Ends the line of the bar. Must also be called after an error.
-    pub(super) fn end(self) {
+    pub(super) fn end(&self) {
         if let Self::Bar { bar, .. } = self {
             bar.abandon();
             // A closed terminal is no error.
@@ -76,14 +78,14 @@ impl Progress {
 }
 
 /// Returns a line of progress; `rate` is in frames per second.
-fn line(done: u64, of: Option<u64>, rate: f64) -> String {
+fn line(noun: &str, done: u64, of: Option<u64>, rate: f64) -> String {
     match of.filter(|of| *of > 0) {
         Some(of) => format!(
-            "frame {done} of {of}, {} %, {rate:.1} a second, {} left",
+            "{noun} {done} of {of}, {} %, {rate:.1} a second, {} left",
             100 * done / of,
             clock(of.saturating_sub(done) as f64 / rate.max(1e-3))
         ),
-        None => format!("frame {done}, {rate:.1} a second"),
+        None => format!("{noun} {done}, {rate:.1} a second"),
     }
 }
 
@@ -112,9 +114,9 @@ mod tests {
 
     #[test]
     fn a_line_shows_percent_rate_and_time_left() {
-        assert_eq!(line(120, Some(900), 12.0), "frame 120 of 900, 13 %, 12.0 a second, 1:05 left");
-        assert_eq!(line(5, None, 0.5), "frame 5, 0.5 a second");
-        assert_eq!(line(1, Some(8000), 1.0), "frame 1 of 8000, 0 %, 1.0 a second, 2:13:19 left");
+        assert_eq!(line("frame", 120, Some(900), 12.0), "frame 120 of 900, 13 %, 12.0 a second, 1:05 left");
+        assert_eq!(line("frame", 5, None, 0.5), "frame 5, 0.5 a second");
+        assert_eq!(line("frame", 1, Some(8000), 1.0), "frame 1 of 8000, 0 %, 1.0 a second, 2:13:19 left");
     }
 
     #[test]

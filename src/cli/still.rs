@@ -1,19 +1,23 @@
 //! The subcommand `still`.
 
+use std::cell::RefCell;
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use clap::Args;
 
 use super::common::{CommonArguments, OneScene, SetArguments, end_by_signals, refuse_a_terminal};
 use super::files::{Files, scene_of};
+use super::light::LightArguments;
 use super::parse::{blend_help, parse_blend, parse_pixel, parse_seconds, parse_size};
+use super::progress::Progress;
 use super::projection::{ProjectionArguments, ShutterArguments};
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
-use crate::export::still::{Blend, StillRequest, write_still};
+use crate::export::still::{Blend, StillRequest, write_still, write_still_watched};
 use mariana_field::world::BlendKind;
 
 #[derive(Args)]
@@ -32,6 +36,8 @@ pub(super) struct StillArguments {
     projection: ProjectionArguments,
     #[command(flatten)]
     shutter: ShutterArguments,
+    #[command(flatten)]
+    light: LightArguments,
     /// The PNG, JPEG or WebP file to write, or '-' for a PNG on standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -71,22 +77,29 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
     let into = arguments.into.as_deref().map(scene_of).transpose()?;
     let (song, scene) = Files::of(arguments.files)?.song_and_scene()?;
     let projection = arguments.projection.projection();
-    Ok(write_still(&StillRequest {
+    let request = StillRequest {
         song,
         at: arguments.at,
         size: arguments.size.unwrap_or(projection.default_size()),
         gain: common.gain.unwrap_or_default(),
         output,
-        scene: SceneChoice {
+        scene: arguments.light.tell(SceneChoice {
             view: arguments.view.view,
             alpha: arguments.alpha,
             projection,
             ..arguments.scene.choose(scene, &common)?
-        },
+        })?,
         show: arguments.show.and_then(|show| show.showing(Vec::new())),
         blend: into.map(|into| Blend { into, kind, fraction }),
         set: arguments.set.set,
         ray: arguments.ray,
         shutter: arguments.shutter.shutter(),
-    })?)
+    };
+    let Some(samples) = arguments.light.samples() else { return Ok(write_still(&request)?) };
+    let progress = Rc::new(RefCell::new(Progress::begin(false, "path")));
+    let shown = progress.clone();
+    let watch = Box::new(move |done: f64| shown.borrow_mut().reach(done as u64, Some(samples)));
+    let written = write_still_watched(&request, watch);
+    progress.borrow_mut().end();
+    Ok(written?)
 }

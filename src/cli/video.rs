@@ -10,6 +10,7 @@ use super::choices::{CodecChoice, EncodingChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, refuse_a_terminal};
 use super::controlled::Controlled;
 use super::files::{Files, scene_of};
+use super::light::LightArguments;
 use super::parse::{parse_duration, parse_fps, parse_part, parse_seconds, parse_size};
 use super::progress::Progress;
 use super::projection::{ProjectionArguments, ShutterArguments};
@@ -48,6 +49,8 @@ pub(super) struct VideoArguments {
     projection: ProjectionArguments,
     #[command(flatten)]
     shutter: ShutterArguments,
+    #[command(flatten)]
+    light: LightArguments,
     /// Video codec [default: chosen by the extension of the file's name]
     #[arg(long, value_name = "CODEC")]
     codec: Option<CodecChoice>,
@@ -141,13 +144,13 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         keeps_others: arguments.controlled,
         alpha: arguments.alpha,
         showing,
-        scene: SceneChoice {
+        scene: arguments.light.tell(SceneChoice {
             view: arguments.view.view,
             alpha: arguments.alpha,
             projection,
             edges: if arguments.draft { EdgeSamples::Two } else { scene.edges },
             ..scene
-        },
+        })?,
         set: arguments.set.set,
         codec: arguments.codec.map(Into::into),
         quality: arguments.quality.into(),
@@ -163,7 +166,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         let written = write_video(&request, &mut |done, of| controlled.reach(done, of))?;
         return controlled.finish(&written);
     }
-    let mut progress = Progress::begin(arguments.quiet);
+    let mut progress = Progress::begin(arguments.quiet, "frame");
     let written = match &arguments.join[..] {
         [] => write_video(&request, &mut |done, of| progress.reach(done, of)),
         parts => join_parts(&request, parts),

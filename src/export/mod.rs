@@ -9,6 +9,7 @@ mod exact_textures;
 pub mod output;
 pub mod painter;
 mod panorama;
+pub mod paths;
 pub mod print;
 pub mod show_file;
 mod show_painter;

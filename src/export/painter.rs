@@ -4,6 +4,7 @@ use super::alpha::{Coverage, require_no_sky};
 use super::earlier_sound::EarlierSound;
 use super::error::ExportError;
 use super::exact_textures::ExactTextures;
+use super::paths::{PathChoice, PathDrawing, PathWatch};
 use super::show_painter::Heard;
 use super::song_features::SongFeatures;
 use crate::config::SdfChoice;
@@ -17,8 +18,8 @@ use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{
-    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_coverage, as_views, drawing_variant_of, link_scene,
-    projected, variant_of, without_sky,
+    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_coverage, as_views, drawing_variant_of, link_paths,
+    link_scene, projected, variant_of, without_sky,
 };
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
@@ -52,6 +53,8 @@ pub struct SceneChoice {
     pub tone_map: Option<ToneMap>,
     /// The projection.
     pub projection: Projection,
+    /// Light by paths; `None` for the raster.
+    pub paths: Option<PathChoice>,
     /// True to log the driver's debug messages.
     pub verbose: bool,
 }
@@ -68,6 +71,7 @@ impl From<SceneSource> for SceneChoice {
             edges: EdgeSamples::Sixteen,
             tone_map: None,
             projection: Projection::default(),
+            paths: None,
             verbose: false,
         }
     }
@@ -80,6 +84,7 @@ pub(super) struct HeadlessRenderer {
     textures: ExactTextures,
     projection: Projection,
     earlier: Option<EarlierSound>,
+    paths: Option<PathDrawing>,
     /// True if images of later moments follow.
     is_video: bool,
     // The last field, so that the context is dropped after the objects that use it.
@@ -89,6 +94,7 @@ pub(super) struct HeadlessRenderer {
 pub(super) struct Model {
     program: Program,
     coverage: Option<Program>,
+    paths: Option<Program>,
     resources: SceneResources,
     mode: Mode,
 }
@@ -109,6 +115,7 @@ impl HeadlessRenderer {
             textures: ExactTextures::default(),
             earlier: None,
             projection: choice.projection,
+            paths: choice.paths.map(PathDrawing::of),
             is_video: false,
             context,
         })
@@ -137,6 +144,7 @@ impl HeadlessRenderer {
             variant = without_sky(variant);
         }
         let program = link_scene(gl, &choice.shaders, &variant)?;
+        let paths = choice.paths.map(|_| link_paths(gl, &choice.shaders, &variant)).transpose()?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
         // Diagnostic views show the cells, so they need cells even where cells do not save time.
         let change = match choice.cells {
@@ -144,7 +152,7 @@ impl HeadlessRenderer {
             change => change,
         };
         resources.set_cells(resources.uses_cells(change, mode), mode);
-        Ok(Model { program, coverage, resources, mode })
+        Ok(Model { program, coverage, paths, resources, mode })
     }
 
     /// Sets the song whose cover the scenes show, and whose earlier sound they remember. Call
@@ -200,6 +208,15 @@ impl HeadlessRenderer {
         if let Some((coverage, program)) = self.coverage.as_mut().zip(model.coverage.as_ref()) {
             coverage.draw(&mut self.renderer, &mut frame, (resources, program))?;
         }
+        if let Some((drawing, program)) = self.paths.as_mut().zip(model.paths.as_ref()) {
+            let order = drawing.order();
+            let scene = (resources, program);
+            let done =
+                self.renderer.draw_paths(&frame, scene, order, &mut |progress| drawing.go_on(progress))?;
+            let pixels = f64::from(frame.size.0) * f64::from(frame.size.1);
+            tracing::info!("{:.1} paths for each pixel", done.paths as f64 / pixels.max(1.0));
+            return Ok(());
+        }
         let Some((view, legends)) = &mut self.view else {
             return Ok(self.renderer.draw(&frame, resources, program)?);
         };
@@ -236,6 +253,18 @@ impl HeadlessRenderer {
         let drawn = self.draw(model, frame);
         self.renderer.set_fade(None);
         drawn
+    }
+
+    /// Sets the number of the exposure that is drawn next.
+    pub(super) fn begin_exposure(&mut self, number: usize, count: usize) {
+        self.paths.iter_mut().for_each(|paths| paths.exposure = (number, count));
+    }
+
+    /// Reports the progress of images by paths to `watch`.
+    pub(super) fn watch_paths(&mut self, watch: PathWatch) {
+        if let Some(paths) = &mut self.paths {
+            paths.watch = watch;
+        }
     }
 
     /// Adds the last frame, which is exposure `number` of `count`, to the mean of the exposures. After the last one, the
@@ -327,6 +356,10 @@ impl Painter {
         self.headless_renderer.hear(song)
     }
 
+    pub(super) fn watch_paths(&mut self, watch: PathWatch) {
+        self.headless_renderer.watch_paths(watch);
+    }
+
     /// Draws a frame of `size` pixels at `time` seconds, with the `sound` of that moment.
     ///
     /// # Errors
@@ -350,6 +383,7 @@ impl Painter {
     ) -> Result<(), ExportError> {
         let count = exposures.len();
         for (number, (time, sound)) in exposures.into_iter().enumerate() {
+            self.headless_renderer.begin_exposure(number, count);
             self.draw(time, sound, size)?;
             self.headless_renderer.expose(number, count)?;
         }

@@ -124,6 +124,7 @@ impl ShowPainter {
             // A frozen frame does not move.
             let count = if alone.is_some() { 1 } else { exposures.len() };
             for (number, heard) in exposures.into_iter().take(count).enumerate() {
+                self.headless_renderer.begin_exposure(number, count);
                 self.draw_anew(heard, held.clone(), size)?;
                 self.headless_renderer.expose(number, count)?;
             }

@@ -12,6 +12,7 @@ use super::error::ExportError;
 use super::output::{Output, write_standard};
 use super::painter::{Painter, SceneChoice, require_inputs};
 use super::panorama;
+use super::paths::PathWatch;
 use super::show_painter::ShowPainter;
 use super::showing::{Holding, Showing};
 use super::shutter::Shutter;
@@ -86,6 +87,14 @@ impl Blend {
 /// # Errors
 /// Fails if the song or a scene cannot be read, the driver reports an error, or the output cannot be written.
 pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
+    write_still_watched(request, Box::new(|_| ()))
+}
+
+/// As [`write_still`]. `watch` receives the progress of a still by paths of light.
+///
+/// # Errors
+/// Fails if the song or a scene cannot be read, the driver reports an error, or the output cannot be written.
+pub fn write_still_watched(request: &StillRequest, watch: PathWatch) -> Result<(), ExportError> {
     // Create the file first, so that an unwritable file is reported before the work.
     let (format, file) = match &request.output {
         Output::Path(path) => {
@@ -107,13 +116,14 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
             let mut painter = ShowPainter::open(&request.scene, prepared_show, &request.set)?;
             painter.graphs().for_each(|graph| song.know_for(graph));
             painter.headless_renderer().hear(&song)?;
+            painter.headless_renderer().watch_paths(watch);
             let sound = song.placed(request.at, sound);
             let held = Holding::new(request.gain, request.at).at(&painter, &mut song, request.at)?;
             let exposures = request.shutter.exposures(&mut song, (request.at, sound), STILL_SECONDS)?;
             painter.draw(request.at, exposures, held, request.size)?;
             painter.headless_renderer().read()
         }
-        None => drawn(request, &mut song, sound)?,
+        None => drawn(request, &mut song, sound, watch)?,
     };
     let pixels = if request.scene.alpha { Pixels::transparent(&rgba) } else { Pixels::opaque(&rgba) };
     let bytes = match format {
@@ -128,7 +138,12 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     }
 }
 
-fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> Result<Vec<u8>, ExportError> {
+fn drawn(
+    request: &StillRequest,
+    song: &mut SongFeatures,
+    mut sound: Sound,
+    watch: PathWatch,
+) -> Result<Vec<u8>, ExportError> {
     let ready = request.scene.source.ready()?;
     let ready = match &request.blend {
         Some(blend) => blend.of(ready, request.at, &sound)?,
@@ -140,6 +155,7 @@ fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> R
     let mut painter = Painter::of_ready(&request.scene, ready.clone())?;
     painter.hold(&request.set)?;
     painter.hear(song)?;
+    painter.watch_paths(watch);
     let (width, height) = request.size;
     if let Some((x, y)) = request.ray.filter(|(x, y)| *x >= width || *y >= height) {
         return Err(ExportError::RayOutside { x, y, width, height });

@@ -15,6 +15,7 @@ mod light;
 mod light_to_screen;
 mod media;
 mod mips;
+mod paths;
 mod placing;
 mod projections;
 mod ray_oracle;

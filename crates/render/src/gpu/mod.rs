@@ -22,6 +22,7 @@ pub mod media;
 mod mode;
 pub mod object;
 mod passes;
+mod path_state;
 pub mod picture_reader;
 pub mod post;
 pub mod probe;

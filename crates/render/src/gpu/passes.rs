@@ -96,6 +96,28 @@ impl Passes {
         self.gl.replacing(|| self.cover(program, target, numbers))
     }
 
+    /// Draws over an `area` of a target: left and lower edge, width and height in pixels.
+    pub(super) fn draw_within(
+        &self,
+        program: &LazyProgram,
+        target: &Target,
+        numbers: [f32; 2],
+        [x, y, width, height]: [i32; 4],
+    ) -> Result<(), GpuError> {
+        let (across, down) = target.size();
+        self.post.set(&[1.0 / across as f32, 1.0 / down as f32, numbers[0], numbers[1]]);
+        target.bind();
+        program.bind(&self.gl)?;
+        // SAFETY: sets state and draws without attributes into the target bound above, in the current context.
+        unsafe {
+            self.gl.enable(glow::SCISSOR_TEST);
+            self.gl.scissor(x, y, width, height);
+            self.gl.replacing(|| self.gl.draw_arrays(glow::TRIANGLES, 0, 3));
+            self.gl.disable(glow::SCISSOR_TEST);
+        }
+        Ok(())
+    }
+
     /// Mixes a `fraction`, 0..1, of a program's result into a whole target.
     pub(super) fn mix(&self, program: &LazyProgram, target: &Target, fraction: f32) -> Result<(), GpuError> {
         // SAFETY: sets state of the current context.

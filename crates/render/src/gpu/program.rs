@@ -26,7 +26,7 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [
 
 /// The renderer's own textures and their units (see `shaders/README.md`). The scene's textures use the first units, by
 /// their number ([`scene_texture`]). No program reads two textures with the same unit.
-pub const TEXTURE_UNITS: [(&str, u32); 51] = [
+pub const TEXTURE_UNITS: [(&str, u32); 54] = [
     ("medium_end", 10),
     ("medium_light", 11),
     ("light_swings", 0),
@@ -46,6 +46,9 @@ pub const TEXTURE_UNITS: [(&str, u32); 51] = [
     ("covered_rows", 12),
     ("limited_rows", 13),
     ("edge_pixels", 12),
+    ("path_state", 12),
+    ("path_guides", 13),
+    ("path_light", 14),
     ("picture", 12),
     ("ceilings", 13),
     ("extra_samples", 13),

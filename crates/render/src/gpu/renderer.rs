@@ -20,6 +20,7 @@ mod fade;
 mod flashes;
 mod making;
 mod painter;
+mod paths;
 mod placing;
 mod presenter;
 mod sampling;
@@ -51,6 +52,7 @@ use making::Product;
 pub use making::Progress;
 use mariana_field::world::ToneMap;
 use painter::Painter;
+pub use paths::{PATH_RESULT_SHADERS, PATHS_MAX, PathOrder, PathProgress, PathSampling};
 pub use placing::PLACING_SHADERS;
 use placing::Placing;
 use presenter::Presenter;
@@ -166,6 +168,21 @@ impl Renderer {
     pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
         self.begin(frame, scene)?;
         self.go_on(scene, program, Duration::MAX).map(|_| ())
+    }
+
+    /// Draws `frame` by paths of light, with a program of [`super::scene_program::link_paths`]. `go_on` is called now
+    /// and then; after it has returned false, every pixel finishes only the path that it has begun.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::draw`].
+    pub fn draw_paths(
+        &mut self,
+        frame: &Frame,
+        (scene, program): (&SceneResources, &Program),
+        order: PathOrder,
+        go_on: &mut dyn FnMut(PathProgress) -> bool,
+    ) -> Result<PathProgress, GpuError> {
+        self.painter.draw_paths(frame, (scene, program), order, go_on)
     }
 
     /// Begins a frame, which replaces any unfinished frame. [`Renderer::go_on`] draws it.

@@ -31,6 +31,8 @@ use mariana_field::world::{SceneFeatures, TapeBuffers, World};
 
 /// The fragment shader of scenes.
 pub const SCENE_SHADER: &str = "scene.frag";
+/// The fragment shader that draws scenes by paths of light.
+pub const PATH_SHADER: &str = "path.frag";
 /// The define of the variant that counts distance evaluations and clauses.
 pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
 /// The define of scenes whose value is not a distance.
@@ -250,6 +252,20 @@ pub fn as_coverage(variant: Variant) -> Variant {
     let mut variant = without_sky(variant);
     variant.defines.push("COVERAGE 1".to_owned());
     variant
+}
+
+/// Turns a variant into a variant of [`PATH_SHADER`], which draws paths of light.
+pub fn as_paths(mut variant: Variant) -> Variant {
+    variant.defines.push("PATHS 1".to_owned());
+    variant
+}
+
+/// Links the program that draws paths of light, from a variant for [`link_scene`].
+///
+/// # Errors
+/// Same errors as [`link_scene`].
+pub fn link_paths(gl: &Gl, library: &ShaderLibrary, variant: &Variant) -> Result<Program, GpuError> {
+    Program::link(gl, library, PATH_SHADER, &as_paths(variant.clone()))
 }
 
 /// Links the program of a variant.

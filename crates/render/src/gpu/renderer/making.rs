@@ -259,6 +259,11 @@ impl Making {
 
     fn finish_light(&self, tools: &Tools<'_>, targets: &mut Targets) -> Result<(), GpuError> {
         resolve(tools, targets)?;
+        self.finish_resolved(tools, targets)
+    }
+
+    /// Finishes the image of light that is resolved.
+    pub(super) fn finish_resolved(&self, tools: &Tools<'_>, targets: &mut Targets) -> Result<(), GpuError> {
         if let Some(trails) = &self.trails {
             tools.post.add_trails(&mut targets.post, trails)?;
         }

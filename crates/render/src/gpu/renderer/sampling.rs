@@ -154,6 +154,16 @@ impl Sampling {
         unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
     }
 
+    /// Draws a pass of `path.frag`, which explains the numbers.
+    pub(super) fn draw_paths(&self, numbers: [f32; 8]) {
+        let mut block = numbers.to_vec();
+        block.resize(PASS_BLOCK_NUMBERS, 0.0);
+        self.pass_block.set(&block);
+        // SAFETY: draws without attributes into the bound target, with the objects bound for this call, in the current
+        // context.
+        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
+    }
+
     pub(super) fn draw_further(&self, number: usize) {
         let place = self.edge_samples.offsets().nth(number).unwrap_or_default();
         self.draw(Sample::Further(place, number));

@@ -1,0 +1,268 @@
+//! Draws an image by paths of light (`path.frag`). Each pass continues the path of each pixel by one ray. From time to
+//! time the pixels' numbers of paths are read, and blocks of pixels that are finished are no longer drawn.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use std::time::Instant;
+
+use glow::HasContext;
+
+use super::sampling::Sampling;
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::passes::Passes;
+use crate::gpu::path_state::PathState;
+use crate::gpu::program::{LazyProgram, Program, unit_of};
+use crate::gpu::shader_source::{ShaderLibrary, Variant};
+use crate::gpu::target::{Target, Texel};
+use crate::gpu::tiles::{Part, Parts, PixelCost};
+
+/// The shaders that compute an image from paths, and their defines. Tests compile all of them.
+pub const PATH_RESULT_SHADERS: [(&str, &[&str]); 4] = [
+    ("path_resolve.frag", &[]),
+    ("path_filter.frag", &["FIRST"]),
+    ("path_filter.frag", &[]),
+    ("path_filter.frag", &["LAST"]),
+];
+
+/// The programs that compute an image from paths.
+pub(super) struct PathResults {
+    mean: LazyProgram,
+    filter_first: LazyProgram,
+    filter: LazyProgram,
+    filter_last: LazyProgram,
+}
+
+impl PathResults {
+    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+        let [mean, first, middle, last] = PATH_RESULT_SHADERS
+            .map(|(name, defines)| LazyProgram::new(gl, library, name, &Variant::of(defines)));
+        Ok(Self { mean: mean?, filter_first: first?, filter: middle?, filter_last: last? })
+    }
+}
+
+/// Passes of the filter; each one doubles its step.
+const FILTER_PASSES: u32 = 5;
+
+/// How an image is drawn by paths of light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathOrder {
+    /// The largest number of paths of a pixel, 1..=[`PATHS_MAX`].
+    pub samples: u32,
+    /// Pixels get no more paths when their relative standard error is below this number; 0 for no such limit.
+    pub noise: f32,
+    /// The number of a pixel's first path. Images with other numbers have other noise.
+    pub first: u32,
+    /// How paths find light.
+    pub sampling: PathSampling,
+    /// True to smooth the noise that is left.
+    pub is_filtered: bool,
+}
+
+/// Largest number of paths of a pixel, for which 32-bit floats count exactly.
+pub const PATHS_MAX: u32 = u16::MAX as u32;
+
+/// How paths find light. Images use both ways; tests compare them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum PathSampling {
+    /// Rays towards lights, and rays that meet lights by chance.
+    #[default]
+    Both,
+    /// Only rays towards lights.
+    Lights,
+    /// Only rays that meet lights by chance.
+    Lobes,
+}
+
+/// The paths so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathProgress {
+    /// Fraction of the image's paths that are finished, 0..1. Pixels with little noise need fewer paths.
+    pub fraction: f64,
+    /// Number of paths.
+    pub paths: u64,
+}
+
+/// Pixels of an area whose paths are drawn together: their state takes 256 MiB.
+const AREA_PIXELS: u32 = 1 << 21;
+/// Side of the blocks that are finished together.
+const BLOCK: u32 = 32;
+/// The kinds of passes, besides those that go on (`path.frag`).
+const BEGINNING: f32 = 1.0;
+const GUIDES: f32 = 2.0;
+/// Passes between two looks at the numbers of paths.
+const LOOK_PASSES: u32 = 16;
+
+/// Returns the areas of an image: bands of whole rows, the lowest first.
+pub(super) fn areas((width, height): (u32, u32)) -> Vec<Part> {
+    let rows = (AREA_PIXELS / width.max(1)).max(1);
+    let area = |y: u32| Part { x: 0, y, width, height: rows.min(height - y) };
+    (0..height).step_by(rows as usize).map(area).collect()
+}
+
+/// An area that is being drawn.
+pub(super) struct PathArea<'a> {
+    pub(super) sampling: &'a Sampling,
+    pub(super) passes: &'a Passes,
+    pub(super) program: &'a Program,
+    pub(super) order: PathOrder,
+    pub(super) area: Part,
+}
+
+impl PathArea<'_> {
+    /// Draws the paths of the area. `go_on` returns false to let every pixel finish only the path that it has begun.
+    /// Returns the number of paths.
+    pub(super) fn draw(
+        &self,
+        state: &mut PathState,
+        cost: &mut PixelCost,
+        go_on: &mut dyn FnMut(PathProgress) -> bool,
+    ) -> u64 {
+        let mut most = self.order.samples.clamp(1, PATHS_MAX);
+        let wanted = (u64::from(most) * self.area.pixels()) as f64;
+        let mut parts = vec![Part::whole(state.size())];
+        let mut unfinished_before = None;
+        for pass in 1.. {
+            self.draw_pass(state, cost, &parts, (most, if pass == 1 { BEGINNING } else { 0.0 }));
+            if pass % LOOK_PASSES != 0 {
+                continue;
+            }
+            let pixels = state.read();
+            let paths = pixels.iter().map(|(paths, _)| u64::from(*paths)).sum();
+            let unfinished = unfinished_blocks(&pixels, state.size());
+            if unfinished.is_empty() {
+                return paths;
+            }
+            if !go_on(PathProgress { fraction: paths as f64 / wanted, paths }) {
+                most = 1;
+            }
+            // A block that has just finished is drawn once more, so that both states hold its end.
+            parts = unfinished_before.replace(unfinished).unwrap_or(parts);
+        }
+        0
+    }
+
+    fn draw_pass(
+        &self,
+        state: &mut PathState,
+        cost: &mut PixelCost,
+        parts: &[Part],
+        (most, kind): (u32, f32),
+    ) {
+        let PathOrder { noise, first, sampling, .. } = self.order;
+        let (x, y) = (self.area.x as f32, self.area.y as f32);
+        let numbers = [x, y, first as f32, f32::from(sampling as u8), most as f32, noise, kind, 0.0];
+        let gl = self.sampling.gl();
+        state.bind();
+        self.program.bind();
+        let mut queue = Parts::of(parts.to_vec(), state.size(), *cost);
+        while let Some(part) = queue.next(*cost) {
+            let begun = Instant::now();
+            let [x, y, width, height] = [part.x, part.y, part.width, part.height].map(u32::cast_signed);
+            // SAFETY: sets state of the current context.
+            unsafe {
+                gl.enable(glow::SCISSOR_TEST);
+                gl.scissor(x, y, width, height);
+            }
+            self.sampling.draw_paths(numbers);
+            gl.finish();
+            queue.note(part, begun.elapsed(), cost);
+        }
+        // SAFETY: sets state of the current context.
+        unsafe { gl.disable(glow::SCISSOR_TEST) }
+        cost.finish_picture();
+        state.swap();
+    }
+
+    /// Draws what the area's pixels show first, which guides the filter.
+    pub(super) fn guides(&self, cost: &mut PixelCost) -> Result<PathState, GpuError> {
+        let mut guides = PathState::new(self.sampling.gl(), (self.area.width, self.area.height))?;
+        let whole = [Part::whole(guides.size())];
+        self.draw_pass(&mut guides, cost, &whole, (1, GUIDES));
+        Ok(guides)
+    }
+
+    /// Writes the light of the paths to the area of `light`, smoothed if there are guides.
+    pub(super) fn resolve(
+        &self,
+        (state, guides): (&PathState, Option<&PathState>),
+        programs: &PathResults,
+        light: &Target,
+    ) -> Result<(), GpuError> {
+        let gl = self.sampling.gl();
+        let corner = [self.area.x as f32, self.area.y as f32];
+        let Part { x, y, width, height } = self.area;
+        let area = [x, y, width, height].map(u32::cast_signed);
+        state.bind_current("path_state");
+        let Some(guides) = guides else {
+            return self.passes.draw_within(&programs.mean, light, corner, area);
+        };
+        guides.bind_current("path_guides");
+        let target = || Target::new(gl, state.size(), &[Texel::Rgba32F], None);
+        let (mut from, mut to) = (target()?, target()?);
+        self.passes.draw(&programs.filter_first, &from)?;
+        for pass in 0..FILTER_PASSES {
+            from.bind_color(0, unit_of("path_light"));
+            self.passes.draw_with(&programs.filter, &to, [(1 << pass) as f32, 0.0])?;
+            std::mem::swap(&mut from, &mut to);
+        }
+        from.bind_color(0, unit_of("path_light"));
+        self.passes.draw_within(&programs.filter_last, light, corner, area)
+    }
+}
+
+/// Returns rows of blocks with pixels whose paths are not all finished.
+fn unfinished_blocks(pixels: &[(u32, bool)], (width, height): (u32, u32)) -> Vec<Part> {
+    let mut parts: Vec<Part> = Vec::new();
+    for y in (0..height).step_by(BLOCK as usize) {
+        let rows = BLOCK.min(height - y);
+        for x in (0..width).step_by(BLOCK as usize) {
+            let columns = BLOCK.min(width - x);
+            let row = |row: u32| {
+                let first = row as usize * width as usize + x as usize;
+                pixels.get(first..first + columns as usize).unwrap_or_default()
+            };
+            if !(y..y + rows).flat_map(row).any(|(_, more)| *more) {
+                continue;
+            }
+            match parts.last_mut() {
+                Some(last) if last.y == y && last.x + last.width == x => last.width += columns,
+                _ => parts.push(Part { x, y, width: columns, height: rows }),
+            }
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_cover_every_row_once() {
+        for size in [(1, 1), (1280, 720), (3840, 2160), (16_384, 4096)] {
+            let areas = areas(size);
+            let mut next = 0;
+            for area in &areas {
+                assert_eq!((area.x, area.y, area.width), (0, next, size.0));
+                assert!(area.pixels() <= u64::from(AREA_PIXELS));
+                next += area.height;
+            }
+            assert_eq!(next, size.1);
+        }
+        assert_eq!(areas((1280, 720)).len(), 1);
+    }
+
+    #[test]
+    fn only_blocks_with_unfinished_pixels_are_drawn() {
+        let size = (80, 40);
+        let mut pixels = vec![(7, false); 80 * 40];
+        assert_eq!(unfinished_blocks(&pixels, size), []);
+        for (x, y) in [(79, 0), (63, 31), (0, 39)] {
+            pixels[y * 80 + x].1 = true;
+        }
+        let expected =
+            [Part { x: 32, y: 0, width: 48, height: 32 }, Part { x: 0, y: 32, width: 32, height: 8 }];
+        assert_eq!(unfinished_blocks(&pixels, size), expected);
+    }
+}

@@ -1,0 +1,95 @@
+// Smooths the noise that paths leave, but no edges: the edge-avoiding wavelets of Dammertz et al. 2010, in the form of
+// Schied et al. 2017 (SVGF), without the earlier frames.
+//
+// FIRST divides the light of each pixel by the colour of its surface and adds its variance; passes with growing steps
+// mix neighbours with a similar normal, depth, colour and light; LAST multiplies by the colour again.
+
+#include "post_block.glsl"
+#include "sample_light.glsl"
+#include "path_state.glsl"
+
+// What each pixel shows first: layer 0 the normal and the distance, layer 1 the colour.
+uniform highp sampler2DArray path_guides;
+uniform sampler2D path_light;       // light and variance of the pass before
+
+layout(location = 0) out vec4 light;
+
+// Difference of light, in standard deviations, at which a neighbour counts less than half.
+const float DEVIATIONS = 3.0;
+const float NORMAL_SHARPNESS = 64.0;
+const float COLOR_SHARPNESS = 20.0;
+// Depths that differ by this fraction are on different surfaces, besides the surface's own slope.
+const float DEPTH_FRACTION = 0.01;
+
+vec4 guide_of(ivec2 texel) {
+    return texelFetch(path_guides, ivec3(texel, 0), 0);
+}
+
+vec3 color_of(ivec2 texel) {
+    return max(texelFetch(path_guides, ivec3(texel, 1), 0).rgb, 0.02);
+}
+
+#if defined(FIRST)
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    float count = float(max(paths_of(texelFetch(path_state, ivec3(texel, 0), 0).w), 1));
+    vec4 sum = texelFetch(path_state, ivec3(texel, 3), 0) / count;
+    float mean = brightness_of(sum.rgb);
+    vec3 color = color_of(texel);
+    float scale = 1.0 / brightness_of(color);
+    // A single path tells nothing about its error.
+    float variance = count > 1.0 ? max(sum.a - mean * mean, 0.0) / (count - 1.0) : mean * mean;
+    light = vec4(sum.rgb / color, variance * scale * scale);
+}
+#elif defined(LAST)
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy - post_target.zw);
+    light = vec4(storable(texelFetch(path_light, texel, 0).rgb * color_of(texel)), 1.0);
+}
+#else
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 last = textureSize(path_light, 0) - 1;
+    int stride = int(post_target.z);
+    vec4 own = texelFetch(path_light, texel, 0);
+    vec4 guide = guide_of(texel);
+    vec3 color = color_of(texel);
+    // The variance is noisy too, so the mean of 3 x 3 neighbours decides.
+    float variance = 0.0;
+    for (int i = 0; i < 9; i++) {
+        ivec2 offset = ivec2(i % 3, i / 3) - 1;
+        float weight = 0.25 * float(2 - abs(offset.x)) * 0.25 * float(2 - abs(offset.y));
+        variance += weight * texelFetch(path_light, clamp(texel + offset, ivec2(0), last), 0).a;
+    }
+    float deviation = DEVIATIONS * sqrt(variance) + 1e-6;
+    vec2 slope = vec2(1e9);
+    for (int i = 0; i < 4; i++) {
+        ivec2 offset = ivec2(i == 0 ? 1 : i == 1 ? -1 : 0, i == 2 ? 1 : i == 3 ? -1 : 0);
+        float change = abs(guide_of(clamp(texel + offset, ivec2(0), last)).w - guide.w);
+        if (i < 2) slope.x = min(slope.x, change); else slope.y = min(slope.y, change);
+    }
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 25; i++) {
+        ivec2 offset = ivec2(i % 5, i / 5) - 2;
+        ivec2 at = texel + stride * offset;
+        if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) continue;
+        vec4 other = texelFetch(path_light, at, 0);
+        vec4 other_guide = guide_of(at);
+        // The cubic B-spline: 1, 4, 6, 4, 1.
+        vec2 kernel = vec2(offset.x == 0 ? 6.0 : abs(offset.x) == 1 ? 4.0 : 1.0,
+                           offset.y == 0 ? 6.0 : abs(offset.y) == 1 ? 4.0 : 1.0);
+        float facing = pow(max(dot(guide.xyz, other_guide.xyz), 0.0), NORMAL_SHARPNESS);
+        float allowed = dot(vec2(abs(stride * offset)), slope) + DEPTH_FRACTION * guide.w;
+        float away = abs(other_guide.w - guide.w) / max(allowed, 1e-6);
+        float tinted = COLOR_SHARPNESS * distance(color_of(at), color);
+        float unlike = abs(brightness_of(other.rgb) - brightness_of(own.rgb)) / deviation;
+        float weight = kernel.x * kernel.y * facing * exp(-away - tinted - unlike * unlike);
+        weight = offset == ivec2(0) ? kernel.x * kernel.y : weight;
+        sum.rgb += weight * other.rgb;
+        sum.a += weight * weight * other.a;
+        weights += weight;
+    }
+    light = vec4(sum.rgb / weights, sum.a / (weights * weights));
+}
+#endif

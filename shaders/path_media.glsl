@@ -1,0 +1,65 @@
+// Media on paths: a ray meets matter at random, more often where it is dense (Woodcock et al. 1965, "delta tracking"), and
+// a ray towards a light gets the fraction that is left (Novák et al. 2014, "ratio tracking"). Both need an upper bound of
+// the density, which the grid over the media has for each of its cells.
+
+// Most places at which a ray looks at a medium. More are needed only in media that no light leaves.
+const int MEETINGS_MAX = 512;
+// Rays look at least this often at a medium, per unit of length, because it may emit light without being dense.
+const float MEETINGS_MIN = 0.25;
+
+// What a ray through media has met.
+struct Meeting {
+    float t;            // where it met matter; the ray's end if it met none
+    float left;         // fraction of light that is left; for rays towards lights
+    vec3 emitted;       // light on the way; includes the light that `ambient` stands for
+    vec3 ambient;       // scattered fraction of ambient light on the way
+    vec3 kept;          // fraction of light that the matter scatters
+    float phase;
+};
+
+// Follows a ray up to `end`. With `counts_left`, it does not stop at matter.
+Meeting meet_media(vec3 origin, vec3 direction, float end, bool counts_left) {
+    Meeting met = Meeting(end, 1.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
+    vec2 span = box_span(origin, direction, medium_low.xyz, medium_high.xyz);
+    float last = min(min(span.y, end), MEDIUM_FAR);
+    float t = max(span.x, 0.0);
+    vec3 pace = direction * medium_grid_scale.xyz;
+    vec3 inverse = 1.0 / (pace + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(pace, vec3(0.0))));
+    float nudge = 1e-4 / max(max(abs(pace.x), abs(pace.y)), max(abs(pace.z), 1e-9));
+    for (int i = 0; i < MEETINGS_MAX; i++) {
+        if (!(t < last) || steps_left(1, MEDIUM_ROUNDS) <= 0) break;
+        vec3 ahead = origin + (t + nudge) * direction;
+        float bound = densest_at(ahead);
+        vec3 q = (ahead - medium_grid_low.xyz) * medium_grid_scale.xyz;
+        vec3 leaving = (floor(q) + step(vec3(0.0), direction) - q) * inverse;
+        float cell_end = t + nudge + max(min(leaving.x, min(leaving.y, leaving.z)), 0.0);
+        bound = bound > 0.0 ? max(bound, MEETINGS_MIN) : 0.0;
+        float next = bound > 0.0 ? t - log(1.0 - next_random()) / bound : cell_end;
+        // In an exponential distribution the rest of the way does not depend on the way so far, so that each cell may
+        // begin anew.
+        t = min(next, cell_end);
+        if (next >= cell_end || t >= last) continue;
+        Medium m = sound_medium(scene_medium(origin + t * direction));
+        if (counts_left) {
+            met.left *= 1.0 - min(m.density / bound, 1.0);
+            if (met.left < 1e-3) break;
+            continue;
+        }
+        met.emitted += m.emitted / bound;
+        met.ambient += m.scattered / bound;
+        if (next_random() * bound < m.density) {
+            met.t = t;
+            met.kept = m.scattered / m.density;
+            met.phase = m.phase;
+            break;
+        }
+    }
+    return met;
+}
+
+// Returns 1 - cosine of the angle by which light is scattered (Henyey and Greenstein 1941).
+float scattering_rise(float phase, float random) {
+    if (abs(phase) < 1e-3) return 2.0 * random;
+    float ratio = (1.0 - phase * phase) / (1.0 - phase + 2.0 * phase * random);
+    return clamp(1.0 - (1.0 + phase * phase - ratio * ratio) / (2.0 * phase), 0.0, 2.0);
+}

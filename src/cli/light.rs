@@ -1,0 +1,57 @@
+//! Flags for paths of light, in stills and videos.
+
+use anyhow::bail;
+use clap::Args;
+
+use super::choices::choice;
+use super::parse::{parse_noise, parse_samples};
+use crate::export::painter::SceneChoice;
+use crate::export::paths::{LightModel, PathChoice};
+
+#[derive(Args)]
+pub(super) struct LightArguments {
+    /// Computation of light
+    #[arg(long, value_name = "HOW", default_value = "raster", value_parser = choice::<LightModel>())]
+    light: LightModel,
+    /// With --light path: most paths of a pixel [default: 1024]
+    #[arg(long, value_name = "COUNT", value_parser = parse_samples)]
+    samples: Option<u16>,
+    /// With --light path: stop where the light's relative error is below this; 0 for all paths [default: 0.02]
+    #[arg(long, value_name = "ERROR", value_parser = parse_noise, allow_negative_numbers = true)]
+    noise: Option<f32>,
+    /// With --light path: leave the noise that is left, instead of smoothing it
+    #[arg(long)]
+    no_filter: bool,
+}
+
+impl LightArguments {
+    /// Adds the flags to the choice of a scene.
+    ///
+    /// # Errors
+    /// Fails if flags contradict each other.
+    pub(super) fn tell(&self, scene: SceneChoice) -> anyhow::Result<SceneChoice> {
+        let paths = match self.light {
+            LightModel::Paths => Some(PathChoice {
+                samples: self.samples.unwrap_or(PathChoice::SAMPLES),
+                noise: self.noise.unwrap_or(PathChoice::NOISE),
+                is_filtered: !self.no_filter,
+            }),
+            LightModel::Raster if self.samples.is_some() => bail!("--samples needs --light path"),
+            LightModel::Raster if self.noise.is_some() => bail!("--noise needs --light path"),
+            LightModel::Raster if self.no_filter => bail!("--no-filter needs --light path"),
+            LightModel::Raster => None,
+        };
+        if paths.is_some() && scene.alpha {
+            bail!("--light path draws no transparent sky: leave out --alpha or --light");
+        }
+        if paths.is_some() && scene.view.is_some() {
+            bail!("--light path draws no views: leave out --view or --light");
+        }
+        Ok(SceneChoice { paths, ..scene })
+    }
+
+    /// The number of paths of a pixel, if the light is computed by paths.
+    pub(super) fn samples(&self) -> Option<u64> {
+        (self.light == LightModel::Paths).then(|| self.samples.unwrap_or(PathChoice::SAMPLES).into())
+    }
+}

@@ -1,0 +1,99 @@
+//! Light by paths, for stills and videos.
+
+use crate::config::Choice;
+use crate::ending;
+use crate::gpu::renderer::{PathOrder, PathProgress, PathSampling};
+
+/// How the light of an image is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightModel {
+    /// As in the window.
+    Raster,
+    /// By paths of light.
+    Paths,
+}
+
+impl Choice for LightModel {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Raster, "raster", "as in the window"),
+        (Self::Paths, "path", "paths of light: exact shadows, reflections and indirect light, but slow"),
+    ];
+}
+
+/// When an image by paths is good enough.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathChoice {
+    /// The largest number of paths of a pixel.
+    pub samples: u16,
+    /// Pixels get no more paths when their relative standard error is below this number; 0 for no such limit.
+    pub noise: f32,
+    /// True to smooth the noise that is left.
+    pub is_filtered: bool,
+}
+
+impl PathChoice {
+    /// The default number of paths.
+    pub const SAMPLES: u16 = 1024;
+    /// The default noise.
+    pub const NOISE: f32 = 0.02;
+}
+
+/// Receives the number of paths of a pixel so far, in the mean.
+pub type PathWatch = Box<dyn FnMut(f64)>;
+
+/// The paths of the images of a renderer.
+pub(super) struct PathDrawing {
+    choice: PathChoice,
+    /// The exposure of the next image, and their number.
+    pub(super) exposure: (usize, usize),
+    pub(super) watch: PathWatch,
+}
+
+impl PathDrawing {
+    pub(super) fn of(choice: PathChoice) -> Self {
+        Self { choice, exposure: (0, 1), watch: Box::new(|_| ()) }
+    }
+
+    /// The paths of the next exposure: a part of the image's paths, with numbers of their own.
+    pub(super) fn order(&self) -> PathOrder {
+        let (number, count) = self.exposure;
+        let samples = usize::from(self.choice.samples).div_ceil(count.max(1));
+        // The error of the mean of exposures is smaller than theirs.
+        let noise = self.choice.noise * (count.max(1) as f32).sqrt();
+        let [samples, first] = [samples, number * samples].map(|number| number as u32);
+        PathOrder {
+            samples,
+            noise,
+            first,
+            sampling: PathSampling::Both,
+            is_filtered: self.choice.is_filtered,
+        }
+    }
+
+    /// Reports progress. Returns false if a signal asks to end.
+    pub(super) fn go_on(&mut self, progress: PathProgress) -> bool {
+        let (number, count) = self.exposure;
+        let fraction = (number as f64 + progress.fraction) / count.max(1) as f64;
+        (self.watch)(fraction * f64::from(self.choice.samples));
+        ending::asked_to_end().is_none()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exposures_share_the_paths_of_a_pixel_without_overlap() {
+        let mut drawing = PathDrawing::of(PathChoice { samples: 100, noise: 0.01 });
+        let order = drawing.order();
+        assert_eq!((order.samples, order.first, order.noise), (100, 0, 0.01));
+        let mut next = 0;
+        for number in 0..8 {
+            drawing.exposure = (number, 8);
+            let order = drawing.order();
+            assert_eq!((order.first, order.samples), (next, 13));
+            next += order.samples;
+        }
+    }
+}
