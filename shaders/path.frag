@@ -11,7 +11,8 @@
 // - The sky that the eye and mirrors see has the sky's colour. All other rays meet its ambient light, because a sky may
 //   show a sun that is also a light.
 // - Surfaces that emit light are met by chance.
-// - A surface's mirror image (`reflect`) is one of its lobes. Its facets and its reflectance are the raster's.
+// - Mirror images (`reflect`) and glass have the raster's reflectance and facets. Rays towards lights do not pass glass, so
+//   that glass has shadows instead of caustics. Light through translucent bodies is the raster's.
 
 #include "frame_block.glsl"
 
@@ -27,6 +28,9 @@
 #include "occlusion.glsl"
 #include "regions.glsl"
 #include "scene_functions.glsl"
+#ifdef GLASS
+#include "glass.glsl"
+#endif
 #include "sphere_tracing.glsl"
 #include "shadow.glsl"
 #include "light.glsl"
@@ -85,6 +89,7 @@ const float SHARPEST = 1e5;
 struct Vertex {
     vec3 origin;
     Lobes lobes;        // of a surface
+    float lobed;        // fraction of the lobes' light that rays may meet by chance
     bool is_medium;
     vec3 kept;          // of a medium
     float phase;
@@ -159,11 +164,23 @@ vec3 light_sampled(Vertex at, float cone, float random, vec2 direction_random) {
     LightPoint point = light_on_ray(chosen, at.origin, to, true);
     float density = point.density * chosen_share / shares;
     if (!(density > 0.0) || point.t < 0.0) return vec3(0.0);
-    float weight = path_sampling == SAMPLE_LIGHTS ? 1.0 : weight_of(density, vertex_density(at, to));
-    vec3 light = finite_light(vertex_reflectance(at, to) * point.radiance * (weight / density));
+    float weight = path_sampling == SAMPLE_LIGHTS ? 1.0 : mix(1.0, weight_of(density, vertex_density(at, to)), at.lobed);
+    vec3 thrown = vertex_reflectance(at, to) * weight;
+    vec3 normal = at.is_medium ? vec3(0.0) : at.lobes.normal;
+#ifdef TRANSLUCENT
+    // Light through the body, as in the raster. No ray meets it by chance.
+    Material m = at.lobes.material;
+    if (!at.is_medium) thrown += m.color * (0.5 * m.translucent / PI);
+    shadow_dims = !at.is_medium && m.translucent > 0.0 ? 1.0 / max(m.depth, 1e-3) : 0.0;
+    normal *= dot(normal, to) < 0.0 ? -1.0 : 1.0;
+#endif
+    vec3 light = finite_light(thrown * point.radiance / density);
     if (brightness_of(light) <= 0.0) return vec3(0.0);
     float t = point.shadow > 0.0 ? point.t : 0.0;
-    float visible = light_visibility(at.origin, at.is_medium ? vec3(0.0) : at.lobes.normal, to, t, SHARPEST, cone);
+    float visible = light_visibility(at.origin, normal, to, t, SHARPEST, cone);
+#ifdef TRANSLUCENT
+    shadow_dims = 0.0;
+#endif
     visible = mix(1.0, visible, point.shadow);
 #ifdef MEDIA
     if (visible > 0.0) visible *= meet_media(at.origin, to, point.t, true).left;
@@ -228,11 +245,27 @@ bool go_on(inout Path path) {
     int pairs = RAY_PAIRS + PAIRS * path.ray;
     float spread = camera_position.w;
     float cone = spread * path.travelled;
-    Hit hit = trace(path.origin, path.direction, path.ray > 0 ? 0.01 : 0.0, cone, spread, true);
+    float start = path.ray > 0 ? 0.01 : 0.0;
+#ifdef GLASS
+    bool is_inside = path.density < INSIDE_BELOW;
+    if (is_inside) path.density -= INSIDE;
+    ray_side = is_inside ? -1.0 : 1.0;
+    // Walls of glass are thin, so rays start close to the surface.
+    if (is_inside) start = 0.0;
+#else
+    const bool is_inside = false;
+#endif
+    Hit hit = trace(path.origin, path.direction, start, cone, spread, true);
+#ifdef GLASS
+    ray_side = 1.0;
+    bool leaves = is_inside && hit.met && hit.plane == NOTHING;
+#endif
     float end = hit.met ? hit.t : NEVER;
     bool is_scattered = false;
 #ifdef MEDIA
-    Meeting met = meet_media(path.origin, path.direction, end, false);
+    // There is no medium in glass.
+    Meeting met = meet_media(path.origin, path.direction, is_inside ? 0.0 : end, false);
+    if (is_inside) met.t = end;
     is_scattered = met.t < end;
     end = met.t;
     add(path, met.emitted);
@@ -256,7 +289,11 @@ bool go_on(inout Path path) {
         Vertex at;
         at.is_medium = is_scattered;
         at.origin = p;
+        at.lobed = 1.0;
         bool is_mirrored = false;
+#ifdef GLASS
+        bool goes_inside = false;
+#endif
         vec3 to = path.direction;
 #ifdef MEDIA
         at.kept = met.kept;
@@ -266,48 +303,93 @@ bool go_on(inout Path path) {
         if (hit.plane != NOTHING && !is_scattered) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
         Surface s = scene_surface(p, hit.plane, path.direction, cone, dx, dy);
         Material m = within_ranges(s.material);
+#ifdef GLASS
+        if (hit.plane != NOTHING) m.glass = 0.0;
+        if (leaves) {
+            s.normal = -s.normal;
+            m.glass = 1.0;
+            m.haze = 0.0;
+            path.throughput *= exp(-m.absorb * end);
+        }
+        vec3 colored = m.color;
+        m.color *= 1.0 - m.glass;
+#else
+        vec3 colored = m.color;
+#endif
         at.lobes = lobes_of(m, s.normal, path.direction);
         if (is_guiding) {
             guide = vec4(s.normal, end);
             // Mirror images do not have the surface's colour.
-            guide_color = mix(mix(m.color, vec3(1.0), mirrored_part(m, s.normal, path.direction)), vec3(1.0), m.haze);
+            float mirrored = max(mirrored_part(m, s.normal, path.direction), m.haze);
+#ifdef GLASS
+            mirrored = max(mirrored, m.glass);
+#endif
+            guide_color = mix(m.color, vec3(1.0), mirrored);
         }
         if (!is_scattered) {
             sky_fraction = path.throughput * m.haze;
             path.throughput *= 1.0 - m.haze;
-            float reflectance = mirrored_part(m, s.normal, path.direction);
-            vec3 own = path.throughput * (1.0 - reflectance);
-            vec3 throughput = path.throughput;
-            path.throughput = own;
-            add(path, m.emission);
-            at.origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
-            // Mirror or lobes: the probability is about the fraction of light that each of them reflects.
-            vec3 tint = mix(vec3(1.0), m.color, m.metalness);
-            float mirror_bright = reflectance * brightness_of(tint);
-            float own_bright = (1.0 - reflectance) * max(at.lobes.bright, 0.05);
-            float chance = mirror_bright > 0.0 ? mirror_bright / (mirror_bright + own_bright) : 0.0;
-            is_mirrored = survival.x < chance;
-            // Light that is sampled directly is added in either case.
-            path.throughput = own;
-            if (is_mirrored) {
-                vec3 facing = s.normal;
+            vec3 kept = path.throughput;
+            float off = hit.plane != NOTHING ? 0.0 : max(0.002, cone);
+            at.origin = p + s.normal * off;
+            vec3 facing = s.normal;
 #ifdef BLUR
-                float alpha = m.blur * m.blur;
-                if (alpha > 1e-4) facing = facet(s.normal, alpha, random_pair(pairs + LOBE_PAIR));
+            float alpha = m.blur * m.blur;
+            if (alpha > 1e-4) facing = facet(s.normal, alpha, random_pair(pairs + LOBE_PAIR));
 #endif
+            // The fractions of light that the surface mirrors, scatters, and lets through.
+            float reflectance = mirrored_part(m, s.normal, path.direction);
+            vec3 tint = mix(vec3(1.0), colored, m.metalness);
+#ifdef SHEEN
+            tint *= film_color(m.film, clamp(-dot(path.direction, s.normal), 0.0, 1.0));
+#endif
+            vec3 mirrored = reflectance * tint;
+            float scattered = 1.0 - reflectance;
+            float bent = 0.0;
+#ifdef GLASS
+            float ratio = leaves ? m.ior : 1.0 / m.ior;
+            float of_glass = glass_reflectance(ratio, clamp(-dot(path.direction, facing), 0.0, 1.0));
+            if (m.glass > 0.0) {
+                mirrored = leaves ? vec3(of_glass) : max(reflectance, m.glass * of_glass) * tint;
+                bent = m.glass * (1.0 - of_glass);
+            }
+            if (leaves) scattered = 0.0;
+            // The mirror image of glass replaces the rays of its highlight, but not the highlights of lights.
+            at.lobed = 1.0 - m.glass;
+#endif
+            path.throughput = kept * scattered;
+            add(path, m.emission);
+            add(path, light_sampled(at, cone, choice.x, random_pair(pairs + LIGHT_PAIR)));
+            // The ray goes one of these ways, with about the probability of the light that takes it.
+            vec3 ways = vec3(brightness_of(mirrored), bent, scattered * at.lobed * max(at.lobes.bright, 0.05));
+            ways /= max(ways.x + ways.y + ways.z, 1e-6);
+            is_mirrored = survival.x < ways.x + ways.y;
+            if (survival.x < ways.x) {
                 to = reflect(path.direction, facing);
                 to = normalize(to + s.normal * max(0.02 - dot(to, s.normal), 0.0));
-                own = throughput * tint * (reflectance / chance);
+                path.throughput = kept * mirrored / ways.x;
+#ifdef GLASS
+                goes_inside = leaves;
+#endif
+            } else if (is_mirrored) {
+#ifdef GLASS
+                to = refract(path.direction, facing, ratio);
+                to = normalize(to - s.normal * max(0.02 + dot(to, s.normal), 0.0));
+                path.throughput = kept * (bent / ways.y);
+                at.origin = p - s.normal * off;
+                goes_inside = !leaves;
+#endif
             } else {
-                own /= max(1.0 - chance, 1e-6);
+                path.throughput = kept * (scattered * at.lobed / max(ways.z, 1e-6));
             }
-            add(path, light_sampled(at, cone, choice.x, random_pair(pairs + LIGHT_PAIR)));
-            path.throughput = own;
         } else {
             add(path, light_sampled(at, cone, choice.x, random_pair(pairs + LIGHT_PAIR)));
         }
         if (is_mirrored) {
             path.density = path.density == BY_EYE ? BY_EYE : BY_MIRROR;
+#ifdef GLASS
+            if (goes_inside) path.density += INSIDE;
+#endif
         } else {
             vec2 random = random_pair(pairs + LOBE_PAIR);
 #ifdef MEDIA

@@ -30,8 +30,8 @@ vec3 color_of(ivec2 texel) {
 }
 
 #if defined(FIRST)
-void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
+// Returns the light of a pixel divided by its colour, and its variance.
+vec4 light_of_state(ivec2 texel) {
     float count = float(max(paths_of(texelFetch(path_state, ivec3(texel, 0), 0).w), 1));
     vec4 sum = texelFetch(path_state, ivec3(texel, 3), 0) / count;
     float mean = brightness_of(sum.rgb);
@@ -39,7 +39,24 @@ void main() {
     float scale = 1.0 / brightness_of(color);
     // A single path tells nothing about its error.
     float variance = count > 1.0 ? max(sum.a - mean * mean, 0.0) / (count - 1.0) : mean * mean;
-    light = vec4(sum.rgb / color, variance * scale * scale);
+    return vec4(sum.rgb / color, variance * scale * scale);
+}
+
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 last = textureSize(path_state, 0).xy - 1;
+    vec4 own = light_of_state(texel);
+    vec3 normal = guide_of(texel).xyz;
+    // A few paths that found no light seem to be certain. The mean of many neighbours knows better.
+    float variance = 0.0;
+    float weights = 0.0;
+    for (int i = 0; i < 49; i++) {
+        ivec2 at = clamp(texel + ivec2(i % 7, i / 7) - 3, ivec2(0), last);
+        float weight = 0.01 + max(dot(normal, guide_of(at).xyz), 0.0);
+        variance += weight * light_of_state(at).a;
+        weights += weight;
+    }
+    light = vec4(own.rgb, variance / weights);
 }
 #elif defined(LAST)
 void main() {

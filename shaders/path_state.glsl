@@ -28,6 +28,10 @@ const float BY_EYE = -1.0;
 // A mirror reflects light from elsewhere: the sky's ambient light, but no lights.
 const float BY_MIRROR = 0.0;
 
+// Added to the density of rays that are inside of glass, whose densities are below the other number.
+const float INSIDE = -8.0;
+const float INSIDE_BELOW = -4.0;
+
 float brightness_of(vec3 light) {
     return dot(light, vec3(0.2126, 0.7152, 0.0722));
 }

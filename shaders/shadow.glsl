@@ -4,6 +4,11 @@ vec3 shadow_origin(vec3 p, vec3 normal, float cone) {
     return p + normal * max(0.012, 2.0 * cone);
 }
 
+#ifdef TRANSLUCENT
+// Fraction of light per unit of length that a translucent body removes from rays that start at it; 0 if it is opaque.
+float shadow_dims = 0.0;
+#endif
+
 #ifdef BLEND
 #define SHADOW_GROWTH (SHADOW_STEP_GROWTH + shadow_step_growth)
 #else
@@ -26,6 +31,13 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;
+#ifdef TRANSLUCENT
+    // The fraction that a body leaves, and the distance at which the ray left it.
+    float passed = 1.0;
+    float body = 0.0;
+#else
+    const float body = 0.0;
+#endif
     if (t >= end) return 1.0;
 #ifndef NO_CELLS
     Walk walk = walk_of(origin, to_light);
@@ -57,12 +69,24 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(count_capped);
 #endif
+#ifdef TRANSLUCENT
+        if (shadow_dims > 0.0 && d < 0.002) {
+            float part = max(-d, SHADOW_STEP_MIN);
+            passed *= exp(-shadow_dims * part);
+            body = t;
+            t += part;
+            stride = 1e4;
+            previous = 1e4;
+            if (passed < 0.004 || t >= end) break;
+            continue;
+        }
+#endif
         // Spheres around the last two points contain no surface. They meet in a circle around the ray: its radius is
         // `closest`, its centre is `behind` before this point. `behind` is 0 after a stride beyond the last sphere.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));
-        visible = min(visible, sharpness * closest / max(t - behind, 1e-3));
+        visible = min(visible, sharpness * closest / max(t - behind - body, 1e-3));
         // The condition is not d < 0.002, so that NaN also ends the ray.
         if (!(d >= 0.002) || visible < 0.004) {
             visible = 0.0;
@@ -73,6 +97,10 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         t += stride;
         if (t >= end) break;
     }
-    return visible * visible * (3.0 - 2.0 * visible);
+    visible *= visible * (3.0 - 2.0 * visible);
+#ifdef TRANSLUCENT
+    visible *= passed;
+#endif
+    return visible;
 }
 #endif

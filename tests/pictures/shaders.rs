@@ -17,10 +17,11 @@ use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
 use mariana::gpu::media::{MEDIA_FILTER_SHADER, media_filter_variant};
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
-use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
+use mariana::gpu::renderer::{Counting, EDGE_SHADER, PATH_RESULT_SHADERS, PLACING_SHADERS, UPSCALE_SHADER};
 use mariana::gpu::samplers::SAMPLERS_SHADER;
 use mariana::gpu::scene_program::{
-    Mode, SCENE_SHADER, as_coverage, as_views, projected, variant_of, without_cells, without_sky,
+    Mode, PATH_SHADER, SCENE_SHADER, as_coverage, as_paths, as_views, projected, variant_of, without_cells,
+    without_sky,
 };
 use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
 use mariana::scenes::{ReadyScene, SceneSource, shipped_names};
@@ -38,7 +39,8 @@ const EVERYTHING: &str = "material m { color = 0.5  reflect = 0.5  blur = 0.3  e
                           camera { aperture = 0.05 }";
 
 /// Defines of the scene shader's variants. At least one case must use each define.
-const DEFINES: [&str; 12] = [
+const DEFINES: [&str; 13] = [
+    "PATHS",
     "MEDIA",
     "NON_LIPSCHITZ",
     "BLUR",
@@ -94,7 +96,7 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
 fn cases() -> Vec<Case> {
     let plain = [VERTEX_SHADER, FLASH_VERTEX_SHADER, EDGE_SHADER, UPSCALE_SHADER, SAMPLERS_SHADER];
     let plain = plain.into_iter().chain(PLACING_SHADERS).map(|file| (file, &[][..]));
-    let own = plain.chain(FLASH_SHADERS).chain(POST_SHADERS);
+    let own = plain.chain(FLASH_SHADERS).chain(POST_SHADERS).chain(PATH_RESULT_SHADERS);
     let mut cases: Vec<Case> = own
         .map(|(file, defines)| {
             let name = format!("{file} {defines:?}");
@@ -129,6 +131,10 @@ fn cases() -> Vec<Case> {
             if mode == Mode::Compiled && text != NON_LIPSCHITZ {
                 cases.push(changed_case(scene_case(&scene, mode, false, Counting::Off), without_cells));
                 cases.push(changed_case(scene_case(&scene, mode, true, Counting::On), without_cells));
+            }
+            for software in [false, true] {
+                let paths = changed_case(scene_case(&scene, mode, software, Counting::Off), as_paths);
+                cases.push(Case { file: PATH_SHADER, ..paths });
             }
             for change in [without_sky, as_coverage, of_a_dome] {
                 cases.push(changed_case(scene_case(&scene, mode, true, Counting::Off), change));
