@@ -100,16 +100,31 @@ pub(super) fn refuse_a_terminal(output: &Output, example: &str) -> anyhow::Resul
     Ok(())
 }
 
+/// Ends the line of the progress bar, if there may be one.
+fn end_progress_line() {
+    if std::io::stderr().is_terminal() {
+        let _ = writeln!(std::io::stderr());
+    }
+}
+
 pub(super) fn end_by_signals() {
-    let answer = |signal: Signal| {
+    answer_signals(|signal| {
         ending::end_now(signal, || {
-            if std::io::stderr().is_terminal() {
-                // The cursor is on the progress line: end that line.
-                let _ = writeln!(std::io::stderr());
-            }
+            end_progress_line();
             tell(&format!("{signal} ended the work; unfinished files are removed"));
         })
-    };
+    });
+}
+
+/// Lets the first signal finish an image early. A later signal ends the process.
+pub(super) fn finish_by_signals() {
+    answer_signals(|signal| {
+        end_progress_line();
+        tell(&format!("{signal}: finishing the image with the paths so far; send it again to write nothing"));
+    });
+}
+
+fn answer_signals(answer: impl Fn(Signal) + Send + 'static) {
     if let Err(error) = ending::watch(answer) {
         tracing::warn!(
             "signals cannot be caught ({error}); if a signal ends this run, the next run removes the unfinished files"

@@ -36,9 +36,15 @@ impl LightArguments {
                 noise: self.noise.unwrap_or(PathChoice::NOISE),
                 is_filtered: !self.no_filter,
             }),
-            LightModel::Raster if self.samples.is_some() => bail!("--samples needs --light path"),
-            LightModel::Raster if self.noise.is_some() => bail!("--noise needs --light path"),
-            LightModel::Raster if self.no_filter => bail!("--no-filter needs --light path"),
+            LightModel::Raster if self.samples.is_some() => {
+                bail!("--samples is about paths of light: give --light path too")
+            }
+            LightModel::Raster if self.noise.is_some() => {
+                bail!("--noise is about paths of light: give --light path too")
+            }
+            LightModel::Raster if self.no_filter => {
+                bail!("--no-filter is about paths of light: give --light path too")
+            }
             LightModel::Raster => None,
         };
         if paths.is_some() && scene.alpha {

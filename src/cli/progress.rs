@@ -28,7 +28,7 @@ pub(super) struct Since {
 }
 
 impl Progress {
-    /// `noun` is the name of what is counted.
+    /// Begins to count frames, or whatever `noun` names.
     pub(super) fn begin(quiet: bool, noun: &'static str) -> Self {
         let target = ProgressDrawTarget::stderr();
         match (quiet, target.is_hidden()) {

@@ -7,7 +7,9 @@ use std::rc::Rc;
 
 use clap::Args;
 
-use super::common::{CommonArguments, OneScene, SetArguments, end_by_signals, refuse_a_terminal};
+use super::common::{
+    CommonArguments, OneScene, SetArguments, end_by_signals, finish_by_signals, refuse_a_terminal,
+};
 use super::files::{Files, scene_of};
 use super::light::LightArguments;
 use super::parse::{blend_help, parse_blend, parse_pixel, parse_seconds, parse_size};
@@ -70,7 +72,10 @@ pub(super) struct StillArguments {
 pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
     let common = arguments.common;
     common.start_log();
-    end_by_signals();
+    match arguments.light.samples() {
+        Some(_) => finish_by_signals(),
+        None => end_by_signals(),
+    }
     let output = Output::from(arguments.output);
     refuse_a_terminal(&output, "mariana still -o - > frame.png")?;
     let (kind, fraction) = arguments.blend;

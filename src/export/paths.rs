@@ -54,7 +54,7 @@ impl PathDrawing {
         Self { choice, exposure: (0, 1), watch: Box::new(|_| ()) }
     }
 
-    /// The paths of the next exposure: a part of the image's paths, with numbers of their own.
+    /// The paths of the next exposure, which is a part of the image's paths.
     pub(super) fn order(&self) -> PathOrder {
         let (number, count) = self.exposure;
         let samples = usize::from(self.choice.samples).div_ceil(count.max(1));

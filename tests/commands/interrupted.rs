@@ -145,6 +145,25 @@ fn an_interrupted_still_leaves_no_hidden_file() {
 }
 
 #[test]
+fn an_interrupted_still_by_paths_is_the_image_so_far() {
+    let place = workplace();
+    let arguments = [
+        &["still", SCENE[0], SCENE[1], "--size", "64x64", "-o", "still.png"][..],
+        &["--light", "path", "--samples", "65535", "--noise", "0"],
+    ];
+    let mut process = Process::start(&mut command(&place, &arguments.concat()), "coreutils");
+    wait_until("its file", || !unfinished_in(&place.path("")).is_empty());
+    send("INT", process.id());
+    wait_until("its end", || process.ended().is_some());
+    assert!(process.ended().unwrap().success());
+    let reported = std::io::read_to_string(process.child().stderr.take().unwrap()).unwrap();
+    assert!(reported.starts_with("mariana: SIGINT: finishing"), "{reported}");
+    let picture = image::open(place.path("still.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (64, 64));
+    assert!(unfinished_in(&place.path("")).is_empty());
+}
+
+#[test]
 fn files_of_a_killed_video_are_removed_later() {
     let place = workplace();
     let (mut killed, encoder) = start_video(&place, &mut command(&place, &LONG_VIDEO));
