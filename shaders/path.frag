@@ -355,7 +355,7 @@ bool go_on(inout Path path) {
             }
             if (leaves) scattered = 0.0;
             // The mirror image of glass replaces the rays of its highlight, but not the highlights of lights.
-            at.lobed = 1.0 - m.glass;
+            at.lobed = 1.0 - m.glass * (at.lobes.shares.y + at.lobes.shares.z);
 #endif
             path.throughput = kept * scattered;
             add(path, m.emission);

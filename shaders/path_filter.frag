@@ -14,10 +14,12 @@ uniform sampler2D path_light;       // light and variance of the pass before
 
 layout(location = 0) out vec4 light;
 
-// Difference of light, in standard deviations, at which a neighbour counts less than half.
+// Difference of light, in standard deviations, at which a neighbour counts less than half. The first pass allows more, so
+// that single bright paths spread.
 const float DEVIATIONS = 3.0;
-const float NORMAL_SHARPNESS = 64.0;
-const float COLOR_SHARPNESS = 20.0;
+const float FIRST_DEVIATIONS = 9.0;
+const float NORMAL_SHARPNESS = 24.0;
+const float COLOR_SHARPNESS = 6.0;
 // Depths that differ by this fraction are on different surfaces, besides the surface's own slope.
 const float DEPTH_FRACTION = 0.01;
 
@@ -78,7 +80,7 @@ void main() {
         float weight = 0.25 * float(2 - abs(offset.x)) * 0.25 * float(2 - abs(offset.y));
         variance += weight * texelFetch(path_light, clamp(texel + offset, ivec2(0), last), 0).a;
     }
-    float deviation = DEVIATIONS * sqrt(variance) + 1e-6;
+    float deviation = (stride == 1 ? FIRST_DEVIATIONS : DEVIATIONS) * sqrt(variance) + 1e-6;
     vec2 slope = vec2(1e9);
     for (int i = 0; i < 4; i++) {
         ivec2 offset = ivec2(i == 0 ? 1 : i == 1 ? -1 : 0, i == 2 ? 1 : i == 3 ? -1 : 0);

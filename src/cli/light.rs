@@ -1,15 +1,19 @@
-//! Flags for paths of light, in stills and videos.
+//! Flags for light and motion blur, in stills and videos.
 
 use anyhow::bail;
 use clap::Args;
 
 use super::choices::choice;
 use super::parse::{parse_noise, parse_samples};
+use super::projection::ShutterArguments;
 use crate::export::painter::SceneChoice;
 use crate::export::paths::{LightModel, PathChoice};
+use crate::export::shutter::Shutter;
 
 #[derive(Args)]
 pub(super) struct LightArguments {
+    #[command(flatten)]
+    shutter: ShutterArguments,
     /// Computation of light
     #[arg(long, value_name = "HOW", default_value = "raster", value_parser = choice::<LightModel>())]
     light: LightModel,
@@ -54,6 +58,10 @@ impl LightArguments {
             bail!("--light path draws no views: leave out --view or --light");
         }
         Ok(SceneChoice { paths, ..scene })
+    }
+
+    pub(super) fn shutter(&self) -> Shutter {
+        self.shutter.shutter()
     }
 
     /// The number of paths of a pixel, if the light is computed by paths.

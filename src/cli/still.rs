@@ -14,7 +14,7 @@ use super::files::{Files, scene_of};
 use super::light::LightArguments;
 use super::parse::{blend_help, parse_blend, parse_pixel, parse_seconds, parse_size};
 use super::progress::Progress;
-use super::projection::{ProjectionArguments, ShutterArguments};
+use super::projection::ProjectionArguments;
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
@@ -36,8 +36,6 @@ pub(super) struct StillArguments {
     size: Option<(u32, u32)>,
     #[command(flatten)]
     projection: ProjectionArguments,
-    #[command(flatten)]
-    shutter: ShutterArguments,
     #[command(flatten)]
     light: LightArguments,
     /// The PNG, JPEG or WebP file to write, or '-' for a PNG on standard output
@@ -98,7 +96,7 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
         blend: into.map(|into| Blend { into, kind, fraction }),
         set: arguments.set.set,
         ray: arguments.ray,
-        shutter: arguments.shutter.shutter(),
+        shutter: arguments.light.shutter(),
     };
     let Some(samples) = arguments.light.samples() else { return Ok(write_still(&request)?) };
     let progress = Rc::new(RefCell::new(Progress::begin(false, "path")));

@@ -13,7 +13,7 @@ use super::files::{Files, scene_of};
 use super::light::LightArguments;
 use super::parse::{parse_duration, parse_fps, parse_part, parse_seconds, parse_size};
 use super::progress::Progress;
-use super::projection::{ProjectionArguments, ShutterArguments};
+use super::projection::ProjectionArguments;
 use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
@@ -47,8 +47,6 @@ pub(super) struct VideoArguments {
     size: Option<(u32, u32)>,
     #[command(flatten)]
     projection: ProjectionArguments,
-    #[command(flatten)]
-    shutter: ShutterArguments,
     #[command(flatten)]
     light: LightArguments,
     /// Video codec [default: chosen by the extension of the file's name]
@@ -159,7 +157,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         title_card: arguments.title_card,
         lyrics,
         seam: preset.seam,
-        shutter: arguments.shutter.shutter(),
+        shutter: arguments.light.shutter(),
         part: arguments.part,
     };
     if let Some(controlled) = controlled {

@@ -155,7 +155,7 @@ fn an_interrupted_still_by_paths_is_the_image_so_far() {
     wait_until("its file", || !unfinished_in(&place.path("")).is_empty());
     send("INT", process.id());
     wait_until("its end", || process.ended().is_some());
-    assert!(process.ended().unwrap().success());
+    assert_eq!(process.ended().unwrap().code(), Some(130));
     let reported = std::io::read_to_string(process.child().stderr.take().unwrap()).unwrap();
     assert!(reported.starts_with("mariana: SIGINT: finishing"), "{reported}");
     let picture = image::open(place.path("still.png")).unwrap();

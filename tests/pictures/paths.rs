@@ -93,8 +93,8 @@ fn white_surfaces_in_a_white_sky_are_invisible() {
     for material in [
         "metalness = 1  reflect = 1",
         "reflect = 1  blur = 0.5",
-        "color = 0  glass = 1  ior = 1.5",
-        "color = 0  glass = 1  ior = 1.5  blur = 0.3",
+        "glass = 1  ior = 1.5",
+        "glass = 1  ior = 1.5  blur = 0.3",
     ] {
         let mut paths = Paths::of(&furnace(material), Mode::Compiled);
         assert_near(material, mean(&paths.light(order(64))), [1.0; 3], 0.002);
@@ -102,6 +102,8 @@ fn white_surfaces_in_a_white_sky_are_invisible() {
     // Facets hide each other at grazing angles, so that polished metal is white only from the front.
     let mut metal = Paths::of(&furnace("metalness = 1  roughness = 0.1"), Mode::Compiled);
     assert_near("metal", mean(&middle(&metal.light(order(64)))), [1.0; 3], 0.002);
+    let mut half = Paths::of(&furnace("glass = 0.5  ior = 1.5"), Mode::Compiled);
+    assert_near("half of glass", mean(&half.light(order(64))), [0.99; 3], 0.02);
     // The raster's ambient light ignores facets.
     assert_near("raster", mean(&metal.raster()), [1.0; 3], 0.02);
 }
@@ -225,7 +227,7 @@ fn the_filter_removes_noise_but_no_light() {
     };
     let noisy = paths.light(order(8));
     let smooth = paths.light(PathOrder { is_filtered: true, ..order(8) });
-    assert!(error(&smooth) < 0.6 * error(&noisy), "{} {}", error(&smooth), error(&noisy));
+    assert!(error(&smooth) < 0.75 * error(&noisy), "{} {}", error(&smooth), error(&noisy));
     assert_near("the mean", mean(&smooth), mean(&noisy), 0.03 * mean(&noisy)[0]);
 }
 
@@ -269,7 +271,7 @@ fn light_scattered_once_follows_the_phase_function() {
 
 #[test]
 fn glass_absorbs_light_along_the_way_through_it() {
-    let text = furnace("color = 0  glass = 1  ior = 1.0001  absorb = vec3(0.3, 0.6, 0)")
+    let text = furnace("glass = 1  ior = 1.0001  absorb = vec3(0.3, 0.6, 0)")
         .replace("sphere(p, 1)", "box(p, vec3(9, 9, 1))");
     let found = mean(&middle(&Paths::of(&text, Mode::Compiled).light(order(64))));
     assert_near("glass", found, [(-0.6f32).exp(), (-1.2f32).exp(), 1.0], 0.01);
