@@ -82,9 +82,10 @@ impl SceneFeatures {
         self.glass || self.translucent || self.sheen
     }
 
-    /// True if the universal interpreter lacks one of these features.
-    pub fn is_rare(self) -> bool {
-        !Self::USUAL.covers(self)
+    /// Returns these features and all usual ones.
+    pub fn with_usual(self) -> Self {
+        let Self { media, glass, translucent, sheen, bounce, .. } = self;
+        Self { media, glass, translucent, sheen, bounce, ..Self::USUAL }
     }
 
     /// Returns the shader defines of these features.
