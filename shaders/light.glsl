@@ -6,6 +6,10 @@ const float PI = 3.14159265;
 #error "`light_at` handles only lamps, suns and panels: add the new kind of light there"
 #endif
 
+#if defined(TRANSLUCENT) || defined(BOUNCE)
+#define LIGHT_THROUGH
+#endif
+
 struct Incoming {
     vec3 direction;     // towards the middle of the light
     vec3 mirrored;      // towards the part of the light nearest to the mirrored line of sight
@@ -13,7 +17,7 @@ struct Incoming {
     float widening;     // tangent of half the angle that the light fills
     vec3 light;         // on a surface perpendicular to the direction; for a panel, on the lit surface
     float shadow;       // fraction that shadows remove
-#ifdef TRANSLUCENT
+#ifdef LIGHT_THROUGH
     vec3 through;       // on a surface perpendicular to the direction, also behind the surface
 #endif
 };
@@ -64,7 +68,7 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
     incoming.widening = sqrt(area / PI) / max(t, 1e-3);
     incoming.light = color.rgb * (arriving * faded(t, right.w));
     incoming.shadow = up.w;
-#ifdef TRANSLUCENT
+#ifdef LIGHT_THROUGH
     incoming.through = color.rgb * (before > 0.0 ? max(-0.5 * dot(flux, incoming.direction), 0.0) * faded(t, right.w) : 0.0);
 #endif
     return incoming;
@@ -92,7 +96,7 @@ Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     // Inside the ball the light is no brighter than at its surface.
     float falloff = sun ? 1.0 : faded(incoming.t, range) / max(distance2, max(color.w * color.w, 1e-4));
     incoming.light = color.rgb * (falloff * max(dot(normal, incoming.direction), 0.0));
-#ifdef TRANSLUCENT
+#ifdef LIGHT_THROUGH
     incoming.through = color.rgb * falloff;
 #endif
     // The part of the ball that is nearest to the mirrored line of sight (Karis 2013).

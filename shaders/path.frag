@@ -11,8 +11,8 @@
 // - The sky that the eye and mirrors see has the sky's colour. All other rays meet its ambient light, because a sky may
 //   show a sun that is also a light.
 // - Surfaces that emit light are met by chance.
-// - Mirror images (`reflect`) and glass have the raster's reflectance and facets. Rays towards lights do not pass glass, so
-//   that glass has shadows instead of caustics. Light through translucent bodies is the raster's.
+// - Mirror images (`reflect`) and glass have the raster's reflectance and facets. Rays towards lights
+//   pass glass straight, so there are no caustics of lights. Light through translucent bodies is the raster's.
 
 #include "frame_block.glsl"
 

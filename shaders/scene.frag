@@ -71,6 +71,11 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
 #else
     vec3 light = m.emission + m.color * (light_of(s.ambient) * s.open + s.glow);
 #endif
+#ifdef BOUNCE
+    // What the probes of occlusion meet is as bright as this surface would be, turned half towards the light.
+    vec3 thrown_on = m.color * m.color * ((1.0 - m.metalness) * (1.0 - s.open) * nearby_bounce);
+    light += thrown_on * light_of(s.ambient) * s.open;
+#endif
     // The loop tests its condition at the end. With a test at the start, a renderer that never skips a branch would run
     // one more round in vain.
     int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
@@ -80,9 +85,15 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
         // loop, and the results occupy registers during the shadow rays.
         vec3 view_direction = direction + frame_reach.z * float(i);
         Incoming incoming = light_at(i, p, s.normal, view_direction);
+#ifdef LIGHT_THROUGH
+        vec3 through = vec3(0.0);
 #ifdef TRANSLUCENT
         // Light that comes out of the body has no direction any more, so half of it comes out on this side.
-        vec3 through = incoming.through * m.color * (0.5 * m.translucent / PI);
+        through += incoming.through * m.color * (0.5 * m.translucent / PI);
+#endif
+#ifdef BOUNCE
+        through += incoming.through * thrown_on * (0.5 / PI);
+#endif
         bool is_behind = dot(s.normal, incoming.direction) < 0.0;
         bool is_lit = max(incoming.light.r + through.r, max(incoming.light.g + through.g, incoming.light.b + through.b)) > 1e-5;
 #else
@@ -93,11 +104,25 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
             // A light without shadows needs no shadow ray.
             float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
             vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, view_direction);
-#ifdef TRANSLUCENT
+#ifdef LIGHT_THROUGH
+            // The ray to a light behind the surface starts where that light arrives: in the body, or at surfaces nearby.
             thrown += through;
+            vec3 from = p;
+            vec3 side = s.normal;
+#ifdef BOUNCE
+            if (is_behind) from += (0.5 * frame_reach.x) * s.normal;
+#endif
+#ifdef TRANSLUCENT
+            if (is_behind && m.translucent > 0.0) {
+                from = p;
+                side = -s.normal;
+            }
             shadow_dims = m.translucent > 0.0 ? 1.0 / max(m.depth, 1e-3) : 0.0;
-            float visible = light_visibility(p, is_behind ? -s.normal : s.normal, incoming.direction, t, sharpness, cone);
+#endif
+            float visible = light_visibility(from, side, incoming.direction, t, sharpness, cone);
+#ifdef TRANSLUCENT
             shadow_dims = 0.0;
+#endif
 #else
             float visible = light_visibility(p, s.normal, incoming.direction, t, sharpness, cone);
 #endif

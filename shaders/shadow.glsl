@@ -32,11 +32,9 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     float previous = 1e4;
     float stride = 1e4;
 #ifdef TRANSLUCENT
-    // The fraction that a body leaves, and the distance at which the ray left it.
+    // The fraction that the body leaves, and the last step in it.
     float passed = 1.0;
-    float body = 0.0;
-#else
-    const float body = 0.0;
+    float step_inside = 0.0;
 #endif
     if (t >= end) return 1.0;
 #ifndef NO_CELLS
@@ -70,13 +68,16 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         if (i == SHADOW_STEPS_MAX - 1) COUNT(count_capped);
 #endif
 #ifdef TRANSLUCENT
-        if (shadow_dims > 0.0 && d < 0.002) {
-            float part = max(-d, SHADOW_STEP_MIN);
-            passed *= exp(-shadow_dims * part);
-            body = t;
+        if (shadow_dims > 0.0) {
+            // A body that lets light through has no penumbra.
+            bool is_inside = d < 0.002;
+            float part = max(abs(d), SHADOW_STEP_MIN);
+            // The part of the last step that was outside of the body after all, or inside.
+            float crossed = is_inside ? part + (step_inside > 0.0 ? 0.0 : min(-d, stride)) : -min(d, step_inside);
+            passed *= exp(-shadow_dims * crossed);
+            step_inside = is_inside ? part : 0.0;
+            stride = part;
             t += part;
-            stride = 1e4;
-            previous = 1e4;
             if (passed < 0.004 || t >= end) break;
             continue;
         }
@@ -86,7 +87,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));
-        visible = min(visible, sharpness * closest / max(t - behind - body, 1e-3));
+        visible = min(visible, sharpness * closest / max(t - behind, 1e-3));
         // The condition is not d < 0.002, so that NaN also ends the ray.
         if (!(d >= 0.002) || visible < 0.004) {
             visible = 0.0;

@@ -346,14 +346,15 @@ mod tests {
         let buffers = world.tape_buffers().unwrap();
         let compounds = buffers.variant.compounds;
         let texels = buffers.texels(&inputs, &ShortPrograms::default());
-        let directory = [texels[0], texels[1]];
-        assert_eq!(directory[1][0], directory[1][2], "the first and the third object are of one material");
+        let directory = [texels[0], texels[1], texels[2]];
+        assert_eq!(directory[1][0], directory[2][0], "the first and the third object are of one material");
         for (grid, roots) in [
             (directory[0][0], &world.roots.sky[..]),
             (directory[0][1], &world.roots.ambient),
             (directory[0][2], &world.roots.glow),
-            (directory[1][0], &world.roots.materials[0]),
-            (directory[1][1], &world.roots.materials[1]),
+            (directory[1][0], &world.roots.materials[0][..SURFACE_NUMBERS]),
+            (directory[1][1], &world.roots.materials[0][SURFACE_NUMBERS..]),
+            (directory[1][2], &world.roots.materials[1][..SURFACE_NUMBERS]),
         ] {
             let program = texels[grid as usize + 2][0];
             let mut alone = Vec::new();

@@ -31,6 +31,8 @@ pub struct SceneFeatures {
     pub translucent: bool,
     /// Thin films and velvet.
     pub sheen: bool,
+    /// Light that nearby surfaces throw on each other.
+    pub bounce: bool,
 }
 
 impl SceneFeatures {
@@ -47,10 +49,11 @@ impl SceneFeatures {
         glass: true,
         translucent: true,
         sheen: true,
+        bounce: true,
     };
     /// All features except those whose code few scenes need.
     pub const USUAL: Self =
-        Self { media: false, glass: false, translucent: false, sheen: false, ..Self::ALL };
+        Self { media: false, glass: false, translucent: false, sheen: false, bounce: false, ..Self::ALL };
 
     pub(super) fn of(scene: &Scene, (glow, media): (bool, bool), blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
@@ -69,6 +72,7 @@ impl SceneFeatures {
             glass,
             translucent: any(|material| material.translucent),
             sheen: any(|material| material.film) || any(|material| material.velvet),
+            bounce: some(scene.sky.bounce),
             pixel: used.is_ok_and(|used| used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y)),
         }
     }
@@ -78,9 +82,10 @@ impl SceneFeatures {
         self.glass || self.translucent || self.sheen
     }
 
-    /// True if the universal interpreter lacks one of these features.
-    pub fn is_rare(self) -> bool {
-        !Self::USUAL.covers(self)
+    /// Returns these features and all usual ones.
+    pub fn with_usual(self) -> Self {
+        let Self { media, glass, translucent, sheen, bounce, .. } = self;
+        Self { media, glass, translucent, sheen, bounce, ..Self::USUAL }
     }
 
     /// Returns the shader defines of these features.
@@ -98,6 +103,7 @@ impl SceneFeatures {
             (self.translucent, "TRANSLUCENT"),
             (self.sheen, "SHEEN"),
             (self.body(), "BODY"),
+            (self.bounce, "BOUNCE"),
         ];
         all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }
