@@ -180,6 +180,17 @@ vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     return light;
 }
 
+#ifdef BLUR
+// Returns the normal of a rough mirror's facet, by GGX (Walter et al. 2007).
+vec3 facet(vec3 normal, float alpha, vec2 random) {
+    float cosine = sqrt((1.0 - random.x) / (1.0 + (alpha * alpha - 1.0) * random.x));
+    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    vec3 side = normalize(abs(normal.y) < 0.9 ? vec3(normal.z, 0.0, -normal.x) : vec3(0.0, -normal.z, normal.y));
+    float turn = 2.0 * PI * random.y;
+    return normalize(normal * cosine + (side * cos(turn) + cross(normal, side) * sin(turn)) * sine);
+}
+#endif
+
 // In a blend, mirrors with a lower reflectance at normal incidence also reflect less at grazing angles.
 const float FAINT = 0.02;
 
@@ -194,14 +205,3 @@ float mirrored_part(Material m, vec3 normal, vec3 direction) {
 #endif
     return m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
 }
-
-#ifdef BLUR
-// Returns the normal of a rough mirror's facet, by GGX (Walter et al. 2007).
-vec3 facet(vec3 normal, float alpha, vec2 random) {
-    float cosine = sqrt((1.0 - random.x) / (1.0 + (alpha * alpha - 1.0) * random.x));
-    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    vec3 side = normalize(abs(normal.y) < 0.9 ? vec3(normal.z, 0.0, -normal.x) : vec3(0.0, -normal.z, normal.y));
-    float turn = 2.0 * PI * random.y;
-    return normalize(normal * cosine + (side * cos(turn) + cross(normal, side) * sin(turn)) * sine);
-}
-#endif

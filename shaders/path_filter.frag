@@ -9,7 +9,7 @@
 #include "path_state.glsl"
 
 // What each pixel shows first: layer 0 the normal and the distance, layer 1 the colour.
-uniform highp sampler2DArray path_guides;
+uniform sampler2DArray path_guides;
 uniform sampler2D path_light;       // light and variance of the pass before
 
 layout(location = 0) out vec4 light;

@@ -5,7 +5,7 @@
 // 2: the fraction of the ray's light that reaches the eye; brightness of the light that the path has found
 // 3: the sum of the light of all paths so far; the sum of the squares of their brightness
 
-uniform highp sampler2DArray path_state;
+uniform sampler2DArray path_state;
 
 const int RAYS_MAX = 255;           // a multiple of the path's number; crates/render/src/gpu/path_state.rs
 const int FINISHED = RAYS_MAX - 1;  // stands for the ray's number in a pixel whose paths are all finished

@@ -29,7 +29,7 @@ pub fn driver_preamble(info: &GlInfo) -> String {
     let mut lines = match info.api {
         Api::Desktop => "#version 330 core\n".to_owned(),
         Api::Embedded => {
-            let precisions = ["float", "int", "sampler2D", "usampler2D"];
+            let precisions = ["float", "int", "sampler2D", "sampler2DArray", "usampler2D"];
             let precisions = precisions.map(|kind| format!("precision highp {kind};\n")).concat();
             format!("#version 300 es\n{precisions}#define LIST_ROW_BITS {ROW_BITS}\n")
         }
