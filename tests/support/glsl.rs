@@ -8,7 +8,7 @@
 //! | `#version 330 core` | `#version 450` |
 //! | `layout(std140) uniform Block {` | `layout(std140, set = 0, binding = N) uniform Block {` |
 //! | `uniform sampler2D name;` | `uniform texture2D name_texture;` and `uniform sampler name_sampler;` in set 1 |
-//! | `uniform usampler2D name;` | the same with `utexture2D` |
+//! | `uniform usampler2D name;`, `uniform sampler2DArray name;` | the same with `utexture2D`, `texture2DArray` |
 //! | `name` as an argument | `sampler2D(name_texture, name_sampler)` |
 //! | `gl_VertexID` | `gl_VertexIndex` |
 //! | `uniform usamplerBuffer regions;`, which naga does not support | `uvec4 fetch_regions(int texel)` |
@@ -105,7 +105,7 @@ pub(crate) fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
 /// Converts OpenGL 3.30 text to Vulkan 4.50 text, by the table in the module's documentation. Fails if a uniform
 /// block or a texture has no fixed binding, because the renderer would not bind the block or texture.
 pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
-    let samplers: Vec<(&str, &str)> = text.lines().filter_map(declared_sampler).collect();
+    let samplers: Vec<(&str, &str, &str)> = text.lines().filter_map(declared_sampler).collect();
     let mut vulkan = String::new();
     for line in text.lines() {
         let fetching = line
@@ -118,10 +118,10 @@ pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
             vulkan.push_str("vec4 fetch_sound_tables(int texel) { return vec4(float(texel)); }");
         } else if line.starts_with("#version") {
             vulkan.push_str("#version 450");
-        } else if let Some((kind, name)) = declared_sampler(line) {
+        } else if let Some((kind, array, name)) = declared_sampler(line) {
             let unit = unit_of(name)?;
             vulkan.push_str(&format!(
-                "layout(set = 1, binding = {}) uniform {kind}texture2D {name}_texture; \
+                "layout(set = 1, binding = {}) uniform {kind}texture2D{array} {name}_texture; \
                  layout(set = 1, binding = {}) uniform sampler {name}_sampler;",
                 2 * unit,
                 2 * unit + 1
@@ -131,8 +131,8 @@ pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
             vulkan.push_str(&line.replacen("std140", &format!("std140, set = 0, binding = {binding}"), 1));
         } else {
             for token in identifiers_and_rest(line) {
-                if let Some((kind, _)) = samplers.iter().find(|(_, name)| *name == token) {
-                    vulkan.push_str(&format!("{kind}sampler2D({token}_texture, {token}_sampler)"));
+                if let Some((kind, array, _)) = samplers.iter().find(|(.., name)| *name == token) {
+                    vulkan.push_str(&format!("{kind}sampler2D{array}({token}_texture, {token}_sampler)"));
                 } else if token == "gl_VertexID" {
                     vulkan.push_str("gl_VertexIndex");
                 } else {
@@ -145,10 +145,12 @@ pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
     Ok(vulkan)
 }
 
-/// Parses a line `uniform sampler2D name;`. Returns the prefix of `sampler2D` (empty or "u") and the name.
-fn declared_sampler(line: &str) -> Option<(&str, &str)> {
-    let (kind, rest) = line.trim().strip_prefix("uniform ")?.split_once("sampler2D ")?;
-    Some((kind, rest.split_once(';')?.0.trim()))
+/// Parses a line `uniform sampler2D name;` or `uniform sampler2DArray name;`. Returns the prefix of `sampler2D` (empty or
+/// "u"), its suffix (empty or "Array"), and the name.
+fn declared_sampler(line: &str) -> Option<(&str, &str, &str)> {
+    let (kind, rest) = line.trim().strip_prefix("uniform ")?.split_once("sampler2D")?;
+    let (array, rest) = rest.split_once(' ')?;
+    Some((kind, array, rest.split_once(';')?.0.trim()))
 }
 
 fn declared_block(line: &str) -> Option<&str> {
