@@ -17,10 +17,10 @@ pub(super) struct LightArguments {
     /// Computation of light
     #[arg(long, value_name = "HOW", default_value = "raster", value_parser = choice::<LightModel>())]
     light: LightModel,
-    /// With --light path: most paths of a pixel [default: 1024]
+    /// With --light path: most paths of a pixel [default: 256]
     #[arg(long, value_name = "COUNT", value_parser = parse_samples)]
     samples: Option<u16>,
-    /// With --light path: stop where the light's relative error is below this; 0 for all paths [default: 0.02]
+    /// With --light path: stop where the light's relative error is below this; 0 for all paths [default: 0.03]
     #[arg(long, value_name = "ERROR", value_parser = parse_noise, allow_negative_numbers = true)]
     noise: Option<f32>,
     /// With --light path: leave the noise that is left, instead of smoothing it

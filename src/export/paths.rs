@@ -33,9 +33,9 @@ pub struct PathChoice {
 
 impl PathChoice {
     /// The default number of paths.
-    pub const SAMPLES: u16 = 1024;
+    pub const SAMPLES: u16 = 256;
     /// The default noise.
-    pub const NOISE: f32 = 0.02;
+    pub const NOISE: f32 = 0.03;
 }
 
 /// Receives the number of paths of a pixel so far, in the mean.
