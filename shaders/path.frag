@@ -263,9 +263,10 @@ bool go_on(inout Path path) {
     float end = hit.met ? hit.t : NEVER;
     bool is_scattered = false;
 #ifdef MEDIA
-    // There is no medium in glass.
-    Meeting met = meet_media(path.origin, path.direction, is_inside ? 0.0 : end, false);
-    if (is_inside) met.t = end;
+    // There is no medium in glass, and the filter is guided by surfaces.
+    bool is_clear = is_inside || is_guiding;
+    Meeting met = meet_media(path.origin, path.direction, is_clear ? 0.0 : end, false);
+    if (is_clear) met.t = end;
     is_scattered = met.t < end;
     end = met.t;
     add(path, met.emitted);
