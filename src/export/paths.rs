@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn exposures_share_the_paths_of_a_pixel_without_overlap() {
-        let mut drawing = PathDrawing::of(PathChoice { samples: 100, noise: 0.01 });
+        let mut drawing = PathDrawing::of(PathChoice { samples: 100, noise: 0.01, is_filtered: true });
         let order = drawing.order();
         assert_eq!((order.samples, order.first, order.noise), (100, 0, 0.01));
         let mut next = 0;
