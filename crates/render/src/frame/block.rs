@@ -101,7 +101,7 @@ impl Frame {
             xyz(camera.position, pixel_radius),
             xyz(right, sound_tables::first_shape(inputs, medium) as f64),
             xyz(up, inputs.shapes.rows() as f64),
-            xyz(forward, 0.0),
+            xyz(forward, f64::from(self.values.bounce.clamp(0.0, 1.0))),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
             // The last component of each line is a flag: the world has something to trace; the bounds are known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
