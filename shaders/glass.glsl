@@ -15,7 +15,7 @@ struct WaitingRay {
 WaitingRay waiting = WaitingRay(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
 
 // Returns the mirrored fraction of light at the surface of glass: Fresnel's reflectance by Schlick's approximation
-// (1994). `ratio` is the refractive index before the surface, divided by the one behind it. The result is 1 for total
+// (1994). `ratio` is the refractive index in front of the surface, divided by the index behind the surface. The result is 1 for total
 // reflection.
 float glass_reflectance(float ratio, float cosine) {
     float f0 = (ratio - 1.0) / (ratio + 1.0);

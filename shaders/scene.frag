@@ -72,7 +72,7 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     vec3 light = m.emission + m.color * (light_of(s.ambient) * s.open + s.glow);
 #endif
 #ifdef BOUNCE
-    // What the probes of occlusion meet is as bright as this surface would be, turned half towards the light.
+    // The blockers that the probes of occlusion meet count as surfaces of the same colour, half turned to the light.
     vec3 thrown_on = m.color * m.color * ((1.0 - m.metalness) * (1.0 - s.open) * nearby_bounce);
     light += thrown_on * light_of(s.ambient) * s.open;
 #endif
@@ -149,8 +149,8 @@ void add_to_key(int object, bool flat_surface, vec3 normal) {
     surface_key = mod(surface_key * 29.0 + 27.0 * float(object + 1) + facing, KEYS);
 }
 
-// Maximum number of surfaces on a path: four mirrors, and the surface that the last mirror shows; or two hollow bodies of
-// glass, and what they show and mirror.
+// Maximum number of surfaces on a path. Without glass: four mirrors, and the surface in the last mirror. With glass: two
+// hollow bodies with two walls each, the surface behind them, and SURFACES_KEPT for the waiting ray.
 #if defined(GLASS) && !defined(COVERAGE)
 const int SURFACES_MAX = 12;
 const int SURFACES_KEPT = 3;
@@ -344,7 +344,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
                     throughput = leaves ? kept : mirrored_light;
                     ray_side = leaves ? -1.0 : 1.0;
                 }
-                // What the last surface lets through is the sky.
+                // Behind the last surface is the sky.
                 if (surface == SURFACES_MAX - 1) sky_fraction += throughput;
             }
 #endif
@@ -365,7 +365,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
         bool ends = !hit.met || max(throughput.r, max(throughput.g, throughput.b)) < fraction_min;
 #if defined(GLASS) && !defined(COVERAGE)
-        // The waiting ray needs some surfaces, too.
+        // Keep some surfaces for the waiting ray.
         bool is_waiting = waiting.throughput != vec3(0.0);
         if (is_waiting && (ends || surface == SURFACES_MAX - SURFACES_KEPT)) {
             origin = waiting.origin;

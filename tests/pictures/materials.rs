@@ -8,7 +8,7 @@ use crate::support::test_renderer::silence;
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::Mode;
 
-/// What the eye sees through its middle pixel, without light besides the given one.
+/// A scene with a narrow view of the origin, whose only light is in `parts`.
 fn scene(parts: &str) -> String {
     format!(
         "{parts}
