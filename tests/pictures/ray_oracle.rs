@@ -35,7 +35,7 @@ const OF_MODELLERS: [(&str, &str); 2] = [
     ("polynomial", "(1.5*x)^4-5*(1.5*x)^2 + (1.5*y)^4-5*(1.5*y)^2 + (1.5*z)^4-5*(1.5*z)^2 + 11.8"),
 ];
 
-const REPEATING: [&str; 3] = ["city", "lattice", "spiral"];
+const REPEATING: [&str; 4] = ["city", "forest", "lattice", "spiral"];
 
 type Span = (f64, f64);
 
