@@ -22,6 +22,10 @@
 #define DRAWS_MEDIA
 #include "media.glsl"
 #endif
+#if defined(SWARM) && !defined(VIEWS)
+#define DRAWS_SWARM
+#include "swarm.glsl"
+#endif
 #ifdef VIEWS
 #include "view.glsl"
 #endif
@@ -155,9 +159,21 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #ifdef DRAWS_MEDIA
     SeenMedium medium = SeenMedium(vec3(0.0), 1.0, 1.0, FAR);
 #endif
+#ifdef DRAWS_SWARM
+    // A ball is a surface of its own. If it covers only a part of the pixel, the ray goes on behind it.
+    int surface = 0;
+    float behind = 0.0;
+    Hit traced;
+    for (int round = 0; round < SURFACES_MAX + SWARM_BALLS_MAX; round++) {
+        float cone = spread * travelled;
+        if (behind == 0.0) traced = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
+        Hit hit = traced;
+#else
+    const float behind = 0.0;
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
+#endif
 #ifdef DRAWS_MEDIA
         float end = hit.met ? hit.t : FAR;
         if (is_medium_pass()) {
@@ -172,9 +188,32 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             }
         } else if (surface == 0) {
             medium = medium_seen(sample_place(), end);
-        } else if (surface == 1) {
+        } else if (surface == 1 && behind == 0.0) {
             throughput *= medium.left_of_mirrored;
         }
+#endif
+#ifdef DRAWS_SWARM
+        SwarmSeen seen = swarm_along(origin, direction, behind, hit.met ? hit.t : FAR, cone);
+        bool is_ball = seen.coverage > 0.0 && round - surface < SWARM_BALLS_MAX;
+        // The fractions of the light of glow and ball that media leave, divided by the fraction for the whole ray, by which
+        // all light is multiplied in the end. The medium counts as uniform.
+        float glow_left = 1.0;
+        float ball_left = 1.0;
+#ifdef DRAWS_MEDIA
+        if (surface == 0 && !is_medium_pass()) {
+            float way = min(end, MEDIUM_FAR);
+            medium.left = max(medium.left, MEDIUM_LEFT_MIN);
+            glow_left = pow(medium.left, min(seen.glow_t / way, 1.0) - 1.0);
+            ball_left = pow(medium.left, min(seen.t / way, 1.0) - 1.0);
+            // The ball hides the light of the medium behind it.
+            color -= throughput * seen.coverage * medium.light * (ball_left - 1.0) / max(1.0 - medium.left, 1e-4);
+        }
+#endif
+        color += throughput * glow_left * seen.glow;
+        if (is_ball) hit = Hit(seen.t, NOTHING, true);
+#else
+        const bool is_ball = false;
+        const float ball_left = 1.0;
 #endif
         // The offsets from the ray's end to the rays of the pixels to the right and above, not yet projected onto the
         // surface.
@@ -185,23 +224,33 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         vec3 sky_fraction = throughput;
         vec3 mirrored = direction;
         if (hit.met) {
-            travelled = reached;
-            if (surface == 0) seen_nearness = 1.0 / max(axial(hit.t, direction), 1e-6);
-            cone = spread * travelled;
+            if (!is_ball) travelled = reached;
+            if (surface == 0 && behind == 0.0) seen_nearness = 1.0 / max(axial(hit.t, direction), 1e-6);
+            cone = spread * reached;
             vec3 p = origin + hit.t * direction;
             // Move the point exactly onto the plane, so that no ray from there hits it again.
             vec4 plane = plane_of(hit.plane);
             if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
-            Surface s = scene_surface(p, hit.plane, direction, cone, dx, dy);
+            Surface s;
+#ifdef DRAWS_SWARM
+            if (is_ball) {
+                s = swarm_surface(seen);
+            } else
+#endif
+            s = scene_surface(p, hit.plane, direction, cone, dx, dy);
             s.material = within_ranges(s.material);
             NOTE_SURFACE(s, hit.t, p);
             Material m = s.material;
-            add_to_key(s.object, hit.plane != NOTHING, s.normal);
+            // The edges of balls are smooth already.
+            if (!is_ball) add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_fraction = throughput * m.haze;
 #ifdef COVERAGE
             color = vec3(1.0 - m.haze);
 #else
             vec3 kept = throughput * (1.0 - m.haze);
+#ifdef DRAWS_SWARM
+            if (is_ball) kept *= seen.coverage;
+#endif
             // Schlick's approximation of Fresnel's reflectance; a rough mirror reflects less of it at grazing angles.
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
             float most = max(1.0 - m.blur, m.reflect);
@@ -211,7 +260,12 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
             bool is_lit = !is_medium_pass() && max(kept.r, max(kept.g, kept.b)) > fraction_min;
-            if (is_lit) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
+            if (is_lit) color += kept * (1.0 - reflectance) * ball_left * shade(s, p, direction, cone);
+#ifdef DRAWS_SWARM
+            if (is_ball) {
+                throughput *= 1.0 - seen.coverage;
+            } else {
+#endif
             // Metals tint their mirror images.
             throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);
             origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
@@ -227,6 +281,9 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             mirrored = reflect(direction, mirror);
             // Keep the mirrored ray from entering the surface.
             mirrored = normalize(mirrored + s.normal * max(0.02 - dot(mirrored, s.normal), 0.0));
+#ifdef DRAWS_SWARM
+            }
+#endif
 #endif
         }
 #ifdef NO_SKY
@@ -242,6 +299,10 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < fraction_min) break;
         if (is_medium_pass() && surface == 1) break;
         direction = mirrored;
+#ifdef DRAWS_SWARM
+        behind = is_ball ? seen.t + 1e-6 * (1.0 + seen.t) : 0.0;
+        if (!is_ball) surface++;
+#endif
     }
 #ifdef DRAWS_MEDIA
     if (is_medium_pass()) {

@@ -14,6 +14,7 @@ mod hardware_path;
 mod light;
 mod light_to_screen;
 mod media;
+mod swarm;
 mod mips;
 mod placing;
 mod projections;

@@ -1,5 +1,5 @@
 //! The optional parts of the shaders that a scene needs: panels, mirrors, rough mirrors, glow, a lens,
-//! pixels.
+//! pixels, media, swarms.
 //!
 //! Parts that a scene does not need are not compiled, because a renderer that never skips a branch would compute them
 //! in vain.
@@ -26,6 +26,8 @@ pub struct SceneFeatures {
     pub pixel: bool,
     /// Fog and other media.
     pub media: bool,
+    /// Swarms of points.
+    pub swarm: bool,
 }
 
 impl SceneFeatures {
@@ -39,9 +41,10 @@ impl SceneFeatures {
         blend: true,
         pixel: true,
         media: true,
+        swarm: true,
     };
-    /// All features except media, whose code few scenes need.
-    pub const USUAL: Self = Self { media: false, ..Self::ALL };
+    /// All features except media and swarms, whose code few scenes need.
+    pub const USUAL: Self = Self { media: false, swarm: false, ..Self::ALL };
 
     pub(super) fn of(scene: &Scene, (glow, media): (bool, bool), blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
@@ -56,6 +59,7 @@ impl SceneFeatures {
             lens: some(scene.camera.aperture),
             blend,
             media,
+            swarm: !scene.swarms.is_empty(),
             pixel: used.is_ok_and(|used| used.inputs.contains(&Input::X) || used.inputs.contains(&Input::Y)),
         }
     }
@@ -71,6 +75,7 @@ impl SceneFeatures {
             (self.blend, "BLEND"),
             (self.pixel, "PIXEL"),
             (self.media, "MEDIA"),
+            (self.swarm, "SWARM"),
         ];
         all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }

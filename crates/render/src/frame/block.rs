@@ -11,7 +11,7 @@ use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
 use mariana_field::region::{MEDIUM_SIDE, MediumGrid};
-use mariana_field::world::{LightKind, PLANES_MAX, World};
+use mariana_field::world::{LightKind, PLANES_MAX, WIDEST, World};
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
@@ -32,7 +32,7 @@ pub const FRAME_BLOCK_VECTORS: usize =
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
 /// The defines of `shaders/frame_block.glsl`: the lengths of the block's arrays and of the sound tables.
-pub fn block_defines() -> [String; 14] {
+pub fn block_defines() -> [String; 15] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
@@ -45,6 +45,7 @@ pub fn block_defines() -> [String; 14] {
         format!("HISTORY_POINTS {HISTORY_POINTS}"),
         format!("PART_NUMBERS {}", PartInput::COUNT),
         format!("MEDIUM_SIDE {MEDIUM_SIDE}"),
+        format!("SWARM_WIDEST {WIDEST:?}"),
         format!("SHAPE_COLUMNS {SHAPE_COLUMNS}"),
         format!("SHAPE_STEP {SHAPE_STEP:?}"),
         format!("SHAPE_NUMBER_COUNT {}", SHAPE_NUMBERS * FRAME_SHAPES_MAX),
@@ -101,7 +102,7 @@ impl Frame {
             xyz(camera.position, pixel_radius),
             xyz(right, sound_tables::first_shape(inputs, medium) as f64),
             xyz(up, inputs.shapes.rows() as f64),
-            xyz(forward, 0.0),
+            xyz(forward, sound_tables::first_of_swarm(inputs, medium) as f64),
             [inputs.time, self.values.lights.len() as f32, first_row, row_span],
             // The last component of each line is a flag: the world has something to trace; the bounds are known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],

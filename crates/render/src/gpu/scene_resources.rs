@@ -29,7 +29,8 @@ use mariana_field::graph::{FrameInputs, ShapeAtlas};
 use mariana_field::lang::TextureRef;
 use mariana_field::region::{MediumGrid, Part, RegionKey, RegionOptions, RegionPlan, Regions, Surfaces};
 use mariana_field::world::{
-    ShortPrograms, ShortenOptions, ShortenRequest, TapeBuffers, World, WorthShortening,
+    POINT_TEXELS_MAX, ShortPrograms, ShortenOptions, ShortenRequest, SwarmPlan, SwarmView, TapeBuffers,
+    World, WorthShortening,
 };
 
 /// An uploaded world.
@@ -68,6 +69,8 @@ pub struct RegionRequest {
     pub programs: ShortenRequest,
     /// The inputs that the media read; `None` without media.
     pub medium: Option<RegionKey>,
+    /// The inputs that the swarms read, and their eye; `None` without swarms.
+    pub swarm: Option<(RegionKey, SwarmView)>,
 }
 
 /// Built regions with their request.
@@ -81,6 +84,8 @@ pub struct BuiltRegions {
     pub programs: ShortPrograms,
     /// The grid over the media; `None` without media.
     pub medium: Option<Arc<MediumGrid>>,
+    /// The texels of the swarms; `None` without swarms.
+    pub swarm: Option<Arc<Vec<[f32; 4]>>>,
     /// The build time.
     pub time: Duration,
     /// The tree's build time multiplied by the number of threads. A reused tree keeps its build time.
@@ -102,7 +107,8 @@ impl RegionRequest {
     /// The request for a frame's tree, without shortened tapes.
     pub fn of((plan, buffers): (&RegionPlan, &TapeBuffers), frame: &Frame, options: RegionOptions) -> Self {
         let medium = buffers.medium().map(|medium| medium.key(&frame.inputs));
-        Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default(), medium }
+        let swarm = buffers.swarm().map(|swarm| (swarm.key(&frame.inputs), frame.swarm_view()));
+        Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default(), medium, swarm }
     }
 
     fn has_tree_of(&self, other: &Self) -> bool {
@@ -110,7 +116,9 @@ impl RegionRequest {
     }
 
     fn is_served_by(&self, other: &Self) -> bool {
-        self.has_tree_of(other) && self.medium == other.medium && self.programs.is_served_by(&other.programs)
+        self.has_tree_of(other)
+            && (&self.medium, &self.swarm) == (&other.medium, &other.swarm)
+            && self.programs.is_served_by(&other.programs)
     }
 
     fn has_medium_of(&self, other: &Self) -> bool {
@@ -166,7 +174,16 @@ impl RegionMaker {
         } else {
             ShortPrograms::default()
         };
-        BuiltRegions { regions, programs, medium, time: start.elapsed(), work, request }
+        let known = self.last.as_ref().filter(|last| last.request.swarm == request.swarm);
+        let swarm = match known {
+            Some(last) => last.swarm.clone(),
+            None => self
+                .buffers
+                .swarm()
+                .zip(request.swarm.as_ref())
+                .map(|(plan, (_, view))| Arc::new(swarm_texels(plan, &frame.inputs, view, texels_max))),
+        };
+        BuiltRegions { regions, programs, medium, swarm, time: start.elapsed(), work, request }
     }
 }
 
@@ -199,6 +216,38 @@ fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync))
             part.lock().unwrap_or_else(PoisonError::into_inner).build_while(is_wanted);
         }
     });
+}
+
+/// The smallest part of a swarm for which a thread is started.
+const SWARM_PART: usize = 4096;
+
+/// Returns the texels of a frame's swarms, at most `texels_max`. Several threads compute the points.
+fn swarm_texels(
+    plan: &SwarmPlan,
+    inputs: &FrameInputs,
+    view: &SwarmView,
+    texels_max: usize,
+) -> Vec<[f32; 4]> {
+    let count = plan.len();
+    let part = count.div_ceil(processors()).max(SWARM_PART);
+    let parts = (0..count).step_by(part).map(|start| start..(start + part).min(count));
+    let mut points = std::thread::scope(|scope| {
+        let compute = |part: std::ops::Range<usize>| {
+            let own = part.clone();
+            let work = move || plan.points(inputs, own);
+            (part, std::thread::Builder::new().name("swarm".into()).spawn_scoped(scope, work))
+        };
+        // This thread computes the first part, and parts whose thread did not start.
+        let others: Vec<_> = parts.clone().skip(1).map(compute).collect();
+        let mut points: Vec<_> = parts.take(1).flat_map(|part| plan.points(inputs, part)).collect();
+        for (part, thread) in others {
+            let done = thread.ok().and_then(|thread| thread.join().ok());
+            points.extend(done.unwrap_or_else(|| plan.points(inputs, part)));
+        }
+        points
+    });
+    points.truncate(texels_max / POINT_TEXELS_MAX);
+    plan.texels(&points, inputs, view)
 }
 
 impl SceneResources {
@@ -383,8 +432,9 @@ impl SceneResources {
             self.on_gpu.tape.replace(&bytes_of(&texels));
             self.worth.borrow_mut().pass_frame();
         }
-        let medium = self.regions().and_then(|built| built.medium.clone());
-        self.on_gpu.upload_tables(inputs, medium, self.hears_tables);
+        let (medium, swarm) =
+            self.regions().map_or((None, None), |built| (built.medium.clone(), built.swarm.clone()));
+        self.on_gpu.upload_tables(inputs, medium, swarm, self.hears_tables);
         Ok(())
     }
 
@@ -463,6 +513,8 @@ pub(super) struct SceneLists {
     shapes: RefCell<(usize, ShapeAtlas)>,
     /// The uploaded grid over the media.
     medium: RefCell<Option<Arc<MediumGrid>>>,
+    /// The uploaded swarms.
+    swarm: RefCell<Option<Arc<Vec<[f32; 4]>>>>,
 }
 
 impl SceneLists {
@@ -473,29 +525,43 @@ impl SceneLists {
             sound_tables: TexelList::new(gl, ListTexel::Rgba32F, &floats_as_bytes(sound))?,
             shapes: RefCell::new((0, ShapeAtlas::NONE)),
             medium: RefCell::new(None),
+            swarm: RefCell::new(None),
         })
     }
 
-    /// Uploads the texts and pictures and the grid over the media if they have changed, and the tables of the sound if
+    /// Uploads the texts and pictures, the grid over the media and the swarms if they have changed, and the tables of the sound if
     /// the scene reads them.
-    fn upload_tables(&self, inputs: &FrameInputs, medium: Option<Arc<MediumGrid>>, hears_tables: bool) {
+    fn upload_tables(
+        &self,
+        inputs: &FrameInputs,
+        medium: Option<Arc<MediumGrid>>,
+        swarm: Option<Arc<Vec<[f32; 4]>>>,
+        hears_tables: bool,
+    ) {
         let first = sound_tables::first_shape(inputs, medium.as_deref());
         let are_known = {
             let (place, shapes) = &*self.shapes.borrow();
-            *shapes == inputs.shapes && (shapes.rows() == 0 || *place == first)
+            let is_placed = shapes.rows() > 0 || medium.is_some() || swarm.is_some();
+            *shapes == inputs.shapes && (!is_placed || *place == first)
         };
-        let is_same = *self.medium.borrow() == medium;
+        let is_same_swarm = match (&*self.swarm.borrow(), &swarm) {
+            (Some(known), Some(swarm)) => Arc::ptr_eq(known, swarm),
+            (known, swarm) => known.is_none() && swarm.is_none(),
+        };
+        let is_same = is_same_swarm && *self.medium.borrow() == medium;
         if are_known && is_same && !hears_tables {
             return;
         }
         let mut bytes = floats_as_bytes(&sound_tables::texels(inputs));
         bytes.extend(medium.iter().flat_map(|grid| floats_as_bytes(grid.densities.as_chunks::<4>().0)));
         *self.medium.borrow_mut() = medium;
-        if are_known && inputs.shapes.rows() > 0 {
+        if are_known && is_same_swarm && inputs.shapes.rows() > 0 {
             self.sound_tables.replace_start(&bytes);
             return;
         }
         bytes.extend(floats_as_bytes(&inputs.shapes.texels()));
+        bytes.extend(swarm.iter().flat_map(|texels| floats_as_bytes(texels)));
+        *self.swarm.borrow_mut() = swarm;
         self.sound_tables.replace(&bytes);
         *self.shapes.borrow_mut() = (first, inputs.shapes.clone());
     }

@@ -5,7 +5,7 @@ use super::super::media::{self, MediumRoots};
 use super::super::{Bounds, nearby_light, planes};
 use super::alignment::{Alignment, Vector};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op, SHAPE_NUMBERS};
-use crate::lang::{Camera, Light, Picture, Scene, Sky};
+use crate::lang::{Camera, Light, Picture, Scene, Sky, Swarm};
 use crate::world::World;
 
 /// The numbers of things of the first world, which precede the things of the second world.
@@ -36,6 +36,7 @@ pub(super) struct Side {
     pub(super) glow: Option<[NodeId; 4]>,
     pub(super) medium: Option<MediumRoots>,
     pub(super) lights: Vec<Light>,
+    pub(super) swarms: Vec<Swarm>,
     pub(super) camera: Camera,
     /// Parameters in the blend's order: 0 for those before this side's own, then this scene's defaults.
     pub(super) params: Vec<f32>,
@@ -100,6 +101,23 @@ impl Side {
                     Light { position, direction, right, up, ..light }
                 })
                 .collect(),
+            swarms: {
+                // The point's number is the x of its expressions, so it stays in its place.
+                let roots: Vec<NodeId> = scene.swarms.iter().flat_map(Swarm::numbers).collect();
+                let eye = Own { point: position(graph), ..own };
+                let copies = copied_roots(graph, (&scene.graph, &roots), before, &|input| eye.value(input))?;
+                let swarms = scene.swarms.iter();
+                let swarms = swarms.map(|swarm| {
+                    let own = swarm.numbers().into_iter().map(|id| at_index(&copies, id));
+                    let own = Swarm::of(swarm.points, own);
+                    Swarm {
+                        position: alignment.common_point(graph, own.position),
+                        stretch: alignment.common_direction(graph, own.stretch),
+                        ..own
+                    }
+                });
+                swarms.collect()
+            },
             camera: {
                 let camera = Camera::of(all(scene.camera.numbers()));
                 let [position, target] =

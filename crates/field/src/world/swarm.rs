@@ -1,0 +1,291 @@
+//! Swarms: sparks, dust, rain, fireflies. The points of a frame are computed on the CPU, and rays find them by trees.
+//!
+//! ```text
+//! number of a point → tape → place, radius, colours → two trees of boxes, of balls and of glow → texels
+//! ```
+//!
+//! | texel | holds |
+//! |---|---|
+//! | 0 | of the balls, then of the glow: the first texel of the tree and the number of its nodes |
+//! | 1..7 | ambient light on surfaces that face +x, -x, +y, -y, +z, -z |
+//! | a node | lower corner of a box; the number of the node to visit if a ray misses the box |
+//! | | upper corner; 0, or for a leaf 8 times the texel of its first point, plus the number of its points |
+//! | a point | place, radius |
+//! | | the way along which it is stretched; its colour, a byte for each part |
+//! | | its light |
+//!
+//! The nodes are in the order of a walk through the whole tree, nearer boxes first. Points are sorted along a curve that
+//! fills space (Morton 1966), and a box is cut where the curve leaves one half of space (Lauterbach et al. 2009). A point
+//! that is thinner than a pixel is drawn as wide as a pixel, and fainter; boxes contain this width.
+
+use std::ops::Range;
+
+use super::media::facing;
+use crate::bounds::Bounds;
+use crate::graph::{FrameInputs, NodeId, Point};
+use crate::lang::{Scene, Swarm};
+use crate::limits::{LIMITS, Limits};
+use crate::region::{Reads, RegionKey};
+use crate::tape::{Batch, PointEvaluator, Points, Tape, TapeError, TapeOptions};
+
+/// A mirrored point is seen from at most this multiple of its distance from the eye. Beyond it, pixels are wider than
+/// the point is drawn, and it may flicker.
+pub const WIDEST: f32 = 2.0;
+
+/// Points with a larger number in any value are left out, and so are points beyond these coordinates.
+const LARGEST: f32 = 1e6;
+/// Number of points of a leaf, at most.
+const LEAF: usize = 4;
+/// Texels before the first tree.
+const HEAD: usize = 7;
+const NODE_TEXELS: usize = 2;
+const POINT_TEXELS: usize = 3;
+/// Bits of a coordinate on the curve.
+const CURVE_BITS: u32 = 10;
+
+/// The parts of a scene's swarms that all frames share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SwarmPlan {
+    swarms: Vec<(usize, Tape)>,
+    /// The ambient light along the axes.
+    ambient: Tape,
+    reads: Reads,
+}
+
+/// The eye that sees a swarm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SwarmView {
+    /// Its position.
+    pub eye: [f32; 3],
+    /// Half of a pixel's width at distance 1.
+    pub pixel: f32,
+}
+
+impl SwarmPlan {
+    pub(super) fn of(scene: &Scene) -> Result<Option<Self>, TapeError> {
+        if scene.swarms.is_empty() {
+            return Ok(None);
+        }
+        // The limit on outputs is for shaders, which do not run these tapes.
+        let limits = Limits { tape_outputs_max: usize::MAX, ..LIMITS };
+        let options = TapeOptions { limits, ..TapeOptions::default() };
+        let mut graph = scene.graph.clone();
+        let mut ambient = Vec::new();
+        for axis in 0..3 {
+            for sign in [1.0, -1.0] {
+                let mut normal = [0.0; 3];
+                normal[axis] = sign;
+                ambient.extend(facing(&mut graph, &scene.sky.ambient, normal)?);
+            }
+        }
+        let numbers = scene.swarms.iter().flat_map(Swarm::numbers);
+        let all: Vec<NodeId> = numbers.chain(ambient.iter().copied()).collect();
+        let tape = |swarm: &Swarm| Ok((swarm.points, Tape::build(&graph, &swarm.numbers(), &options)?));
+        Ok(Some(Self {
+            swarms: scene.swarms.iter().map(tape).collect::<Result<_, TapeError>>()?,
+            ambient: Tape::build(&graph, &ambient, &options)?,
+            reads: Reads::of(&graph, &all)?,
+        }))
+    }
+
+    /// Returns the inputs that determine a frame's points.
+    pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
+        self.reads.key(inputs)
+    }
+
+    /// Number of points of all swarms.
+    pub fn len(&self) -> usize {
+        self.swarms.iter().map(|(count, _)| count).sum()
+    }
+
+    /// True if there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Computes a part of the points of a frame. Points that are invalid or invisible are left out.
+    pub fn points(&self, inputs: &FrameInputs, part: Range<usize>) -> Vec<Swarm<f32>> {
+        let mut points = Vec::with_capacity(part.len());
+        let mut first = 0;
+        for (count, tape) in &self.swarms {
+            let own = part.start.max(first)..part.end.min(first + count);
+            if !own.is_empty() {
+                let index: Vec<f32> = own.map(|number| (number - first) as f32).collect();
+                let zero = vec![0.0; index.len()];
+                let columns =
+                    Batch::new(tape, inputs).run(Points { position: [&index, &zero, &zero], normal: None });
+                let row =
+                    |at: usize| columns.iter().map(move |column| column.get(at).copied().unwrap_or(f32::NAN));
+                points.extend((0..index.len()).filter_map(|at| checked(Swarm::of(1, row(at)))));
+            }
+            first += count;
+        }
+        points
+    }
+
+    /// Returns the texels of a frame's points.
+    pub fn texels(&self, points: &[Swarm<f32>], inputs: &FrameInputs, view: &SwarmView) -> Vec<[f32; 4]> {
+        let mut texels = vec![[0.0; 4]; HEAD];
+        let mut ambient = PointEvaluator::new(&self.ambient, inputs);
+        let light = ambient.at(&Point::default()).as_chunks::<3>().0;
+        for (texel, [r, g, b]) in texels.iter_mut().skip(1).zip(light) {
+            *texel = [*r, *g, *b, 0.0].map(|part| if part > 0.0 { part.min(LARGEST) } else { 0.0 });
+        }
+        let ball = |point: &Swarm<f32>| (point.size > 0.0).then_some((point.size, point.emission));
+        let is_bright = |point: &Swarm<f32>| point.reach > 0.0 && point.glow.iter().any(|part| *part > 0.0);
+        let glow = |point: &Swarm<f32>| is_bright(point).then_some((point.reach, point.glow));
+        let mut head = [0.0; 4];
+        let [first_ball, balls] = append_tree(points, ball, view, &mut texels);
+        let [first_glow, glows] = append_tree(points, glow, view, &mut texels);
+        for (to, number) in head.iter_mut().zip([first_ball, balls, first_glow, glows]) {
+            *to = number as f32;
+        }
+        texels[0] = head;
+        texels
+    }
+}
+
+/// Most texels that a point may take.
+pub const POINT_TEXELS_MAX: usize = 2 * (POINT_TEXELS + 2 * NODE_TEXELS);
+
+/// Returns the point with its values in their ranges; `None` if one of them is not a number or too large.
+fn checked(point: Swarm<f32>) -> Option<Swarm<f32>> {
+    let is_sound = point.numbers().iter().all(|number| number.abs() <= LARGEST);
+    let positive = |light: [f32; 3]| light.map(|part| part.max(0.0));
+    is_sound.then(|| Swarm {
+        color: point.color.map(|part| part.clamp(0.0, 1.0)),
+        emission: positive(point.emission),
+        glow: positive(point.glow),
+        ..point
+    })
+}
+
+/// A ball or the glow of a point.
+#[derive(Debug, Clone, Copy)]
+struct Body<'a> {
+    point: &'a Swarm<f32>,
+    radius: f32,
+    light: [f32; 3],
+    bounds: Bounds,
+    /// The place of its middle on the curve.
+    place: u32,
+}
+
+impl<'a> Body<'a> {
+    fn of(point: &'a Swarm<f32>, (radius, light): (f32, [f32; 3]), view: &SwarmView) -> Self {
+        let away = |axis: usize| point.position[axis] - view.eye[axis];
+        let distance = (0..3).map(|axis| away(axis).powi(2)).sum::<f32>().sqrt();
+        // Shaders round differently.
+        let around = (radius + 2.0 * WIDEST * view.pixel * distance) * 1.001 + 1e-6;
+        let bounds = Bounds {
+            low: std::array::from_fn(|axis| point.position[axis] + point.stretch[axis].min(0.0) - around),
+            high: std::array::from_fn(|axis| point.position[axis] + point.stretch[axis].max(0.0) + around),
+        };
+        Self { point, radius, light, bounds, place: 0 }
+    }
+
+    fn texels(&self) -> [[f32; 4]; POINT_TEXELS] {
+        let ([x, y, z], [dx, dy, dz], [r, g, b]) = (self.point.position, self.point.stretch, self.light);
+        let color = self.point.color.iter().rfold(0.0, |sum, part| 256.0 * sum + (255.0 * part).round());
+        [[x, y, z, self.radius], [dx, dy, dz, color], [r, g, b, 0.0]]
+    }
+}
+
+/// Appends the tree of the bodies of points. Returns its first texel and the number of its nodes.
+fn append_tree(
+    points: &[Swarm<f32>],
+    body: impl Fn(&Swarm<f32>) -> Option<(f32, [f32; 3])>,
+    view: &SwarmView,
+    texels: &mut Vec<[f32; 4]>,
+) -> [usize; 2] {
+    let bodies = points.iter().filter_map(|point| Some(Body::of(point, body(point)?, view)));
+    let mut bodies: Vec<Body<'_>> = bodies.collect();
+    let Some(whole) = hull(&bodies) else { return [0; 2] };
+    for body in &mut bodies {
+        body.place = place_on_curve(&whole, &body.bounds);
+    }
+    bodies.sort_unstable_by_key(|body| body.place);
+    let mut tree = Tree { eye: view.eye, nodes: Vec::new(), leaves: Vec::new() };
+    tree.add(&bodies, whole);
+    let first = texels.len();
+    let count = tree.nodes.len() / NODE_TEXELS;
+    let first_point = first + tree.nodes.len();
+    // The leaves' addresses are counted from their first point so far.
+    for high in tree.nodes.iter_mut().skip(1).step_by(NODE_TEXELS) {
+        if high[3] > 0.0 {
+            high[3] += 8.0 * first_point as f32;
+        }
+    }
+    texels.extend(tree.nodes);
+    texels.extend(tree.leaves);
+    [first, count]
+}
+
+struct Tree {
+    eye: [f32; 3],
+    nodes: Vec<[f32; 4]>,
+    leaves: Vec<[f32; 4]>,
+}
+
+impl Tree {
+    /// Adds the node of these bodies and the nodes inside. `bounds` contains the bodies.
+    fn add(&mut self, bodies: &[Body<'_>], bounds: Bounds) {
+        let node = self.nodes.len();
+        let ([x, y, z], [hx, hy, hz]) = (bounds.low, bounds.high);
+        self.nodes.extend([[x, y, z, 0.0], [hx, hy, hz, 0.0]]);
+        let mut leaf = 0;
+        if bodies.len() <= LEAF {
+            leaf = 8 * self.leaves.len() + bodies.len();
+            self.leaves.extend(bodies.iter().flat_map(Body::texels));
+        } else {
+            let (a, b) = bodies.split_at(cut(bodies));
+            let halves = [a, b].map(|half| hull(half).map(|bounds| (half, bounds)));
+            let mut halves: Vec<_> = halves.into_iter().flatten().collect();
+            let distance = |bounds: &Bounds| -> f32 {
+                (0..3)
+                    .map(|axis| (0.5 * (bounds.low[axis] + bounds.high[axis]) - self.eye[axis]).powi(2))
+                    .sum()
+            };
+            halves.sort_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
+            for (half, bounds) in halves {
+                self.add(half, bounds);
+            }
+        }
+        let next = self.nodes.len() / NODE_TEXELS;
+        if let Some([low, high]) = self.nodes.get_mut(node..).and_then(|nodes| nodes.first_chunk_mut()) {
+            low[3] = next as f32;
+            high[3] = leaf as f32;
+        }
+    }
+}
+
+/// Returns how many of the sorted bodies are in the first half of their space, or half of them if all are at one place.
+fn cut(bodies: &[Body<'_>]) -> usize {
+    let [first, .., last] = bodies else { return 0 };
+    let differing = first.place ^ last.place;
+    match differing.checked_ilog2() {
+        Some(bit) => bodies.partition_point(|body| (body.place ^ first.place) >> bit == 0),
+        None => bodies.len() / 2,
+    }
+}
+
+fn hull(bodies: &[Body<'_>]) -> Option<Bounds> {
+    bodies.iter().map(|body| body.bounds).reduce(|a, b| a.hull(&b, 0.0))
+}
+
+/// Returns the place of a box's middle on a curve through `whole`: the bits of the coordinates, interleaved.
+fn place_on_curve(whole: &Bounds, own: &Bounds) -> u32 {
+    let mut place = 0;
+    for axis in 0..3 {
+        let middle = 0.5 * (own.low[axis] + own.high[axis]) - whole.low[axis];
+        let part = middle / (whole.high[axis] - whole.low[axis]);
+        let cell = ((part * (1 << CURVE_BITS) as f32) as u32).min((1 << CURVE_BITS) - 1);
+        let spread = (0..CURVE_BITS).fold(0, |spread, bit| spread | (cell >> bit & 1) << (3 * bit));
+        place |= spread << axis;
+    }
+    place
+}
+
+#[cfg(test)]
+#[path = "swarm_tests.rs"]
+mod tests;
